@@ -1,0 +1,282 @@
+"""What a body and its surfaces must offer, however they are discretised.
+
+A body has scalar basis functions numbered 0 .. ``num_scalar_dofs`` - 1 over all ranks. Its *full*
+displacement vector holds component c of scalar dof i at ``dim * i + c``; the *free* vector is what
+remains when supports are removed, and ``expansion`` (full x free) goes from one to the other.
+
+A contact surface is small beside its volume. Every rank holds the whole of it, geometry and global
+scalar dof numbers of one layer of cells, so that points, location and trace need no messages.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from cea.material import IsotropicMaterial
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class Status(IntEnum):
+    """Outcome of locating one point on a surface."""
+
+    INSIDE = 0
+    EDGE = 1
+    MISSED = 2
+
+
+@dataclass(frozen=True)
+class SurfaceCoordinates:
+    """Points of a surface in its own coordinates.
+
+    Parameters
+    ----------
+    element
+        Surface element (facet, or face of a patch) that holds each point, shape (n,).
+    xi
+        Reference coordinates in that element, shape (n, dim - 1).
+    """
+
+    element: Ints
+    xi: Floats
+
+    def __len__(self) -> int:
+        return len(self.element)
+
+    def __getitem__(self, rows: Any) -> "SurfaceCoordinates":
+        return SurfaceCoordinates(self.element[rows], self.xi[rows])
+
+
+@dataclass(frozen=True)
+class SurfacePoints:
+    """Points of a rule on a surface.
+
+    Parameters
+    ----------
+    at
+        Where the points lie, in coordinates of the surface.
+    x
+        Positions (m), shape (n, dim).
+    normal
+        Outward unit normals, shape (n, dim).
+    weight
+        Area weights (m^2; m in 2D), shape (n,).
+    """
+
+    at: SurfaceCoordinates
+    x: Floats
+    normal: Floats
+    weight: Floats
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def __getitem__(self, rows: Any) -> "SurfacePoints":
+        return SurfacePoints(self.at[rows], self.x[rows], self.normal[rows], self.weight[rows])
+
+
+@dataclass(frozen=True)
+class Location:
+    """Points found, or missed, on a surface along given directions.
+
+    Parameters
+    ----------
+    at
+        Where each point was found; the nearest candidate where it was missed.
+    distance
+        Signed distance (m) along the direction from the point to the surface, shape (n,).
+    miss
+        Distance (m) by which the line through the point misses the surface, shape (n,);
+        infinite where no element was near enough to try.
+    status
+        One :class:`Status` per point, shape (n,).
+    tolerance
+        Miss allowed, relative to the local mesh size.
+    """
+
+    at: SurfaceCoordinates
+    distance: Floats
+    miss: Floats
+    status: NDArray[np.int8]
+    tolerance: float
+
+    @property
+    def missed(self) -> NDArray[np.bool_]:
+        """True where a point was missed, shape (n,)."""
+        return self.status == Status.MISSED
+
+
+class Surface(Protocol):
+    """A named surface (curve in 2D) of a body."""
+
+    @property
+    def name(self) -> str:
+        """Name of the surface."""
+        ...
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space, 2 or 3."""
+        ...
+
+    @property
+    def num_scalar_dofs(self) -> int:
+        """Scalar dofs of the body: columns of the trace."""
+        ...
+
+    @property
+    def area(self) -> float:
+        """Area (m^2; length in 2D)."""
+        ...
+
+    @property
+    def mesh_size(self) -> float:
+        """Largest diameter of its elements (m)."""
+        ...
+
+    @property
+    def abscissa_kinds(self) -> tuple[str, ...]:
+        """Kinds of abscissae this surface has: ``nodes``, or ``greville``."""
+        ...
+
+    def gauss_points(self, n: int) -> SurfacePoints:
+        """Gauss points, n per direction in each surface element, weights with the Jacobian."""
+        ...
+
+    def abscissae(self, kind: str) -> SurfacePoints:
+        """Abscissae of the trace space, each once, weights area/n.
+
+        Raises
+        ------
+        InputError
+            When the surface has no abscissae of this kind.
+        """
+        ...
+
+    def grid(self, n: int) -> SurfacePoints:
+        """Equally spaced points, weights area/n_points, shared points once.
+
+        n per direction over each face of a NURBS patch (in its parameters), or n per side of each
+        facet of a mesh; both include the boundary.
+        """
+        ...
+
+    def locate(self, x: Floats, direction: Floats, reach: float) -> Location:
+        """Find points on the surface along a direction.
+
+        Parameters
+        ----------
+        x
+            Points (m), shape (n, dim).
+        direction
+            Unit directions, shape (n, dim).
+        reach
+            Largest distance (m) along the direction, either way.
+        """
+        ...
+
+    def position(self, at: SurfaceCoordinates) -> Floats:
+        """Positions (m), shape (n, dim)."""
+        ...
+
+    def normal(self, at: SurfaceCoordinates) -> Floats:
+        """Outward unit normals, shape (n, dim)."""
+        ...
+
+    def trace(self, at: SurfaceCoordinates) -> csr_array:
+        """Values of the scalar basis functions, shape (n, num_scalar_dofs)."""
+        ...
+
+    def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
+        """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
+        ...
+
+
+@dataclass(frozen=True)
+class VolumeSample:
+    """Points through a body joined to straight cells, for pictures and for comparing modes.
+
+    Parameters
+    ----------
+    points
+        Positions (m), shape (n, dim).
+    cells
+        Point numbers of each cell, shape (n_cells, 4) tetrahedra or (n_cells, 8) hexahedra in 3D,
+        (n_cells, 3) or (n_cells, 4) in 2D, in VTK order.
+    values
+        Values of the scalar basis functions at the points, shape (n, num_scalar_dofs).
+    """
+
+    points: Floats
+    cells: Ints
+    values: csr_array
+
+
+class Body(Protocol):
+    """An elastic body: matrices without its supports' dofs, loads, named surfaces."""
+
+    @property
+    def name(self) -> str:
+        """Name of the body."""
+        ...
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space, 2 or 3."""
+        ...
+
+    @property
+    def comm(self) -> Any:
+        """MPI communicator (mpi4py)."""
+        ...
+
+    @property
+    def material(self) -> IsotropicMaterial:
+        """Its material."""
+        ...
+
+    @property
+    def num_scalar_dofs(self) -> int:
+        """Scalar basis functions over all ranks."""
+        ...
+
+    @property
+    def surfaces(self) -> Mapping[str, Surface]:
+        """Named surfaces."""
+        ...
+
+    @property
+    def expansion(self) -> Any:
+        """PETSc AIJ matrix (full x free): displacement of every dof from the free ones."""
+        ...
+
+    def stiffness(self) -> Any:
+        """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
+        ...
+
+    def mass(self) -> Any:
+        """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
+
+        Raises
+        ------
+        InputError
+            When the material has no density.
+        """
+        ...
+
+    def load(self) -> Any:
+        """Forces of the pressures, PETSc vector (free), N."""
+        ...
+
+    def volume_sample(self, subdivisions: int) -> VolumeSample:
+        """Sample of the whole body, each cell or knot span divided so many times a direction.
+
+        Gathered: complete on rank 0.
+        """
+        ...
