@@ -1,0 +1,20 @@
+"""Collocation at Greville abscissae."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from cea.body import Surface, SurfacePoints
+
+
+@dataclass(frozen=True)
+class Greville:
+    """Contact collocated at the Greville abscissae of side a, each with the same share of the area.
+
+    Mohanasundaram et al. (2023), section 3: each point carries the stiffness P / n_points.
+    """
+
+    method: Literal["greville"] = "greville"
+
+    def points_on(self, surface: Surface) -> SurfacePoints:
+        """Points and weights on side a."""
+        return surface.abscissae("greville")

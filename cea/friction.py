@@ -1,0 +1,67 @@
+"""Direction of the friction traction on side a."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cea.body import Floats
+from cea.errors import InputError
+
+_GRAZING = 1e-6
+
+
+@dataclass(frozen=True)
+class AlongVector:
+    """The same direction everywhere: a vector, of which the tangential part counts.
+
+    Parameters
+    ----------
+    vector
+        Direction, any length but zero.
+    """
+
+    vector: tuple[float, ...]
+
+    def at(self, x: Floats, normal: Floats) -> Floats:
+        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        return _tangent(np.broadcast_to(np.asarray(self.vector, dtype=float), x.shape), normal)
+
+
+@dataclass(frozen=True)
+class Circumferential:
+    """Direction of positive rotation about an axis.
+
+    Parameters
+    ----------
+    circumferential_about
+        Axis of rotation, any length but zero.
+    origin
+        A point of the axis (m).
+    """
+
+    circumferential_about: tuple[float, float, float]
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def at(self, x: Floats, normal: Floats) -> Floats:
+        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        dim = x.shape[1]
+        arm = np.zeros((len(x), 3))
+        arm[:, :dim] = x - np.asarray(self.origin, dtype=float)[:dim]
+        return _tangent(np.cross(self.circumferential_about, arm)[:, :dim], normal)
+
+
+FrictionDirection = AlongVector | Circumferential
+
+
+def _tangent(direction: Floats, normal: Floats) -> Floats:
+    along = np.einsum("ij,ij->i", direction, normal)
+    tangent = direction - along[:, None] * normal
+    length = np.linalg.norm(tangent, axis=1)
+    if (length <= _GRAZING * np.linalg.norm(direction, axis=1)).any():
+        worst = int(np.argmin(length))
+        raise InputError(
+            "friction_direction_on_a",
+            direction[worst].tolist(),
+            f"a direction with a part tangent to side a, whose normal here is {normal[worst]}",
+        )
+    return tangent / length[:, None]

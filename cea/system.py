@@ -1,0 +1,266 @@
+"""Coupled matrices of bodies in frictional contact, kept apart until a solver sums them.
+
+    (lambda^2 M + K + K_n - K_f) x = 0,   K_n = G^T D G,   K_f = T^T diag(mu) D G,   D = diag(w p)
+
+On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from cea.body import Body, Floats
+from cea.errors import InputError
+from cea.friction import FrictionDirection
+from cea.interface import Interface, free_operator, local_rows
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """Contact stiffness and friction of an interface.
+
+    Parameters
+    ----------
+    stiffness
+        Contact stiffness p at the points (N/m^3), shape (n,) or one number.
+    mu
+        Friction coefficient at the points, shape (n,) or one number; 0 without friction.
+    direction
+        Direction of the friction traction on side a; needed when mu is not zero.
+    """
+
+    stiffness: Floats | float
+    mu: Floats | float = 0.0
+    direction: FrictionDirection | None = None
+
+    def __post_init__(self) -> None:
+        if (np.asarray(self.stiffness) <= 0).any():
+            raise InputError("p", self.stiffness, "positive (N/m^3)")
+        if (np.asarray(self.mu) < 0).any():
+            raise InputError("mu", self.mu, "zero or positive")
+        if self.frictional and self.direction is None:
+            raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
+
+    @property
+    def frictional(self) -> bool:
+        """True where there is any friction."""
+        return bool(np.any(np.asarray(self.mu) != 0))
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Contact matrices of one interface in the unknowns of the whole system.
+
+    Parameters
+    ----------
+    name
+        Name of the contact.
+    interface
+        Its points.
+    gap
+        G, PETSc AIJ (points x free dofs).
+    slip
+        T, PETSc AIJ (points x free dofs), None without friction.
+    stiffness
+        K_n, PETSc AIJ, symmetric positive semidefinite (N/m).
+    friction
+        K_f, PETSc AIJ, unsymmetric (N/m), None without friction.
+    weight
+        Diagonal of D = w p (N/m) on this rank, PETSc vector.
+    """
+
+    name: str
+    interface: Interface
+    gap: Any
+    slip: Any | None
+    stiffness: Any
+    friction: Any | None
+    weight: Any
+
+    def pressure(self, x: Any) -> Floats:
+        """Contact pressure f / w (N/m^2) at every point, on every rank, for unknowns x."""
+        force = self.gap.createVecLeft()
+        self.gap.mult(x, force)
+        force.pointwiseMult(force, self.weight)
+        return gather(force) / self.interface.points.weight
+
+
+@dataclass(frozen=True)
+class CoupledSystem:
+    """Matrices of all bodies and contacts.
+
+    Parameters
+    ----------
+    bodies
+        Bodies by name, in the order of the unknowns.
+    stiffness
+        K of all bodies, PETSc AIJ (N/m).
+    mass
+        M of all bodies, PETSc AIJ (kg), None in static scenes.
+    load
+        Forces (N), PETSc vector, None where no body has any.
+    contacts
+        Contact matrices.
+    index_sets
+        Unknowns of each body, PETSc index sets by name.
+    """
+
+    bodies: Mapping[str, Body]
+    stiffness: Any
+    mass: Any | None
+    load: Any | None
+    contacts: tuple[Contact, ...]
+    index_sets: Mapping[str, Any]
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return int(self.stiffness.getSize()[0])
+
+    def symmetric_stiffness(self) -> Any:
+        """K + K_n, a new PETSc AIJ matrix."""
+        return _sum([self.stiffness, *(c.stiffness for c in self.contacts)])
+
+    def friction(self) -> Any | None:
+        """K_f of all contacts, None without friction."""
+        parts = [c.friction for c in self.contacts if c.friction is not None]
+        return _sum(parts) if parts else None
+
+    def displacement(self, x: Any, body: str) -> Floats:
+        """Full displacement (m) of one body on every rank, shape (dim * num_scalar_dofs,)."""
+        part = x.getSubVector(self.index_sets[body])
+        full = self.bodies[body].expansion.createVecLeft()
+        self.bodies[body].expansion.mult(part, full)
+        x.restoreSubVector(self.index_sets[body], part)
+        return gather(full)
+
+
+def couple(
+    bodies: Mapping[str, Body],
+    contacts: Mapping[str, tuple[str, str, Interface, ContactLaw]],
+    *,
+    with_mass: bool = True,
+    with_load: bool = False,
+) -> CoupledSystem:
+    """Assemble the coupled matrices.
+
+    Parameters
+    ----------
+    bodies
+        Bodies by name.
+    contacts
+        By name of the contact: name of body a, name of body b, interface, law.
+    with_mass
+        Whether the mass is needed.
+    with_load
+        Whether the loads are needed.
+    """
+    nest = _diagonal([body.stiffness() for body in bodies.values()])
+    index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
+    stiffness = nest.convert("aij")
+    mass = _diagonal([b.mass() for b in bodies.values()]).convert("aij") if with_mass else None
+    load = None
+    if with_load:
+        load = stiffness.createVecRight()
+        for name, body in bodies.items():
+            part = load.getSubVector(index_sets[name])
+            body.load().copy(part)
+            load.restoreSubVector(index_sets[name], part)
+    return CoupledSystem(
+        bodies=bodies,
+        stiffness=stiffness,
+        mass=mass,
+        load=load,
+        contacts=tuple(_contact(bodies, name, *parts) for name, parts in contacts.items()),
+        index_sets=index_sets,
+    )
+
+
+def _contact(
+    bodies: Mapping[str, Body], name: str, a: str, b: str, interface: Interface, law: ContactLaw
+) -> Contact:
+    points = interface.points
+    gap = _system_operator(bodies, a, b, interface, points.normal)
+    weight = _point_vector(points.weight * law.stiffness, gap)
+    weighted_gap = gap.copy()
+    weighted_gap.diagonalScale(L=weight)
+    slip = friction = None
+    if law.frictional:
+        assert law.direction is not None
+        slip = _system_operator(bodies, a, b, interface, law.direction.at(points.x, points.normal))
+        pushed = slip.copy()
+        pushed.diagonalScale(L=_point_vector(np.broadcast_to(law.mu, len(points)), gap))
+        friction = pushed.transposeMatMult(weighted_gap)
+    return Contact(
+        name=name,
+        interface=interface,
+        gap=gap,
+        slip=slip,
+        stiffness=_symmetric_product(gap, weight),
+        friction=friction,
+        weight=weight,
+    )
+
+
+def _system_operator(
+    bodies: Mapping[str, Body], a: str, b: str, interface: Interface, direction: Floats
+) -> Any:
+    """Jump along a direction as an operator on the unknowns of the whole system."""
+    parts = {name: [] for name in bodies}  # type: dict[str, list[Any]]
+    for name, operator in zip((a, b), interface.operators(direction), strict=True):
+        parts[name].append(operator)
+    row = []
+    for name, body in bodies.items():
+        empty = body.dim * body.num_scalar_dofs
+        whole = reduce(lambda p, q: p + q, parts[name], _zero(len(interface.points), empty))
+        row.append(free_operator(whole, body))
+    return PETSc.Mat().createNest([row]).convert("aij")
+
+
+def _zero(rows: int, columns: int) -> Any:
+    from scipy.sparse import csr_array
+
+    return csr_array((rows, columns))
+
+
+def _symmetric_product(gap: Any, weight: Any) -> Any:
+    """G^T D G as (sqrt(D) G)^T (sqrt(D) G): symmetric to the last bit."""
+    root = weight.copy()
+    root.sqrtabs()
+    scaled = gap.copy()
+    scaled.diagonalScale(L=root)
+    product = scaled.transposeMatMult(scaled)
+    product.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    return product
+
+
+def _point_vector(values: Floats, operator: Any) -> Any:
+    vector = operator.createVecLeft()
+    start, stop = local_rows(len(values), operator.comm)
+    vector.array[:] = values[start:stop]
+    return vector
+
+
+def _diagonal(blocks: Sequence[Any]) -> Any:
+    n = len(blocks)
+    return PETSc.Mat().createNest(
+        [[blocks[i] if i == j else None for j in range(n)] for i in range(n)]
+    )
+
+
+def _sum(matrices: Sequence[Any]) -> Any:
+    total = matrices[0].copy()
+    for matrix in matrices[1:]:
+        total.axpy(1.0, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    return total
+
+
+def gather(vector: Any) -> Floats:
+    """Whole PETSc vector on every rank."""
+    scatter, whole = PETSc.Scatter.toAll(vector)
+    scatter.scatter(vector, whole)
+    return np.array(whole.array)
