@@ -302,8 +302,8 @@ def _modes(
     *,
     symmetric: bool,
 ) -> Modes:
-    eigenvalues = np.sqrt(-kappa)
-    eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues)
+    eigenvalues = np.sqrt(-kappa).astype(complex)
+    eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0.0
     mass_vectors = _apply(mass, vectors)
     norms = np.sqrt(_inner(vectors, mass_vectors, mass.comm, diagonal=True).real)
     vectors, mass_vectors = vectors / norms, mass_vectors / norms

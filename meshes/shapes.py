@@ -18,9 +18,29 @@ Floats = NDArray[np.float64]
 Breaks = tuple[Floats, ...]
 
 
+class ShapeError(ValueError):
+    """Geometry refused before anything is built.
+
+    Parameters
+    ----------
+    field
+        Name of the offending field.
+    value
+        The value that was given.
+    allowed
+        What is allowed, in words.
+    """
+
+    def __init__(self, field: str, value: object, allowed: str) -> None:
+        self.field = field
+        self.value = value
+        self.allowed = allowed
+        super().__init__(f"{field} = {value!r}: {allowed}")
+
+
 def _require(condition: bool, field: str, value: object, allowed: str) -> None:
     if not condition:
-        raise ValueError(f"{field} = {value!r}: {allowed}")
+        raise ShapeError(field, value, allowed)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""Scenes, runs, comparisons and reports: the room that knows all others."""

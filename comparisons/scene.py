@@ -1,0 +1,355 @@
+"""Scenes: TOML files read into frozen dataclasses, refused before work begins when wrong."""
+
+import json
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+
+from cea.boundary import Spring, Support
+from cea.errors import InputError
+from cea.formulations import Formulation
+from cea.friction import FrictionDirection
+from cea.material import IsotropicMaterial
+from meshes.shapes import Annulus, Box, Placement, Sector, ShapeError
+
+Backend = Literal["fe", "iga"]
+SCENES = Path(__file__).parent / "scenes"
+"""Folder of the scenes that come with the project."""
+
+Axis = Literal["x", "y", "z"]
+_AXES: tuple[Axis, ...] = ("x", "y", "z")
+
+
+class SceneError(ValueError):
+    """A scene that is refused: one :class:`cea.errors.InputError` for each fault."""
+
+    def __init__(self, faults: Iterable[InputError]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+@dataclass(frozen=True)
+class FeMesh:
+    """Lagrange mesh of a body.
+
+    Parameters
+    ----------
+    cell
+        Kind of cell.
+    degree
+        Degree of the elements and of the geometry.
+    elements
+        Hexahedra along each direction of the shape.
+    size
+        Target edge length of tetrahedra (m).
+    through
+        Coordinates that must be element boundaries of hexahedra, by direction.
+    """
+
+    cell: Literal["hexahedron", "tetrahedron"] = "hexahedron"
+    degree: Annotated[int, Field(ge=1, le=2)] = 2
+    elements: tuple[int, int, int] | None = None
+    size: Annotated[float, Field(gt=0)] | None = None
+    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        needed, other = ("elements", "size")[:: 1 if self.cell == "hexahedron" else -1]
+        if getattr(self, needed) is None:
+            raise InputError(needed, None, f"needed for cell = {self.cell!r}")
+        if getattr(self, other) is not None:
+            raise InputError(other, getattr(self, other), f"left out for cell = {self.cell!r}")
+
+
+@dataclass(frozen=True)
+class IgaMesh:
+    """NURBS discretisation of a body.
+
+    Parameters
+    ----------
+    degree
+        Degree along each direction.
+    elements
+        Knot spans along each direction of the shape; of an annulus, all the way round.
+    continuity
+        Continuity at inner knots; by default one less than the degree.
+    through
+        Coordinates that must be knots, by direction.
+    """
+
+    degree: tuple[int, int, int]
+    elements: tuple[int, int, int]
+    continuity: tuple[int, int, int] | None = None
+    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MeshSpec:
+    """Discretisations of a body, one for each backend it can be run on."""
+
+    fe: FeMesh | None = None
+    iga: IgaMesh | None = None
+
+
+@dataclass(frozen=True)
+class SupportSpec:
+    """Displacement components ("x", "y", "z") held on a surface."""
+
+    surface: str
+    components: tuple[Axis, ...] = _AXES
+
+    def support(self) -> Support:
+        """The support as backends take it."""
+        return Support(self.surface, tuple(_AXES.index(c) for c in self.components))
+
+
+@dataclass(frozen=True)
+class BodySpec:
+    """A body: backend, geometry, meshes, material, supports."""
+
+    backend: Backend
+    geometry: Annotated[Box | Annulus | Sector, Field(discriminator="shape")]
+    material: IsotropicMaterial
+    mesh: MeshSpec
+    supports: tuple[SupportSpec, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    placement: Placement = field(default_factory=Placement)
+
+
+@dataclass(frozen=True)
+class ContactSpec:
+    """A contact between side a, where the points lie, and side b.
+
+    Parameters
+    ----------
+    a, b
+        Sides as "body.surface".
+    formulation
+        Points and weights.
+    P
+        Global contact stiffness, the integral of p over side a (N/m).
+    p
+        Contact stiffness (N/m^3); either P or p is given.
+    mu
+        Friction coefficient.
+    friction_direction_on_a
+        Direction of the friction traction on side a: {vector = [...]} or
+        {circumferential_about = [...], origin = [...]}.
+    reach
+        Largest distance (m) between the sides.
+    max_missed
+        Largest fraction of side a that may find nothing on side b.
+    """
+
+    a: str
+    b: str
+    formulation: Annotated[Formulation, Field(discriminator="method")]
+    P: Annotated[float, Field(gt=0)] | None = None
+    p: Annotated[float, Field(gt=0)] | None = None
+    mu: Annotated[float, Field(ge=0)] = 0.0
+    friction_direction_on_a: FrictionDirection | None = None
+    reach: Annotated[float, Field(gt=0)] | None = None
+    max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
+
+    def __post_init__(self) -> None:
+        if (self.P is None) == (self.p is None):
+            raise InputError("P", self.P, f"either P or p is given, not both (p = {self.p})")
+        if self.mu > 0 and self.friction_direction_on_a is None:
+            raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
+
+
+@dataclass(frozen=True)
+class LoadSpec:
+    """Uniform pressure (N/m^2) on a surface "body.surface", positive pushes on the body."""
+
+    surface: str
+    pressure: float
+
+
+@dataclass(frozen=True)
+class StaticAnalysis:
+    """Displacements under the loads; reports stresses over the contacts."""
+
+    kind: Literal["static"]
+    samples: Annotated[int, Field(ge=2)] = 91
+
+
+@dataclass(frozen=True)
+class ComplexEigenvalueAnalysis:
+    """All modes up to a frequency (Hz)."""
+
+    kind: Literal["cea"]
+    max_frequency: Annotated[float, Field(gt=0)]
+    growth_threshold: Annotated[float, Field(ge=0)] = 10.0
+
+
+Analysis = StaticAnalysis | ComplexEigenvalueAnalysis
+
+
+@dataclass(frozen=True)
+class OutputSpec:
+    """What is made beside numbers: pictures of so many modes, the most unstable first."""
+
+    pictures: Annotated[int, Field(ge=0)] = 0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Bodies, contacts, loads and the analysis to be made of them."""
+
+    name: str
+    bodies: dict[str, BodySpec]
+    analysis: Annotated[Analysis, Field(discriminator="kind")]
+    contacts: dict[str, ContactSpec] = field(default_factory=dict)
+    loads: tuple[LoadSpec, ...] = ()
+    output: OutputSpec = field(default_factory=OutputSpec)
+    description: str = ""
+
+    # Nested dataclasses, those of other rooms too, are checked under the same configuration.
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
+        extra="forbid", strict=True, allow_inf_nan=False
+    )
+
+
+@cache
+def _adapter() -> TypeAdapter[Scene]:
+    return TypeAdapter(Scene)
+
+
+def load_scene(path: Path, overrides: Iterable[str] = (), backend: Backend | None = None) -> Scene:
+    """Read a scene.
+
+    Parameters
+    ----------
+    path
+        TOML file, or the name of a scene that comes with the project.
+    overrides
+        Fields to set, each as "path.to.field=value" with a TOML value.
+    backend
+        Backend for every body; None leaves what the scene says.
+
+    Raises
+    ------
+    SceneError
+        With one line for each fault.
+    """
+    file = path if path.exists() else SCENES / f"{path}.toml"
+    if not file.is_file():
+        names = ", ".join(sorted(p.stem for p in SCENES.glob("*.toml")))
+        raise SceneError([InputError("scene", str(path), f"a TOML file, or one of {names}")])
+    try:
+        data = tomllib.loads(file.read_text())
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError([InputError("scene", str(path), f"valid TOML: {error}")]) from error
+    for override in overrides:
+        _set(data, override)
+    if backend is not None and isinstance(data.get("bodies"), dict):
+        for body in data["bodies"].values():
+            if isinstance(body, dict):
+                body["backend"] = backend
+    return read_scene(data)
+
+
+def read_scene(data: Mapping[str, Any]) -> Scene:
+    """Check a scene given as nested dictionaries and make it a :class:`Scene`."""
+    try:
+        scene = _adapter().validate_json(json.dumps(data))
+    except ValidationError as error:
+        raise SceneError(_faults(error)) from error
+    faults = list(_cross_checks(scene))
+    if faults:
+        raise SceneError(faults)
+    return scene
+
+
+def _set(data: dict[str, Any], override: str) -> None:
+    path, equals, text = override.partition("=")
+    if not equals:
+        raise SceneError([InputError("--set", override, "path.to.field=value")])
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text
+    *parents, last = path.strip().split(".")
+    table = data
+    for name in parents:
+        table = table.setdefault(name, {})
+        if not isinstance(table, dict):
+            raise SceneError([InputError("--set", override, f"{name} is not a table")])
+    table[last] = value
+
+
+def _faults(error: ValidationError) -> list[InputError]:
+    """Faults that pydantic found, each under its own field."""
+    faults: dict[str, InputError] = {}
+    tags = {"box", "annulus", "sector", "static", "cea", "AlongVector", "Circumferential"}
+    tags |= {kind.method for kind in Formulation.__args__}
+    for detail in error.errors(include_url=False):
+        cause = detail.get("ctx", {}).get("error")
+        place = ".".join(str(p) for p in detail["loc"] if p not in tags)
+        allowed = detail["msg"][0].lower() + detail["msg"][1:]
+        if detail["type"] in ("unexpected_keyword_argument", "extra_forbidden"):
+            allowed = "no such field; remove it or mend its name"
+        if isinstance(cause, InputError | ShapeError):
+            place, value, allowed = (
+                f"{place}.{cause.field.split('.')[-1]}",
+                cause.value,
+                cause.allowed,
+            )
+        elif isinstance(cause, ValueError):
+            value, allowed = detail["input"], str(cause)
+        else:
+            value = detail["input"] if detail["type"] != "missing" else None
+        faults[place] = InputError(place, value, allowed)
+    return list(faults.values())
+
+
+def _cross_checks(scene: Scene) -> Iterable[InputError]:
+    """Faults between fields, each of which is right by itself."""
+    if not scene.bodies:
+        yield InputError("bodies", {}, "at least one body")
+    for name, body in scene.bodies.items():
+        yield from _body_checks(f"bodies.{name}", body)
+        if scene.analysis.kind == "cea" and body.material.rho is None:
+            place = f"bodies.{name}.material.rho"
+            yield InputError(place, None, "a density (kg/m^3) is needed for eigenvalues")
+    known = {f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces}
+    for name, contact in scene.contacts.items():
+        for side in ("a", "b"):
+            yield from _known(f"contacts.{name}.{side}", getattr(contact, side), known)
+        if contact.a.split(".")[0] == contact.b.split(".")[0]:
+            yield InputError(f"contacts.{name}.b", contact.b, f"another body than {contact.a}")
+        yield from _formulation_checks(scene, name, contact)
+    for i, load in enumerate(scene.loads):
+        yield from _known(f"loads.{i}.surface", load.surface, known)
+
+
+def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
+    if getattr(body.mesh, body.backend) is None:
+        yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
+    for kind in ("supports", "springs"):
+        for i, item in enumerate(getattr(body, kind)):
+            yield from _known(f"{place}.{kind}.{i}.surface", item.surface, body.geometry.surfaces)
+
+
+def _formulation_checks(scene: Scene, name: str, contact: ContactSpec) -> Iterable[InputError]:
+    body = scene.bodies.get(contact.a.split(".")[0])
+    if body is None:
+        return
+    method = contact.formulation.method
+    wrong = {"fe": "greville", "iga": "node_to_surface"}[body.backend]
+    if method == wrong:
+        right = {"fe": "node_to_surface", "iga": "greville"}[body.backend]
+        place = f"contacts.{name}.formulation.method"
+        yield InputError(
+            place, method, f"{right}, grid or gpts where side a has backend {body.backend!r}"
+        )
+
+
+def _known(place: str, name: str, known: Iterable[str]) -> Iterable[InputError]:
+    if name not in known:
+        yield InputError(place, name, f"one of {', '.join(sorted(known))}")
