@@ -136,6 +136,11 @@ class Surface(Protocol):
         ...
 
     @property
+    def num_elements(self) -> int:
+        """Number of its elements: facets of a mesh, faces of NURBS patches."""
+        ...
+
+    @property
     def mesh_size(self) -> float:
         """Largest diameter of its elements (m)."""
         ...

@@ -141,6 +141,7 @@ def solve_modes(
     *,
     max_frequency: float,
     tolerance: float = 1e-10,
+    max_restarts: int = 200,
     timer: StageTimer | None = None,
 ) -> Modes:
     """All modes up to a frequency.
@@ -157,6 +158,8 @@ def solve_modes(
         Upper end of the modes asked for (Hz).
     tolerance
         Relative tolerance of the Krylov iteration on 1 / (kappa - shift).
+    max_restarts
+        Restarts of the Krylov iteration before it is given up.
     timer
         Counts factorisation, krylov and post-processing.
 
@@ -177,7 +180,8 @@ def solve_modes(
     if friction is not None:
         operator = stiffness.copy()
         operator.axpy(-1.0, friction, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    solver = _shift_invert(operator, mass, shift, symmetric=friction is None, tolerance=tolerance)
+    solver = _shift_invert(operator, mass, shift, symmetric=friction is None)
+    solver.setTolerances(tol=tolerance, max_it=max_restarts)
 
     size = operator.getSize()[0]
     wanted = min(count + _SPARE, size)
@@ -252,16 +256,13 @@ def count_below(stiffness: Any, mass: Any, kappa: float) -> int:
     return int(negative)
 
 
-def _shift_invert(
-    operator: Any, mass: Any, shift: float, *, symmetric: bool, tolerance: float
-) -> Any:
+def _shift_invert(operator: Any, mass: Any, shift: float, *, symmetric: bool) -> Any:
     solver = SLEPc.EPS().create(operator.comm)
     solver.setOperators(operator, mass)
     solver.setProblemType(SLEPc.EPS.ProblemType.GHEP if symmetric else SLEPc.EPS.ProblemType.GNHEP)
     solver.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
     solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
     solver.setTarget(shift)
-    solver.setTolerances(tol=tolerance, max_it=200)
     transform = solver.getST()
     transform.setType(SLEPc.ST.Type.SINVERT)
     transform.setShift(shift)
@@ -303,7 +304,7 @@ def _modes(
     symmetric: bool,
 ) -> Modes:
     eigenvalues = np.sqrt(-kappa).astype(complex)
-    eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0.0
+    eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
     mass_vectors = _apply(mass, vectors)
     norms = np.sqrt(_inner(vectors, mass_vectors, mass.comm, diagonal=True).real)
     vectors, mass_vectors = vectors / norms, mass_vectors / norms

@@ -7,11 +7,11 @@ On every rank the unknowns are the free dofs of the first body, then those of th
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
+from scipy.sparse import csr_array
 
 from cea.body import Body, Floats
 from cea.errors import InputError
@@ -59,6 +59,8 @@ class Contact:
     ----------
     name
         Name of the contact.
+    body_a, body_b
+        Names of the bodies on its two sides.
     interface
         Its points.
     gap
@@ -74,6 +76,8 @@ class Contact:
     """
 
     name: str
+    body_a: str
+    body_b: str
     interface: Interface
     gap: Any
     slip: Any | None
@@ -145,6 +149,7 @@ def couple(
     *,
     with_mass: bool = True,
     with_load: bool = False,
+    leave_out: bool = True,
 ) -> CoupledSystem:
     """Assemble the coupled matrices.
 
@@ -158,6 +163,8 @@ def couple(
         Whether the mass is needed.
     with_load
         Whether the loads are needed.
+    leave_out
+        Whether slip operators and K_f are left out where mu = 0.
     """
     nest = _diagonal([body.stiffness() for body in bodies.values()])
     index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
@@ -175,13 +182,22 @@ def couple(
         stiffness=stiffness,
         mass=mass,
         load=load,
-        contacts=tuple(_contact(bodies, name, *parts) for name, parts in contacts.items()),
+        contacts=tuple(
+            _contact(bodies, name, *parts, leave_out=leave_out) for name, parts in contacts.items()
+        ),
         index_sets=index_sets,
     )
 
 
 def _contact(
-    bodies: Mapping[str, Body], name: str, a: str, b: str, interface: Interface, law: ContactLaw
+    bodies: Mapping[str, Body],
+    name: str,
+    a: str,
+    b: str,
+    interface: Interface,
+    law: ContactLaw,
+    *,
+    leave_out: bool,
 ) -> Contact:
     points = interface.points
     gap = _system_operator(bodies, a, b, interface, points.normal)
@@ -189,14 +205,15 @@ def _contact(
     weighted_gap = gap.copy()
     weighted_gap.diagonalScale(L=weight)
     slip = friction = None
-    if law.frictional:
-        assert law.direction is not None
+    if law.direction is not None and (law.frictional or not leave_out):
         slip = _system_operator(bodies, a, b, interface, law.direction.at(points.x, points.normal))
         pushed = slip.copy()
         pushed.diagonalScale(L=_point_vector(np.broadcast_to(law.mu, len(points)), gap))
         friction = pushed.transposeMatMult(weighted_gap)
     return Contact(
         name=name,
+        body_a=a,
+        body_b=b,
         interface=interface,
         gap=gap,
         slip=slip,
@@ -210,21 +227,12 @@ def _system_operator(
     bodies: Mapping[str, Body], a: str, b: str, interface: Interface, direction: Floats
 ) -> Any:
     """Jump along a direction as an operator on the unknowns of the whole system."""
-    parts = {name: [] for name in bodies}  # type: dict[str, list[Any]]
-    for name, operator in zip((a, b), interface.operators(direction), strict=True):
-        parts[name].append(operator)
+    parts = dict(zip((a, b), interface.operators(direction), strict=True))
     row = []
     for name, body in bodies.items():
-        empty = body.dim * body.num_scalar_dofs
-        whole = reduce(lambda p, q: p + q, parts[name], _zero(len(interface.points), empty))
-        row.append(free_operator(whole, body))
+        nothing = csr_array((len(interface.points), body.dim * body.num_scalar_dofs))
+        row.append(free_operator(parts.get(name, nothing), body))
     return PETSc.Mat().createNest([row]).convert("aij")
-
-
-def _zero(rows: int, columns: int) -> Any:
-    from scipy.sparse import csr_array
-
-    return csr_array((rows, columns))
 
 
 def _symmetric_product(gap: Any, weight: Any) -> Any:

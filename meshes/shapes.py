@@ -5,7 +5,7 @@ metres and angles in degrees. Both builders divide a shape by *breaks*: rising c
 element boundaries along each direction, both ends included.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import ClassVar, Literal
@@ -229,7 +229,7 @@ def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -
 def breaks_of(
     shape: Shape,
     elements: tuple[int, int, int],
-    through: dict[str, Sequence[float]] | None = None,
+    through: Mapping[str, Sequence[float]] | None = None,
 ) -> Breaks:
     """Breaks of a shape along its three directions.
 

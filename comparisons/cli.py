@@ -1,0 +1,110 @@
+"""The command line: ``cea run`` and ``cea compare``."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from cea.errors import ConvergenceError, InputError
+from comparisons.scene import SceneError
+from meshes.shapes import ShapeError
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+console = Console()
+
+_Out = Annotated[Path, typer.Option("--out", help="Folder for result.json and all else.")]
+
+
+@app.command()
+def run(
+    scene: Annotated[Path, typer.Argument(help="TOML file, or the name of a scene.")],
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", help="Override, e.g. contacts.pad_disc.mu=0.3")
+    ] = None,
+    backend: Annotated[
+        Literal["fe", "iga"] | None, typer.Option(help="Backend for every body.")
+    ] = None,
+    out: _Out = Path("results/run"),
+) -> None:
+    """Run one scene and write its result.json."""
+    from comparisons.result import describe, write_json
+    from comparisons.run import run_scene
+    from comparisons.scene import load_scene
+
+    with console.status("reading the scene") as status:
+        result = run_scene(
+            load_scene(scene, set_ or (), backend),
+            listener=lambda stage: status.update(stage),
+        )
+        data = describe(result)
+        if result.scene.output.pictures:
+            from comparisons.report.pictures import draw_modes
+
+            status.update("pictures")
+            data["pictures"] = [
+                file.name for file in draw_modes(result, result.scene.output.pictures, out)
+            ]
+    write_json(data, out / "result.json")
+    if result.modes is not None:
+        _print_modes(data)
+    for name, sides in data.get("stresses", {}).items():
+        for side, stress in sides.items():
+            console.print(
+                f"{name}, side {side}: sigma_n from {stress['min']:.6g} to {stress['max']:.6g}, "
+                f"oscillation {stress['oscillation']:.6g} N/m^2"
+            )
+    console.print(f"{data['dofs']['free']} dofs, {data['seconds']:.2f} s; {out / 'result.json'}")
+
+
+@app.command()
+def compare(out: _Out = Path("results/compare")) -> None:
+    """Run both scenes on both backends with every formulation and write the report."""
+    from comparisons.compare import Progress
+    from comparisons.compare import compare as run_comparison
+    from comparisons.report import write_report
+
+    with console.status("compare") as status:
+        step = ""
+
+        def begin(name: str) -> None:
+            nonlocal step
+            step = name
+            console.print(f"· {name}")
+            status.update(name)
+
+        data, results = run_comparison(
+            Progress(step=begin, stage=lambda stage: status.update(f"{step}: {stage}"))
+        )
+        begin("report")
+        report = write_report(data, results, out)
+    console.print(f"The report to open: {report}")
+
+
+def _print_modes(data: dict) -> None:
+    table = Table("mode", "frequency (Hz)", "growth rate (1/s)", "residual", "condition")
+    unstable = {mode["mode"] for mode in data["unstable"]}
+    for i, mode in enumerate(data["eigenvalues"]):
+        table.add_row(
+            str(i + 1),
+            f"{mode['im'] / 6.283185307179586:.3f}",
+            f"{mode['re']:+.3f}",
+            f"{mode['residual']:.1e}",
+            f"{mode['condition']:.1f}",
+            style="bold red" if i in unstable else None,
+        )
+    console.print(table)
+    console.print(data["window"]["evidence"])
+
+
+def main() -> None:
+    """Run a command; wrong input and failed convergence end in one line, not a traceback."""
+    try:
+        app(standalone_mode=True)
+    except (SceneError, InputError, ShapeError, ConvergenceError) as error:
+        Console(stderr=True).print(
+            *(f"error: {line}" for line in str(error).splitlines()), sep="\n"
+        )
+        sys.exit(1)
