@@ -32,14 +32,18 @@ class Interface:
         Points of the rule on a.
     opposite
         Where each point was found on b along the normal of a.
+    trace_a, trace_b
+        Values of the scalar basis functions of both sides at the points, evaluated once.
     """
 
     a: Surface
     b: Surface
     points: SurfacePoints
     opposite: Location
+    trace_a: csr_array
+    trace_b: csr_array
 
-    def operators(self, direction: Floats) -> tuple[csr_array, csr_array]:
+    def jump(self, direction: Floats) -> tuple[csr_array, csr_array]:
         """Parts on a and b of the jump along a direction, (n, dim * num_scalar_dofs) each.
 
         Parameters
@@ -47,10 +51,7 @@ class Interface:
         direction
             Unit vectors at the points, shape (n, dim): normals for G, friction direction for T.
         """
-        return (
-            along(self.a.trace(self.points.at), direction),
-            -along(self.b.trace(self.opposite.at), direction),
-        )
+        return along(self.trace_a, direction), -along(self.trace_b, direction)
 
 
 def pair(
@@ -107,7 +108,7 @@ def pair(
             f"surfaces that face each other (their outward normals have cosine {worst:.3g}, "
             f"{_FACING} or less is allowed)",
         )
-    return Interface(a, b, points, opposite)
+    return Interface(a, b, points, opposite, a.trace(points.at), b.trace(opposite.at))
 
 
 def along(trace: csr_array, direction: Floats) -> csr_array:

@@ -227,7 +227,7 @@ def _system_operator(
     bodies: Mapping[str, Body], a: str, b: str, interface: Interface, direction: Floats
 ) -> Any:
     """Jump along a direction as an operator on the unknowns of the whole system."""
-    parts = dict(zip((a, b), interface.operators(direction), strict=True))
+    parts = dict(zip((a, b), interface.jump(direction), strict=True))
     row = []
     for name, body in bodies.items():
         nothing = csr_array((len(interface.points), body.dim * body.num_scalar_dofs))
