@@ -1,0 +1,66 @@
+# make setup      install everything into .venv (the other targets do this first)
+# make compare    run the comparison of the two backends
+# make test       quick tests; ARGS="-k patch" passes options on to pytest
+# make test-slow  the tests that take minutes
+# make lint       ruff and mypy
+# make clean      remove caches and build products; distclean removes .venv too
+# PYTHON=/path/to/python3 is tried first when given.
+
+PYTHON_IS_NEW_ENOUGH := import sys; sys.exit(sys.version_info < (3, 12))
+# /usr/bin comes last: a version manager's python3 may hide it and still refuse to run here.
+BASE_PYTHON := $(shell for python in $(PYTHON) python3 python3.14 python3.13 python3.12 \
+	/usr/bin/python3; do $$python -c '$(PYTHON_IS_NEW_ENOUGH)' >/dev/null 2>&1 \
+	&& { command -v $$python; break; }; done)
+REQUIRE_PYTHON = @test -n "$(BASE_PYTHON)" || { echo >&2 "No Python 3.12 or newer found. \
+	On Debian 13, Ubuntu 24.04 or later:  sudo apt-get install python3 python3-venv python3-dev"; \
+	exit 1; }
+
+BIN := .venv/bin
+INSTALLED := .venv/.installed
+
+# Rank-parallel runs and parallel tests share the cores; threads on top only slow them down.
+export OMP_NUM_THREADS ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+# Pictures are drawn off screen; without a display VTK would try X first, and complain.
+export PYVISTA_OFF_SCREEN ?= true
+ifndef DISPLAY
+export VTK_DEFAULT_OPENGL_WINDOW ?= vtkEGLRenderWindow
+endif
+
+.PHONY: setup compare test test-slow lint missing-packages clean distclean
+
+setup: $(INSTALLED)
+
+# The stamp is written last, so an install that fails or is interrupted is taken up again.
+$(INSTALLED): pyproject.toml constraints.txt
+	$(REQUIRE_PYTHON)
+	@$(BASE_PYTHON) setup/check_system.py
+	$(BASE_PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@touch $@
+
+compare: $(INSTALLED)
+	$(BIN)/cea compare $(ARGS)
+
+test: $(INSTALLED)
+	$(BIN)/pytest $(ARGS)
+
+test-slow: $(INSTALLED)
+	$(BIN)/pytest -m slow $(ARGS)
+
+lint: $(INSTALLED)
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/mypy setup
+
+missing-packages:
+	$(REQUIRE_PYTHON)
+	@$(BASE_PYTHON) setup/check_system.py --packages
+
+clean:
+	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	find . -path ./.venv -prune -o -name __pycache__ -type d -exec rm -rf {} +
+
+distclean: clean
+	rm -rf .venv
