@@ -5,133 +5,25 @@ and F = K_f. Without friction it is solved as a symmetric problem. The driver ta
 bodies.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from cea.body import Floats
 from cea.errors import ConvergenceError, InputError
+from cea.modes import Complexes, Modes, Window
 from cea.timing import StageTimer
-
-Complexes = NDArray[np.complex128]
 
 _MARGIN = 1.05
 """Radius of the searched disc relative to half the window: room for growth at its upper end."""
 _SPARE = 2
 """Eigenvalues asked for beyond the inertia count."""
-_MAX_ENLARGEMENTS = 6
+_MAX_PASSES = 8
+"""Krylov runs, each larger than the last or beside the copies already found."""
 _NEGLIGIBLE = 1e-10
 """Eigenvalues below this part of the window's upper end count as zero in relative residuals."""
-
-
-@dataclass(frozen=True)
-class Window:
-    """What was searched, and why it is believed complete.
-
-    Parameters
-    ----------
-    max_frequency
-        Upper end (Hz) of the modes asked for.
-    shift
-        Centre sigma of the searched disc of kappa (1/s^2).
-    radius
-        Every kappa with abs(kappa - shift) < radius was found (1/s^2).
-    found
-        Number of eigenvalues in the disc.
-    upper
-        Upper end of kappa for the count (1/s^2), a little above the window's.
-    found_below
-        Eigenvalues found with Re kappa below ``upper``.
-    symmetric_count
-        Eigenvalues of S x = kappa M x, without friction, below ``upper``, by inertia.
-    max_growth
-        Largest growth rate (1/s) a mode at the upper end can have and still lie in the disc.
-    """
-
-    max_frequency: float
-    shift: float
-    radius: float
-    found: int
-    upper: float
-    found_below: int
-    symmetric_count: int
-    max_growth: float
-
-    @property
-    def evidence(self) -> str:
-        """Why the window is believed complete, in words."""
-        return (
-            f"shift-and-invert converged outwards to all {self.found} eigenvalues in the disc "
-            f"|kappa - {self.shift:.5g}| <= {self.radius:.5g}; below kappa = {self.upper:.5g} "
-            f"it found {self.found_below}, and the inertia of the symmetric part counts "
-            f"{self.symmetric_count}"
-        )
-
-
-@dataclass(frozen=True)
-class Modes:
-    """Modes by rising frequency, Im lambda >= 0.
-
-    Parameters
-    ----------
-    eigenvalues
-        lambda (1/s), shape (n,): growth rate + i * angular frequency.
-    residuals
-        Norm of (S - F - kappa M) x relative to abs(kappa) times that of M x, shape (n,).
-    conditions
-        Condition numbers of kappa in the M-norm within the computed invariant subspace, shape
-        (n,): 1 for a symmetric problem, large near a coalescence.
-    vectors
-        Eigenvectors x with x^H M x = 1, the rows of this rank, shape (n_local, n).
-    template
-        PETSc vector of their layout.
-    window
-        What was searched.
-    """
-
-    eigenvalues: Complexes
-    residuals: Floats
-    conditions: Floats
-    vectors: Complexes
-    template: Any
-    window: Window
-
-    @property
-    def frequencies(self) -> Floats:
-        """Frequencies (Hz)."""
-        return self.eigenvalues.imag / (2 * np.pi)
-
-    @property
-    def growth_rates(self) -> Floats:
-        """Growth rates Re lambda (1/s)."""
-        return self.eigenvalues.real
-
-    @property
-    def growth_uncertainties(self) -> Floats:
-        """Growth rates (1/s) that backward error times condition can explain.
-
-        d lambda = d kappa / (2 abs(lambda)), and at a near-double eigenvalue an error e of kappa
-        shows as its square root; the condition number carries that.
-        """
-        kappa = np.abs(self.eigenvalues) ** 2
-        floor = np.maximum(np.abs(self.eigenvalues), np.finfo(float).tiny)
-        error = np.maximum(self.residuals, np.finfo(float).eps) * self.conditions * kappa
-        return np.minimum(error / (2 * floor), np.sqrt(error))
-
-    def unstable(self, threshold: float = 0.0) -> NDArray[np.bool_]:
-        """Modes that grow faster than a threshold (1/s) and than their errors explain, (n,)."""
-        return self.growth_rates > np.maximum(threshold, self.growth_uncertainties)
-
-    def vector(self, mode: int) -> tuple[Any, Any]:
-        """Real and imaginary part of an eigenvector as PETSc vectors."""
-        real, imaginary = self.template.duplicate(), self.template.duplicate()
-        real.array[:] = self.vectors[:, mode].real
-        imaginary.array[:] = self.vectors[:, mode].imag
-        return real, imaginary
 
 
 def solve_modes(
@@ -182,22 +74,7 @@ def solve_modes(
         operator.axpy(-1.0, friction, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     solver = _shift_invert(operator, mass, shift, symmetric=friction is None)
     solver.setTolerances(tol=tolerance, max_it=max_restarts)
-
-    size = operator.getSize()[0]
-    wanted = min(count + _SPARE, size)
-    for _ in range(_MAX_ENLARGEMENTS):
-        solver.setDimensions(nev=wanted, ncv=min(max(2 * wanted, wanted + 16), size))
-        with timer("factorisation"):
-            solver.setUp()
-        with timer("krylov"):
-            solver.solve()
-        kappa, vectors = _eigenpairs(solver, mass)
-        reached = np.abs(kappa - shift).max() if len(kappa) else 0.0
-        if len(kappa) >= size:
-            reached = np.inf
-        if reached >= radius or len(kappa) < wanted:
-            break
-        wanted = min(size, wanted + max(4, wanted // 4))
+    kappa, vectors, reached = _search(solver, mass, shift, radius, count, timer)
 
     with timer("post-processing"):
         window = Window(
@@ -214,8 +91,8 @@ def solve_modes(
     solver.destroy()
     if reached < radius:
         raise ConvergenceError(
-            f"{len(kappa)} of {wanted} eigenvalues converged; they fill a disc of radius "
-            f"{reached:.4g} about kappa = {shift:.4g}, {radius:.4g} is needed for every mode to "
+            f"{len(kappa)} eigenvalues converged; they fill a disc of radius {reached:.4g} "
+            f"about kappa = {shift:.4g}, {radius:.4g} is needed for every mode to "
             f"{max_frequency:g} Hz",
             best=modes,
         )
@@ -226,6 +103,71 @@ def solve_modes(
             best=modes,
         )
     return modes
+
+
+def _search(
+    solver: Any, mass: Any, shift: float, radius: float, count: int, timer: StageTimer
+) -> tuple[Complexes, Complexes, float]:
+    """Eigenpairs outwards from the shift until the disc is full.
+
+    A Krylov space holds one vector of a multiple eigenvalue and meets further copies by rounding
+    only. Where fewer are found than the inertia counts, a symmetric problem is searched again
+    beside the vectors it has; an unsymmetric one, whose count friction may have changed, once more
+    in a larger space.
+
+    Returns
+    -------
+    tuple
+        kappa, vectors, and the radius of the disc that is full.
+    """
+    size = mass.getSize()[0]
+    wanted = min(count + _SPARE, size)
+    kappa, vectors = _krylov(solver, mass, wanted, 2 * wanted, timer)
+    for _ in range(_MAX_PASSES):
+        if len(kappa) < wanted or wanted == size or _reach(kappa, shift) >= radius:
+            break
+        wanted = min(size, wanted + max(4, wanted // 4))
+        kappa, vectors = _krylov(solver, mass, wanted, 2 * wanted, timer)
+    reached = np.inf if len(kappa) >= size else _reach(kappa, shift)
+
+    for _ in range(_MAX_PASSES):
+        missing = count - int(np.sum(kappa.real < shift + radius))
+        if missing <= 0 or reached < radius:
+            break
+        if not solver.isHermitian():
+            wanted = min(size, len(kappa) + missing)
+            larger = _krylov(solver, mass, wanted, 4 * wanted, timer)
+            if len(larger[0]) > len(kappa):
+                kappa, vectors = larger
+                reached = min(reached, _reach(kappa, shift))
+            break
+        solver.setDeflationSpace([_as_vector(mass, v.real) for v in vectors.T])
+        copies, copy_vectors = _krylov(solver, mass, missing, missing + 16, timer)
+        kappa, vectors = np.append(kappa, copies), np.hstack([vectors, copy_vectors])
+    return kappa, vectors, float(reached)
+
+
+def _krylov(
+    solver: Any, mass: Any, wanted: int, basis: int, timer: StageTimer
+) -> tuple[Complexes, Complexes]:
+    """One Krylov-Schur run for the eigenvalues nearest the shift."""
+    size = mass.getSize()[0]
+    solver.setDimensions(nev=wanted, ncv=min(max(basis, wanted + 16), size))
+    with timer("factorisation"):
+        solver.setUp()
+    with timer("krylov"):
+        solver.solve()
+        return _eigenpairs(solver, mass)
+
+
+def _reach(kappa: Complexes, shift: float) -> float:
+    return float(np.abs(kappa - shift).max(initial=0.0))
+
+
+def _as_vector(mass: Any, values: Floats) -> Any:
+    vector = mass.createVecRight()
+    vector.array[:] = values
+    return vector
 
 
 def count_below(stiffness: Any, mass: Any, kappa: float) -> int:
@@ -303,18 +245,21 @@ def _modes(
     *,
     symmetric: bool,
 ) -> Modes:
-    eigenvalues = np.sqrt(-kappa).astype(complex)
-    eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
     mass_vectors = _apply(mass, vectors)
     norms = np.sqrt(_inner(vectors, mass_vectors, mass.comm, diagonal=True).real)
     vectors, mass_vectors = vectors / norms, mass_vectors / norms
-    defects = _apply(operator, vectors) - mass_vectors * kappa
+    forces = _apply(operator, vectors)
+    if symmetric:  # the Rayleigh quotient has the square of the vector's error
+        kappa = _inner(vectors, forces, mass.comm, diagonal=True).real.astype(complex)
+    defects = forces - mass_vectors * kappa
     scale = np.maximum(np.abs(kappa), _NEGLIGIBLE * window.upper) * _norms(mass_vectors, mass.comm)
     residuals = _norms(defects, mass.comm) / scale
     conditions = np.ones(len(kappa))
     if not symmetric:
         conditions = _conditions(_inner(vectors, mass_vectors, mass.comm))
 
+    eigenvalues = np.sqrt(-kappa).astype(complex)
+    eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
     order = np.lexsort((eigenvalues.real, eigenvalues.imag))
     order = order[eigenvalues.imag[order] <= 2 * np.pi * window.max_frequency]
     return Modes(

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+from mpi4py import MPI
+
 from cea.body import Body
 from cea.boundary import Pressure
 from cea.errors import InputError
@@ -26,13 +28,16 @@ def build_bodies(scene: Scene, timer: StageTimer) -> dict[str, Body]:
 
 def build_body(name: str, spec: BodySpec, pressures: tuple[Pressure, ...] = ()) -> Body:
     """One body of a scene on its backend."""
-    mesh = getattr(spec.mesh, spec.backend)
-    return {"fe": _fe_body, "iga": _iga_body}[spec.backend](name, spec, mesh, pressures)
+    if spec.backend == "fe" and spec.mesh.fe is not None:
+        return _fe_body(name, spec, spec.mesh.fe, pressures)
+    if spec.backend == "iga" and spec.mesh.iga is not None:
+        return _iga_body(name, spec, spec.mesh.iga, pressures)
+    raise InputError(f"bodies.{name}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
 
 
 def _fe_body(name: str, spec: BodySpec, mesh: FeMesh, pressures: tuple[Pressure, ...]) -> Body:
     from fe_cea import FEBody
-    from meshes.gmsh_shapes import gmsh_mesh
+    from meshes.gmsh_shapes import MAX_GEOMETRY_ORDER, gmsh_mesh
 
     breaks = None
     if mesh.elements is not None:
@@ -40,10 +45,11 @@ def _fe_body(name: str, spec: BodySpec, mesh: FeMesh, pressures: tuple[Pressure,
     with gmsh_mesh(
         spec.geometry,
         mesh.cell,
-        mesh.degree,
+        min(mesh.degree, MAX_GEOMETRY_ORDER),
         breaks=breaks,
         size=mesh.size,
         placement=spec.placement,
+        comm=MPI.COMM_WORLD,
     ) as model:
         return FEBody.from_gmsh(
             name,

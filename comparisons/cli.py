@@ -1,8 +1,9 @@
 """The command line: ``cea run`` and ``cea compare``."""
 
 import sys
+from math import tau
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 from rich.console import Console
@@ -56,7 +57,7 @@ def run(
                 f"{name}, side {side}: sigma_n from {stress['min']:.6g} to {stress['max']:.6g}, "
                 f"oscillation {stress['oscillation']:.6g} N/m^2"
             )
-    console.print(f"{data['dofs']['free']} dofs, {data['seconds']:.2f} s; {out / 'result.json'}")
+    typer.echo(f"{data['dofs']['free']} dofs, {data['seconds']:.2f} s; {out / 'result.json'}")
 
 
 @app.command()
@@ -80,23 +81,23 @@ def compare(out: _Out = Path("results/compare")) -> None:
         )
         begin("report")
         report = write_report(data, results, out)
-    console.print(f"The report to open: {report}")
+    typer.echo(f"The report to open: {report}")
 
 
-def _print_modes(data: dict) -> None:
+def _print_modes(data: dict[str, Any]) -> None:
     table = Table("mode", "frequency (Hz)", "growth rate (1/s)", "residual", "condition")
     unstable = {mode["mode"] for mode in data["unstable"]}
     for i, mode in enumerate(data["eigenvalues"]):
         table.add_row(
             str(i + 1),
-            f"{mode['im'] / 6.283185307179586:.3f}",
+            f"{mode['im'] / tau:.3f}",
             f"{mode['re']:+.3f}",
             f"{mode['residual']:.1e}",
             f"{mode['condition']:.1f}",
             style="bold red" if i in unstable else None,
         )
     console.print(table)
-    console.print(data["window"]["evidence"])
+    typer.echo(data["window"]["evidence"])
 
 
 def main() -> None:
@@ -104,7 +105,6 @@ def main() -> None:
     try:
         app(standalone_mode=True)
     except (SceneError, InputError, ShapeError, ConvergenceError) as error:
-        Console(stderr=True).print(
-            *(f"error: {line}" for line in str(error).splitlines()), sep="\n"
-        )
+        for line in str(error).splitlines():
+            typer.echo(f"error: {line}", err=True)
         sys.exit(1)

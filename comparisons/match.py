@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from cea.eigen import Complexes
+from cea.modes import Complexes
 from cea.system import CoupledSystem
 from comparisons.run import SceneResult
 from comparisons.scene import ComplexEigenvalueAnalysis

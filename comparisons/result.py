@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from cea.eigen import Modes
 from cea.interface import Interface, count_statuses
+from cea.modes import Modes
 from comparisons.run import SceneResult
 from comparisons.scene import ComplexEigenvalueAnalysis
 

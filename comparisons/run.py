@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from cea.body import Body
-from cea.eigen import Modes, solve_modes
+from cea.eigen import solve_modes
 from cea.interface import Interface
+from cea.modes import Modes
 from cea.static import solve_static
 from cea.system import CoupledSystem
 from cea.timing import StageTimer

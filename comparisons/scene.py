@@ -42,7 +42,7 @@ class FeMesh:
     cell
         Kind of cell.
     degree
-        Degree of the elements and of the geometry.
+        Degree of the elements; the geometry has the same, but 2 at most.
     elements
         Hexahedra along each direction of the shape.
     size
@@ -52,7 +52,7 @@ class FeMesh:
     """
 
     cell: Literal["hexahedron", "tetrahedron"] = "hexahedron"
-    degree: Annotated[int, Field(ge=1, le=2)] = 2
+    degree: Annotated[int, Field(ge=1, le=4)] = 2
     elements: tuple[int, int, int] | None = None
     size: Annotated[float, Field(gt=0)] | None = None
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)

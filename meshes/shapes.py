@@ -38,7 +38,8 @@ class ShapeError(ValueError):
         super().__init__(f"{field} = {value!r}: {allowed}")
 
 
-def _require(condition: bool, field: str, value: object, allowed: str) -> None:
+def require(condition: bool, field: str, value: object, allowed: str) -> None:
+    """Raise :class:`ShapeError` unless a condition holds."""
     if not condition:
         raise ShapeError(field, value, allowed)
 
@@ -62,9 +63,7 @@ class Placement:
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        _require(
-            bool(np.linalg.norm(self.axis) > 0), "axis", self.axis, "a vector that is not zero"
-        )
+        require(bool(np.linalg.norm(self.axis) > 0), "axis", self.axis, "a vector that is not zero")
 
     @property
     def rotation(self) -> Floats:
@@ -99,7 +98,7 @@ class Box:
     surfaces: ClassVar[tuple[str, ...]] = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 
     def __post_init__(self) -> None:
-        _require(all(s > 0 for s in self.size), "size", self.size, "three positive lengths (m)")
+        require(all(s > 0 for s in self.size), "size", self.size, "three positive lengths (m)")
 
     @property
     def extent(self) -> tuple[tuple[float, float], ...]:
@@ -132,14 +131,14 @@ class Annulus:
     surfaces: ClassVar[tuple[str, ...]] = ("inner", "outer", "bottom", "top")
 
     def __post_init__(self) -> None:
-        _require(self.inner_radius > 0, "inner_radius", self.inner_radius, "a positive length (m)")
-        _require(
+        require(self.inner_radius > 0, "inner_radius", self.inner_radius, "a positive length (m)")
+        require(
             self.outer_radius > self.inner_radius,
             "outer_radius",
             self.outer_radius,
             f"more than inner_radius = {self.inner_radius} (m)",
         )
-        _require(self.top > self.bottom, "top", self.top, f"more than bottom = {self.bottom} (m)")
+        require(self.top > self.bottom, "top", self.top, f"more than bottom = {self.bottom} (m)")
 
     @property
     def extent(self) -> tuple[tuple[float, float], ...]:
@@ -174,7 +173,7 @@ class Sector:
 
     def __post_init__(self) -> None:
         Annulus(self.inner_radius, self.outer_radius, self.bottom, self.top)
-        _require(
+        require(
             0 < self.end - self.start < 180,
             "end",
             self.end,
@@ -212,10 +211,10 @@ def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -
         ``count + 1`` rising coordinates.
     """
     stops = np.unique(np.concatenate([[low, high], np.asarray(through, dtype=float)]))
-    _require(
+    require(
         bool(stops[0] == low and stops[-1] == high), "through", list(through), f"{low} to {high}"
     )
-    _require(count >= len(stops) - 1, "count", count, f"at least {len(stops) - 1} elements")
+    require(count >= len(stops) - 1, "count", count, f"at least {len(stops) - 1} elements")
     shares = np.ones(len(stops) - 1, dtype=int)
     lengths = np.diff(stops)
     for _ in range(count - len(shares)):
@@ -244,7 +243,7 @@ def breaks_of(
     """
     asked = {name: list(values) for name, values in (through or {}).items()}
     unknown = set(asked) - set(shape.directions)
-    _require(not unknown, "through", sorted(unknown), f"directions {', '.join(shape.directions)}")
+    require(not unknown, "through", sorted(unknown), f"directions {', '.join(shape.directions)}")
     if isinstance(shape, Annulus):
         asked["theta"] = [*asked.get("theta", []), 90.0, 180.0, 270.0]
     return tuple(

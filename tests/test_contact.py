@@ -121,11 +121,13 @@ def test_matrices_equal_a_loop_over_points(system):
         for operator, direction in ((gap, interface.points.normal[i]), (slip, k)):
             operator[: offsets[1]] = np.outer(trace_a[i], direction).ravel()
             operator[offsets[1] :] = -np.outer(trace_b[i], direction).ravel()
-        K_n += weight * P / 0.3 * np.outer(gap, gap)
-        K_f += weight * P / 0.3 * MU * np.outer(slip, gap)
+        touched = np.flatnonzero((gap != 0) | (slip != 0))
+        block = np.ix_(touched, touched)
+        K_n[block] += weight * P / 0.3 * np.outer(gap[touched], gap[touched])
+        K_f[block] += weight * P / 0.3 * MU * np.outer(slip[touched], gap[touched])
     for matrix, expected in ((contact.stiffness, K_n), (contact.friction, K_f)):
         dense = matrix.copy().convert("dense").getDenseArray()
-        assert dense == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
+        assert np.abs(dense - expected).max() <= 1e-13 * np.abs(expected).max()
 
 
 def test_surfaces_that_do_not_meet_are_refused(backend, formulation):

@@ -6,8 +6,9 @@ import scipy.linalg
 from petsc4py import PETSc
 from scipy.sparse import csr_array, diags_array, eye_array, random_array
 
-from cea.eigen import Modes, count_below, solve_modes
+from cea.eigen import count_below, solve_modes
 from cea.errors import ConvergenceError, InputError
+from cea.modes import Modes
 
 SIZE = 120
 
@@ -137,6 +138,19 @@ def test_near_coalescence_is_not_called_unstable_by_round_off():
     )
     assert modes.conditions.max() > 1e6
     assert not modes.unstable().any()
+
+
+@pytest.mark.parametrize("copies", [2, 6, 9])
+def test_every_copy_of_a_multiple_eigenvalue_is_found(copies):
+    kappa = np.concatenate([np.full(copies, 4.0), np.full(2, 9.0), np.arange(10.0, 400.0)])
+    rng = np.random.default_rng(5)
+    turn = np.linalg.qr(rng.normal(size=(len(kappa), len(kappa))))[0]
+    stiffness = to_petsc(0.5 * (turn @ np.diag(kappa) @ turn.T + turn @ np.diag(kappa) @ turn.T).T)
+    modes = solve_modes(stiffness, to_petsc(eye_array(len(kappa))), max_frequency=1.0)
+    found = modes.eigenvalues.imag**2
+    assert found == pytest.approx(kappa[kappa <= (2 * np.pi) ** 2])
+    overlaps = modes.vectors.conj().T @ modes.vectors
+    assert overlaps == pytest.approx(np.eye(len(found)), abs=1e-7)
 
 
 def test_window_must_be_positive(chain):

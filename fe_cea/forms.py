@@ -1,0 +1,109 @@
+"""Weak forms of linear elasticity on a Lagrange space, each with its own quadrature.
+
+Numbers are dolfinx Constants: a form is compiled once for each element, whatever the material.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import default_scalar_type
+from dolfinx.fem import Constant, Form, form
+
+from cea.boundary import Pressure, Spring
+from cea.material import IsotropicMaterial
+
+JIT_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
+
+
+def compiled(expression: Any) -> Form:
+    """Compile a UFL form for this machine."""
+    return form(expression, jit_options=dict(JIT_OPTIONS))
+
+
+def _order(V: Any) -> int:
+    """Polynomial order that quadrature must resolve: of the space or of the geometry."""
+    mesh = V.mesh
+    return max(V.ufl_element().basix_element.degree, mesh.geometry.cmaps[0].degree)
+
+
+def _is_simplex(V: Any) -> bool:
+    return V.mesh.basix_cell().name in ("interval", "triangle", "tetrahedron")
+
+
+def stiffness_degree(V: Any) -> int:
+    """Quadrature degree of the stiffness, exact on affine cells.
+
+    Products of gradients have degree 2 (q - 1) on simplices; on tensor cells they keep degree 2 q
+    along one direction, which q + 1 Gauss points integrate.
+    """
+    q = _order(V)
+    return 2 * (q - 1) if _is_simplex(V) else 2 * q + 1
+
+
+def mass_degree(V: Any) -> int:
+    """Quadrature degree of products of basis functions, exact on affine cells and facets."""
+    q = _order(V)
+    return 2 * q if _is_simplex(V) else 2 * q + 1
+
+
+def stiffness_form(
+    V: Any, material: IsotropicMaterial, springs: Iterable[tuple[Spring, int]], facet_tags: Any
+) -> Form:
+    """Elastic stiffness with springs, N/m.
+
+    Parameters
+    ----------
+    V
+        Vector Lagrange space (dolfinx).
+    material
+        Material.
+    springs
+        Springs with the facet tags of their surfaces.
+    facet_tags
+        Facet tags (dolfinx).
+    """
+    mesh, dim = V.mesh, V.mesh.geometry.dim
+    lam, mu = (Constant(mesh, default_scalar_type(value)) for value in material.lame)
+    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
+
+    def strain(w: Any) -> Any:
+        return ufl.sym(ufl.grad(w))
+
+    stress = lam * ufl.div(u) * ufl.Identity(dim) + 2 * mu * strain(u)
+    a = ufl.inner(stress, strain(v)) * ufl.dx(metadata={"quadrature_degree": stiffness_degree(V)})
+    ds = _facet_measure(V, facet_tags)
+    for spring, tag in springs:
+        k = Constant(mesh, np.asarray(spring.stiffness, dtype=default_scalar_type))
+        a += sum(k[i] * u[i] * v[i] for i in range(dim)) * ds(tag)
+    return compiled(a)
+
+
+def mass_form(V: Any, rho: float) -> Form:
+    """Consistent mass of density ``rho`` (kg/m^3), kg."""
+    density = Constant(V.mesh, default_scalar_type(rho))
+    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
+    dx = ufl.dx(metadata={"quadrature_degree": mass_degree(V)})
+    return compiled(density * ufl.inner(u, v) * dx)
+
+
+def pressure_form(V: Any, pressures: Iterable[tuple[Pressure, int]], facet_tags: Any) -> Form:
+    """Forces of pressures, each with the facet tag of its surface, N."""
+    mesh = V.mesh
+    v, n = ufl.TestFunction(V), ufl.FacetNormal(mesh)
+    ds = _facet_measure(V, facet_tags)
+    terms = [
+        -Constant(mesh, default_scalar_type(pressure.value)) * ufl.inner(n, v) * ds(tag)
+        for pressure, tag in pressures
+    ]
+    return compiled(sum(terms[1:], terms[0]))
+
+
+def _facet_measure(V: Any, facet_tags: Any) -> Any:
+    return ufl.Measure(
+        "ds",
+        domain=V.mesh,
+        subdomain_data=facet_tags,
+        metadata={"quadrature_degree": mass_degree(V)},
+    )

@@ -1,0 +1,258 @@
+"""Named surface of a Lagrange body: point rules, location of points, trace and gradient."""
+
+from functools import cached_property
+from typing import Any
+
+import basix
+import numpy as np
+from dolfinx.geometry import bb_tree, compute_collisions_points
+from dolfinx.mesh import create_mesh
+from mpi4py import MPI
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from cea.body import Floats, Ints, Location, SurfaceCoordinates, SurfacePoints
+from cea.errors import InputError
+from cea.location import locate_along
+from fe_cea.facets import FacetLayer, cross
+
+_MERGE = 1e-7
+"""Grid points nearer than this, relative to the spacing of the smallest facet, are one."""
+
+_BULGE_SAFETY = 1.1
+"""Margin on the sampled bound of how far a curved facet leaves the box of its corners."""
+
+
+class FESurface:
+    """Surface of a Lagrange body; also the chart that point location works on.
+
+    Where facets meet at an angle, a point on their common edge has the normal of the facet whose
+    coordinates it bears; of points that several facets share, the first facet's.
+
+    Parameters
+    ----------
+    name
+        Name of the surface.
+    layer
+        Its facets with the cells behind them.
+    num_scalar_dofs
+        Scalar dofs of the body.
+    """
+
+    def __init__(self, name: str, layer: FacetLayer, num_scalar_dofs: int) -> None:
+        self._name = name
+        self._layer = layer
+        self._num_scalar_dofs = num_scalar_dofs
+        self._facet = layer.geometry.facet.cell_type
+        self._is_triangle = self._facet == basix.CellType.triangle
+
+    @property
+    def name(self) -> str:
+        """Name of the surface."""
+        return self._name
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space, 2 or 3."""
+        return self._layer.dim
+
+    @property
+    def num_scalar_dofs(self) -> int:
+        """Scalar dofs of the body: columns of the trace."""
+        return self._num_scalar_dofs
+
+    @property
+    def abscissa_kinds(self) -> tuple[str, ...]:
+        """Kinds of abscissae: interpolation nodes."""
+        return ("nodes",)
+
+    @property
+    def num_elements(self) -> int:
+        """Number of its facets."""
+        return len(self._layer)
+
+    @cached_property
+    def area(self) -> float:
+        """Area (m^2; length in 2D) of the meshed surface."""
+        return float(self.gauss_points(self._layer.geometry.cell.degree + 3).weight.sum())
+
+    @cached_property
+    def mesh_size(self) -> float:
+        """Largest diameter of its facets (m)."""
+        return float(self._sizes.max())
+
+    @cached_property
+    def _sizes(self) -> Floats:
+        """Largest distance between nodes of each facet (m), (n_facets,)."""
+        nodes = self._layer.facet_nodes
+        return np.linalg.norm(nodes[:, :, None] - nodes[:, None, :], axis=3).max(axis=(1, 2))
+
+    def gauss_points(self, n: int) -> SurfacePoints:
+        """Gauss points, n per direction in each facet, weights with the Jacobian.
+
+        On triangles the collapsed product of Gauss-Legendre and Gauss-Jacobi points, exact to
+        degree 2n - 1 as on squares.
+
+        Raises
+        ------
+        InputError
+            When n is less than 1.
+        """
+        if n < 1:
+            raise InputError("n", n, "at least 1 Gauss point per direction")
+        xi, weights = basix.make_quadrature(
+            self._facet, 2 * n - 1, basix.QuadratureType.gauss_jacobi
+        )
+        at = self._on_every_facet(xi)
+        x, tangents = self._layer.tangents(at.element, at.xi)
+        normal = self._layer.orientation[at.element, None] * cross(tangents)
+        jacobian = np.linalg.norm(normal, axis=1)
+        weight = np.tile(weights, len(self._layer)) * jacobian
+        return SurfacePoints(at, x, normal / jacobian[:, None], weight)
+
+    def abscissae(self, kind: str) -> SurfacePoints:
+        """Interpolation nodes of the trace space, each once, weights area/n.
+
+        Raises
+        ------
+        InputError
+            When the kind is not ``nodes``.
+        """
+        if kind not in self.abscissa_kinds:
+            raise InputError("abscissae", kind, f"one of {', '.join(self.abscissa_kinds)}")
+        at = self._on_every_facet(self._layer.trace.facet.points)
+        _, first = np.unique(self._layer.facet_dofs.ravel(), return_index=True)
+        return self._equal_weights(at[np.sort(first)])
+
+    def grid(self, n: int) -> SurfacePoints:
+        """Equally spaced points, n per side of each facet, shared ones once, weights area/n_points.
+
+        Raises
+        ------
+        InputError
+            When n is less than 2.
+        """
+        if n < 2:
+            raise InputError("n", n, "at least 2 grid points per side, the ends")
+        lattice = basix.create_lattice(self._facet, n - 1, basix.LatticeType.equispaced, True)
+        at = self._on_every_facet(lattice)
+        tree = cKDTree(self.position(at))
+        twins = tree.query_pairs(_MERGE * self._sizes.min() / (n - 1), output_type="ndarray")
+        links = csr_array((np.ones(len(twins)), (twins[:, 0], twins[:, 1])), (len(at), len(at)))
+        _, label = connected_components(links, directed=False)
+        _, first = np.unique(label, return_index=True)
+        return self._equal_weights(at[np.sort(first)])
+
+    def _on_every_facet(self, xi: Floats) -> SurfaceCoordinates:
+        """The same facet coordinates on every facet, facet by facet."""
+        n = len(self._layer)
+        return SurfaceCoordinates(np.repeat(np.arange(n), len(xi)), np.tile(xi, (n, 1)))
+
+    def _equal_weights(self, at: SurfaceCoordinates) -> SurfacePoints:
+        weight = np.full(len(at), self.area / len(at))
+        return SurfacePoints(at, self.position(at), self.normal(at), weight)
+
+    def position(self, at: SurfaceCoordinates) -> Floats:
+        """Positions (m), shape (n, dim)."""
+        return self._layer.tangents(self._known(at), at.xi)[0]
+
+    def normal(self, at: SurfaceCoordinates) -> Floats:
+        """Outward unit normals, shape (n, dim)."""
+        _, tangents = self._layer.tangents(self._known(at), at.xi)
+        normal = self._layer.orientation[at.element, None] * cross(tangents)
+        return normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+    def trace(self, at: SurfaceCoordinates) -> csr_array:
+        """Values of the scalar basis functions, shape (n, num_scalar_dofs).
+
+        A row holds the functions of the nodes of its facet; all others vanish there.
+        """
+        columns = self._layer.facet_dofs[self._known(at)]
+        return self._rows(self._layer.trace_values(at.xi), columns)
+
+    def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
+        """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
+        columns = self._layer.dofs[self._known(at)]
+        return tuple(self._rows(g, columns) for g in self._layer.gradients(at.element, at.xi))
+
+    def _rows(self, values: Floats, columns: Ints) -> csr_array:
+        n, per_row = values.shape
+        starts = np.arange(0, n * per_row + 1, per_row)
+        shape = (n, self._num_scalar_dofs)
+        return csr_array((values.ravel(), columns.ravel(), starts), shape=shape)
+
+    def _known(self, at: SurfaceCoordinates) -> Ints:
+        """Facets of points, once checked that each has one."""
+        if len(at) and not 0 <= at.element.min() <= at.element.max() < len(self._layer):
+            wrong = [at.element.min(), at.element.max()]
+            raise InputError("at.element", wrong, f"0 to {len(self._layer) - 1}: points found")
+        return at.element
+
+    def locate(self, x: Floats, direction: Floats, reach: float) -> Location:
+        """Find points on the surface along a direction.
+
+        Parameters
+        ----------
+        x
+            Points (m), shape (n, dim).
+        direction
+            Unit directions, shape (n, dim).
+        reach
+            Largest distance (m) along the direction, either way.
+        """
+        return locate_along(self, x, direction, reach)
+
+    def candidates(self, x: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
+        """Facets whose box comes within reach of each point, tried from their centres."""
+        padded = np.zeros((len(x), 3))
+        padded[:, : self.dim] = x
+        mesh = self._boxes
+        # Room for rounding, beside a reach that may be zero.
+        tree = bb_tree(mesh, mesh.topology.dim, padding=reach + 1e-6 * self.mesh_size)
+        found = compute_collisions_points(tree, padded)
+        point = np.repeat(np.arange(len(x)), np.diff(found.offsets))
+        element = mesh.topology.original_cell_index[found.array].astype(np.int64)
+        return point, element, np.full((len(point), self.dim - 1), 1 / self.dim)
+
+    @cached_property
+    def _boxes(self) -> Any:
+        """One interval for each facet, from corner to corner of a box that holds it (dolfinx)."""
+        geometry = self._layer.geometry
+        linear = basix.create_element(
+            basix.ElementFamily.P, self._facet, 1, basix.LagrangeVariant.equispaced
+        )
+        nodes = self._layer.facet_nodes
+        corners = nodes[:, : linear.dim]
+        bulge = nodes - np.einsum(
+            "kv,nvi->nki", linear.tabulate(0, geometry.facet.points)[0, :, :, 0], corners
+        )
+        sample = basix.create_lattice(self._facet, 24, basix.LatticeType.equispaced, True)
+        lebesgue = np.abs(geometry.facet.tabulate(0, sample)[0]).sum(axis=1).max()
+        margin = _BULGE_SAFETY * lebesgue * np.abs(bulge).max(axis=1)
+        low, high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
+        interval = basix.ufl.element("Lagrange", "interval", 1, shape=(self.dim,))
+        ends = np.stack([low, high], axis=1).reshape(-1, self.dim)
+        return create_mesh(MPI.COMM_SELF, np.arange(len(ends)).reshape(-1, 2), interval, ends)
+
+    def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
+        """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
+        return self._layer.tangents(element, xi)
+
+    def clamp(self, element: Ints, xi: Floats) -> Floats:
+        """Nearest point of the unit interval, triangle or square, (n, dim - 1)."""
+        if not self._is_triangle:
+            return np.clip(xi, 0.0, 1.0)
+        inside = np.maximum(xi, 0.0)
+        along = np.clip((1 + xi[:, 0] - xi[:, 1]) / 2, 0.0, 1.0)
+        slanted = np.column_stack([along, 1 - along])
+        return np.where(inside.sum(axis=1, keepdims=True) > 1, slanted, inside)
+
+    def on_edge(self, element: Ints, xi: Floats, tolerance: float) -> np.ndarray:
+        """True where xi lies on the boundary of the facet, within a reference tolerance."""
+        far = 1 - xi.sum(axis=1) if self._is_triangle else 1 - xi.max(axis=1)
+        return np.minimum(xi.min(axis=1), far) <= tolerance
+
+    def size(self, element: Ints) -> Floats:
+        """Diameter (m) of each facet, (n,)."""
+        return self._sizes[element]

@@ -1,0 +1,246 @@
+"""Elastic body of NURBS patches."""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+from scipy.sparse import csr_array, diags_array, kron, vstack
+
+from cea.body import Floats, Ints, VolumeSample
+from cea.boundary import Pressure, Spring, Support
+from cea.errors import InputError
+from cea.material import IsotropicMaterial
+from iga_cea import assembly
+from iga_cea.inputs import (
+    check_boundary,
+    check_faces,
+    check_patches,
+    checked_continuity,
+    checked_degree,
+)
+from iga_cea.multipatch import End, Multipatch, join
+from iga_cea.patch import PatchGeometry, refine, subdivided, tensor_cells
+from iga_cea.pattern import Pattern
+from iga_cea.surface import NurbsSurface
+
+
+class NurbsBody:
+    """Body of joined NURBS patches; its trial space is rational with the geometry's weights.
+
+    Matrices are assembled when first asked for, and kept.
+
+    Parameters
+    ----------
+    name
+        Name of the body.
+    patches
+        Geometry of its patches: degrees, knots, control points, weights, breaks.
+    faces
+        Faces (patch, axis, side) of each named surface.
+    degree
+        Degree of the trial space along each parameter, 1 to 6, not below that of the geometry.
+    material
+        Material.
+    continuity
+        Continuous derivatives at inserted breaks along each parameter; by default degree - 1.
+    supports
+        Held components; they hold every control point of the surface.
+    springs
+        Elastic foundations, part of the stiffness.
+    pressures
+        Pressures, part of the load.
+    comm
+        MPI communicator.
+
+    Raises
+    ------
+    InputError
+        When something does not fit, or patches touch that do not conform.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        patches: Sequence[PatchGeometry],
+        faces: Mapping[str, Sequence[End]],
+        degree: Sequence[int],
+        *,
+        material: IsotropicMaterial,
+        continuity: Sequence[int] | None = None,
+        supports: Sequence[Support] = (),
+        springs: Sequence[Spring] = (),
+        pressures: Sequence[Pressure] = (),
+        comm: Any = MPI.COMM_WORLD,
+    ) -> None:
+        field = f"bodies.{name}"
+        dim = check_patches(patches, f"{field}.patches")
+        degree = checked_degree(degree, patches, f"{field}.degree")
+        continuity = checked_continuity(continuity, degree, f"{field}.continuity")
+        check_faces(faces, len(patches), dim, f"{field}.faces")
+        check_boundary(supports, springs, pressures, faces, dim, field)
+
+        self.name = name
+        self.dim = dim
+        self.comm = comm
+        self.material = material
+        self.degree = degree
+        self.continuity = continuity
+        self._supports = tuple(supports)
+        self._springs = tuple(springs)
+        self._pressures = tuple(pressures)
+        self.multipatch: Multipatch = join(
+            [refine(patch, degree, continuity) for patch in patches], comm.size, f"{field}.patches"
+        )
+        self.surfaces: Mapping[str, NurbsSurface] = MappingProxyType(
+            {
+                surface: NurbsSurface(surface, self.multipatch.faces(ends), self.num_scalar_dofs)
+                for surface, ends in faces.items()
+            }
+        )
+
+    @property
+    def num_scalar_dofs(self) -> int:
+        """Scalar basis functions over all ranks."""
+        return self.multipatch.num_scalar_dofs
+
+    @property
+    def control_points(self) -> Floats:
+        """Control point of each scalar dof (m), shape (num_scalar_dofs, dim)."""
+        return self.multipatch.control_points
+
+    @cached_property
+    def expansion(self) -> Any:
+        """PETSc AIJ matrix (full x free): displacement of every dof from the free ones."""
+        free = self._free
+        here = free[self._owned]
+        number = np.cumsum(free) - 1
+        return PETSc.Mat().createAIJ(
+            size=((len(here), len(free)), (int(here.sum()), int(free.sum()))),
+            csr=(
+                np.concatenate([[0], np.cumsum(here)]).astype(PETSc.IntType),
+                number[self._owned][here].astype(PETSc.IntType),
+                np.ones(int(here.sum())),
+            ),
+            comm=self.comm,
+        )
+
+    def stiffness(self) -> Any:
+        """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
+        return self._stiffness
+
+    def mass(self) -> Any:
+        """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
+
+        Raises
+        ------
+        InputError
+            When the material has no density.
+        """
+        return self._mass
+
+    def load(self) -> Any:
+        """Forces of the pressures, PETSc vector (free), N."""
+        return self._load
+
+    def volume_sample(self, subdivisions: int) -> VolumeSample:
+        """Sample of the whole body, each knot span divided so many times a direction.
+
+        Complete on every rank. Points on joints of patches appear once for each patch.
+        """
+        if subdivisions < 1:
+            raise InputError("subdivisions", subdivisions, "at least 1")
+        cells, values, count = [], [], 0
+        for patch, dofs in zip(self.multipatch.patches, self.multipatch.dofs, strict=True):
+            parameters = [subdivided(breaks, subdivisions) for breaks in patch.breaks]
+            basis = patch.basis_on_grid(parameters)
+            columns = dofs.ravel()[basis.indices]
+            shape = (basis.shape[0], self.num_scalar_dofs)
+            values.append(csr_array((basis.data, columns, basis.indptr), shape=shape))
+            cells.append(count + tensor_cells([len(x) for x in parameters]))
+            count += basis.shape[0]
+        every = csr_array(vstack(values, format="csr"))
+        return VolumeSample(every @ self.control_points, np.concatenate(cells), every)
+
+    @cached_property
+    def _free(self) -> np.ndarray:
+        """True for full dofs that no support holds, shape (dim * num_scalar_dofs,)."""
+        free = np.ones((self.num_scalar_dofs, self.dim), dtype=bool)
+        for support in self._supports:
+            free[np.ix_(self.surfaces[support.surface].dofs, support.components)] = False
+        return free.ravel()
+
+    @property
+    def _owned(self) -> slice:
+        """Full dofs of this rank."""
+        first, last = self.dim * self.multipatch.dof_ranges[self.comm.rank : self.comm.rank + 2]
+        return slice(int(first), int(last))
+
+    @property
+    def _owned_free(self) -> Ints:
+        """Full dofs of this rank that are free."""
+        return self._owned.start + np.flatnonzero(self._free[self._owned])
+
+    @cached_property
+    def _pattern(self) -> Pattern:
+        return Pattern.of(self.multipatch, self.comm.rank)
+
+    @cached_property
+    def _stiffness(self) -> Any:
+        K = assembly.stiffness(self.multipatch, self._pattern, self.material.lame, self.comm)
+        for spring in self._springs:
+            foundation = self._foundation(spring)
+            K.axpy(1.0, foundation, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+            foundation.destroy()
+        return self._restricted(K)
+
+    @cached_property
+    def _mass(self) -> Any:
+        rho = self.material.rho
+        if rho is None:
+            field = f"bodies.{self.name}.material.rho"
+            raise InputError(field, None, "a density (kg/m^3) is needed for a mass matrix")
+        return self._restricted(assembly.mass(self.multipatch, self._pattern, rho, self.comm))
+
+    @cached_property
+    def _load(self) -> Any:
+        force = np.zeros((self.num_scalar_dofs, self.dim))
+        for pressure in self._pressures:
+            surface = self.surfaces[pressure.surface]
+            points = surface.gauss_points(max(self.degree) + 1)
+            traction = -pressure.value * points.normal
+            force += surface.trace(points.at).T @ (points.weight[:, None] * traction)
+        load = self.expansion.createVecRight()
+        load.setArray(force.ravel()[self._owned_free])
+        return load
+
+    def _foundation(self, spring: Spring) -> Any:
+        """Matrix of a spring, all dofs: int k_c N_a N_b on the diagonal of components."""
+        surface = self.surfaces[spring.surface]
+        points = surface.gauss_points(max(self.degree) + 1)
+        scaled = diags_array(np.sqrt(points.weight)) @ surface.trace(points.at)
+        scalar = csr_array(scaled.T @ scaled)
+        whole = csr_array(kron(scalar, diags_array(np.asarray(spring.stiffness)), format="csr"))
+        rows = whole[self._owned]
+        owned = rows.shape[0]
+        return PETSc.Mat().createAIJ(
+            size=((owned, whole.shape[0]), (owned, whole.shape[1])),
+            csr=(
+                rows.indptr.astype(PETSc.IntType),
+                rows.indices.astype(PETSc.IntType),
+                rows.data,
+            ),
+            comm=self.comm,
+        )
+
+    def _restricted(self, matrix: Any) -> Any:
+        """Rows and columns of the free dofs."""
+        if self._free.all():
+            return matrix
+        free = PETSc.IS().createGeneral(self._owned_free.astype(PETSc.IntType), comm=self.comm)
+        restricted = matrix.createSubMatrix(free, free)
+        matrix.destroy()
+        return restricted

@@ -1,0 +1,96 @@
+"""Input of a NURBS body checked before any work begins."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cea.boundary import Pressure, Spring, Support
+from cea.errors import InputError
+from iga_cea.multipatch import End
+from iga_cea.patch import PatchGeometry, check_geometry
+
+MAX_DEGREE = 6
+"""Highest degree of a trial space."""
+
+
+def check_patches(patches: Sequence[PatchGeometry], field: str) -> int:
+    """Refuse patches that make no body; return their dimension."""
+    if not patches:
+        raise InputError(field, patches, "at least one patch")
+    dims = {len(patch.degrees) for patch in patches}
+    if len(dims) != 1 or not dims <= {2, 3}:
+        raise InputError(field, sorted(dims), "patches of one dimension, 2 or 3")
+    for number, patch in enumerate(patches):
+        check_geometry(patch, f"{field}[{number}]")
+    return dims.pop()
+
+
+def checked_degree(
+    degree: Sequence[int], patches: Sequence[PatchGeometry], field: str
+) -> tuple[int, ...]:
+    """Degrees of the trial space, none below that of the geometry."""
+    dim = len(patches[0].degrees)
+    if not _whole_numbers(degree, dim) or not all(1 <= q <= MAX_DEGREE for q in degree):
+        raise InputError(field, degree, f"{dim} whole numbers from 1 to {MAX_DEGREE}")
+    lowest = np.max([patch.degrees for patch in patches], axis=0)
+    if np.any(np.asarray(degree) < lowest):
+        allowed = f"at least {tuple(lowest.tolist())}, the degree of the geometry"
+        raise InputError(field, degree, allowed)
+    return tuple(int(q) for q in degree)
+
+
+def checked_continuity(
+    continuity: Sequence[int] | None, degree: tuple[int, ...], field: str
+) -> tuple[int, ...]:
+    """Continuity at inserted breaks, by default the highest."""
+    if continuity is None:
+        return tuple(q - 1 for q in degree)
+    whole = _whole_numbers(continuity, len(degree))
+    if not whole or not all(0 <= c < q for c, q in zip(continuity, degree, strict=True)):
+        allowed = f"{len(degree)} whole numbers from 0 to the degree {degree} less 1"
+        raise InputError(field, continuity, allowed)
+    return tuple(int(c) for c in continuity)
+
+
+def check_faces(faces: Mapping[str, Sequence[End]], patches: int, dim: int, field: str) -> None:
+    """Refuse surfaces with faces that do not exist, or with none."""
+    for name, ends in faces.items():
+        real = [0 <= p < patches and 0 <= a < dim and s in (0, 1) for p, a, s in ends]
+        if not real or not all(real) or len(set(ends)) != len(ends):
+            allowed = f"different (patch below {patches}, axis below {dim}, side 0 or 1)"
+            raise InputError(f"{field}.{name}", tuple(ends), allowed)
+
+
+def check_boundary(
+    supports: Sequence[Support],
+    springs: Sequence[Spring],
+    pressures: Sequence[Pressure],
+    surfaces: Iterable[str],
+    dim: int,
+    field: str,
+) -> None:
+    """Refuse supports, springs and pressures on unknown surfaces, or of another dimension."""
+    known = list(surfaces)
+    named = {
+        "supports": [item.surface for item in supports],
+        "springs": [item.surface for item in springs],
+        "pressures": [item.surface for item in pressures],
+    }
+    for kind, names in named.items():
+        for number, name in enumerate(names):
+            if name not in known:
+                allowed = f"one of {', '.join(known)}"
+                raise InputError(f"{field}.{kind}[{number}].surface", name, allowed)
+    for number, support in enumerate(supports):
+        if max(support.components) >= dim:
+            part = f"{field}.supports[{number}].components"
+            raise InputError(part, support.components, f"components below {dim}")
+    for number, spring in enumerate(springs):
+        if len(spring.stiffness) != dim:
+            part = f"{field}.springs[{number}].stiffness"
+            raise InputError(part, spring.stiffness, f"{dim} values, one for each component")
+
+
+def _whole_numbers(values: Any, count: int) -> bool:
+    return len(values) == count and all(isinstance(v, int | np.integer) for v in values)

@@ -1,0 +1,152 @@
+"""Which faces of patches are joined: found by geometry, refused where they touch otherwise."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations, permutations, product
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from cea.body import Floats, Ints
+from cea.errors import InputError
+from cea.location import locate_along
+from iga_cea.chart import FaceChart
+from iga_cea.face import PatchFace, grid_points
+from iga_cea.patch import subdivided
+
+TOLERANCE = 1e-7
+"""Distance at which points coincide, relative to the local mesh size."""
+
+_SAME_PARAMETER = 1e-9
+"""Difference at which knots, or ratios of weights, are equal."""
+
+
+def joined_dofs(faces: Sequence[PatchFace], field: str) -> Ints:
+    """Pairs of dofs that joined faces share, shape (n, 2).
+
+    Two faces are joined when, one of them turned or flipped, their control points coincide, their
+    knots are the same and their weights equal up to a factor.
+
+    Parameters
+    ----------
+    faces
+        All faces of all patches, their dofs not joined yet.
+    field
+        Name of the patches in messages.
+
+    Raises
+    ------
+    InputError
+        When faces touch but are not joined, or a patch touches itself.
+    """
+    pairs = [np.empty((0, 2), dtype=np.int64)]
+    for side_a, side_b in _neighbours([_Side(face) for face in faces]):
+        a, b = side_a.face, side_b.face
+        order = _common_order(a, b)
+        if order is not None and a.patch != b.patch:
+            pairs.append(np.stack([a.dofs[..., 0].ravel(), order.ravel()], axis=1))
+        elif order is not None or _touch(side_a, side_b) or _touch(side_b, side_a):
+            names = f"{_name(a)} and {_name(b)}"
+            raise InputError(
+                field, names, "joined faces with equal nets of control points, or faces apart"
+            )
+    return np.concatenate(pairs)
+
+
+def _name(face: PatchFace) -> str:
+    return f"patch {face.patch} axis {face.axis} side {face.side}"
+
+
+@dataclass(frozen=True)
+class _Side:
+    """A face with what the tests of its neighbourhood need of it, each found once."""
+
+    face: PatchFace
+
+    @cached_property
+    def box(self) -> tuple[Floats, Floats]:
+        """Least and greatest coordinates; a NURBS lies in the box of its control points."""
+        outer = self.face.control_points[..., 0, :].reshape(-1, self.face.dim)
+        return outer.min(axis=0), outer.max(axis=0)
+
+    @cached_property
+    def samples(self) -> tuple[Floats, Floats, np.ndarray]:
+        """Ends and middles of all spans: positions, normals, and which lie on the edge."""
+        face = self.face
+        xi = grid_points(tuple(subdivided(breaks, 2) for breaks in face.breaks))
+        x, normal, _ = face.normals(xi)
+        ends = np.array([knots[[0, -1]] for knots in face.knots])
+        return x, normal, ((xi == ends[:, 0]) | (xi == ends[:, 1])).any(axis=1)
+
+    @cached_property
+    def edge(self) -> KDTree:
+        """Samples on the edge."""
+        x, _, on_edge = self.samples
+        return KDTree(x[on_edge])
+
+    @cached_property
+    def chart(self) -> FaceChart:
+        """The face as point location sees it."""
+        return FaceChart([self.face])
+
+
+def _neighbours(sides: Sequence[_Side]) -> Iterator[tuple[_Side, _Side]]:
+    """Pairs of faces whose bounding boxes touch."""
+    low, high = (np.array(ends) for ends in zip(*(side.box for side in sides), strict=True))
+    margin = TOLERANCE * np.array([side.face.size for side in sides])
+    for i, j in combinations(range(len(sides)), 2):
+        near = np.minimum(high[i], high[j]) - np.maximum(low[i], low[j])
+        if np.all(near >= -min(margin[i], margin[j])):
+            yield sides[i], sides[j]
+
+
+def _common_order(a: PatchFace, b: PatchFace) -> Ints | None:
+    """Dofs of face b in the order of face a, or None when the faces are not alike."""
+    axes = range(a.dim - 1)
+    tolerance = TOLERANCE * min(a.size, b.size)
+    for order in permutations(axes):
+        for flips in product((False, True), repeat=len(order)):
+            if not all(_same_knots(a, k, b, order[k], flips[k]) for k in axes):
+                continue
+            view = tuple(slice(None, None, -1 if flip else 1) for flip in flips)
+            points = b.control_points[..., 0, :].transpose(*order, a.dim - 1)[view]
+            ratio = b.weights[..., 0].transpose(order)[view] / a.weights[..., 0]
+            alike = np.ptp(ratio) <= _SAME_PARAMETER * ratio.max()
+            distance = np.linalg.norm(points - a.control_points[..., 0, :], axis=-1)
+            if alike and distance.max() <= tolerance:
+                return b.dofs[..., 0].transpose(order)[view]
+    return None
+
+
+def _same_knots(a: PatchFace, axis_a: int, b: PatchFace, axis_b: int, flip: bool) -> bool:
+    if a.degrees[axis_a] != b.degrees[axis_b]:
+        return False
+    first, second = _normalised(a.knots[axis_a]), _normalised(b.knots[axis_b])
+    if flip:
+        second = 1 - second[::-1]
+    return len(first) == len(second) and bool(np.abs(first - second).max() <= _SAME_PARAMETER)
+
+
+def _normalised(knots: Floats) -> Floats:
+    return (knots - knots[0]) / (knots[-1] - knots[0])
+
+
+def _touch(a: _Side, b: _Side) -> bool:
+    """True when an end or middle of a span of a lies on b, not on the edges of both.
+
+    Neighbours may share an edge; faces that share more overlap.
+    """
+    x, normal, edge_of_a = a.samples
+    low, high = b.box
+    reach = TOLERANCE * min(a.face.size, b.face.size)
+    candidate = np.all((x >= low - reach) & (x <= high + reach), axis=1)
+    # Most neighbours share the samples of an edge: no need to locate those.
+    on_edges = np.flatnonzero(candidate & edge_of_a)
+    candidate[on_edges] = b.edge.query(x[on_edges])[0] > reach
+    if not candidate.any():
+        return False
+    found = locate_along(b.chart, x[candidate], normal[candidate], reach, TOLERANCE)
+    hit = ~found.missed
+    inside_b = ~b.chart.on_edge(found.at.element[hit], found.at.xi[hit], 10 * TOLERANCE)
+    return bool(np.any(inside_b | ~edge_of_a[candidate][hit]))

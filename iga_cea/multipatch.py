@@ -1,0 +1,152 @@
+"""Patches joined to one body: numbering of scalar dofs and sharing out over ranks.
+
+Elements of all patches, in order, are shared out over ranks in contiguous ranges. A scalar dof
+belongs to the lowest rank that touches it, and the dofs of a rank are numbered contiguously. The
+integer connectivity is on every rank, matrices are not.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from itertools import product
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from cea.body import Floats, Ints
+from iga_cea.face import PatchFace
+from iga_cea.joints import joined_dofs
+from iga_cea.patch import Patch
+
+End = tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Multipatch:
+    """Joined patches with their numbering.
+
+    Parameters
+    ----------
+    patches
+        The refined patches.
+    dofs
+        Scalar dof of each control point of each patch, in the shape of its net.
+    dof_ranges
+        First scalar dof of each rank, and their number last, shape (ranks + 1,).
+    element_ranges
+        First element of each rank, and their number last, shape (ranks + 1,).
+    """
+
+    patches: tuple[Patch, ...]
+    dofs: tuple[Ints, ...]
+    dof_ranges: Ints
+    element_ranges: Ints
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space."""
+        return self.patches[0].dim
+
+    @property
+    def num_scalar_dofs(self) -> int:
+        """Scalar dofs over all ranks."""
+        return int(self.dof_ranges[-1])
+
+    @property
+    def control_points(self) -> Floats:
+        """Control point of each scalar dof (m), shape (num_scalar_dofs, dim)."""
+        points = np.empty((self.num_scalar_dofs, self.dim))
+        for patch, dofs in zip(self.patches, self.dofs, strict=True):
+            points[dofs] = patch.control_points
+        return points
+
+    def faces(self, ends: Sequence[End]) -> list[PatchFace]:
+        """Faces (patch, axis, side) with their global scalar dofs."""
+        return [PatchFace.of(self.patches[end[0]], self.dofs[end[0]], end) for end in ends]
+
+    def elements_of(self, rank: int) -> list[Ints]:
+        """Elements of each patch that belong to a rank, in C order of their spans."""
+        counts = [int(np.prod(patch.spans)) for patch in self.patches]
+        offsets = np.concatenate([[0], np.cumsum(counts)])
+        first, last = self.element_ranges[rank : rank + 2]
+        return [
+            np.arange(*np.clip([first - offset, last - offset], 0, count))
+            for offset, count in zip(offsets, counts, strict=False)
+        ]
+
+
+def join(patches: Sequence[Patch], ranks: int, field: str) -> Multipatch:
+    """Join patches where their faces coincide.
+
+    Parameters
+    ----------
+    patches
+        The refined patches.
+    ranks
+        Number of ranks that share the work.
+    field
+        Name of the patches in messages.
+
+    Raises
+    ------
+    InputError
+        When patches touch but do not conform.
+    """
+    sizes = [patch.weights.size for patch in patches]
+    offsets = np.concatenate([[0], np.cumsum(sizes)])
+    copies = [
+        offset + np.arange(patch.weights.size).reshape(patch.shape)
+        for offset, patch in zip(offsets, patches, strict=False)
+    ]
+    scalar = _merge(patches, copies, int(offsets[-1]), field)
+
+    touched, elements = _first_elements(patches)
+    first_element = np.full(scalar.max() + 1, elements)
+    np.minimum.at(first_element, scalar, touched)
+    element_ranges = np.arange(ranks + 1) * elements // ranks
+    owner = np.searchsorted(element_ranges, first_element, side="right") - 1
+
+    order = np.argsort(owner, kind="stable")
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.arange(len(order))
+    return Multipatch(
+        patches=tuple(patches),
+        dofs=tuple(number[scalar[copy]] for copy in copies),
+        dof_ranges=np.searchsorted(owner[order], np.arange(ranks + 1)),
+        element_ranges=element_ranges,
+    )
+
+
+def _merge(patches: Sequence[Patch], copies: Sequence[Ints], count: int, field: str) -> Ints:
+    """Number of the scalar dof of each copy of a control point, shape (count,)."""
+    faces = [
+        PatchFace.of(patch, copies[k], (k, axis, side))
+        for k, patch in enumerate(patches)
+        for axis, side in product(range(patch.dim), (0, 1))
+    ]
+    pairs = joined_dofs(faces, field)
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    label = connected_components(graph, directed=False)[1]
+    # Number components by their first copy, so that joining changes the order as little as it can.
+    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
+    rank_of_label = np.empty(len(first), dtype=np.int64)
+    rank_of_label[np.argsort(first)] = np.arange(len(first))
+    return rank_of_label[inverse]
+
+
+def _first_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
+    """First element that touches each copy of a control point, and the number of elements."""
+    touched, offset = [], 0
+    for patch in patches:
+        along = []
+        for firsts, degree, n in zip(
+            patch.first_functions, patch.degrees, patch.shape, strict=True
+        ):
+            # Function i lives on spans whose first function is i - degree or later.
+            along.append(np.searchsorted(firsts, np.arange(n) - degree))
+        spans = patch.spans
+        numbers = np.meshgrid(*along, indexing="ij")
+        touched.append(offset + np.ravel_multi_index(tuple(numbers), spans).ravel())
+        offset += reduce(lambda a, b: a * b, spans)
+    return np.concatenate(touched), offset

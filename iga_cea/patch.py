@@ -1,0 +1,268 @@
+"""A NURBS patch: its geometry, its refinement into the trial space, its basis on tensor grids."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, reduce
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array, kron
+
+from cea.body import Floats, Ints
+from cea.errors import InputError
+from iga_cea.splines import (
+    basis_matrix,
+    elevation_matrix,
+    insertion_matrix,
+    knots_with_breaks,
+)
+
+_MAP_SAMPLES = 4
+"""Pieces of each span of the geometry between samples of its Jacobian."""
+
+_FLAT = 1e-12
+"""Jacobian taken for zero, relative to the product of the longest tangents."""
+
+
+class PatchGeometry(Protocol):
+    """Plain NURBS data of a patch, as a geometry builder gives it."""
+
+    @property
+    def degrees(self) -> tuple[int, ...]:
+        """Degree along each parameter."""
+        ...
+
+    @property
+    def knots(self) -> tuple[Floats, ...]:
+        """Open knot vector along each parameter."""
+        ...
+
+    @property
+    def control_points(self) -> Floats:
+        """Control points (m), shape (n1, ..., dim), not multiplied by the weights."""
+        ...
+
+    @property
+    def weights(self) -> Floats:
+        """Weights, shape (n1, ...)."""
+        ...
+
+    @property
+    def breaks(self) -> tuple[Floats, ...]:
+        """Parameters of the wanted element boundaries along each direction."""
+        ...
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A patch refined to the trial space: rational with the weights of the geometry.
+
+    Parameters
+    ----------
+    degrees
+        Degree along each parameter.
+    knots
+        Open knot vector along each parameter.
+    control_points
+        Control points (m), shape (n1, ..., dim).
+    weights
+        Weights, shape (n1, ...).
+    """
+
+    degrees: tuple[int, ...]
+    knots: tuple[Floats, ...]
+    control_points: Floats
+    weights: Floats
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space and of the parameters."""
+        return len(self.degrees)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of functions along each parameter."""
+        return self.weights.shape
+
+    @cached_property
+    def breaks(self) -> tuple[Floats, ...]:
+        """Ends of the non-empty knot spans along each parameter."""
+        return tuple(np.unique(knots) for knots in self.knots)
+
+    @property
+    def spans(self) -> tuple[int, ...]:
+        """Number of elements along each parameter."""
+        return tuple(len(breaks) - 1 for breaks in self.breaks)
+
+    @cached_property
+    def first_functions(self) -> tuple[Ints, ...]:
+        """Number of the first function on each span, along each parameter."""
+        return tuple(
+            np.searchsorted(knots, breaks[:-1], side="right") - 1 - degree
+            for knots, breaks, degree in zip(self.knots, self.breaks, self.degrees, strict=True)
+        )
+
+    def basis_on_grid(self, parameters: Sequence[Floats]) -> csr_array:
+        """Values of the rational basis on a tensor grid, shape (points, functions), C order.
+
+        Parameters
+        ----------
+        parameters
+            Parameters along each direction.
+        """
+        factors = [
+            basis_matrix(knots, degree, x)
+            for knots, degree, x in zip(self.knots, self.degrees, parameters, strict=True)
+        ]
+        weighted = reduce(lambda a, b: kron(a, b, format="csr"), factors) @ diags_array(
+            self.weights.ravel()
+        )
+        return csr_array(diags_array(1 / weighted.sum(axis=1)) @ weighted)
+
+
+def check_geometry(geometry: PatchGeometry, field: str) -> None:
+    """Refuse a patch whose data do not fit together.
+
+    Parameters
+    ----------
+    geometry
+        The patch.
+    field
+        Name of it in messages.
+
+    Raises
+    ------
+    InputError
+        Naming the part at fault.
+    """
+    dim = len(geometry.degrees)
+    counts = np.shape(geometry.weights)
+    if np.shape(geometry.control_points) != (*counts, dim) or len(counts) != dim:
+        shapes = f"{dim} axes of functions, then {dim} coordinates; weights without the latter"
+        raise InputError(f"{field}.control_points", np.shape(geometry.control_points), shapes)
+    if not np.isfinite(geometry.control_points).all():
+        raise InputError(f"{field}.control_points", geometry.control_points, "finite numbers")
+    if not (np.isfinite(geometry.weights).all() and np.all(geometry.weights > 0)):
+        raise InputError(f"{field}.weights", geometry.weights, "positive numbers")
+    for axis, (knots, p, n) in enumerate(
+        zip(geometry.knots, geometry.degrees, counts, strict=True)
+    ):
+        open_ends = len(knots) == n + p + 1 and np.ptp(knots[: p + 1]) == np.ptp(knots[n:]) == 0
+        inner = knots[p + 1 : n]
+        inside = np.all((inner > knots[0]) & (inner < knots[-1])) and knots[0] < knots[-1]
+        continuous = not len(inner) or np.unique(inner, return_counts=True)[1].max() <= p
+        if not (open_ends and inside and continuous and np.all(np.diff(knots) >= 0)):
+            allowed = f"{n + p + 1} rising knots, ends {p + 1} times, others at most {p} times"
+            raise InputError(f"{field}.knots[{axis}]", knots, allowed)
+        breaks = geometry.breaks[axis]
+        if np.any(breaks < knots[0]) or np.any(breaks > knots[-1]):
+            allowed = f"parameters from {knots[0]} to {knots[-1]}"
+            raise InputError(f"{field}.breaks[{axis}]", breaks, allowed)
+    _check_map(geometry, field)
+
+
+def _check_map(geometry: PatchGeometry, field: str) -> None:
+    """Refuse a patch that is folded or collapsed at its ends, its corners, or between them."""
+    grid = [subdivided(np.unique(knots), _MAP_SAMPLES) for knots in geometry.knots]
+    net = homogeneous(geometry)
+
+    def sampled(differentiated: int | None) -> Floats:
+        """Homogeneous coordinates on the grid, one parameter differentiated or none."""
+        return _contracted(
+            net,
+            [
+                basis_matrix(knots, p, x, int(axis == differentiated)).toarray()
+                for axis, (knots, p, x) in enumerate(
+                    zip(geometry.knots, geometry.degrees, grid, strict=True)
+                )
+            ],
+        )
+
+    point = sampled(None)
+    position = point[..., :-1] / point[..., -1:]
+    slopes = [sampled(axis) for axis in range(len(grid))]
+    jacobian = [(s[..., :-1] - position * s[..., -1:]) / point[..., -1:] for s in slopes]
+    tangents = np.stack(jacobian, axis=-1)
+    lengths = np.linalg.norm(tangents, axis=-2).max(axis=tuple(range(len(grid))))
+    determinant = np.linalg.det(tangents) / np.prod(np.where(lengths > 0, lengths, 1.0))
+    if determinant.min() <= _FLAT and determinant.max() >= -_FLAT:
+        value = f"Jacobian from {determinant.min():.3g} to {determinant.max():.3g} (relative)"
+        allowed = "a map neither folded nor collapsed: a Jacobian of one sign, zero nowhere"
+        raise InputError(f"{field}.control_points", value, allowed)
+
+
+def homogeneous(geometry: PatchGeometry) -> Floats:
+    """Control points times weights, then weights, shape (n1, ..., dim + 1)."""
+    weights = geometry.weights[..., None]
+    return np.concatenate([geometry.control_points * weights, weights], axis=-1)
+
+
+def _contracted(net: Floats, matrices: Sequence[Floats]) -> Floats:
+    """A net with a matrix applied along each of its axes in turn."""
+    for axis, matrix in enumerate(matrices):
+        net = np.moveaxis(np.tensordot(matrix, net, axes=(1, axis)), 0, axis)
+    return net
+
+
+def refine(geometry: PatchGeometry, degree: Sequence[int], continuity: Sequence[int]) -> Patch:
+    """Raise the degree of a patch, then insert its breaks; the geometry does not change.
+
+    Parameters
+    ----------
+    geometry
+        The patch, checked.
+    degree
+        Degree of the trial space along each parameter, not lower than that of the geometry.
+    continuity
+        Continuous derivatives at inserted breaks along each parameter.
+    """
+    refined_knots, operators = [], []
+    for axis, (p, q, c) in enumerate(zip(geometry.degrees, degree, continuity, strict=True)):
+        knots, elevation = elevation_matrix(np.asarray(geometry.knots[axis], dtype=float), p, q)
+        refined = knots_with_breaks(knots, q, geometry.breaks[axis], c)
+        operators.append(insertion_matrix(knots, q, refined) @ elevation)
+        refined_knots.append(refined)
+    net = _contracted(homogeneous(geometry), operators)
+    weights = np.ascontiguousarray(net[..., -1])
+    return Patch(
+        degrees=tuple(degree),
+        knots=tuple(refined_knots),
+        control_points=net[..., :-1] / weights[..., None],
+        weights=weights,
+    )
+
+
+def tensor_cells(counts: Sequence[int]) -> Ints:
+    """Corners of the cells of a tensor grid in VTK order (quadrilaterals or hexahedra).
+
+    Parameters
+    ----------
+    counts
+        Number of points along each direction; points are numbered in C order.
+    """
+    numbers = np.arange(np.prod(counts)).reshape(counts)
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    layers: list[tuple[int, ...]] = [()] if len(counts) == 2 else [(0,), (1,)]
+    corners = [(*corner, *layer) for layer in layers for corner in square]
+    return np.stack(
+        [
+            numbers[tuple(slice(s, n - 1 + s) for s, n in zip(c, counts, strict=True))].ravel()
+            for c in corners
+        ],
+        axis=1,
+    )
+
+
+def subdivided(breaks: Floats, parts: int) -> Floats:
+    """Breaks with each span divided evenly, shape (spans * parts + 1,).
+
+    Parameters
+    ----------
+    breaks
+        Rising ends of the spans.
+    parts
+        Pieces of each span.
+    """
+    pieces = [np.linspace(a, b, parts, endpoint=False) for a, b in pairwise(breaks)]
+    return np.concatenate([*pieces, breaks[-1:]])

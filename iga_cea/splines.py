@@ -1,0 +1,222 @@
+"""B-splines of one parameter: basis, derivatives, knot insertion, degree elevation.
+
+Knot vectors are open (first and last knot degree + 1 times). Everything is vectorised over points.
+References: Piegl & Tiller, The NURBS Book; Cohen, Lyche & Riesenfeld, Discrete B-splines (1980).
+"""
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from cea.body import Floats, Ints
+
+
+def find_span(knots: Floats, degree: int, x: Floats) -> Ints:
+    """Index i of the non-empty span ``knots[i] <= x < knots[i + 1]``; the last one is closed.
+
+    Parameters
+    ----------
+    knots
+        Open knot vector.
+    degree
+        Degree.
+    x
+        Parameters within its range, shape (n,).
+    """
+    spans = np.searchsorted(knots, x, side="right") - 1
+    return np.clip(spans, degree, len(knots) - degree - 2)
+
+
+def basis_functions(
+    knots: Floats, degree: int, x: Floats, derivatives: int = 0
+) -> tuple[Ints, Floats]:
+    """Values and derivatives of the functions that do not vanish (Cox-de Boor).
+
+    Parameters
+    ----------
+    knots
+        Open knot vector.
+    degree
+        Degree.
+    x
+        Parameters within its range, shape (n,).
+    derivatives
+        Highest derivative wanted.
+
+    Returns
+    -------
+    first : ndarray
+        Number of the first of the ``degree + 1`` functions at each point, shape (n,).
+    values : ndarray
+        Derivative k of function ``first + j`` in ``values[k, :, j]``, shape
+        (derivatives + 1, n, degree + 1).
+    """
+    x = np.asarray(x, dtype=float)
+    span = find_span(knots, degree, x)
+    values = np.zeros((derivatives + 1, len(x), degree + 1))
+    for k in range(min(derivatives, degree) + 1):
+        values[k] = _derivative(knots, degree, span, x, k)
+    return span - degree, values
+
+
+def _derivative(knots: Floats, degree: int, span: Ints, x: Floats, order: int) -> Floats:
+    """Derivative of one order, raising the degree from 0; the last ``order`` steps differentiate.
+
+    A function of degree q - 1 on the knots [left, right] is shared by two functions of degree q.
+    """
+    values = np.ones((len(x), 1))
+    for q in range(1, degree + 1):
+        after = span[:, None] + 1 + np.arange(q)
+        left, right = knots[after - q], knots[after]
+        share = values / (right - left)
+        values = np.zeros((len(x), q + 1))
+        if q > degree - order:
+            values[:, :-1] -= q * share
+            values[:, 1:] += q * share
+        else:
+            values[:, :-1] += (right - x[:, None]) * share
+            values[:, 1:] += (x[:, None] - left) * share
+    return values
+
+
+def basis_matrix(knots: Floats, degree: int, x: Floats, derivative: int = 0) -> csr_array:
+    """All functions, or a derivative of them, at given points, shape (n, number of functions).
+
+    Parameters
+    ----------
+    knots
+        Open knot vector.
+    degree
+        Degree.
+    x
+        Parameters within its range, shape (n,).
+    derivative
+        Order of the derivative.
+    """
+    first, values = basis_functions(knots, degree, x, derivative)
+    columns = first[:, None] + np.arange(degree + 1)
+    rows = np.arange(0, values[0].size + 1, degree + 1)
+    shape = (len(first), len(knots) - degree - 1)
+    return csr_array((values[derivative].ravel(), columns.ravel(), rows), shape=shape)
+
+
+def greville(knots: Floats, degree: int) -> Floats:
+    """Greville abscissae: means of ``degree`` successive knots, one for each function.
+
+    Parameters
+    ----------
+    knots
+        Open knot vector.
+    degree
+        Degree, at least 1.
+    """
+    windows = np.lib.stride_tricks.sliding_window_view(knots[1:-1], degree)
+    # Rounding must not carry a mean outside the range.
+    return np.clip(windows.mean(axis=1), knots[0], knots[-1])
+
+
+def insertion_matrix(knots: Floats, degree: int, refined: Floats) -> Floats:
+    """Coefficients on refined knots from those on the knots (Oslo algorithm).
+
+    Parameters
+    ----------
+    knots
+        Open knot vector.
+    degree
+        Degree.
+    refined
+        Open knot vector that holds every one of ``knots`` at least as often.
+
+    Returns
+    -------
+    ndarray
+        Discrete B-splines, rows that are convex combinations, shape (refined, coarse functions).
+    """
+    n = len(knots) - 1
+    rows = len(refined) - degree - 1
+    start = refined[:rows, None]
+    values = ((knots[:-1] <= start) & (start < knots[1:])).astype(float)
+    for q in range(1, degree + 1):
+        width = knots[q:] - knots[:-q]
+        share = values[:, : n - q + 1] / np.where(width > 0, width, 1.0)
+        next_knot = refined[q : q + rows, None]
+        rising = (next_knot - knots[: n - q]) * share[:, :-1]
+        falling = (knots[q + 1 :] - next_knot) * share[:, 1:]
+        values = rising + falling
+    return values
+
+
+def elevation_matrix(knots: Floats, degree: int, target: int) -> tuple[Floats, Floats]:
+    """Raise the degree: elevated knots, and coefficients on them from those on the knots.
+
+    The spline is interpolated at the Greville abscissae of the elevated space, which holds it
+    exactly; that interpolation is well conditioned at the degrees in use.
+
+    Parameters
+    ----------
+    knots
+        Open knot vector.
+    degree
+        Its degree.
+    target
+        Degree wanted, not lower.
+
+    Returns
+    -------
+    elevated : ndarray
+        Knots, each as much more frequent as the degree is higher.
+    matrix : ndarray
+        Shape (elevated, original functions).
+    """
+    if target == degree:
+        return knots, np.eye(len(knots) - degree - 1)
+    distinct, multiplicity = np.unique(knots, return_counts=True)
+    elevated = np.repeat(distinct, multiplicity + target - degree)
+    at = greville(elevated, target)
+    matrix = np.linalg.solve(
+        basis_matrix(elevated, target, at).toarray(), basis_matrix(knots, degree, at).toarray()
+    )
+    return elevated, matrix
+
+
+def knots_with_breaks(knots: Floats, degree: int, breaks: Floats, continuity: int) -> Floats:
+    """Knots that have every break often enough for the wanted continuity there.
+
+    Knots the geometry already has keep at least their multiplicity.
+
+    Parameters
+    ----------
+    knots
+        Open knot vector.
+    degree
+        Degree.
+    breaks
+        Parameters of element boundaries within its range; within 1e-10 of its length from a
+        knot they are that knot.
+    continuity
+        Continuous derivatives at the breaks, 0 to degree - 1.
+    """
+    distinct, multiplicity = np.unique(knots, return_counts=True)
+    distance = np.abs(np.asarray(breaks)[:, None] - distinct)
+    near = distance.min(axis=1) <= 1e-10 * (knots[-1] - knots[0])
+    at_knots = np.unique(distance[near].argmin(axis=1))
+    multiplicity[at_knots] = np.maximum(multiplicity[at_knots], degree - continuity)
+    new = np.unique(np.asarray(breaks)[~near])
+    return np.sort(
+        np.concatenate([np.repeat(distinct, multiplicity), np.repeat(new, degree - continuity)])
+    )
+
+
+def gauss_rule(breaks: Floats, n: int) -> tuple[Floats, Floats]:
+    """Gauss-Legendre points and weights, n between each two breaks, both (spans, n).
+
+    Parameters
+    ----------
+    breaks
+        Rising ends of the spans.
+    n
+        Points per span.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(n)
+    half = np.diff(breaks)[:, None] / 2
+    middle = (breaks[1:, None] + breaks[:-1, None]) / 2
+    return middle + half * nodes, half * weights

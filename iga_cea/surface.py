@@ -1,0 +1,172 @@
+"""Named surfaces of NURBS bodies: points, location, trace and derivatives."""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+from scipy.spatial import KDTree
+
+from cea.body import Floats, Ints, Location, SurfaceCoordinates, SurfacePoints
+from cea.errors import InputError
+from cea.location import locate_along
+from iga_cea.chart import FaceChart
+from iga_cea.face import PatchFace, grid_points
+from iga_cea.splines import gauss_rule
+
+_AREA_POINTS = 12
+"""Gauss points per span for the area: a quarter circle in one span needs ten for 1e-14."""
+
+_SAME_POINT = 1e-8
+"""Distance of points taken for one, relative to the mesh size."""
+
+
+class NurbsSurface(FaceChart):
+    """Faces of patches under one name; its elements are these faces, 0 to n - 1 in their order.
+
+    Parameters
+    ----------
+    name
+        Name of the surface.
+    faces
+        Its faces, with global scalar dofs.
+    num_scalar_dofs
+        Scalar dofs of the body.
+    """
+
+    def __init__(self, name: str, faces: Sequence[PatchFace], num_scalar_dofs: int) -> None:
+        super().__init__(faces)
+        self.name = name
+        self.num_scalar_dofs = num_scalar_dofs
+
+    @property
+    def num_elements(self) -> int:
+        """Number of its faces."""
+        return len(self.faces)
+
+    @cached_property
+    def area(self) -> float:
+        """Area (m^2; length in 2D), by Gauss quadrature."""
+        return float(self.gauss_points(_AREA_POINTS).weight.sum())
+
+    @cached_property
+    def mesh_size(self) -> float:
+        """Diameter of its largest knot span (m)."""
+        return max(face.size for face in self.faces)
+
+    @property
+    def abscissa_kinds(self) -> tuple[str, ...]:
+        """Kinds of abscissae."""
+        return ("greville",)
+
+    @cached_property
+    def dofs(self) -> Ints:
+        """Scalar dofs with a value on the surface, rising."""
+        return np.unique(np.concatenate([face.dofs[..., 0].ravel() for face in self.faces]))
+
+    def gauss_points(self, n: int) -> SurfacePoints:
+        """Gauss points, n per direction in each knot span, weights with the Jacobian."""
+        if n < 1:
+            raise InputError("gauss_points", n, "at least one per direction")
+        rules = [[gauss_rule(breaks, n) for breaks in face.breaks] for face in self.faces]
+        at = _on_faces([tuple(x.ravel() for x, _ in rule) for rule in rules])
+        reference = np.concatenate(
+            [grid_points(tuple(w.ravel() for _, w in rule)).prod(axis=1) for rule in rules]
+        )
+        x, normal, area = self._normals(at)
+        return SurfacePoints(at, x, normal, reference * area)
+
+    def abscissae(self, kind: str) -> SurfacePoints:
+        """Tensor Greville abscissae of the trace space, each once, weights area/n.
+
+        Raises
+        ------
+        InputError
+            When the kind is not ``greville``.
+        """
+        if kind not in self.abscissa_kinds:
+            raise InputError("abscissae", kind, f"one of {', '.join(self.abscissa_kinds)}")
+        at = _on_faces([face.greville for face in self.faces])
+        # Each abscissa belongs to a control point, and joined control points are one dof.
+        dofs = np.concatenate([face.dofs[..., 0].ravel() for face in self.faces])
+        return self._even(at[np.sort(np.unique(dofs, return_index=True)[1])])
+
+    def grid(self, n: int) -> SurfacePoints:
+        """Equally spaced parameters, n per direction over each face with its boundary.
+
+        Points shared by joined faces count once; weights area/n_points.
+        """
+        if n < 2:
+            raise InputError("grid", n, "at least two points per direction")
+        at = _on_faces(
+            [tuple(np.linspace(k[0], k[-1], n) for k in face.knots) for face in self.faces]
+        )
+        pairs = KDTree(self.position(at)).query_pairs(
+            _SAME_POINT * self.mesh_size, output_type="ndarray"
+        )
+        again = np.zeros(len(at), dtype=bool)
+        again[pairs.max(axis=1)] = True
+        return self._even(at[~again])
+
+    def locate(self, x: Floats, direction: Floats, reach: float) -> Location:
+        """Find points on the surface along unit directions, within ``reach`` (m) either way."""
+        return locate_along(self, x, direction, reach)
+
+    def position(self, at: SurfaceCoordinates) -> Floats:
+        """Positions (m), shape (n, dim)."""
+        return self.tangents(at.element, at.xi)[0]
+
+    def normal(self, at: SurfaceCoordinates) -> Floats:
+        """Outward unit normals, shape (n, dim)."""
+        return self._normals(at)[1]
+
+    def trace(self, at: SurfaceCoordinates) -> csr_array:
+        """Values of the scalar basis functions, shape (n, num_scalar_dofs)."""
+        rows, columns, values = [], [], []
+        for face, points in self.pieces(at.element):
+            dofs, value = face.trace(at.xi[points])
+            rows.append(np.repeat(points, dofs.shape[1]))
+            columns.append(dofs.ravel())
+            values.append(value.ravel())
+        return self._operator(len(at), rows, columns, values)
+
+    def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
+        """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
+        rows, columns, values = [], [], []
+        for face, points in self.pieces(at.element):
+            dofs, gradient = face.gradient(at.xi[points])
+            rows.append(np.repeat(points, dofs.shape[1]))
+            columns.append(dofs.ravel())
+            values.append(gradient.reshape(-1, self.dim))
+        return tuple(
+            self._operator(len(at), rows, columns, [v[:, i] for v in values])
+            for i in range(self.dim)
+        )
+
+    def _operator(
+        self, points: int, rows: list[Ints], columns: list[Ints], values: list[Floats]
+    ) -> csr_array:
+        shape = (points, self.num_scalar_dofs)
+        if not rows:
+            return csr_array(shape)
+        entries = (np.concatenate(rows), np.concatenate(columns))
+        return coo_array((np.concatenate(values), entries), shape=shape).tocsr()
+
+    def _normals(self, at: SurfaceCoordinates) -> tuple[Floats, Floats, Floats]:
+        x, normal = np.empty((2, len(at), self.dim))
+        area = np.empty(len(at))
+        for face, rows in self.pieces(at.element):
+            x[rows], normal[rows], area[rows] = face.normals(at.xi[rows])
+        return x, normal, area
+
+    def _even(self, at: SurfaceCoordinates) -> SurfacePoints:
+        """Points of equal weight."""
+        x, normal, _ = self._normals(at)
+        return SurfacePoints(at, x, normal, np.full(len(at), self.area / len(at)))
+
+
+def _on_faces(parameters: Sequence[tuple[Floats, ...]]) -> SurfaceCoordinates:
+    """Tensor grids, one on each face in order."""
+    grids = [grid_points(p) for p in parameters]
+    element = np.repeat(np.arange(len(grids)), [len(g) for g in grids])
+    return SurfaceCoordinates(element, np.concatenate(grids))

@@ -1,0 +1,330 @@
+"""Lagrange surfaces: rules, trace, gradient, and location of points against brute force."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from cea.body import Status, SurfaceCoordinates
+from cea.errors import InputError
+from cea.location import locate_along
+from cea.material import IsotropicMaterial
+from fe_cea.body import FEBody
+from meshes.gmsh_shapes import gmsh_mesh
+from meshes.shapes import Annulus, Box, Placement, breaks_of
+
+ELEMENTS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
+PLACEMENT = Placement(axis=(1.0, 2.0, -0.5), angle=37.0, translation=(0.3, -0.2, 0.7))
+BOX = Box((2.0, 1.0, 0.5), origin=(0.1, -0.3, 0.2))
+ANNULUS = Annulus(0.5, 1.0, 0.0, 0.3)
+MESHES = {
+    "box": (BOX, (3, 3, 2), {"x": [0.6]}, 0.4),
+    "annulus": (ANNULUS, (2, 16, 1), None, 0.25),
+}
+
+every_element = pytest.mark.parametrize(("cell", "degree"), ELEMENTS)
+
+
+def make(kind, cell, degree, placement=PLACEMENT):
+    shape, elements, through, size = MESHES[kind]
+    mesh = (
+        {"size": size} if cell == "tetrahedron" else {"breaks": breaks_of(shape, elements, through)}
+    )
+    with gmsh_mesh(shape, cell, degree, placement=placement, **mesh) as model:
+        material = IsotropicMaterial(1.0, 0.3)
+        return FEBody.from_gmsh("part", model, degree=degree, material=material)
+
+
+def coordinates(body, degree):
+    sample = body.volume_sample(degree)
+    return sample.values.T @ sample.points
+
+
+def scattered(surface, n, seed=1):
+    """Random points of a surface, away from the edges of its facets."""
+    rng = np.random.default_rng(seed)
+    return SurfaceCoordinates(
+        rng.integers(0, surface.num_elements, n), rng.uniform(0.02, 0.48, (n, 2))
+    )
+
+
+def native(points):
+    return (points - PLACEMENT.translation) @ PLACEMENT.rotation
+
+
+def outward(name, x):
+    """Outward normals of the shapes in their own frame, by name of the surface."""
+    if name in ("inner", "outer"):
+        radial = x * [1.0, 1.0, 0.0]
+        radial /= np.linalg.norm(radial, axis=1, keepdims=True)
+        return radial if name == "outer" else -radial
+    axis, side = {"bottom": "z_min", "top": "z_max"}.get(name, name).split("_")
+    return np.tile(np.eye(3)["xyz".index(axis)] * (1 if side == "max" else -1), (len(x), 1))
+
+
+@every_element
+@pytest.mark.parametrize("kind", MESHES)
+def test_normals_point_outward_and_points_lie_on_the_surface(kind, cell, degree):
+    for name, surface in make(kind, cell, degree).surfaces.items():
+        for points in (surface.gauss_points(3), surface.grid(3), surface.abscissae("nodes")):
+            normal = points.normal @ PLACEMENT.rotation
+            np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1, rtol=1e-14)
+            x = native(points.x)
+            aligned = np.einsum("ni,ni->n", normal, outward(name, x))
+            curved = name in ("inner", "outer")
+            assert aligned.min() > 1 - ({1: 0.05, 2: 1e-3}[degree] if curved else 1e-12)
+            if curved:
+                radius = getattr(ANNULUS, f"{name}_radius")
+                sag = {1: 0.03, 2: 1e-3}[degree]
+                np.testing.assert_allclose(np.hypot(x[:, 0], x[:, 1]), radius, rtol=sag)
+
+
+@every_element
+@pytest.mark.parametrize("kind", MESHES)
+def test_every_rule_measures_the_area(kind, cell, degree):
+    for surface in make(kind, cell, degree).surfaces.values():
+        assert surface.gauss_points(9).weight.sum() == pytest.approx(surface.area, rel=1e-9)
+        for points in (surface.grid(4), surface.abscissae("nodes")):
+            assert np.ptp(points.weight) == 0
+            assert points.weight.sum() == pytest.approx(surface.area, rel=1e-12)
+
+
+@every_element
+def test_gauss_points_integrate_polynomials(cell, degree):
+    """N per direction integrate degree 2n - 1 over a flat face exactly."""
+    surface = make("box", cell, degree).surfaces["z_max"]
+    (x0, x1), (y0, y1), _ = BOX.extent
+    for n in (1, 2, 3):
+        points = surface.gauss_points(n)
+        x, y, _ = native(points.x).T
+        assert len(points) == n**2 * surface.num_elements
+        for p, q in product(range(2 * n), repeat=2):
+            if p + q > 2 * n - 1:
+                continue
+            exact = (x1 ** (p + 1) - x0 ** (p + 1)) * (y1 ** (q + 1) - y0 ** (q + 1))
+            exact /= (p + 1) * (q + 1)
+            assert points.weight @ (x**p * y**q) == pytest.approx(exact, rel=1e-12, abs=1e-13)
+
+
+@every_element
+@pytest.mark.parametrize("kind", MESHES)
+def test_trace_sums_to_one_and_reproduces_positions(kind, cell, degree):
+    body = make(kind, cell, degree)
+    x = coordinates(body, degree)
+    for surface in body.surfaces.values():
+        at = scattered(surface, 50)
+        trace = surface.trace(at)
+        assert trace.shape == (50, body.num_scalar_dofs)
+        np.testing.assert_allclose(trace.sum(axis=1), 1, rtol=1e-14)
+        np.testing.assert_allclose(trace @ x, surface.position(at), atol=1e-14)
+        per_facet = {("tetrahedron", 1): 3, ("tetrahedron", 2): 6, ("hexahedron", 1): 4}
+        assert np.diff(trace.indptr).max() == per_facet.get((cell, degree), 9)
+
+
+@every_element
+def test_gradient_of_a_linear_field_is_exact_on_curved_cells(cell, degree):
+    body = make("annulus", cell, degree)
+    A = np.array([[1.0, 2.0, -1.0], [0.5, -3.0, 1.0], [2.0, 0.3, 0.7]])
+    u = coordinates(body, degree) @ A.T
+    for surface in body.surfaces.values():
+        at = scattered(surface, 50)
+        gradient = np.stack([derivative @ u for derivative in surface.gradient(at)], axis=2)
+        np.testing.assert_allclose(gradient, np.broadcast_to(A, gradient.shape), atol=1e-11)
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_gradient_of_a_quadratic_field_is_exact(cell):
+    body = make("box", cell, 2)
+    A = np.array([[1.0, 2.0, -1.0], [2.0, -3.0, 1.0], [-1.0, 1.0, 0.7]])
+    x = coordinates(body, 2)
+    u = np.einsum("ni,ij,nj->n", x, A, x)
+    for surface in body.surfaces.values():
+        at = scattered(surface, 50)
+        gradient = np.column_stack([derivative @ u for derivative in surface.gradient(at)])
+        np.testing.assert_allclose(gradient, 2 * surface.position(at) @ A, atol=1e-12)
+
+
+@every_element
+def test_abscissae_are_the_nodes_of_the_surface(cell, degree):
+    body = make("annulus", cell, degree)
+    for surface in body.surfaces.values():
+        points = surface.abscissae("nodes")
+        trace = surface.trace(points.at)
+        values = trace.toarray()
+        assert np.array_equal(np.rint(values).sum(axis=1), np.ones(len(points)))
+        np.testing.assert_allclose(values, np.rint(values), atol=1e-14)
+        # As many points as basis functions that live on the surface, each picked once.
+        alive = np.unique(surface.trace(scattered(surface, 4000)).indices)
+        assert np.array_equal(np.unique(values.argmax(axis=1)), alive)
+        assert len(points) == len(alive)
+
+
+@every_element
+@pytest.mark.parametrize("kind", MESHES)
+def test_grid_has_shared_points_once(kind, cell, degree):
+    surface = make(kind, cell, degree).surfaces["top" if kind == "annulus" else "z_max"]
+    corners = len(surface.grid(2))
+    for n in (3, 5):
+        points = surface.grid(n)
+        assert len(np.unique(np.round(points.x, 9), axis=0)) == len(points)
+        facets = surface.num_elements
+        # Euler: V - E + F is 0 for a ring, 1 for a disc.
+        edges = corners + facets - (0 if kind == "annulus" else 1)
+        inner = (n - 2) * (n - 3) // 2 if cell == "tetrahedron" else (n - 2) ** 2
+        assert len(points) == corners + edges * (n - 2) + facets * inner
+
+
+@every_element
+@pytest.mark.parametrize(("kind", "name"), [("box", "x_max"), ("annulus", "outer")])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_points_off_the_surface_are_found_where_they_came_from(kind, name, side, cell, degree):
+    surface = make(kind, cell, degree).surfaces[name]
+    at = scattered(surface, 500)
+    x, normal = surface.position(at), surface.normal(at)
+    height = side * np.random.default_rng(2).uniform(0.001, 0.05, len(x))
+    found = surface.locate(x + height[:, None] * normal, normal, reach=0.06)
+    assert (found.status == Status.INSIDE).all()
+    assert np.array_equal(found.at.element, at.element)
+    np.testing.assert_allclose(found.at.xi, at.xi, atol=1e-7)
+    np.testing.assert_allclose(found.distance, -height, atol=1e-9)
+    np.testing.assert_allclose(surface.position(found.at), x, atol=1e-8)
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_location_on_a_cylinder_agrees_with_the_circle(cell):
+    """Points outside, looking radially inward, and aslant in z."""
+    surface = make("annulus", cell, 2).surfaces["outer"]
+    rng = np.random.default_rng(3)
+    theta, z = rng.uniform(0, 2 * np.pi, 400), rng.uniform(0.05, 0.25, 400)
+    radial = np.column_stack([np.cos(theta), np.sin(theta), 0 * theta])
+    for tilt in (0.0, 0.3):
+        direction = -radial + [0, 0, tilt]
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        x = 1.1 * radial + [[0, 0, h] for h in z - 0.1 * tilt]
+        found = surface.locate(PLACEMENT.apply(x), direction @ PLACEMENT.rotation.T, reach=0.2)
+        assert not found.missed.any()
+        np.testing.assert_allclose(found.distance, 0.1 * np.hypot(1, tilt), atol=2e-4)
+        hit = native(surface.position(found.at))
+        np.testing.assert_allclose(hit[:, 2], z, atol=1e-4)
+
+
+@every_element
+def test_points_beyond_the_rim_or_reach_are_missed(cell, degree):
+    body = make("box", cell, degree, Placement())
+    surface = body.surfaces["z_max"]
+    (x0, x1), (y0, y1), (_, z1) = BOX.extent
+    up = np.tile([0.0, 0.0, 1.0], (5, 1))
+    size = surface.mesh_size
+    x = np.array(
+        [
+            [x1 + 1e-6 * size, 0.0, z1],
+            [x0 - 1e-3, y0 - 1e-3, z1],
+            [x1 + 5.0, y1 + 7.0, z1],
+            [x0 + 0.31, 0.03, z1 + 0.11],
+            [x0 + 0.31, 0.03, z1 + 0.09],
+        ]
+    )
+    found = surface.locate(x, up, reach=0.1)
+    assert found.status[:4].tolist() == [Status.MISSED] * 4
+    assert found.status[4] in (Status.INSIDE, Status.EDGE)
+    assert found.distance[4] == pytest.approx(-0.09, abs=1e-12)
+    # Clamped in reference coordinates, a point on a slanted triangle is not quite the nearest.
+    nearest = np.array([1e-6 * size, np.sqrt(2) * 1e-3])
+    assert (found.miss[:2] > (1 - 1e-6) * nearest).all()
+    assert (found.miss[:2] < (1.5 if cell == "tetrahedron" else 1 + 1e-6) * nearest).all()
+    assert np.isinf(found.miss[2])
+    assert found.at.element[2] == -1
+
+
+@every_element
+@pytest.mark.parametrize(("kind", "name"), [("box", "z_min"), ("annulus", "inner")])
+def test_points_on_facet_edges_are_on_an_edge(kind, name, cell, degree):
+    surface = make(kind, cell, degree).surfaces[name]
+    n = surface.num_elements
+    far = [[0.6, 0.4], [0.3, 0.7]] if cell == "tetrahedron" else [[1.0, 0.4], [0.3, 1.0]]
+    edge = np.array([[0.0, 0.4], [0.7, 0.0], *far])
+    at = SurfaceCoordinates(np.repeat(np.arange(n), 4), np.tile(edge, (n, 1)))
+    x, normal = surface.position(at), surface.normal(at)
+    found = surface.locate(x + 0.01 * normal, normal, reach=0.05)
+    assert (found.status == Status.EDGE).all()
+    np.testing.assert_allclose(surface.position(found.at), x, atol=1e-8)
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell):
+    """Facets of a quarter circle leave the boxes of their corners by far more than the reach."""
+    ring = Annulus(0.5, 1.0, 0.0, 0.3)
+    mesh = {"size": 0.6} if cell == "tetrahedron" else {"breaks": breaks_of(ring, (1, 4, 1))}
+    with gmsh_mesh(ring, cell, 2, placement=Placement(angle=45.0), **mesh) as model:
+        body = FEBody.from_gmsh("ring", model, degree=2, material=IsotropicMaterial(1.0, 0.3))
+    for name in ("inner", "outer"):
+        surface = body.surfaces[name]
+        points = surface.gauss_points(8)
+        found = surface.locate(points.x, points.normal, reach=1e-6)
+        assert not found.missed.any()
+        np.testing.assert_allclose(surface.position(found.at), points.x, atol=1e-8)
+
+
+class EveryPair:
+    """Chart that tries every facet for every point."""
+
+    def __init__(self, surface):
+        self._surface = surface
+        self._count = surface.num_elements
+
+    def __getattr__(self, name):
+        return getattr(self._surface, name)
+
+    def candidates(self, x, reach):
+        """Every point with every facet."""
+        point = np.repeat(np.arange(len(x)), self._count)
+        element = np.tile(np.arange(self._count), len(x))
+        return point, element, np.full((len(point), 2), 0.3)
+
+
+@pytest.mark.parametrize(("cell", "degree"), [("tetrahedron", 2), ("hexahedron", 2)])
+@pytest.mark.parametrize(("kind", "name"), [("box", "y_max"), ("annulus", "outer")])
+def test_candidates_agree_with_brute_force(kind, name, cell, degree):
+    """2000 points in and around the surface, directions aslant: the same status for all."""
+    surface = make(kind, cell, degree).surfaces[name]
+    rng = np.random.default_rng(5)
+    at = scattered(surface, 2000)
+    normal = surface.normal(at)
+    spread = rng.normal(0, 0.15, (2000, 3))
+    x = surface.position(at) + spread
+    direction = normal + rng.normal(0, 0.2, (2000, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    reach = 0.15
+    found = surface.locate(x, direction, reach)
+    truth = locate_along(EveryPair(surface), x, direction, reach)
+    assert 200 < found.missed.sum() < 1800
+    assert np.array_equal(found.status, truth.status)
+    hit = ~found.missed
+    np.testing.assert_allclose(found.distance[hit], truth.distance[hit], atol=1e-8)
+    same = surface.position(found.at[hit]) - surface.position(truth.at[hit])
+    assert np.abs(same).max() < 1e-8
+
+
+def test_clamp_finds_the_nearest_point_of_the_reference_triangle():
+    surface = make("box", "tetrahedron", 1).surfaces["x_min"]
+    xi = np.random.default_rng(7).uniform(-1.5, 2.5, (300, 2))
+    lattice = np.array([(a, b) for a, b in product(np.linspace(0, 1, 201), repeat=2) if a + b <= 1])
+    nearest = np.linalg.norm(xi[:, None] - lattice, axis=2).min(axis=1)
+    clamped = surface.clamp(np.zeros(300, dtype=int), xi)
+    assert clamped.min() >= 0
+    assert clamped.sum(axis=1).max() <= 1 + 1e-15
+    np.testing.assert_allclose(np.linalg.norm(xi - clamped, axis=1), nearest, atol=4e-3)
+
+
+def test_wrong_requests_are_refused():
+    surface = make("box", "hexahedron", 1).surfaces["x_min"]
+    with pytest.raises(InputError, match="greville"):
+        surface.abscissae("greville")
+    with pytest.raises(InputError, match="at least 1"):
+        surface.gauss_points(0)
+    with pytest.raises(InputError, match="at least 2"):
+        surface.grid(1)
+    lost = SurfaceCoordinates(np.array([0, -1]), np.full((2, 2), 0.5))
+    for evaluate in (surface.position, surface.normal, surface.trace, surface.gradient):
+        with pytest.raises(InputError, match=r"at\.element"):
+            evaluate(lost)

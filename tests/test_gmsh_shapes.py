@@ -1,0 +1,163 @@
+"""Gmsh meshes of the shapes: nodes where the breaks and circles say, names, refusals."""
+
+from itertools import product
+
+import gmsh
+import numpy as np
+import pytest
+
+from meshes.gmsh_shapes import gmsh_mesh
+from meshes.shapes import Annulus, Box, Placement, Sector, breaks_of
+
+BOX = Box((0.3, 0.2, 0.1), origin=(-0.1, 0.05, 0.02))
+ANNULUS = Annulus(0.06, 0.15, -0.002, 0.01)
+SECTOR = Sector(0.1, 0.14, -25.0, 60.0, 0.0, 0.02)
+SHAPES = {shape.shape: shape for shape in (BOX, ANNULUS, SECTOR)}
+ELEMENTS = {"box": (3, 2, 2), "annulus": (2, 14, 1), "sector": (2, 5, 2)}
+THROUGH = {"box": {"x": [0.17]}, "annulus": {"r": [0.07]}, "sector": {"theta": [-20.0]}}
+PLACEMENT = Placement(axis=(1.0, -2.0, 0.5), angle=50.0, translation=(0.3, 0.1, -0.7))
+
+
+def options(shape, cell):
+    if cell == "tetrahedron":
+        return {"size": 0.03}
+    return {"breaks": breaks_of(shape, ELEMENTS[shape.shape], THROUGH[shape.shape])}
+
+
+def native(shape, points):
+    """Points of a placed shape in its own directions: x, y, z or r, theta, z."""
+    x = (points.reshape(-1, 3) - PLACEMENT.translation) @ PLACEMENT.rotation
+    if shape.shape == "box":
+        return x
+    theta = np.degrees(np.arctan2(x[:, 1], x[:, 0]))
+    return np.column_stack([np.hypot(x[:, 0], x[:, 1]), theta, x[:, 2]])
+
+
+def surface_nodes(model, name):
+    (tag,) = (t for d, t in model.getPhysicalGroups(2) if model.getPhysicalName(d, t) == name)
+    return model.mesh.getNodesForPhysicalGroup(2, tag)[1]
+
+
+CASES = list(product(SHAPES, ("tetrahedron", "hexahedron"), (1, 2)))
+
+
+@pytest.mark.parametrize(("kind", "cell", "order"), CASES)
+def test_every_surface_is_named_and_lies_where_it_should(kind, cell, order):
+    shape = SHAPES[kind]
+    with gmsh_mesh(shape, cell, order, placement=PLACEMENT, **options(shape, cell)) as model:
+        names = [model.getPhysicalName(*group) for group in model.getPhysicalGroups(2)]
+        assert sorted(names) == sorted(shape.surfaces)
+        assert len(model.getPhysicalGroups(3)) == 1
+        directions = (0, 2) if kind == "annulus" else (0, 1, 2)
+        levels = [(d, level) for d in directions for level in shape.extent[d]]
+        for name, (direction, level) in zip(shape.surfaces, levels, strict=True):
+            across = native(shape, surface_nodes(model, name))[:, direction]
+            np.testing.assert_allclose(across, level, rtol=1e-13, atol=1e-14)
+
+
+@pytest.mark.parametrize(("kind", "cell", "order"), CASES)
+def test_cells_fill_the_shape_without_inversion(kind, cell, order):
+    shape = SHAPES[kind]
+    with gmsh_mesh(shape, cell, order, **options(shape, cell)) as model:
+        _, (cells,), (connected,) = model.mesh.getElements(3)
+        assert model.mesh.getElementQualities(cells, "minSJ").min() > 0
+        nodes = model.mesh.getNodes()[0]
+        assert np.array_equal(np.unique(connected), np.arange(1, len(nodes) + 1))
+        assert (
+            len(connected)
+            == len(cells)
+            * {
+                ("tetrahedron", 1): 4,
+                ("tetrahedron", 2): 10,
+                ("hexahedron", 1): 8,
+                ("hexahedron", 2): 27,
+            }[cell, order]
+        )
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("kind", SHAPES)
+def test_hexahedra_lie_between_breaks(kind, order):
+    """Every node, inner ones too, is on a break or half way; every cell spans one interval."""
+    shape = SHAPES[kind]
+    breaks = options(shape, "hexahedron")["breaks"]
+    with gmsh_mesh(shape, "hexahedron", order, breaks=breaks, placement=PLACEMENT) as model:
+        tags, points, _ = model.mesh.getNodes()
+        points = native(shape, points)[np.argsort(tags)]
+        _, (cells,), (connected,) = model.mesh.getElements(3)
+    nodes = points[connected.reshape(len(cells), -1).astype(int) - 1]
+    spans = []
+    for direction, (name, line) in enumerate(zip(shape.directions, breaks, strict=True)):
+        along = nodes[:, :, direction]
+        if name == "theta":
+            along = along[:, :1] + (along - along[:, :1] + 180) % 360 - 180
+            along -= 360 * np.floor((along.min(axis=1, keepdims=True) - line[0] + 1e-9) / 360)
+        span = np.abs(along.min(axis=1, keepdims=True) - line).argmin(axis=1)[:, None]
+        parts = order * (along - line[span]) / np.diff(line)[span]
+        np.testing.assert_allclose(parts, np.rint(parts), atol=1e-11)
+        assert (np.rint(parts).min(axis=1) == 0).all()
+        assert (np.rint(parts).max(axis=1) == order).all()
+        spans.append(span.ravel())
+    assert len(np.unique(spans, axis=1).T) == len(cells) == np.prod([len(b) - 1 for b in breaks])
+
+
+def test_tetrahedra_have_about_the_size_asked_for():
+    for size in (0.03, 0.015):
+        with gmsh_mesh(BOX, "tetrahedron", 1, size=size) as model:
+            count = len(model.mesh.getElements(3)[1][0])
+        edge_if_regular = (np.prod(BOX.size) / count * 6 * np.sqrt(2)) ** (1 / 3)
+        assert 0.9 < edge_if_regular / size < 1.3
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_placement_moves_the_same_mesh(cell):
+    with gmsh_mesh(SECTOR, cell, 2, **options(SECTOR, cell)) as model:
+        here = model.mesh.getNodes()[1].reshape(-1, 3)
+    with gmsh_mesh(SECTOR, cell, 2, placement=PLACEMENT, **options(SECTOR, cell)) as model:
+        there = model.mesh.getNodes()[1].reshape(-1, 3)
+    np.testing.assert_allclose(there, PLACEMENT.apply(here), atol=1e-15)
+
+
+BREAKS = breaks_of(BOX, (1, 1, 1))
+
+
+@pytest.mark.parametrize(
+    ("field", "arguments", "keywords"),
+    [
+        ("cell", (BOX, "prism", 1), {"size": 0.1}),
+        ("order", (BOX, "tetrahedron", 3), {"size": 0.1}),
+        ("size", (BOX, "tetrahedron", 1), {}),
+        ("size", (BOX, "tetrahedron", 1), {"size": -0.1}),
+        ("size", (BOX, "hexahedron", 1), {"size": 0.1, "breaks": BREAKS}),
+        ("breaks", (BOX, "tetrahedron", 1), {"size": 0.1, "breaks": BREAKS}),
+        ("breaks", (BOX, "hexahedron", 1), {}),
+        ("breaks of x", (BOX, "hexahedron", 1), {"breaks": (BREAKS[0][::-1], *BREAKS[1:])}),
+        ("breaks of y", (BOX, "hexahedron", 1), {"breaks": (BREAKS[0], 2 * BREAKS[1], BREAKS[2])}),
+        (
+            "breaks of theta",
+            (ANNULUS, "hexahedron", 1),
+            {"breaks": ([0.06, 0.15], [0.0, 180.0, 360.0], [-0.002, 0.01])},
+        ),
+    ],
+)
+def test_wrong_input_is_refused_by_name(field, arguments, keywords):
+    with pytest.raises(ValueError, match=f"^{field} = "), gmsh_mesh(*arguments, **keywords):
+        pass
+    assert not gmsh.isInitialized()
+
+
+def test_gmsh_ends_with_the_block_even_on_errors(capfd):
+    with pytest.raises(KeyError), gmsh_mesh(BOX, "tetrahedron", 2, size=0.1):
+        raise KeyError
+    assert not gmsh.isInitialized()
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_second_mesh_within_the_first_is_refused():
+    with gmsh_mesh(BOX, "hexahedron", 1, breaks=BREAKS) as model:
+        with (
+            pytest.raises(RuntimeError, match="in use"),
+            gmsh_mesh(BOX, "tetrahedron", 1, size=0.1),
+        ):
+            pass
+        assert len(model.mesh.getNodes()[0]) == 8

@@ -1,0 +1,153 @@
+"""Splines of one parameter against scipy and closed forms; refinement keeps the geometry."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+
+from iga_cea.patch import refine
+from iga_cea.splines import (
+    basis_functions,
+    basis_matrix,
+    elevation_matrix,
+    find_span,
+    gauss_rule,
+    greville,
+    insertion_matrix,
+    knots_with_breaks,
+)
+from meshes.nurbs_shapes import nurbs_shape
+from meshes.shapes import Annulus, Box, Placement, Sector, breaks_of
+
+DEGREES = range(1, 7)
+RNG = np.random.default_rng(7)
+
+
+def open_knots(degree: int) -> np.ndarray:
+    """Open, uneven, with an inner knot repeated as often as continuity 0 allows."""
+    inner = np.concatenate([[0.1, 0.35], np.repeat(0.6, degree), [0.85]])
+    return np.concatenate([np.zeros(degree + 1), inner, np.ones(degree + 1)])
+
+
+def points(knots: np.ndarray) -> np.ndarray:
+    return np.unique(np.concatenate([RNG.random(60), knots]))
+
+
+@pytest.mark.parametrize("degree", DEGREES)
+def test_basis_and_derivatives_agree_with_scipy(degree: int) -> None:
+    knots = open_knots(degree)
+    x = points(knots)
+    first, values = basis_functions(knots, degree, x, derivatives=degree + 1)
+    n = len(knots) - degree - 1
+    for k in range(degree + 2):
+        ours = np.zeros((len(x), n))
+        np.put_along_axis(ours, first[:, None] + np.arange(degree + 1), values[k], axis=1)
+        exact = BSpline(knots, np.eye(n), degree)(x, nu=k)
+        assert np.abs(ours - exact).max() <= 1e-13 * max(1.0, np.abs(exact).max())
+
+
+@pytest.mark.parametrize("degree", DEGREES)
+def test_partition_of_unity(degree: int) -> None:
+    knots = open_knots(degree)
+    _, values = basis_functions(knots, degree, points(knots), derivatives=2)
+    assert np.abs(values[0].sum(axis=1) - 1).max() < 1e-15
+    assert values[0].min() >= 0
+    assert np.abs(values[1:].sum(axis=2)).max() < 1e-10
+
+
+def test_span_is_closed_at_the_end_only() -> None:
+    knots = np.array([0.0, 0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 1.0])
+    x = np.array([0.0, 0.49, 0.5, 0.99, 1.0])
+    np.testing.assert_array_equal(find_span(knots, 2, x), [2, 2, 4, 4, 4])
+
+
+def test_greville_closed_form() -> None:
+    knots = np.array([0, 0, 0, 1, 2, 3, 3, 3]) / 3
+    np.testing.assert_allclose(greville(knots, 2), np.array([0, 0.5, 1.5, 2.5, 3]) / 3, atol=1e-16)
+
+
+@pytest.mark.parametrize("degree", DEGREES)
+def test_insertion_keeps_the_curve(degree: int) -> None:
+    knots = open_knots(degree)
+    refined = knots_with_breaks(knots, degree, np.array([0.2, 0.35, 0.6, 0.9]), max(degree - 2, 0))
+    matrix = insertion_matrix(knots, degree, refined)
+    coefficients = RNG.random((len(knots) - degree - 1, 3))
+    x = points(refined)
+    before = basis_matrix(knots, degree, x) @ coefficients
+    after = basis_matrix(refined, degree, x) @ (matrix @ coefficients)
+    assert matrix.min() >= 0
+    assert np.abs(after - before).max() < 1e-14
+
+
+@pytest.mark.parametrize("degree", DEGREES)
+def test_elevation_keeps_the_curve(degree: int) -> None:
+    knots = open_knots(degree)
+    coefficients = RNG.random((len(knots) - degree - 1, 3))
+    for target in range(degree, 7):
+        elevated, matrix = elevation_matrix(knots, degree, target)
+        x = points(elevated)
+        before = basis_matrix(knots, degree, x) @ coefficients
+        after = basis_matrix(elevated, target, x) @ (matrix @ coefficients)
+        assert np.abs(after - before).max() < 1e-14
+
+
+def test_multiplicity_of_breaks_follows_continuity() -> None:
+    knots = np.repeat([0.0, 0.5, 1.0], [4, 2, 4])
+    refined = knots_with_breaks(knots, 3, np.array([0.0, 0.25, 0.5 + 1e-14, 1.0]), 1)
+    distinct, multiplicity = np.unique(refined, return_counts=True)
+    np.testing.assert_array_equal(distinct, [0, 0.25, 0.5, 1])
+    np.testing.assert_array_equal(multiplicity, [4, 2, 2, 4])
+
+
+def test_gauss_rule_integrates_polynomials() -> None:
+    x, w = gauss_rule(np.array([0.0, 0.3, 1.0]), 4)
+    assert (w * x**7).sum() == pytest.approx(1 / 8, rel=1e-15)
+
+
+PLACEMENT = Placement(axis=(1.0, 2.0, -0.5), angle=33.0, translation=(0.1, -0.2, 0.3))
+SHAPES = [
+    Box((1.0, 2.0, 0.5), (0.1, 0.2, 0.3)),
+    Annulus(0.8, 1.7, -0.1, 0.2),
+    Sector(0.8, 1.7, 20.0, 130.0, -0.1, 0.2),
+]
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda s: s.shape)
+@pytest.mark.parametrize("degree", [(1, 2, 1), (2, 3, 4), (6, 6, 6)])
+def test_refinement_keeps_the_geometry(shape, degree: tuple[int, int, int]) -> None:
+    coarse = nurbs_shape(shape, breaks_of(shape, (2, 8, 3)), PLACEMENT)
+    grid = [np.linspace(0, 1, 6)] * 3
+    for geometry in coarse.patches:
+        before = refine(geometry, geometry.degrees, tuple(p - 1 for p in geometry.degrees))
+        after = refine(geometry, np.maximum(degree, geometry.degrees), (0, 1, 0))
+        x = before.basis_on_grid(grid) @ before.control_points.reshape(-1, 3)
+        y = after.basis_on_grid(grid) @ after.control_points.reshape(-1, 3)
+        assert np.abs(x - y).max() < 1e-14
+        assert after.spans == tuple(len(b) - 1 for b in geometry.breaks)
+
+
+@pytest.mark.parametrize("shape", SHAPES[1:], ids=lambda s: s.shape)
+def test_arcs_are_exact_and_breaks_lie_at_their_angles(shape) -> None:
+    breaks = breaks_of(shape, (2, 9, 2))
+    angles = []
+    for geometry in nurbs_shape(shape, breaks).patches:
+        patch = refine(geometry, (1, 2, 1), (0, 1, 0))
+        grid = [np.array([0.0, 1.0]), np.linspace(0, 1, 101), np.array([0.0])]
+        x = patch.basis_on_grid(grid) @ patch.control_points.reshape(-1, 3)
+        radius = np.linalg.norm(x[:, :2], axis=1).reshape(2, -1)
+        assert np.abs(radius / [[shape.inner_radius], [shape.outer_radius]] - 1).max() < 1e-15
+
+        grid[1] = patch.breaks[1]
+        x = patch.basis_on_grid(grid) @ patch.control_points.reshape(-1, 3)
+        angle = np.rad2deg(np.arctan2(x[:, 1], x[:, 0])) % 360
+        angles.append(angle[: len(patch.breaks[1])])
+    difference = np.unique(np.round(np.concatenate(angles), 9) % 360)
+    np.testing.assert_allclose(difference, np.unique(np.round(breaks[1], 9) % 360), atol=1e-8)
+
+
+def test_breaks_that_do_not_fit_are_refused() -> None:
+    annulus = SHAPES[1]
+    r, _, z = breaks_of(annulus, (1, 4, 1))
+    with pytest.raises(ValueError, match="theta"):
+        nurbs_shape(annulus, (r, np.array([0.0, 90.0, 180.0, 360.0]), z))
+    with pytest.raises(ValueError, match="breaks along r"):
+        nurbs_shape(annulus, (r[::-1], np.array([0.0, 90.0, 180.0, 270.0, 360.0]), z))
