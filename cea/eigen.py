@@ -203,6 +203,7 @@ def _shift_invert(operator: Any, mass: Any, shift: float, *, symmetric: bool) ->
     solver.setOperators(operator, mass)
     solver.setProblemType(SLEPc.EPS.ProblemType.GHEP if symmetric else SLEPc.EPS.ProblemType.GNHEP)
     solver.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
+    solver.setPurify(False)  # the mass is nonsingular: nothing to purify
     solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
     solver.setTarget(shift)
     transform = solver.getST()

@@ -324,6 +324,8 @@ def _cross_checks(scene: Scene) -> Iterable[InputError]:
         if contact.a.split(".")[0] == contact.b.split(".")[0]:
             yield InputError(f"contacts.{name}.b", contact.b, f"another body than {contact.a}")
         yield from _formulation_checks(scene, name, contact)
+    if scene.analysis.kind == "static" and scene.output.pictures:
+        yield InputError("output.pictures", scene.output.pictures, "0 in a static analysis")
     for i, load in enumerate(scene.loads):
         yield from _known(f"loads.{i}.surface", load.surface, known)
 

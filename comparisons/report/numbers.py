@@ -1,0 +1,86 @@
+"""Numbers and names as people read them: significant digits, powers of ten, units, backends."""
+
+from collections.abc import Callable, Iterable
+from math import floor, isfinite, log10
+from typing import Any
+
+BACKENDS = {"fe": "finite elements", "iga": "NURBS"}
+"""Backends by the name shown."""
+
+MISSING = "–"
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_NARROW_SPACE = "\u202f"
+
+
+def number(value: float | None, digits: int = 3, *, sign: bool = False) -> str:
+    """Show a number with so many significant digits; very small and large ones as powers of ten.
+
+    Integers, and integer parts below a million, are never rounded. None is shown as a dash.
+    """
+    if value is None or not isfinite(value):
+        return MISSING
+    plus = "+" if sign and value > 0 else ""
+    if isinstance(value, int) or value == 0:
+        return plus + _grouped(f"{value:,.0f}")
+    exponent = floor(log10(abs(float(f"{value:.{digits - 1}e}"))))
+    if -4 < exponent < 6:
+        return plus + _grouped(f"{value:,.{max(0, digits - 1 - exponent)}f}")
+    mantissa = "1" if value == 10.0**exponent else f"{value / 10.0**exponent:.{digits - 1}f}"
+    return plus + _times_power_of_ten(mantissa, exponent)
+
+
+def shown(digits: int, *, sign: bool = False) -> Callable[[float | None], str]:
+    """:func:`number` with fixed options."""
+    return lambda value: number(value, digits, sign=sign)
+
+
+def per_cent(value: float | None, digits: int = 2) -> str:
+    """Show a signed fraction in per cent."""
+    return number(None if value is None else 100 * value, digits, sign=True)
+
+
+def decimals(places: int, *, sign: bool = False) -> Callable[[float | None], str]:
+    """Show a number with so many digits after the point."""
+
+    def show(value: float | None) -> str:
+        if value is None:
+            return MISSING
+        return ("+" if sign and value > 0 else "") + _grouped(f"{value:,.{places}f}")
+
+    return show
+
+
+def backend_name(backend: str) -> str:
+    """Name of a backend as shown; "fe+iga" where bodies of both touch."""
+    return " and ".join(BACKENDS.get(part, part) for part in backend.split("+"))
+
+
+def counted(count: int, singular: str, plural: str = "") -> str:
+    """Count with its noun: "1 mode", "3 modes"."""
+    return f"{number(count)} {singular if count == 1 else plural or singular + 's'}"
+
+
+def listed(parts: Iterable[str]) -> str:
+    """Parts joined as a sentence does: "a, b and c"."""
+    *first, last = parts
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def plain(value: Any) -> str:
+    """Show a parameter of a scene: numbers shortly, sequences with commas."""
+    if isinstance(value, list | tuple):
+        return ", ".join(plain(v) for v in value)
+    if isinstance(value, float):
+        mantissa, _, exponent = f"{value:g}".partition("e")
+        return _grouped(mantissa) if not exponent else _times_power_of_ten(mantissa, int(exponent))
+    return str(value)
+
+
+def _times_power_of_ten(mantissa: str, exponent: int) -> str:
+    power = f"10{str(exponent).translate(_SUPERSCRIPTS)}"
+    return power if mantissa == "1" else f"{_grouped(mantissa)} · {power}"
+
+
+def _grouped(text: str) -> str:
+    """Thousands kept apart by a narrow space, and a true minus."""
+    return text.replace(",", _NARROW_SPACE).replace("-", "−")

@@ -1,0 +1,122 @@
+"""The report of a comparison: result.json, CSV files, figures, and one page that holds them all."""
+
+from base64 import b64encode
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from comparisons.report import figures, provenance, tables, words
+from comparisons.report.tabular import Table
+from comparisons.result import write_json
+from comparisons.run import SceneResult
+
+TABLES = (
+    tables.patch_test,
+    tables.patch_stresses,
+    tables.unstable_modes,
+    tables.eigenvalues,
+    tables.agreement,
+    tables.windows,
+    tables.disc_alone,
+    tables.disc_frequencies,
+    tables.stage_times,
+    provenance.time_saved,
+    provenance.skipped,
+    provenance.parameters,
+    provenance.machine,
+)
+"""Every table, those that only feed a figure too."""
+
+_PICTURES = 1
+"""Modes drawn of each result."""
+
+
+@dataclass(frozen=True)
+class Image:
+    """An image that the page holds.
+
+    Parameters
+    ----------
+    source
+        The PNG file as a ``data:`` address.
+    file
+        Name of the file.
+    """
+
+    source: str
+    file: str
+
+    @classmethod
+    def of(cls, file: Path) -> "Image":
+        """Read a PNG file."""
+        return cls("data:image/png;base64," + b64encode(file.read_bytes()).decode(), file.name)
+
+
+def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: Path) -> Path:
+    """Write everything a comparison shows.
+
+    Parameters
+    ----------
+    data
+        What :func:`comparisons.compare.compare` found.
+    results
+        Results whose most unstable mode is drawn.
+    out
+        Folder for ``result.json``, CSV files, PNG files and ``report.html``.
+
+    Returns
+    -------
+    Path
+        The page: one file that needs no other.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    written = {table.name: table for table in (make(data) for make in TABLES)}
+    for table in written.values():
+        table.write_csv(out)
+    images = {}
+    for name, draw in figures.FIGURES.items():
+        figures.save(draw(data), out / f"{name}.png")
+        images[name] = Image.of(out / f"{name}.png")
+    pictures = _pictures(results, out)
+    write_json(
+        data
+        | {
+            "tables": [f"{name}.csv" for name in written],
+            "figures": [image.file for image in images.values()],
+            "pictures": [image.file for image in pictures],
+        },
+        out / "result.json",
+    )
+    page = out / "report.html"
+    page.write_text(_render(data, written, images, pictures), encoding="utf-8")
+    return page
+
+
+def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Image]:
+    if not results:
+        return []
+    from comparisons.report.pictures import draw_modes
+
+    files = [file for result in results.values() for file in draw_modes(result, _PICTURES, out)]
+    return [Image.of(file) for file in files]
+
+
+def _render(
+    data: dict[str, Any],
+    written: Mapping[str, Table],
+    images: Mapping[str, Image],
+    pictures: list[Image],
+) -> str:
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("page.html").render(
+        data=data, tables=written, images=images, pictures=pictures, words=words
+    )

@@ -1,0 +1,74 @@
+"""A table: raw values for a CSV file, formatted cells for a page."""
+
+import csv
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from comparisons.report.numbers import MISSING
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Parameters
+    ----------
+    name
+        Header in the CSV file.
+    title
+        Header on the page.
+    show
+        Makes text of a value; None leaves the text as it is, set to the left.
+    unit
+        Unit of the values.
+    """
+
+    name: str
+    title: str
+    show: Callable[[Any], str] | None = None
+    unit: str = ""
+
+    def cell(self, value: Any) -> str:
+        """Text of a value."""
+        if value is None:
+            return MISSING
+        return self.show(value) if self.show else str(value)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table.
+
+    Parameters
+    ----------
+    name
+        Stem of its CSV file.
+    caption
+        What it shows, in words.
+    columns
+        Its columns.
+    rows
+        Raw values, one for each column; None where there is none.
+    """
+
+    name: str
+    caption: str
+    columns: tuple[Column, ...]
+    rows: Sequence[tuple[Any, ...]]
+
+    def cells(self) -> list[list[str]]:
+        """Formatted rows."""
+        return [
+            [c.cell(value) for c, value in zip(self.columns, row, strict=True)] for row in self.rows
+        ]
+
+    def write_csv(self, folder: Path) -> Path:
+        """Write the raw values to ``folder/name.csv``."""
+        file = folder / f"{self.name}.csv"
+        with file.open("w", newline="", encoding="utf-8") as stream:
+            writer = csv.writer(stream)
+            writer.writerow(column.name for column in self.columns)
+            writer.writerows(self.rows)
+        return file
