@@ -158,7 +158,7 @@ def stability(data: Data) -> Figure:
 @_styled
 def disc_errors(data: Data) -> Figure:
     """Errors of the disc's frequencies against run time, and against dofs."""
-    figure = Figure(figsize=(10, 4.4), layout="constrained")
+    figure = Figure(figsize=(10, 4.8), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     colours = (VERMILION, ORANGE, BLUE, GREEN, PURPLE, SKY)
     lines: dict[str, list[Any]] = {}
@@ -192,7 +192,7 @@ def disc_errors(data: Data) -> Figure:
     panels[0].set_xlabel("run time (s)")
     panels[0].set_ylabel("relative error of frequency")
     panels[1].set_xlabel("dofs")
-    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    figure.legend(handles=handles, loc="outside upper center", ncols=4)
     return figure
 
 

@@ -21,6 +21,7 @@ TABLES = (
     tables.agreement,
     tables.windows,
     tables.disc_alone,
+    tables.backend_differences,
     tables.disc_frequencies,
     tables.stage_times,
     provenance.time_saved,

@@ -201,6 +201,25 @@ def disc_alone(data: Data) -> Table:
 _ERROR_KEYS = ("seconds", "median_error", "worst_error")
 
 
+def backend_differences(data: Data) -> Table:
+    """Differences between both backends on the graded meshes of the disc alone."""
+    keys = ("fe", "fe_seconds", "iga", "iga_seconds", "median", "worst")
+    return Table(
+        "backend_differences",
+        "Relative differences |f_fe / f_nurbs − 1| of the same frequencies between the graded "
+        "meshes of both backends: hexahedra of degree 2 and NURBS of degree 3.",
+        (
+            Column("fe", "hexahedra"),
+            Column("fe_seconds", "time", shown(3), "s"),
+            Column("iga", "NURBS"),
+            Column("iga_seconds", "time", shown(3), "s"),
+            Column("median", "median difference", shown(2)),
+            Column("worst", "worst difference", shown(2)),
+        ),
+        [tuple(item[k] for k in keys) for item in data["disc_alone"]["backend_differences"]],
+    )
+
+
 def disc_frequencies(data: Data) -> Table:
     """Frequencies of the disc alone beside the reference."""
     reference = data["disc_alone"]["reference"]
