@@ -3,9 +3,10 @@
 import sys
 from math import tau
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -13,8 +14,12 @@ from cea.errors import ConvergenceError, InputError
 from comparisons.scene import SceneError
 from meshes.shapes import ShapeError
 
+if TYPE_CHECKING:
+    from comparisons.report.tabular import Table as ReportTable
+
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 console = Console()
+_TABLE_WIDTH = 120
 
 _Out = Annotated[Path, typer.Option("--out", help="Folder for result.json and all else.")]
 
@@ -65,7 +70,7 @@ def compare(out: _Out = Path("results/compare")) -> None:
     """Run both scenes on both backends with every formulation and write the report."""
     from comparisons.compare import Progress
     from comparisons.compare import compare as run_comparison
-    from comparisons.report import write_report
+    from comparisons.report import tables, write_report
 
     with console.status("compare") as status:
         step = ""
@@ -81,7 +86,21 @@ def compare(out: _Out = Path("results/compare")) -> None:
         )
         begin("report")
         report = write_report(data, results, out)
+    for make in (tables.patch_test, tables.agreement, tables.disc_alone):
+        _print_table(make(data))
     typer.echo(f"The report to open: {report}")
+
+
+def _print_table(table: "ReportTable") -> None:
+    shown = Table(title=table.caption, title_justify="left", box=SIMPLE_HEAD)
+    for column in table.columns:
+        unit = f" ({column.unit})" if column.unit else ""
+        shown.add_column(
+            column.title + unit, no_wrap=True, justify="right" if column.show else "left"
+        )
+    for cells in table.cells():
+        shown.add_row(*cells)
+    console.print(shown, width=max(console.width, _TABLE_WIDTH), crop=False)
 
 
 def _print_modes(data: dict[str, Any]) -> None:

@@ -51,7 +51,7 @@ def test_result_json_holds_the_data_and_names_the_files(report, data):
     result = json.loads((report.parent / "result.json").read_text())
     assert {key: result[key] for key in data} == json.loads(json.dumps(data))
     assert len(result["figures"]) == 4
-    assert len(result["tables"]) == 13
+    assert len(result["tables"]) == 14
     assert result["pictures"] == []
     for file in (*result["figures"], *result["tables"]):
         assert (report.parent / file).stat().st_size > 0
