@@ -11,7 +11,7 @@ from cea.interface import Interface, pair
 from cea.system import ContactLaw, CoupledSystem, couple
 from cea.timing import StageTimer
 from comparisons.scene import BodySpec, ContactSpec, FeMesh, IgaMesh, Scene
-from meshes.shapes import breaks_of
+from meshes.breaks import breaks_of
 
 
 def build_bodies(scene: Scene, timer: StageTimer) -> dict[str, Body]:

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from cea.errors import ConvergenceError, InputError
 from comparisons.scene import SceneError
-from meshes.shapes import ShapeError
+from meshes.errors import ShapeError
 
 if TYPE_CHECKING:
     from comparisons.report.tabular import Table as ReportTable
@@ -100,7 +100,7 @@ def _print_table(table: "ReportTable") -> None:
         )
     for cells in table.cells():
         shown.add_row(*cells)
-    console.print(shown, width=max(console.width, _TABLE_WIDTH), crop=False)
+    Console(width=max(console.width, _TABLE_WIDTH)).print(shown)
 
 
 def _print_modes(data: dict[str, Any]) -> None:

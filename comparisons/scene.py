@@ -15,7 +15,9 @@ from cea.errors import InputError
 from cea.formulations import Formulation
 from cea.friction import FrictionDirection
 from cea.material import IsotropicMaterial
-from meshes.shapes import Annulus, Box, Placement, Sector, ShapeError
+from meshes.errors import ShapeError
+from meshes.placement import Placement
+from meshes.shapes import Shape
 
 Backend = Literal["fe", "iga"]
 SCENES = Path(__file__).parent / "scenes"
@@ -44,21 +46,23 @@ class FeMesh:
     degree
         Degree of the elements; the geometry has the same, but 2 at most.
     elements
-        Hexahedra along each direction of the shape.
+        Hexahedra or quadrilaterals along each direction of the shape; of closed shapes, all the
+        way round.
     size
-        Target edge length of tetrahedra (m).
+        Target edge length of tetrahedra or triangles (m).
     through
-        Coordinates that must be element boundaries of hexahedra, by direction.
+        Coordinates that must be element boundaries of a structured mesh, by direction.
     """
 
-    cell: Literal["hexahedron", "tetrahedron"] = "hexahedron"
+    cell: Literal["hexahedron", "tetrahedron", "quadrilateral", "triangle"] = "hexahedron"
     degree: Annotated[int, Field(ge=1, le=4)] = 2
-    elements: tuple[int, int, int] | None = None
+    elements: tuple[int, ...] | None = None
     size: Annotated[float, Field(gt=0)] | None = None
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        needed, other = ("elements", "size")[:: 1 if self.cell == "hexahedron" else -1]
+        structured = self.cell in ("hexahedron", "quadrilateral")
+        needed, other = ("elements", "size")[:: 1 if structured else -1]
         if getattr(self, needed) is None:
             raise InputError(needed, None, f"needed for cell = {self.cell!r}")
         if getattr(self, other) is not None:
@@ -74,16 +78,17 @@ class IgaMesh:
     degree
         Degree along each direction.
     elements
-        Knot spans along each direction of the shape; of an annulus, all the way round.
+        Knot spans along each direction of the shape; of closed shapes, all the way
+        round.
     continuity
         Continuity at inner knots; by default one less than the degree.
     through
         Coordinates that must be knots, by direction.
     """
 
-    degree: tuple[int, int, int]
-    elements: tuple[int, int, int]
-    continuity: tuple[int, int, int] | None = None
+    degree: tuple[int, ...]
+    elements: tuple[int, ...]
+    continuity: tuple[int, ...] | None = None
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
 
@@ -112,7 +117,7 @@ class BodySpec:
     """A body: backend, geometry, meshes, material, supports."""
 
     backend: Backend
-    geometry: Annotated[Box | Annulus | Sector, Field(discriminator="shape")]
+    geometry: Annotated[Shape, Field(discriminator="shape")]
     material: IsotropicMaterial
     mesh: MeshSpec
     supports: tuple[SupportSpec, ...] = ()
@@ -286,7 +291,8 @@ def _set(data: dict[str, Any], override: str) -> None:
 def _faults(error: ValidationError) -> list[InputError]:
     """Faults that pydantic found, each under its own field."""
     faults: dict[str, InputError] = {}
-    tags = {"box", "annulus", "sector", "static", "cea", "AlongVector", "Circumferential"}
+    tags = {"static", "cea", "AlongVector", "Circumferential"}
+    tags |= {kind.shape for kind in Shape.__args__}
     tags |= {kind.method for kind in Formulation.__args__}
     for detail in error.errors(include_url=False):
         cause = detail.get("ctx", {}).get("error")
@@ -330,7 +336,27 @@ def _cross_checks(scene: Scene) -> Iterable[InputError]:
         yield from _known(f"loads.{i}.surface", load.surface, known)
 
 
+_CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
+
+
+def _mesh_checks(place: str, body: BodySpec) -> Iterable[InputError]:
+    """Meshes that do not suit the dimension of the shape."""
+    directions = body.geometry.directions
+    dim, names = len(directions), ", ".join(directions)
+    fe, iga = body.mesh.fe, body.mesh.iga
+    if fe is not None and fe.cell not in _CELLS[dim]:
+        yield InputError(f"{place}.mesh.fe.cell", fe.cell, " or ".join(_CELLS[dim]))
+    numbers = {"fe.elements": fe and fe.elements}
+    if iga is not None:
+        numbers |= {"iga.degree": iga.degree, "iga.elements": iga.elements}
+        numbers |= {"iga.continuity": iga.continuity}
+    for name, values in numbers.items():
+        if values is not None and len(values) != dim:
+            yield InputError(f"{place}.mesh.{name}", values, f"one number for each of {names}")
+
+
 def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
+    yield from _mesh_checks(place, body)
     if getattr(body.mesh, body.backend) is None:
         yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
     for kind in ("supports", "springs"):

@@ -8,7 +8,10 @@ import gmsh
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.shapes import Annulus, Box, Breaks, Floats, Placement, Shape, require
+from meshes.breaks import Breaks, Floats
+from meshes.errors import require
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Box, Shape
 
 Ints = NDArray[np.int64]
 

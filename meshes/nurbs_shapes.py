@@ -16,7 +16,9 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.shapes import Annulus, Box, Breaks, Placement, Sector, Shape
+from meshes.breaks import Breaks
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Box, Sector, Shape
 
 Floats = NDArray[np.float64]
 Face = tuple[int, int, int]

@@ -1,81 +1,14 @@
-"""Shapes a scene can name, their placement in space, and where their element boundaries lie.
+"""Shapes a scene can name.
 
-Each shape has three directions with physical coordinates, (x, y, z) or (r, theta, z), lengths in
-metres and angles in degrees. Both builders divide a shape by *breaks*: rising coordinates of the
-element boundaries along each direction, both ends included.
+Each shape has directions with physical coordinates, (x, y, z) or (r, theta, z) in space, (x, y) or
+(r, theta) in plane strain, lengths in metres and angles in degrees. Both builders divide a shape
+by breaks (:mod:`meshes.breaks`).
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import ClassVar, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
-
-Floats = NDArray[np.float64]
-Breaks = tuple[Floats, ...]
-
-
-class ShapeError(ValueError):
-    """Geometry refused before anything is built.
-
-    Parameters
-    ----------
-    field
-        Name of the offending field.
-    value
-        The value that was given.
-    allowed
-        What is allowed, in words.
-    """
-
-    def __init__(self, field: str, value: object, allowed: str) -> None:
-        self.field = field
-        self.value = value
-        self.allowed = allowed
-        super().__init__(f"{field} = {value!r}: {allowed}")
-
-
-def require(condition: bool, field: str, value: object, allowed: str) -> None:
-    """Raise :class:`ShapeError` unless a condition holds."""
-    if not condition:
-        raise ShapeError(field, value, allowed)
-
-
-@dataclass(frozen=True)
-class Placement:
-    """Rotation about an axis through the origin, then a translation.
-
-    Parameters
-    ----------
-    axis
-        Rotation axis, any length but zero.
-    angle
-        Rotation angle (degrees).
-    translation
-        Translation (m).
-    """
-
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    angle: float = 0.0
-    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        require(bool(np.linalg.norm(self.axis) > 0), "axis", self.axis, "a vector that is not zero")
-
-    @property
-    def rotation(self) -> Floats:
-        """Rotation matrix, (3, 3)."""
-        axis = np.asarray(self.axis, dtype=float)
-        return Rotation.from_rotvec(
-            axis / np.linalg.norm(axis) * self.angle, degrees=True
-        ).as_matrix()
-
-    def apply(self, points: Floats) -> Floats:
-        """Placed copies of points (m), shape (..., 3)."""
-        return points @ self.rotation.T + np.asarray(self.translation)
+from meshes.errors import require
 
 
 @dataclass(frozen=True)
@@ -94,7 +27,7 @@ class Box:
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     shape: Literal["box"] = "box"
 
-    directions: ClassVar[tuple[str, str, str]] = ("x", "y", "z")
+    directions: ClassVar[tuple[str, ...]] = ("x", "y", "z")
     surfaces: ClassVar[tuple[str, ...]] = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 
     def __post_init__(self) -> None:
@@ -127,7 +60,7 @@ class Annulus:
     top: float
     shape: Literal["annulus"] = "annulus"
 
-    directions: ClassVar[tuple[str, str, str]] = ("r", "theta", "z")
+    directions: ClassVar[tuple[str, ...]] = ("r", "theta", "z")
     surfaces: ClassVar[tuple[str, ...]] = ("inner", "outer", "bottom", "top")
 
     def __post_init__(self) -> None:
@@ -168,7 +101,7 @@ class Sector:
     top: float
     shape: Literal["sector"] = "sector"
 
-    directions: ClassVar[tuple[str, str, str]] = ("r", "theta", "z")
+    directions: ClassVar[tuple[str, ...]] = ("r", "theta", "z")
     surfaces: ClassVar[tuple[str, ...]] = ("inner", "outer", "start", "end", "bottom", "top")
 
     def __post_init__(self) -> None:
@@ -190,63 +123,171 @@ class Sector:
         )
 
 
-Shape = Box | Annulus | Sector
+@dataclass(frozen=True)
+class Hub:
+    """Flat ring on a thicker hub about the z axis; plane or curved faces all named.
 
-
-def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -> Floats:
-    """Element boundaries as even as possible that pass through given coordinates.
-
-    Parameters
-    ----------
-    low, high
-        Ends of the range.
-    count
-        Number of elements, at least one for each stretch between asked coordinates.
-    through
-        Coordinates that must be element boundaries.
-
-    Returns
-    -------
-    ndarray
-        ``count + 1`` rising coordinates.
-    """
-    stops = np.unique(np.concatenate([[low, high], np.asarray(through, dtype=float)]))
-    require(
-        bool(stops[0] == low and stops[-1] == high), "through", list(through), f"{low} to {high}"
-    )
-    require(count >= len(stops) - 1, "count", count, f"at least {len(stops) - 1} elements")
-    shares = np.ones(len(stops) - 1, dtype=int)
-    lengths = np.diff(stops)
-    for _ in range(count - len(shares)):
-        shares[np.argmax(lengths / shares)] += 1
-    pieces = [
-        np.linspace(a, b, n + 1)[:-1] for (a, b), n in zip(pairwise(stops), shares, strict=True)
-    ]
-    return np.concatenate([*pieces, [high]])
-
-
-def breaks_of(
-    shape: Shape,
-    elements: tuple[int, int, int],
-    through: Mapping[str, Sequence[float]] | None = None,
-) -> Breaks:
-    """Breaks of a shape along its three directions.
+    The hub reaches from ``bore`` to ``hub_radius`` and stands out of the ring on one or both sides.
+    Surfaces: bore (inner cylinder), hub_bottom and hub_top (flat ends of the hub), bottom and top
+    (flat faces of the ring), outer (rim of the ring). The cylinder of the hub that stands out is
+    hub_side.
 
     Parameters
     ----------
-    shape
-        The shape.
-    elements
-        Number of elements along each direction; of an annulus, all the way round.
-    through
-        Coordinates that must be breaks, by name of the direction.
+    bore, hub_radius, outer_radius
+        Radii (m), rising.
+    bottom, top
+        z of the flat faces of the ring (m).
+    hub_bottom, hub_top
+        z of the ends of the hub (m), not inside the ring.
     """
-    asked = {name: list(values) for name, values in (through or {}).items()}
-    unknown = set(asked) - set(shape.directions)
-    require(not unknown, "through", sorted(unknown), f"directions {', '.join(shape.directions)}")
-    if isinstance(shape, Annulus):
-        asked["theta"] = [*asked.get("theta", []), 90.0, 180.0, 270.0]
-    return tuple(
-        spread(low, high, count, asked.get(name, ()))
-        for name, (low, high), count in zip(shape.directions, shape.extent, elements, strict=True)
-    )
+
+    bore: float
+    hub_radius: float
+    outer_radius: float
+    bottom: float
+    top: float
+    hub_bottom: float
+    hub_top: float
+    shape: Literal["hub"] = "hub"
+
+    directions: ClassVar[tuple[str, ...]] = ("r", "theta", "z")
+    surfaces: ClassVar[tuple[str, ...]] = (
+        "bore", "outer", "bottom", "top", "hub_bottom", "hub_top", "hub_side",
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        Annulus(self.bore, self.hub_radius, self.hub_bottom, self.hub_top)
+        Annulus(self.hub_radius, self.outer_radius, self.bottom, self.top)
+        require(
+            self.hub_bottom <= self.bottom, "hub_bottom", self.hub_bottom, f"{self.bottom} or less"
+        )
+        require(self.hub_top >= self.top, "hub_top", self.hub_top, f"{self.top} or more")
+        require(
+            self.hub_bottom < self.bottom or self.hub_top > self.top,
+            "hub_top",
+            self.hub_top,
+            "a hub that stands out of the ring on one side at least",
+        )
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], ...]:
+        """Range of the coordinate along each direction."""
+        return (self.bore, self.outer_radius), (0.0, 360.0), (self.hub_bottom, self.hub_top)
+
+
+@dataclass(frozen=True)
+class Disc:
+    """Full round plate without a hole about the z axis; surfaces outer, bottom, top.
+
+    Parameters
+    ----------
+    outer_radius
+        Radius (m).
+    bottom, top
+        z of its flat faces (m).
+    """
+
+    outer_radius: float
+    bottom: float
+    top: float
+    shape: Literal["disc"] = "disc"
+
+    directions: ClassVar[tuple[str, ...]] = ("r", "theta", "z")
+    surfaces: ClassVar[tuple[str, ...]] = ("outer", "bottom", "top")
+
+    def __post_init__(self) -> None:
+        require(self.outer_radius > 0, "outer_radius", self.outer_radius, "a positive length (m)")
+        require(self.top > self.bottom, "top", self.top, f"more than bottom = {self.bottom} (m)")
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], ...]:
+        """Range of the coordinate along each direction."""
+        return (0.0, self.outer_radius), (0.0, 360.0), (self.bottom, self.top)
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """Rectangle in plane strain; curves x_min, x_max, y_min, y_max.
+
+    Parameters
+    ----------
+    size
+        Edge lengths (m).
+    origin
+        Corner of least coordinates (m).
+    """
+
+    size: tuple[float, float]
+    origin: tuple[float, float] = (0.0, 0.0)
+    shape: Literal["rectangle"] = "rectangle"
+
+    directions: ClassVar[tuple[str, ...]] = ("x", "y")
+    surfaces: ClassVar[tuple[str, ...]] = ("x_min", "x_max", "y_min", "y_max")
+
+    def __post_init__(self) -> None:
+        require(all(s > 0 for s in self.size), "size", self.size, "two positive lengths (m)")
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], ...]:
+        """Range of the coordinate along each direction."""
+        return tuple((o, o + s) for o, s in zip(self.origin, self.size, strict=True))
+
+
+@dataclass(frozen=True)
+class Ring:
+    """Full ring in plane strain about the origin; curves inner, outer.
+
+    Parameters
+    ----------
+    inner_radius, outer_radius
+        Radii (m).
+    """
+
+    inner_radius: float
+    outer_radius: float
+    shape: Literal["ring"] = "ring"
+
+    directions: ClassVar[tuple[str, ...]] = ("r", "theta")
+    surfaces: ClassVar[tuple[str, ...]] = ("inner", "outer")
+
+    def __post_init__(self) -> None:
+        Annulus(self.inner_radius, self.outer_radius, 0.0, 1.0)
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], ...]:
+        """Range of the coordinate along each direction."""
+        return (self.inner_radius, self.outer_radius), (0.0, 360.0)
+
+
+@dataclass(frozen=True)
+class RingSector:
+    """Part of a ring in plane strain about the origin; curves inner, outer, start, end.
+
+    Parameters
+    ----------
+    inner_radius, outer_radius
+        Radii (m).
+    start, end
+        Angles of its straight sides from the x axis (degrees), less than 180 apart.
+    """
+
+    inner_radius: float
+    outer_radius: float
+    start: float
+    end: float
+    shape: Literal["ring_sector"] = "ring_sector"
+
+    directions: ClassVar[tuple[str, ...]] = ("r", "theta")
+    surfaces: ClassVar[tuple[str, ...]] = ("inner", "outer", "start", "end")
+
+    def __post_init__(self) -> None:
+        Sector(self.inner_radius, self.outer_radius, self.start, self.end, 0.0, 1.0)
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], ...]:
+        """Range of the coordinate along each direction."""
+        return (self.inner_radius, self.outer_radius), (self.start, self.end)
+
+
+Shape = Box | Annulus | Sector | Hub | Disc | Rectangle | Ring | RingSector

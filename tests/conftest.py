@@ -51,7 +51,7 @@ def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.
     """Scene of a small block (a) on a larger one (b) whose meshes do not match."""
     direction = [1.0, 0.5, 0.0]
     if placement:
-        from meshes.shapes import Placement
+        from meshes.placement import Placement
 
         rotation = Placement(tuple(placement["axis"]), placement["angle"]).rotation
         direction = (rotation @ direction).tolist()

@@ -11,8 +11,10 @@ from cea.boundary import Pressure, Spring, Support
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from fe_cea.body import FEBody
+from meshes.breaks import breaks_of
 from meshes.gmsh_shapes import gmsh_mesh
-from meshes.shapes import Annulus, Box, Placement, Sector, breaks_of
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Box, Sector
 
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 ELEMENTS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]

@@ -10,8 +10,10 @@ from cea.errors import InputError
 from cea.location import locate_along
 from cea.material import IsotropicMaterial
 from fe_cea.body import FEBody
+from meshes.breaks import breaks_of
 from meshes.gmsh_shapes import gmsh_mesh
-from meshes.shapes import Annulus, Box, Placement, breaks_of
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Box
 
 ELEMENTS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
 PLACEMENT = Placement(axis=(1.0, 2.0, -0.5), angle=37.0, translation=(0.3, -0.2, 0.7))

@@ -6,8 +6,10 @@ import gmsh
 import numpy as np
 import pytest
 
+from meshes.breaks import breaks_of
 from meshes.gmsh_shapes import gmsh_mesh
-from meshes.shapes import Annulus, Box, Placement, Sector, breaks_of
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Box, Sector
 
 BOX = Box((0.3, 0.2, 0.1), origin=(-0.1, 0.05, 0.02))
 ANNULUS = Annulus(0.06, 0.15, -0.002, 0.01)

@@ -13,8 +13,10 @@ from cea.boundary import Pressure, Spring, Support
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from iga_cea import NurbsBody
+from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
-from meshes.shapes import Annulus, Box, Placement, Sector, Shape, breaks_of
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Box, Sector, Shape
 
 STEEL = IsotropicMaterial(E=2.1, nu=0.3, rho=7.8)
 ANNULUS = Annulus(0.8, 1.7, -0.1, 0.2)

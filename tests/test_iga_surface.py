@@ -8,8 +8,10 @@ from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from iga_cea import NurbsBody
 from iga_cea.surface import NurbsSurface
+from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
-from meshes.shapes import Annulus, Box, Placement, Sector, Shape, breaks_of
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Box, Sector, Shape
 
 STEEL = IsotropicMaterial(E=2.1, nu=0.3)
 TILTED = Placement(axis=(1.0, 2.0, -0.5), angle=33.0, translation=(0.1, -0.2, 0.3))

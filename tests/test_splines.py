@@ -15,8 +15,10 @@ from iga_cea.splines import (
     insertion_matrix,
     knots_with_breaks,
 )
+from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
-from meshes.shapes import Annulus, Box, Placement, Sector, breaks_of
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Box, Sector
 
 DEGREES = range(1, 7)
 RNG = np.random.default_rng(7)

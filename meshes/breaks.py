@@ -1,0 +1,84 @@
+"""Breaks: rising coordinates of the element boundaries along each direction of a shape."""
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.errors import require
+from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
+
+Floats = NDArray[np.float64]
+Breaks = tuple[Floats, ...]
+
+_CLOSED = (Annulus, Hub, Disc, Ring)
+"""Shapes all the way round, in four quarters."""
+
+
+def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -> Floats:
+    """Element boundaries as even as possible that pass through given coordinates.
+
+    Parameters
+    ----------
+    low, high
+        Ends of the range.
+    count
+        Number of elements, at least one for each stretch between asked coordinates.
+    through
+        Coordinates that must be element boundaries.
+
+    Returns
+    -------
+    ndarray
+        ``count + 1`` rising coordinates.
+    """
+    stops = np.unique(np.concatenate([[low, high], np.asarray(through, dtype=float)]))
+    require(
+        bool(stops[0] == low and stops[-1] == high), "through", list(through), f"{low} to {high}"
+    )
+    require(count >= len(stops) - 1, "count", count, f"at least {len(stops) - 1} elements")
+    shares = np.ones(len(stops) - 1, dtype=int)
+    lengths = np.diff(stops)
+    for _ in range(count - len(shares)):
+        shares[np.argmax(lengths / shares)] += 1
+    pieces = [
+        np.linspace(a, b, n + 1)[:-1] for (a, b), n in zip(pairwise(stops), shares, strict=True)
+    ]
+    return np.concatenate([*pieces, [high]])
+
+
+def breaks_of(
+    shape: Shape,
+    elements: Sequence[int],
+    through: Mapping[str, Sequence[float]] | None = None,
+) -> Breaks:
+    """Breaks of a shape along its directions.
+
+    Parameters
+    ----------
+    shape
+        The shape.
+    elements
+        Number of elements along each direction; of closed shapes, all the way round.
+    through
+        Coordinates that must be breaks, by name of the direction.
+    """
+    asked = {name: list(values) for name, values in (through or {}).items()}
+    unknown = set(asked) - set(shape.directions)
+    require(not unknown, "through", sorted(unknown), f"directions {', '.join(shape.directions)}")
+    require(
+        len(elements) == len(shape.directions),
+        "elements",
+        tuple(elements),
+        f"one number for each of {', '.join(shape.directions)}",
+    )
+    if isinstance(shape, _CLOSED):
+        asked["theta"] = [*asked.get("theta", []), 90.0, 180.0, 270.0]
+    if isinstance(shape, Hub):
+        asked["r"] = [*asked.get("r", []), shape.hub_radius]
+        asked["z"] = [*asked.get("z", []), shape.bottom, shape.top]
+    return tuple(
+        spread(low, high, count, asked.get(name, ()))
+        for name, (low, high), count in zip(shape.directions, shape.extent, elements, strict=True)
+    )

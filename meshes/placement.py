@@ -1,0 +1,56 @@
+"""Where a shape stands in space."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from meshes.errors import require
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Rotation about an axis through the origin, then a translation.
+
+    Parameters
+    ----------
+    axis
+        Rotation axis, any length but zero.
+    angle
+        Rotation angle (degrees).
+    translation
+        Translation (m).
+    """
+
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    angle: float = 0.0
+    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        require(bool(np.linalg.norm(self.axis) > 0), "axis", self.axis, "a vector that is not zero")
+
+    @property
+    def rotation(self) -> Floats:
+        """Rotation matrix, (3, 3)."""
+        axis = np.asarray(self.axis, dtype=float)
+        return Rotation.from_rotvec(
+            axis / np.linalg.norm(axis) * self.angle, degrees=True
+        ).as_matrix()
+
+    def apply(self, points: Floats) -> Floats:
+        """Placed copies of points (m), shape (..., 3), or (..., 2) in plane strain.
+
+        Raises
+        ------
+        ShapeError
+            When points of the plane would leave it.
+        """
+        dim = points.shape[-1]
+        rotation, translation = self.rotation, np.asarray(self.translation)
+        if dim == 2:
+            stays = np.allclose(rotation[2], [0, 0, 1]) and translation[2] == 0
+            require(bool(stays), "placement", self, "a rotation about z and a shift in x, y")
+        return points @ rotation[:dim, :dim].T + translation[:dim]
