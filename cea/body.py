@@ -82,6 +82,28 @@ class SurfacePoints:
 
 
 @dataclass(frozen=True)
+class SurfaceCells:
+    """Cells of a surface, inside which its traces are smooth: facets, or knot spans of patches.
+
+    Parameters
+    ----------
+    element
+        Surface element of each cell, shape (n,).
+    corners
+        Corners in the element's coordinates, in cyclic order, shape (n, corners, dim - 1).
+    degree
+        Highest degree of the traces along a direction.
+    tensor
+        Whether traces have that degree along each direction, rather than in all.
+    """
+
+    element: Ints
+    corners: Floats
+    degree: int
+    tensor: bool
+
+
+@dataclass(frozen=True)
 class Location:
     """Points found, or missed, on a surface along given directions.
 
@@ -150,8 +172,12 @@ class Surface(Protocol):
         """Kinds of abscissae this surface has: ``nodes``, or ``greville``."""
         ...
 
+    def cells(self) -> SurfaceCells:
+        """Cells inside which the traces are smooth."""
+        ...
+
     def gauss_points(self, n: int) -> SurfacePoints:
-        """Gauss points, n per direction in each surface element, weights with the Jacobian."""
+        """Gauss points, n per direction in each cell, weights with the Jacobian."""
         ...
 
     def abscissae(self, kind: str) -> SurfacePoints:
@@ -183,6 +209,13 @@ class Surface(Protocol):
             Unit directions, shape (n, dim).
         reach
             Largest distance (m) along the direction, either way.
+        """
+        ...
+
+    def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
+        """Positions (m), (n, dim), and derivatives dx_i/dxi_j, (n, dim, dim - 1).
+
+        Outside its element xi is taken by the continued polynomials.
         """
         ...
 

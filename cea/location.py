@@ -50,6 +50,14 @@ class Chart(Protocol):
         ...
 
 
+def cross(tangents: Floats) -> Floats:
+    """Normal with the length of the area element: t1 x t2 in 3D, (t_y, -t_x) in 2D, (n, dim)."""
+    if tangents.shape[1] == 2:
+        t = tangents[:, :, 0]
+        return np.column_stack([t[:, 1], -t[:, 0]])
+    return np.cross(tangents[:, :, 0], tangents[:, :, 1])
+
+
 def locate_along(
     chart: Chart, x: Floats, direction: Floats, reach: float, tolerance: float = TOLERANCE
 ) -> Location:

@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from cea.body import Floats, Ints, Location, SurfaceCoordinates, SurfacePoints
+from cea.body import Floats, Ints, Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
 from cea.errors import InputError
 from cea.location import locate_along
 from fe_cea.facets import FacetLayer, cross
@@ -22,6 +22,14 @@ _MERGE = 1e-7
 
 _BULGE_SAFETY = 1.1
 """Margin on the sampled bound of how far a curved facet leaves the box of its corners."""
+
+
+_OUTLINES = {
+    basix.CellType.interval: np.array([[0.0], [1.0]]),
+    basix.CellType.triangle: np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
+    basix.CellType.quadrilateral: np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
+}
+"""Corners of the reference facets in cyclic order."""
 
 
 class FESurface:
@@ -87,6 +95,13 @@ class FESurface:
         """Largest distance between nodes of each facet (m), (n_facets,)."""
         nodes = self._layer.facet_nodes
         return np.linalg.norm(nodes[:, :, None] - nodes[:, None, :], axis=3).max(axis=(1, 2))
+
+    def cells(self) -> SurfaceCells:
+        """The facets."""
+        outline = _OUTLINES[self._facet]
+        corners = np.broadcast_to(outline, (len(self._layer), *outline.shape))
+        degree = self._layer.trace.cell.degree
+        return SurfaceCells(np.arange(len(self._layer)), corners, degree, not self._is_triangle)
 
     def gauss_points(self, n: int) -> SurfacePoints:
         """Gauss points, n per direction in each facet, weights with the Jacobian.

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.spatial import KDTree
 
-from cea.body import Floats, Ints, Location, SurfaceCoordinates, SurfacePoints
+from cea.body import Floats, Ints, Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
 from cea.errors import InputError
 from cea.location import locate_along
 from iga_cea.chart import FaceChart
@@ -63,6 +63,22 @@ class NurbsSurface(FaceChart):
     def dofs(self) -> Ints:
         """Scalar dofs with a value on the surface, rising."""
         return np.unique(np.concatenate([face.dofs[..., 0].ravel() for face in self.faces]))
+
+    def cells(self) -> SurfaceCells:
+        """Knot spans of all faces."""
+        elements, corners = [], []
+        for number, face in enumerate(self.faces):
+            spans = [np.column_stack([breaks[:-1], breaks[1:]]) for breaks in face.breaks]
+            index = np.indices([len(s) for s in spans]).reshape(len(spans), -1)
+            ends = [s[i] for s, i in zip(spans, index, strict=True)]
+            corners.append(
+                ends[0][:, :, None]
+                if len(ends) == 1
+                else np.stack([ends[0][:, [0, 1, 1, 0]], ends[1][:, [0, 0, 1, 1]]], axis=2)
+            )
+            elements.append(np.full(index.shape[1], number))
+        degree = max(max(face.degrees) for face in self.faces)
+        return SurfaceCells(np.concatenate(elements), np.concatenate(corners), degree, True)
 
     def gauss_points(self, n: int) -> SurfacePoints:
         """Gauss points, n per direction in each knot span, weights with the Jacobian."""

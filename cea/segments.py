@@ -1,0 +1,287 @@
+"""Segments: Gauss points on the common refinement of two surface meshes.
+
+Trace functions are smooth inside the cells of their surface only (facets of a mesh, knot spans of
+a patch). A rule that integrates products of both traces must break at the cell boundaries of both.
+Cells of side b are mapped along the normal of a into the reference coordinates of each cell of a
+they may touch and clipped there, so that cells bounded by parameter lines of both sides, or by
+straight lines on flat facets, are cut exactly; other edges are followed by polylines.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+from scipy.special import roots_jacobi, roots_legendre
+
+from cea.body import Floats, Ints, Surface, SurfaceCells, SurfaceCoordinates, SurfacePoints
+from cea.errors import ConvergenceError
+from cea.location import Chart, cross
+
+_POLYLINE = 16
+"""Pieces that stand for an edge of b that is curved in the coordinates of a."""
+_STRAIGHT = 1e-10
+"""Distance of an edge's middle from its chord, relative to the chord, that counts as straight."""
+_SLIVER = 1e-14
+"""Segments below this part of their cell's area are dropped."""
+_NEWTON = 1e-9
+"""Last step of Newton's method, relative to the cell; the error after it is its square."""
+_MAX_ITERATIONS = 30
+
+
+@dataclass(frozen=True)
+class _Pairs:
+    """Cells that may overlap: numbers of cells of a and b."""
+
+    a: Ints
+    b: Ints
+
+
+def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> SurfacePoints:
+    """Gauss points on the common refinement of two surfaces.
+
+    Parameters
+    ----------
+    a
+        Surface that carries the points.
+    b
+        Opposite surface.
+    points
+        Gauss points per direction in each segment; None takes what is exact for the degrees of
+        both traces on flat interfaces.
+    reach
+        Largest distance (m) between the surfaces.
+
+    Returns
+    -------
+    SurfacePoints
+        Points on a, weights with the Jacobian of a; parts of a that face no cell of b hold none.
+
+    Raises
+    ------
+    ConvergenceError
+        When a cell of b cannot be mapped to the coordinates of a cell of a.
+    """
+    cells_a, cells_b = a.cells(), b.cells()
+    pairs = _near(a, cells_a, b, cells_b, reach)
+    if a.dim == 2:
+        element, xi, weight = _intervals(a, cells_a, b, cells_b, pairs, points)
+    else:
+        element, xi, weight = _polygons(a, cells_a, b, cells_b, pairs, points)
+    at = SurfaceCoordinates(element, xi)
+    x, tangents = a.tangents(element, xi)
+    return SurfacePoints(at, x, a.normal(at), weight * np.linalg.norm(cross(tangents), axis=1))
+
+
+def _near(
+    a: Surface, cells_a: SurfaceCells, b: Surface, cells_b: SurfaceCells, reach: float
+) -> _Pairs:
+    """Pairs of cells whose bounding spheres come within reach of each other."""
+    (centre_a, radius_a), (centre_b, radius_b) = _spheres(a, cells_a), _spheres(b, cells_b)
+    found = KDTree(centre_b).query_ball_point(centre_a, radius_a + radius_b.max() + reach)
+    counts = np.array([len(f) for f in found])
+    i = np.repeat(np.arange(len(found)), counts)
+    j = np.concatenate([np.asarray(f, dtype=np.int64) for f in found])
+    apart = np.linalg.norm(centre_a[i] - centre_b[j], axis=1)
+    near = apart <= radius_a[i] + radius_b[j] + reach
+    return _Pairs(i[near], j[near])
+
+
+def _spheres(surface: Surface, cells: SurfaceCells) -> tuple[Floats, Floats]:
+    """Centres (m) and radii (m) of spheres that hold the cells; room for curved edges."""
+    count, corners = cells.corners.shape[:2]
+    element = np.repeat(cells.element, corners)
+    x = surface.position(SurfaceCoordinates(element, cells.corners.reshape(count * corners, -1)))
+    x = x.reshape(count, corners, -1)
+    centre = x.mean(axis=1)
+    return centre, 1.25 * np.linalg.norm(x - centre[:, None], axis=2).max(axis=1)
+
+
+def _to_reference(a: Surface, cells_a: SurfaceCells, pairs: _Pairs, x: Floats) -> Floats:
+    """Coordinates in the cells of a of points x (pairs, m, dim), along the normal at its centre.
+
+    The coordinates are continued beyond the cell as the same polynomials.
+    """
+    count, m, dim = x.shape
+    element = cells_a.element[pairs.a]
+    centre = cells_a.corners[pairs.a].mean(axis=1)
+    direction = np.repeat(a.normal(SurfaceCoordinates(element, centre)), m, axis=0)
+    extent = np.repeat(np.ptp(cells_a.corners[pairs.a], axis=1).max(axis=1), m)
+    return _continued_newton(
+        a,
+        np.repeat(element, m),
+        np.repeat(centre, m, axis=0),
+        x.reshape(-1, dim),
+        direction,
+        extent,
+    ).reshape(count, m, dim - 1)
+
+
+def _continued_newton(
+    chart: Chart, element: Ints, xi: Floats, x: Floats, direction: Floats, extent: Floats
+) -> Floats:
+    """Solve F(xi) - s d = x without keeping xi inside the element."""
+    xi = xi.copy()
+    active = np.arange(len(element))
+    for _ in range(_MAX_ITERATIONS):
+        position, tangents = chart.tangents(element[active], xi[active])
+        jacobian = np.concatenate([tangents, -direction[active][:, :, None]], axis=2)
+        step = np.linalg.solve(jacobian, (x[active] - position)[..., None])[:, :-1, 0]
+        xi[active] += step
+        active = active[np.abs(step).max(axis=1) > _NEWTON * extent[active]]
+        if not active.size:
+            return xi
+    raise ConvergenceError(
+        f"{active.size} of {len(xi)} cell corners of side b cannot be mapped to cells of side a",
+        best=xi,
+    )
+
+
+def _intervals(
+    a: Surface,
+    cells_a: SurfaceCells,
+    b: Surface,
+    cells_b: SurfaceCells,
+    pairs: _Pairs,
+    points: int | None,
+) -> tuple[Ints, Floats, Floats]:
+    """Common refinement of two curves: element, xi and reference weight of each Gauss point."""
+    ends_b = _corner_positions(b, cells_b, pairs.b)
+    mapped = np.sort(_to_reference(a, cells_a, pairs, ends_b)[..., 0], axis=1)
+    own = np.sort(cells_a.corners[pairs.a][..., 0], axis=1)
+    low = np.maximum(own[:, 0], mapped[:, 0])
+    high = np.minimum(own[:, 1], mapped[:, 1])
+    kept = high - low > _SLIVER * (own[:, 1] - own[:, 0])
+    t, w = _gauss(points or max(cells_a.degree, cells_b.degree) + 1)
+    length = (high - low)[kept, None]
+    xi = low[kept, None] + length * t
+    element = np.repeat(cells_a.element[pairs.a[kept]], len(t))
+    return element, xi.reshape(-1, 1), (length * w).ravel()
+
+
+def _corner_positions(surface: Surface, cells: SurfaceCells, numbers: Ints) -> Floats:
+    """Positions (m) of the corners of cells, (n, corners, dim)."""
+    corners = cells.corners[numbers]
+    n, k = corners.shape[:2]
+    at = SurfaceCoordinates(np.repeat(cells.element[numbers], k), corners.reshape(n * k, -1))
+    return surface.position(at).reshape(n, k, -1)
+
+
+def _polygons(
+    a: Surface,
+    cells_a: SurfaceCells,
+    b: Surface,
+    cells_b: SurfaceCells,
+    pairs: _Pairs,
+    points: int | None,
+) -> tuple[Ints, Floats, Floats]:
+    """Common refinement of two surfaces: element, xi and reference weight of each Gauss point."""
+    straight = _are_straight(a, cells_a, b, cells_b, pairs)
+    degree = max(cells_a.degree, cells_b.degree)
+    on_boxes = points or degree + 1
+    on_triangles = points or (2 * degree if cells_a.tensor or cells_b.tensor else degree) + 1
+    parts = []
+    for pieces, chosen in ((1, straight), (_POLYLINE, ~straight)):
+        some = _Pairs(pairs.a[chosen], pairs.b[chosen])
+        if not len(some.a):
+            continue
+        outline = _to_reference(a, cells_a, some, _outlines(b, cells_b, some.b, pieces))
+        owner, overlap = _clip(cells_a.corners[some.a], outline)
+        boxes, is_box = _boxes(overlap)
+        parts.append(_rule_on_boxes(owner[is_box], boxes, on_boxes, cells_a, some))
+        rest, triangles = _triangles(owner[~is_box], overlap[~is_box])
+        parts.append(_rule_on_triangles(rest, triangles, on_triangles, cells_a, some))
+    element, xi, weight = (np.concatenate(p) for p in zip(*parts, strict=True))
+    return element, xi, weight
+
+
+def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int) -> Floats:
+    """Positions (m) along the boundaries of cells, each edge in so many pieces, (n, m, dim)."""
+    corners = cells.corners[numbers]
+    t = np.arange(pieces)[:, None] / pieces
+    edges = [
+        corners[:, k, None] * (1 - t) + np.roll(corners, -1, axis=1)[:, k, None] * t
+        for k in range(corners.shape[1])
+    ]
+    xi = np.concatenate(edges, axis=1)
+    n, m = xi.shape[:2]
+    at = SurfaceCoordinates(np.repeat(cells.element[numbers], m), xi.reshape(n * m, -1))
+    return surface.position(at).reshape(n, m, -1)
+
+
+def _are_straight(
+    a: Surface, cells_a: SurfaceCells, b: Surface, cells_b: SurfaceCells, pairs: _Pairs
+) -> NDArray[np.bool_]:
+    """True where all edges of the cell of b are straight in the coordinates of the cell of a."""
+    outline = _to_reference(a, cells_a, pairs, _outlines(b, cells_b, pairs.b, 4))
+    corner = outline[:, ::4]
+    chord = np.roll(corner, -1, axis=1) - corner
+    bulge = np.zeros(len(outline))
+    for k in (1, 2, 3):
+        arm = outline[:, k::4] - corner
+        off = np.abs(chord[..., 0] * arm[..., 1] - chord[..., 1] * arm[..., 0])
+        bulge = np.maximum(bulge, (off / (chord**2).sum(axis=2)).max(axis=1))
+    return bulge <= _STRAIGHT
+
+
+def _clip(cells: Floats, outlines: Floats) -> tuple[Ints, NDArray[np.object_]]:
+    """Overlaps of convex cells with outlines, both in reference coordinates; slivers dropped."""
+    own, other = shapely.polygons(cells), shapely.polygons(outlines)
+    broken = ~shapely.is_valid(other)
+    other[broken] = shapely.make_valid(other[broken])
+    overlap = shapely.intersection(own, other)
+    kept = shapely.area(overlap) > _SLIVER * shapely.area(own)
+    return np.flatnonzero(kept), overlap[kept]
+
+
+def _boxes(overlaps: NDArray[np.object_]) -> tuple[Floats, NDArray[np.bool_]]:
+    """Bounds (n, 4) of the overlaps that are boxes along the axes, and which are."""
+    bounds = shapely.bounds(overlaps)
+    area = (bounds[:, 2] - bounds[:, 0]) * (bounds[:, 3] - bounds[:, 1])
+    is_box = np.abs(shapely.area(overlaps) - area) <= 1e-13 * area
+    return bounds[is_box], is_box
+
+
+def _rule_on_boxes(
+    owner: Ints, bounds: Floats, n: int, cells: SurfaceCells, pairs: _Pairs
+) -> tuple[Ints, Floats, Floats]:
+    t, w = _gauss(n)
+    unit = np.array(list(product(t, t)))
+    low, size = bounds[:, None, :2], (bounds[:, 2:] - bounds[:, :2])[:, None]
+    xi = low + size * unit
+    weight = size.prod(axis=2) * np.outer(w, w).ravel()
+    element = np.repeat(cells.element[pairs.a[owner]], n * n)
+    return element, xi.reshape(-1, 2), weight.ravel()
+
+
+def _triangles(owner: Ints, overlaps: NDArray[np.object_]) -> tuple[Ints, Floats]:
+    """Triangles (n, 3, 2) that fill overlaps, with the overlap's owner each."""
+    collections = shapely.constrained_delaunay_triangles(overlaps)
+    triangles, index = shapely.get_parts(collections, return_index=True)
+    corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
+    return owner[index], corners
+
+
+def _rule_on_triangles(
+    owner: Ints, corners: Floats, n: int, cells: SurfaceCells, pairs: _Pairs
+) -> tuple[Ints, Floats, Floats]:
+    """Collapsed Gauss rule, n x n points, exact to total degree 2 n - 1."""
+    s, ws = roots_jacobi(n, 1, 0)
+    s, ws = 0.5 * (s + 1), 0.25 * ws
+    t, wt = _gauss(n)
+    first, second = np.repeat(s, n), np.tile(t, n)
+    u, v = first, second * (1 - first)
+    sides = corners[:, 1:] - corners[:, :1]
+    xi = corners[:, :1] + u[:, None] * sides[:, :1] + v[:, None] * sides[:, 1:]
+    twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
+    weight = twice_area[:, None] * np.outer(ws, wt).ravel()
+    element = np.repeat(cells.element[pairs.a[owner]], n * n)
+    return element, xi.reshape(-1, 2), weight.ravel()
+
+
+def _gauss(n: int) -> tuple[Floats, Floats]:
+    """Gauss-Legendre points and weights on [0, 1]."""
+    t, w = roots_legendre(n)
+    return 0.5 * (t + 1), 0.5 * w
