@@ -18,7 +18,7 @@ from scipy.special import roots_jacobi, roots_legendre
 
 from cea.body import Floats, Ints, Surface, SurfaceCells, SurfaceCoordinates, SurfacePoints
 from cea.errors import ConvergenceError
-from cea.location import Chart, cross
+from cea.location import cross
 
 _POLYLINE = 16
 """Pieces that stand for an edge of b that is curved in the coordinates of a."""
@@ -120,13 +120,13 @@ def _to_reference(a: Surface, cells_a: SurfaceCells, pairs: _Pairs, x: Floats) -
 
 
 def _continued_newton(
-    chart: Chart, element: Ints, xi: Floats, x: Floats, direction: Floats, extent: Floats
+    a: Surface, element: Ints, xi: Floats, x: Floats, direction: Floats, extent: Floats
 ) -> Floats:
     """Solve F(xi) - s d = x without keeping xi inside the element."""
     xi = xi.copy()
     active = np.arange(len(element))
     for _ in range(_MAX_ITERATIONS):
-        position, tangents = chart.tangents(element[active], xi[active])
+        position, tangents = a.tangents(element[active], xi[active])
         jacobian = np.concatenate([tangents, -direction[active][:, :, None]], axis=2)
         step = np.linalg.solve(jacobian, (x[active] - position)[..., None])[:, :-1, 0]
         xi[active] += step
