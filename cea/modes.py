@@ -97,8 +97,8 @@ class Modes:
     def growth_uncertainties(self) -> Floats:
         """Growth rates (1/s) that backward error times condition can explain.
 
-        d lambda = d kappa / (2 abs(lambda)), and at a near-double eigenvalue an error e of kappa
-        shows as its square root; the condition number carries that.
+        An error e of kappa moves lambda by e / (2 abs(lambda)), or by sqrt(e) near kappa = 0.
+        Near a coalescence the condition number carries the square root of the rounding.
         """
         kappa = np.abs(self.eigenvalues) ** 2
         floor = np.maximum(np.abs(self.eigenvalues), np.finfo(float).tiny)
