@@ -89,6 +89,8 @@ def solve_modes(
         )
         modes = _modes(operator, mass, kappa, vectors, window, symmetric=friction is None)
     solver.destroy()
+    if friction is not None:
+        operator.destroy()
     if reached < radius:
         raise ConvergenceError(
             f"{len(kappa)} eigenvalues converged; they fill a disc of radius {reached:.4g} "
@@ -141,8 +143,11 @@ def _search(
                 kappa, vectors = larger
                 reached = min(reached, _reach(kappa, shift))
             break
-        solver.setDeflationSpace([_as_vector(mass, v.real) for v in vectors.T])
+        found = [_as_vector(mass, v.real) for v in vectors.T]
+        solver.setDeflationSpace(found)
         copies, copy_vectors = _krylov(solver, mass, missing, missing + 16, timer)
+        for vector in found:
+            vector.destroy()
         kappa, vectors = np.append(kappa, copies), np.hstack([vectors, copy_vectors])
     return kappa, vectors, float(reached)
 
@@ -152,7 +157,8 @@ def _krylov(
 ) -> tuple[Complexes, Complexes]:
     """One Krylov-Schur run for the eigenvalues nearest the shift."""
     size = mass.getSize()[0]
-    solver.setDimensions(nev=wanted, ncv=min(max(basis, wanted + 16), size))
+    ncv = min(max(basis, wanted + 16), size)
+    solver.setDimensions(nev=wanted, ncv=ncv, mpd=ncv)
     with timer("factorisation"):
         solver.setUp()
     with timer("krylov"):
@@ -179,6 +185,11 @@ def count_below(stiffness: Any, mass: Any, kappa: float) -> int:
         Symmetric S and symmetric positive definite M, PETSc AIJ.
     kappa
         Upper end (1/s^2).
+
+    Raises
+    ------
+    ConvergenceError
+        When the factorisation fails.
     """
     shifted = stiffness.copy()
     shifted.axpy(-kappa, mass, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
@@ -192,6 +203,8 @@ def count_below(stiffness: Any, mass: Any, kappa: float) -> int:
     factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
     factor.setMumpsIcntl(24, 1)  # null pivots are counted, not failed on
     pc.setUp()
+    if pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
+        raise ConvergenceError(f"S - kappa M could not be factorised at kappa = {kappa:.6g}")
     negative, _, _ = factor.getInertia()
     pc.destroy()
     shifted.destroy()
@@ -234,6 +247,8 @@ def _eigenpairs(solver: Any, mass: Any) -> tuple[Complexes, Complexes]:
                 values[i + 1], vectors[:, i + 1] = values[i].conj(), vectors[:, i].conj()
             i += 1
         i += 1
+    real.destroy()
+    imaginary.destroy()
     return values, vectors
 
 

@@ -22,6 +22,10 @@ class InputError(ValueError):
         self.allowed = allowed
         super().__init__(f"{field} = {value!r}: {allowed}")
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel between ranks by what it was made from, not by its message."""
+        return type(self), (self.field, self.value, self.allowed)
+
 
 class ConvergenceError(RuntimeError):
     """An iteration that stopped short.

@@ -6,15 +6,19 @@ With n the outward unit normal of a and k the direction of the friction traction
     T = [k.N_a, -k.N_b]     slip operator
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_array
 
 from cea.body import Body, Floats, Location, Status, Surface, SurfacePoints
+from cea.checks import check_coverage
 from cea.errors import InputError
+from cea.ranks import agreed
 
 _FACING = -0.5
 """Largest cosine between the normals of two surfaces that face each other."""
@@ -24,32 +28,57 @@ _FACING = -0.5
 class Interface:
     """Points of a rule on side a paired with side b.
 
+    The points are the same on every rank; each rank locates and traces its own rows of them.
+
     Parameters
     ----------
     a, b
         The two surfaces.
     points
-        Points of the rule on a.
+        Points of the rule on a that were found on b, all of them on every rank.
+    rows
+        Rows of the points that are this rank's; ranks follow each other without gaps.
     opposite
-        Where each point was found on b along the normal of a.
+        Where the points of this rank were found on b along the normal of a.
     trace_a, trace_b
-        Values of the scalar basis functions of both sides at the points, evaluated once.
+        Values of the scalar basis functions of both sides at the points of this rank.
+    statuses
+        Number of points of each status over all ranks, those missed and left out too.
+    largest_distance
+        Largest distance (m) between the sides along the normal over all ranks.
+    comm
+        MPI communicator (mpi4py).
     """
 
     a: Surface
     b: Surface
     points: SurfacePoints
+    rows: slice
     opposite: Location
     trace_a: csr_array
     trace_b: csr_array
+    statuses: Mapping[str, int]
+    largest_distance: float
+    comm: Any
+
+    @property
+    def local_points(self) -> SurfacePoints:
+        """Points of this rank."""
+        return self.points[self.rows]
 
     def jump(self, direction: Floats) -> tuple[csr_array, csr_array]:
-        """Parts on a and b of the jump along a direction, (n, dim * num_scalar_dofs) each.
+        """Parts on a and b of the jump along a direction, the rows of this rank.
 
         Parameters
         ----------
         direction
-            Unit vectors at the points, shape (n, dim): normals for G, friction direction for T.
+            Unit vectors at the points of this rank, shape (n_local, dim): normals for G, friction
+            direction for T.
+
+        Returns
+        -------
+        tuple
+            Operators on full dofs, shape (n_local, dim * num_scalar_dofs) each.
         """
         return along(self.trace_a, direction), -along(self.trace_b, direction)
 
@@ -62,15 +91,16 @@ def pair(
     field: str = "contact",
     reach: float | None = None,
     max_missed: float = 0.0,
+    comm: Any = MPI.COMM_WORLD,
 ) -> Interface:
-    """Locate the points of a rule on side a on the surface of side b.
+    """Locate the points of a rule on side a on the surface of side b, each rank its share.
 
     Parameters
     ----------
     a, b
         The two surfaces.
     points
-        Points of the rule on a.
+        Points of the rule on a, the same on every rank.
     field
         Name of the contact, for messages.
     reach
@@ -78,37 +108,57 @@ def pair(
         mesh size.
     max_missed
         Largest fraction of the rule's area that may find nothing on b; such points are dropped.
+    comm
+        Communicator of both bodies (mpi4py).
 
     Raises
     ------
     InputError
-        When too many points are missed, or the surfaces do not face each other.
+        On every rank, when too many points are missed or the surfaces do not face each other.
     """
     if reach is None:
         reach = 0.5 * max(a.mesh_size, b.mesh_size)
-    opposite = b.locate(points.x, points.normal, reach)
-    missed = opposite.missed
-    fraction = float(points.weight[missed].sum() / points.weight.sum())
-    if fraction > max_missed:
-        raise InputError(
-            field,
-            f"{a.name} on {b.name}",
-            f"surfaces that face each other within {reach:.3g} m: {missed.sum()} of {len(points)} "
-            f"points ({fraction:.1%} of the area of side a) find nothing on side b, "
-            f"at most {max_missed:.1%} may",
-        )
-    found = ~missed
-    points, opposite = points[found], _select(opposite, found)
-    cosine = np.einsum("ij,ij->i", points.normal, b.normal(opposite.at))
-    if len(cosine) == 0 or cosine.max() > _FACING:
-        worst = float(cosine.max()) if len(cosine) else float("nan")
+    start, stop = local_rows(len(points), comm)
+    with agreed(comm):
+        opposite = b.locate(points.x[start:stop], points.normal[start:stop], reach)
+    status = np.concatenate(comm.allgather(opposite.status))
+    found = status != Status.MISSED
+    fraction = float(points.weight[~found].sum() / points.weight.sum())
+    check_coverage(
+        int((~found).sum()),
+        len(points),
+        fraction,
+        max_missed,
+        field=field,
+        sides=f"{a.name} on {b.name}",
+        reach=f"{reach:.3g} m",
+    )
+    points, opposite = points[found], _select(opposite, found[start:stop])
+    rows = slice(*(int(found[:end].sum()) for end in (start, stop)))
+    with agreed(comm):
+        cosine = np.einsum("ij,ij->i", points.normal[rows], b.normal(opposite.at))
+        trace_a, trace_b = a.trace(points.at[rows]), b.trace(opposite.at)
+    worst = comm.allreduce(float(cosine.max(initial=-np.inf)), MPI.MAX)
+    if not len(points) or worst > _FACING:
         raise InputError(
             field,
             f"{a.name} on {b.name}",
             f"surfaces that face each other (their outward normals have cosine {worst:.3g}, "
             f"{_FACING} or less is allowed)",
         )
-    return Interface(a, b, points, opposite, a.trace(points.at), b.trace(opposite.at))
+    farthest = float(np.abs(opposite.distance).max(initial=0.0))
+    return Interface(
+        a=a,
+        b=b,
+        points=points,
+        rows=rows,
+        opposite=opposite,
+        trace_a=trace_a,
+        trace_b=trace_b,
+        statuses={s.name.lower(): int((status == s).sum()) for s in Status},
+        largest_distance=comm.allreduce(farthest, MPI.MAX),
+        comm=comm,
+    )
 
 
 def along(trace: csr_array, direction: Floats) -> csr_array:
@@ -137,34 +187,32 @@ def along(trace: csr_array, direction: Floats) -> csr_array:
 
 
 def free_operator(operator: csr_array, body: Body) -> Any:
-    """Distribute an operator on full dofs by rows and restrict it to free dofs.
+    """Restrict an operator on full dofs, distributed by rows, to free dofs.
 
     Parameters
     ----------
     operator
-        The whole operator, the same on every rank, shape (n, dim * num_scalar_dofs).
+        The rows of this rank, shape (n_local, dim * num_scalar_dofs).
     body
         The body whose dofs are its columns.
 
     Returns
     -------
     PETSc.Mat
-        AIJ matrix (n x free dofs).
+        AIJ matrix (n x free dofs), the rows of the ranks one after the other.
     """
-    comm = body.comm
-    start, stop = local_rows(operator.shape[0], comm)
-    rows = operator[start:stop]
-    local_columns = body.expansion.getSizes()[0][0]
     full = PETSc.Mat().createAIJ(
-        size=((stop - start, operator.shape[0]), (local_columns, operator.shape[1])),
+        size=((operator.shape[0], PETSc.DETERMINE), body.expansion.getSizes()[0]),
         csr=(
-            rows.indptr.astype(PETSc.IntType),
-            rows.indices.astype(PETSc.IntType),
-            rows.data,
+            operator.indptr.astype(PETSc.IntType),
+            operator.indices.astype(PETSc.IntType),
+            operator.data,
         ),
-        comm=comm,
+        comm=body.comm,
     )
-    return full.matMult(body.expansion)
+    free = full.matMult(body.expansion)
+    full.destroy()
+    return free
 
 
 def local_rows(n: int, comm: Any) -> tuple[int, int]:
@@ -180,8 +228,3 @@ def _select(location: Location, rows: np.ndarray) -> Location:
         location.status[rows],
         location.tolerance,
     )
-
-
-def count_statuses(location: Location) -> dict[str, int]:
-    """Number of points of each status, by name in lower case."""
-    return {s.name.lower(): int((location.status == s).sum()) for s in Status}

@@ -50,9 +50,12 @@ def solve_static(
     x = operator.createVecRight()
     with timer("factorisation"):
         solver.solve(load, x)
-    if solver.getConvergedReason() < 0:
+    failed = solver.getConvergedReason() < 0
+    solver.destroy()
+    if friction is not None:
+        operator.destroy()
+    if failed:
         raise ConvergenceError(
             "the stiffness is singular: the bodies are not held by supports and contacts", best=x
         )
-    solver.destroy()
     return x

@@ -14,9 +14,11 @@ from petsc4py import PETSc
 from scipy.sparse import csr_array
 
 from cea.body import Body, Floats
+from cea.constraints import symmetrised
 from cea.errors import InputError
 from cea.friction import FrictionDirection
-from cea.interface import Interface, free_operator, local_rows
+from cea.interface import Interface, free_operator
+from cea.ranks import agreed
 
 
 @dataclass(frozen=True)
@@ -26,9 +28,9 @@ class ContactLaw:
     Parameters
     ----------
     stiffness
-        Contact stiffness p at the points (N/m^3), shape (n,) or one number.
+        Contact stiffness p at all points of the interface (N/m^3), shape (n,) or one number.
     mu
-        Friction coefficient at the points, shape (n,) or one number; 0 without friction.
+        Friction coefficient there, shape (n,) or one number; 0 without friction.
     direction
         Direction of the friction traction on side a; needed when mu is not zero.
     """
@@ -90,7 +92,9 @@ class Contact:
         force = self.gap.createVecLeft()
         self.gap.mult(x, force)
         force.pointwiseMult(force, self.weight)
-        return gather(force) / self.interface.points.weight
+        pressure = gather(force) / self.interface.points.weight
+        force.destroy()
+        return pressure
 
 
 @dataclass(frozen=True)
@@ -134,13 +138,25 @@ class CoupledSystem:
         parts = [c.friction for c in self.contacts if c.friction is not None]
         return _sum(parts) if parts else None
 
-    def displacement(self, x: Any, body: str) -> Floats:
-        """Full displacement (m) of one body on every rank, shape (dim * num_scalar_dofs,)."""
+    def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
+        """Full displacement (m) of one body, shape (dim * num_scalar_dofs,).
+
+        Parameters
+        ----------
+        x
+            Unknowns, PETSc vector.
+        body
+            Name of the body.
+        everywhere
+            Whether every rank gets it; otherwise rank 0 does, and others get an empty array.
+        """
         part = x.getSubVector(self.index_sets[body])
         full = self.bodies[body].expansion.createVecLeft()
         self.bodies[body].expansion.mult(part, full)
         x.restoreSubVector(self.index_sets[body], part)
-        return gather(full)
+        displacement = gather(full, everywhere=everywhere)
+        full.destroy()
+        return displacement
 
 
 def couple(
@@ -166,6 +182,7 @@ def couple(
     leave_out
         Whether slip operators and K_f are left out where mu = 0.
     """
+    PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
     nest = _diagonal([body.stiffness() for body in bodies.values()])
     index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
     stiffness = nest.convert("aij")
@@ -199,17 +216,16 @@ def _contact(
     *,
     leave_out: bool,
 ) -> Contact:
-    points = interface.points
+    points = interface.local_points
     gap = _system_operator(bodies, a, b, interface, points.normal)
-    weight = _point_vector(points.weight * law.stiffness, gap)
-    weighted_gap = gap.copy()
-    weighted_gap.diagonalScale(L=weight)
+    weight = _point_vector(interface, interface.points.weight * law.stiffness, gap)
     slip = friction = None
     if law.direction is not None and (law.frictional or not leave_out):
-        slip = _system_operator(bodies, a, b, interface, law.direction.at(points.x, points.normal))
-        pushed = slip.copy()
-        pushed.diagonalScale(L=_point_vector(np.broadcast_to(law.mu, len(points)), gap))
-        friction = pushed.transposeMatMult(weighted_gap)
+        with agreed(interface.comm):
+            direction = law.direction.at(points.x, points.normal)
+        slip = _system_operator(bodies, a, b, interface, direction)
+        mu = np.broadcast_to(law.mu, len(interface.points))
+        friction = _product(slip, _point_vector(interface, mu, gap), gap, weight)
     return Contact(
         name=name,
         body_a=a,
@@ -230,27 +246,52 @@ def _system_operator(
     parts = dict(zip((a, b), interface.jump(direction), strict=True))
     row = []
     for name, body in bodies.items():
-        nothing = csr_array((len(interface.points), body.dim * body.num_scalar_dofs))
+        nothing = csr_array((len(direction), body.dim * body.num_scalar_dofs))
         row.append(free_operator(parts.get(name, nothing), body))
-    return PETSc.Mat().createNest([row]).convert("aij")
+    operator = PETSc.Mat().createNest([row]).convert("aij")
+    _destroy(*row)
+    return operator
+
+
+def _product(left: Any, left_factor: Any, right: Any, right_factor: Any) -> Any:
+    """L^T diag(l) diag(r) R."""
+    scaled_left, scaled_right = left.copy(), right.copy()
+    scaled_left.diagonalScale(L=left_factor)
+    scaled_right.diagonalScale(L=right_factor)
+    product = scaled_left.transposeMatMult(scaled_right)
+    _destroy(scaled_left, scaled_right)
+    return product
 
 
 def _symmetric_product(gap: Any, weight: Any) -> Any:
-    """G^T D G as (sqrt(D) G)^T (sqrt(D) G): symmetric to the last bit."""
+    """G^T D G as (sqrt(D) G)^T (sqrt(D) G): symmetric to the last bit.
+
+    On several ranks an entry and its mirror image may add the same parts in another order; their
+    mean does not.
+    """
     root = weight.copy()
     root.sqrtabs()
     scaled = gap.copy()
     scaled.diagonalScale(L=root)
     product = scaled.transposeMatMult(scaled)
+    if product.comm.size > 1:
+        symmetrised(product)
     product.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    _destroy(root, scaled)
     return product
 
 
-def _point_vector(values: Floats, operator: Any) -> Any:
+def _point_vector(interface: Interface, values: Floats, operator: Any) -> Any:
+    """Values at all points as a PETSc vector in the rows of an operator."""
     vector = operator.createVecLeft()
-    start, stop = local_rows(len(values), operator.comm)
-    vector.array[:] = values[start:stop]
+    vector.array[:] = values[interface.rows]
     return vector
+
+
+def _destroy(*objects: Any) -> None:
+    """Free PETSc objects now: on several ranks Python's collector only puts them aside."""
+    for each in objects:
+        each.destroy()
 
 
 def _diagonal(blocks: Sequence[Any]) -> Any:
@@ -267,8 +308,10 @@ def _sum(matrices: Sequence[Any]) -> Any:
     return total
 
 
-def gather(vector: Any) -> Floats:
-    """Whole PETSc vector on every rank."""
-    scatter, whole = PETSc.Scatter.toAll(vector)
+def gather(vector: Any, *, everywhere: bool = True) -> Floats:
+    """Whole PETSc vector on every rank, or on rank 0 only and empty on others."""
+    scatter, whole = (PETSc.Scatter.toAll if everywhere else PETSc.Scatter.toZero)(vector)
     scatter.scatter(vector, whole)
-    return np.array(whole.array)
+    values = np.array(whole.array)
+    _destroy(scatter, whole)
+    return values

@@ -37,7 +37,7 @@ def build_body(name: str, spec: BodySpec, pressures: tuple[Pressure, ...] = ()) 
 
 def _fe_body(name: str, spec: BodySpec, mesh: FeMesh, pressures: tuple[Pressure, ...]) -> Body:
     from fe_cea import FEBody
-    from meshes.gmsh_shapes import MAX_GEOMETRY_ORDER, gmsh_mesh
+    from meshes.gmsh_shapes import gmsh_mesh
 
     breaks = None
     if mesh.elements is not None:
@@ -45,7 +45,7 @@ def _fe_body(name: str, spec: BodySpec, mesh: FeMesh, pressures: tuple[Pressure,
     with gmsh_mesh(
         spec.geometry,
         mesh.cell,
-        min(mesh.degree, MAX_GEOMETRY_ORDER),
+        mesh.geometry_degree or mesh.degree,
         breaks=breaks,
         size=mesh.size,
         placement=spec.placement,

@@ -1,18 +1,16 @@
 """The command line: ``cea run`` and ``cea compare``."""
 
-import sys
 from math import tau
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
+from mpi4py import MPI
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from cea.errors import ConvergenceError, InputError
-from comparisons.scene import SceneError
-from meshes.errors import ShapeError
+from comparisons.ranks import one_voice
 
 if TYPE_CHECKING:
     from comparisons.report.tabular import Table as ReportTable
@@ -53,7 +51,8 @@ def run(
             data["pictures"] = [
                 file.name for file in draw_modes(result, result.scene.output.pictures, out)
             ]
-    write_json(data, out / "result.json")
+    if MPI.COMM_WORLD.rank == 0:
+        write_json(data, out / "result.json")
     if result.modes is not None:
         _print_modes(data)
     for name, sides in data.get("stresses", {}).items():
@@ -121,9 +120,5 @@ def _print_modes(data: dict[str, Any]) -> None:
 
 def main() -> None:
     """Run a command; wrong input and failed convergence end in one line, not a traceback."""
-    try:
+    with one_voice(MPI.COMM_WORLD):
         app(standalone_mode=True)
-    except (SceneError, InputError, ShapeError, ConvergenceError) as error:
-        for line in str(error).splitlines():
-            typer.echo(f"error: {line}", err=True)
-        sys.exit(1)

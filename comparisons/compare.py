@@ -118,12 +118,12 @@ def _graded(*distances: float) -> dict[str, tuple[float, ...]]:
 
 DISC_MESHES: dict[str, list[FeMesh | IgaMesh]] = {
     "hexahedra, degree 2": [
-        FeMesh("hexahedron", 2, (n, 8 * n, max(1, n // 3))) for n in (3, 5, 8, 11)
+        FeMesh("hexahedron", 2, elements=(n, 8 * n, max(1, n // 3))) for n in (3, 5, 8, 11)
     ],
     "hexahedra, degree 2, graded to the rim": [
-        FeMesh("hexahedron", 2, (4, 24, 1), through=_graded(0.006)),
-        FeMesh("hexahedron", 2, (6, 32, 2), through=_graded(0.002, 0.008)),
-        FeMesh("hexahedron", 2, (9, 48, 3), through=_graded(0.0005, 0.002, 0.006)),
+        FeMesh("hexahedron", 2, elements=(4, 24, 1), through=_graded(0.006)),
+        FeMesh("hexahedron", 2, elements=(6, 32, 2), through=_graded(0.002, 0.008)),
+        FeMesh("hexahedron", 2, elements=(9, 48, 3), through=_graded(0.0005, 0.002, 0.006)),
     ],
     "tetrahedra, degree 2": [FeMesh("tetrahedron", 2, size=h) for h in (0.02, 0.012, 0.008)],
     "NURBS, degree 2": [IgaMesh((2, 2, 2), (n, 8 * n, max(1, n // 3))) for n in (3, 5, 8, 11, 15)],

@@ -114,10 +114,17 @@ def _shapes(result: SceneResult, body: str, trace: Any, modes: NDArray[np.int64]
     for mode in modes:
         u = complex_displacement(result.system, body, *result.modes.vector(int(mode)))
         columns.append((trace @ u).ravel())
-    return np.stack(columns, axis=1) if columns else np.empty((trace.shape[0] * 3, 0), complex)
+    rows = trace.shape[0] * result.system.bodies[body].dim
+    return np.stack(columns, axis=1) if columns else np.empty((rows, 0), complex)
 
 
-def complex_displacement(system: CoupledSystem, body: str, real: Any, imaginary: Any) -> Complexes:
-    """Complex displacement (m) of the scalar dofs of a body, shape (num_scalar_dofs, dim)."""
-    u = system.displacement(real, body) + 1j * system.displacement(imaginary, body)
+def complex_displacement(
+    system: CoupledSystem, body: str, real: Any, imaginary: Any, *, everywhere: bool = True
+) -> Complexes:
+    """Complex displacement (m) of the scalar dofs of a body, shape (num_scalar_dofs, dim).
+
+    On every rank, or on rank 0 only and empty on others.
+    """
+    u = system.displacement(real, body, everywhere=everywhere).astype(complex)
+    u += 1j * system.displacement(imaginary, body, everywhere=everywhere)
     return u.reshape(-1, system.bodies[body].dim)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.interface import Interface, count_statuses
+from cea.interface import Interface
 from cea.modes import Modes
 from comparisons.run import SceneResult
 from comparisons.scene import ComplexEigenvalueAnalysis
@@ -120,8 +120,8 @@ def _interface(interface: Interface) -> dict[str, Any]:
     return {
         "points": len(interface.points),
         "area": interface.a.area,
-        "status": count_statuses(interface.opposite),
-        "largest_distance": float(np.abs(interface.opposite.distance).max()),
+        "status": dict(interface.statuses),
+        "largest_distance": interface.largest_distance,
         "tolerance": interface.opposite.tolerance,
     }
 

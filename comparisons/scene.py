@@ -13,6 +13,7 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from cea.boundary import Spring, Support
 from cea.errors import InputError
 from cea.formulations import Formulation
+from cea.frames import Cartesian, Cylindrical, SurfaceNormal
 from cea.friction import FrictionDirection
 from cea.material import IsotropicMaterial
 from meshes.errors import ShapeError
@@ -23,8 +24,12 @@ Backend = Literal["fe", "iga"]
 SCENES = Path(__file__).parent / "scenes"
 """Folder of the scenes that come with the project."""
 
-Axis = Literal["x", "y", "z"]
-_AXES: tuple[Axis, ...] = ("x", "y", "z")
+Component = Literal["x", "y", "z", "radial", "circumferential", "axial", "normal"]
+_CARTESIAN: tuple[Component, ...] = ("x", "y", "z")
+_CYLINDRICAL: tuple[Component, ...] = ("radial", "circumferential", "axial")
+_NORMAL: tuple[Component, ...] = ("normal",)
+_COMPONENTS = (_CARTESIAN, _CYLINDRICAL, _NORMAL)
+"""Components of each frame; a support names those of one."""
 
 
 class SceneError(ValueError):
@@ -44,7 +49,9 @@ class FeMesh:
     cell
         Kind of cell.
     degree
-        Degree of the elements; the geometry has the same, but 2 at most.
+        Degree of the elements.
+    geometry_degree
+        Degree of the geometry; by default that of the elements. 1 gives straight facets.
     elements
         Hexahedra or quadrilaterals along each direction of the shape; of closed shapes, all the
         way round.
@@ -56,6 +63,7 @@ class FeMesh:
 
     cell: Literal["hexahedron", "tetrahedron", "quadrilateral", "triangle"] = "hexahedron"
     degree: Annotated[int, Field(ge=1, le=4)] = 2
+    geometry_degree: Annotated[int, Field(ge=1, le=4)] | None = None
     elements: tuple[int, ...] | None = None
     size: Annotated[float, Field(gt=0)] | None = None
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
@@ -102,14 +110,48 @@ class MeshSpec:
 
 @dataclass(frozen=True)
 class SupportSpec:
-    """Displacement components ("x", "y", "z") held on a surface."""
+    """Displacement components held on a surface; every one when none is named.
+
+    Parameters
+    ----------
+    surface
+        Name of the surface.
+    components
+        Some of x, y, z; or of radial, circumferential, axial; or normal, a roller.
+    axis
+        Direction of the axis of radial, circumferential, axial; left out in 2D.
+    origin
+        A point of it (m), by default the origin.
+    """
 
     surface: str
-    components: tuple[Axis, ...] = _AXES
+    components: tuple[Component, ...] = ()
+    axis: tuple[float, float, float] | None = None
+    origin: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if not any(set(self.components) <= set(names) for names in _COMPONENTS):
+            allowed = "of one frame: " + ", or ".join(", ".join(names) for names in _COMPONENTS)
+            raise InputError("components", list(self.components), allowed)
+        for name, value in (("axis", self.axis), ("origin", self.origin)):
+            if value is not None and not self._cylindrical:
+                allowed = "left out beside components other than radial, circumferential, axial"
+                raise InputError(name, list(value), allowed)
+        self.support()
+
+    @property
+    def _cylindrical(self) -> bool:
+        return bool(set(self.components) & set(_CYLINDRICAL))
 
     def support(self) -> Support:
         """The support as backends take it."""
-        return Support(self.surface, tuple(_AXES.index(c) for c in self.components))
+        if not self.components:
+            return Support(self.surface)
+        names = next(names for names in _COMPONENTS if self.components[0] in names)
+        numbers = tuple(names.index(component) for component in self.components)
+        if self._cylindrical:
+            return Support(self.surface, numbers, Cylindrical(self.origin or (), self.axis or ()))
+        return Support(self.surface, numbers, SurfaceNormal() if names == _NORMAL else Cartesian())
 
 
 @dataclass(frozen=True)
@@ -346,7 +388,9 @@ def _mesh_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     fe, iga = body.mesh.fe, body.mesh.iga
     if fe is not None and fe.cell not in _CELLS[dim]:
         yield InputError(f"{place}.mesh.fe.cell", fe.cell, " or ".join(_CELLS[dim]))
-    numbers = {"fe.elements": fe and fe.elements}
+    numbers: dict[str, tuple[int, ...] | None] = {}
+    if fe is not None:
+        numbers |= {"fe.elements": fe.elements}
     if iga is not None:
         numbers |= {"iga.degree": iga.degree, "iga.elements": iga.elements}
         numbers |= {"iga.continuity": iga.continuity}

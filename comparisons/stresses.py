@@ -9,6 +9,9 @@ from cea.body import Body, Floats, Surface
 from cea.stress import normal_stress
 from cea.system import Contact, CoupledSystem
 
+_TIED = 1e-9
+"""Relative difference of distances that counts as none."""
+
 
 @dataclass(frozen=True)
 class SideStress:
@@ -94,11 +97,21 @@ def _side_stress(
 def _diagonal(contact: Contact, samples: int) -> tuple[Floats, Floats, Floats]:
     """Line between the contact points farthest apart, its arc length and the normals to search."""
     points = contact.interface.points
-    centre = points.x.mean(axis=0)
-    first = points.x[np.argmax(np.linalg.norm(points.x - centre, axis=1))]
-    last = points.x[np.argmax(np.linalg.norm(points.x - first, axis=1))]
+    first = _farthest(points.x, points.x.mean(axis=0))
+    last = _farthest(points.x, first)
     share = np.linspace(0.0, 1.0, samples)[:, None]
     normal = points.normal.mean(axis=0)
     normal /= np.linalg.norm(normal)
     line = first + share * (last - first)
     return line, share[:, 0] * np.linalg.norm(last - first), np.broadcast_to(normal, line.shape)
+
+
+def _farthest(x: Floats, origin: Floats) -> Floats:
+    """Point farthest from an origin; of equally far ones, that of the least coordinates.
+
+    Points come in an order, and with rounding, that depend on how meshes are shared out.
+    """
+    distance = np.linalg.norm(x - origin, axis=1)
+    tied = x[distance >= (1 - _TIED) * distance.max()]
+    rounded = np.round((tied - origin) / (distance.max() or 1.0), 6)
+    return tied[np.lexsort(rounded.T[::-1])[0]]

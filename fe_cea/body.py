@@ -4,21 +4,24 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, Self
 
-import numpy as np
-from dolfinx.fem import functionspace, locate_dofs_topological
+from dolfinx.fem import functionspace
 from dolfinx.fem.petsc import assemble_matrix, assemble_vector
-from dolfinx.io.gmsh import model_to_mesh
 from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_array
 
 from cea.body import VolumeSample
 from cea.boundary import Pressure, Spring, Support
+from cea.checks import check_boundary, check_density, check_jacobians
+from cea.constraints import Constraints, symmetrised
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
+from cea.ranks import agreed
 from fe_cea.facets import gather_facets
 from fe_cea.forms import mass_form, pressure_form, stiffness_form
-from fe_cea.sampling import sample_volume
+from fe_cea.gmsh_reader import read_gmsh
+from fe_cea.sampling import cell_jacobians, sample_volume
+from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
 
 
@@ -74,8 +77,11 @@ class FEBody:
         self._pressures = tuple(pressures)
         if not 1 <= degree <= 4:
             raise InputError(f"bodies.{name}.degree", degree, "1 to 4")
-        self._check_surfaces()
-        self._check_components()
+        field = f"bodies.{name}"
+        check_boundary(supports, springs, pressures, surface_tags, self.dim, field)
+        self._check_tags()
+        with agreed(self.comm):
+            check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
         self._space = functionspace(mesh, ("Lagrange", degree, (mesh.geometry.dim,)))
 
     @classmethod
@@ -102,18 +108,12 @@ class FEBody:
         name, degree, material, supports, springs, pressures
             As for :class:`FEBody`.
         """
-        dim = comm.bcast(model.getDimension() if comm.rank == 0 else None, root=0)
-        data = model_to_mesh(model, comm, 0, gdim=dim)
-        tags = {
-            group: physical.tag
-            for group, physical in data.physical_groups.items()
-            if physical.dim == dim - 1 and group
-        }
+        data = read_gmsh(model, comm)
         return cls(
             name,
             data.mesh,
             data.facet_tags,
-            tags,
+            data.surface_tags,
             degree=degree,
             material=material,
             supports=supports,
@@ -121,42 +121,11 @@ class FEBody:
             pressures=pressures,
         )
 
-    def _check_surfaces(self) -> None:
-        known = self._surface_tags
-        conditions_of: dict[str, Sequence[Support | Spring | Pressure]] = {
-            "supports": self._supports,
-            "springs": self._springs,
-            "pressures": self._pressures,
-        }
-        for kind, conditions in conditions_of.items():
-            for i, condition in enumerate(conditions):
-                if condition.surface not in known:
-                    raise InputError(
-                        f"bodies.{self._name}.{kind}[{i}].surface",
-                        condition.surface,
-                        f"one of {', '.join(known) or 'none: the mesh names no surfaces'}",
-                    )
-        for surface, tag in known.items():
+    def _check_tags(self) -> None:
+        for surface, tag in self._surface_tags.items():
             if self.comm.allreduce(len(self._facet_tags.find(tag))) == 0:
-                raise InputError(
-                    f"bodies.{self._name}.surfaces.{surface}", tag, "the tag of some facets"
-                )
-
-    def _check_components(self) -> None:
-        for i, support in enumerate(self._supports):
-            if max(support.components) >= self.dim:
-                raise InputError(
-                    f"bodies.{self._name}.supports[{i}].components",
-                    support.components,
-                    f"below {self.dim}",
-                )
-        for i, spring in enumerate(self._springs):
-            if len(spring.stiffness) != self.dim:
-                raise InputError(
-                    f"bodies.{self._name}.springs[{i}].stiffness",
-                    spring.stiffness,
-                    f"{self.dim} components (N/m^3)",
-                )
+                field = f"bodies.{self._name}.surfaces.{surface}"
+                raise InputError(field, tag, "the tag of some facets")
 
     @property
     def name(self) -> str:
@@ -198,36 +167,18 @@ class FEBody:
     @cached_property
     def expansion(self) -> Any:
         """PETSc AIJ matrix (full x free): displacement of every dof from the free ones."""
-        free = self._free
-        local = self.dim * self._space.dofmap.index_map.size_local
-        first = self._space.dofmap.index_map.local_range[0] * self.dim
-        columns = self.comm.exscan(len(free)) or 0  # none on rank 0
-        row_starts = np.searchsorted(free, first + np.arange(local + 1))
-        index = PETSc.IntType
-        return PETSc.Mat().createAIJ(
-            ((local, PETSc.DETERMINE), (len(free), PETSc.DETERMINE)),
-            csr=(
-                row_starts.astype(index),
-                (columns + np.arange(len(free))).astype(index),
-                np.ones(len(free)),
-            ),
-            comm=self.comm,
-        )
+        first, last = self._space.dofmap.index_map.local_range
+        return self._constraints.expansion(first, last, self.comm)
 
     @cached_property
-    def _free(self) -> np.ndarray:
-        """Global full dofs of this rank that no support holds, rising."""
-        dofmap, topology = self._space.dofmap, self._mesh.topology
-        facet_dim = topology.dim - 1
-        topology.create_connectivity(facet_dim, topology.dim)
-        owned = dofmap.index_map.size_local
-        held = np.zeros((owned + dofmap.index_map.num_ghosts, self.dim), dtype=bool)
-        for support in self._supports:
-            facets = self._facet_tags.find(self._surface_tags[support.surface])
-            blocks = locate_dofs_topological(self._space, facet_dim, facets)
-            held[np.ix_(blocks, support.components)] = True
-        first = dofmap.index_map.local_range[0] * self.dim
-        return first + np.flatnonzero(~held[:owned].ravel())
+    def _constraints(self) -> Constraints:
+        return nodal_constraints(
+            self._space,
+            self.surfaces if self._supports else {},
+            self._supports,
+            self.num_scalar_dofs,
+            f"bodies.{self._name}.supports",
+        )
 
     def stiffness(self) -> Any:
         """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
@@ -252,25 +203,18 @@ class FEBody:
 
     @cached_property
     def _mass(self) -> Any:
-        if self._material.rho is None:
-            raise InputError(
-                f"bodies.{self._name}.material.rho",
-                None,
-                "a density (kg/m^3) is needed for a mass matrix",
-            )
-        return _without_zeros(self._assembled(mass_form(self._space, self._material.rho)))
+        rho = check_density(self._material, f"bodies.{self._name}.material")
+        return _without_zeros(self._assembled(mass_form(self._space, rho)))
 
     def _assembled(self, form: Any) -> Any:
         """Matrix (free x free) of a symmetric form, symmetric to the last bit."""
         full = assemble_matrix(form)
         full.assemble()
-        free = PETSc.IS().createGeneral(self._free.astype(PETSc.IntType), comm=self.comm)
-        matrix = full.createSubMatrix(free, free) if self._supports else full
-        # Element matrices are symmetric up to rounding; a + b = b + a makes their mean exactly so.
-        transpose = matrix.transpose(PETSc.Mat())
-        matrix.axpy(1.0, transpose, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        matrix.scale(0.5)
-        return matrix
+        free = self._constraints.restrict(full, self.expansion)
+        if free is not full:
+            full.destroy()
+        # Element matrices, and products with a turned frame, are symmetric up to rounding only.
+        return symmetrised(free)
 
     def load(self) -> Any:
         """Forces of the pressures, PETSc vector (free), N."""

@@ -10,6 +10,7 @@ import numpy as np
 from dolfinx.fem import IntegralType, compute_integration_domains
 
 from cea.body import Floats, Ints
+from cea.location import cross
 
 _CHUNK_BYTES = 64 * 2**20
 
@@ -162,12 +163,15 @@ class FacetLayer:
         return np.einsum("jnk,nki->nij", table, self.nodes[element])
 
 
-def cross(tangents: Floats) -> Floats:
-    """Normal with the length of the area element: t1 x t2 in 3D, (t_y, -t_x) in 2D, (n, dim)."""
-    if tangents.shape[1] == 2:
-        t = tangents[:, :, 0]
-        return np.column_stack([t[:, 1], -t[:, 0]])
-    return np.cross(tangents[:, :, 0], tangents[:, :, 1])
+def geometry_element(mesh: Any) -> Any:
+    """Lagrange element (basix) of the geometry of a mesh (dolfinx)."""
+    cmap = mesh.geometry.cmaps[0]
+    return basix.create_element(
+        basix.ElementFamily.P,
+        mesh.basix_cell(),
+        cmap.degree,
+        basix.LagrangeVariant(cmap.variant),
+    )
 
 
 def gather_facets(V: Any, facets: Ints) -> FacetLayer:
@@ -190,13 +194,7 @@ def gather_facets(V: Any, facets: Ints) -> FacetLayer:
         IntegralType.exterior_facet, mesh.topology, np.asarray(facets, dtype=np.int32)
     )
     cells, local = np.reshape(pairs, (-1, 2)).T
-    cmap = mesh.geometry.cmaps[0]
-    element = basix.create_element(
-        basix.ElementFamily.P,
-        mesh.basix_cell(),
-        cmap.degree,
-        basix.LagrangeVariant(cmap.variant),
-    )
+    element = geometry_element(mesh)
     nodes = mesh.geometry.x[mesh.geometry.dofmaps[0][cells], : mesh.geometry.dim]
     blocks = V.dofmap.list[cells]
     dofs = V.dofmap.index_map.local_to_global(blocks.ravel()).reshape(blocks.shape)

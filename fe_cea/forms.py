@@ -36,16 +36,27 @@ def stiffness_degree(V: Any) -> int:
     """Quadrature degree of the stiffness, exact on affine cells.
 
     Products of gradients have degree 2 (q - 1) on simplices; on tensor cells they keep degree 2 q
-    along one direction, which q + 1 Gauss points integrate.
+    along one direction.
     """
     q = _order(V)
-    return 2 * (q - 1) if _is_simplex(V) else 2 * q + 1
+    return 2 * (q - 1) if _is_simplex(V) else 2 * q
 
 
 def mass_degree(V: Any) -> int:
     """Quadrature degree of products of basis functions, exact on affine cells and facets."""
-    q = _order(V)
-    return 2 * q if _is_simplex(V) else 2 * q + 1
+    return 2 * _order(V)
+
+
+def pressure_degree(V: Any) -> int:
+    """Quadrature degree of pressures, exact: the normal times the area element is a polynomial.
+
+    Of geometry of degree g, one tangent contributes g - 1 along each direction; the other, in
+    space, g - 1 on triangles and g on squares.
+    """
+    mesh = V.mesh
+    q, g = V.ufl_element().basix_element.degree, mesh.geometry.cmaps[0].degree
+    second = {2: 0, 3: g - 1 if _is_simplex(V) else g}[mesh.geometry.dim]
+    return q + g - 1 + second
 
 
 def stiffness_form(
@@ -73,7 +84,7 @@ def stiffness_form(
 
     stress = lam * ufl.div(u) * ufl.Identity(dim) + 2 * mu * strain(u)
     a = ufl.inner(stress, strain(v)) * ufl.dx(metadata={"quadrature_degree": stiffness_degree(V)})
-    ds = _facet_measure(V, facet_tags)
+    ds = _facet_measure(V, facet_tags, mass_degree(V))
     for spring, tag in springs:
         k = Constant(mesh, np.asarray(spring.stiffness, dtype=default_scalar_type))
         a += sum(k[i] * u[i] * v[i] for i in range(dim)) * ds(tag)
@@ -92,7 +103,7 @@ def pressure_form(V: Any, pressures: Iterable[tuple[Pressure, int]], facet_tags:
     """Forces of pressures, each with the facet tag of its surface, N."""
     mesh = V.mesh
     v, n = ufl.TestFunction(V), ufl.FacetNormal(mesh)
-    ds = _facet_measure(V, facet_tags)
+    ds = _facet_measure(V, facet_tags, pressure_degree(V))
     terms = [
         -Constant(mesh, default_scalar_type(pressure.value)) * ufl.inner(n, v) * ds(tag)
         for pressure, tag in pressures
@@ -100,10 +111,10 @@ def pressure_form(V: Any, pressures: Iterable[tuple[Pressure, int]], facet_tags:
     return compiled(sum(terms[1:], terms[0]))
 
 
-def _facet_measure(V: Any, facet_tags: Any) -> Any:
+def _facet_measure(V: Any, facet_tags: Any, degree: int) -> Any:
     return ufl.Measure(
         "ds",
         domain=V.mesh,
         subdomain_data=facet_tags,
-        metadata={"quadrature_degree": mass_degree(V)},
+        metadata={"quadrature_degree": degree},
     )

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array, vstack
 
 from cea.body import Floats, Ints, VolumeSample
 from cea.errors import InputError
+from fe_cea.facets import geometry_element, slices
 
 
 def sample_volume(V: Any, subdivisions: int) -> VolumeSample:
@@ -68,6 +69,19 @@ def sample_volume(V: Any, subdivisions: int) -> VolumeSample:
         cells=np.concatenate(mesh.comm.allgather(cells)),
         values=csr_array(vstack(mesh.comm.allgather(values), format="csr")),
     )
+
+
+def cell_jacobians(mesh: Any) -> Floats:
+    """Jacobian determinants (m^dim) at Gauss points of the cells of this rank, (cells, points)."""
+    element = geometry_element(mesh)
+    points, _ = basix.make_quadrature(mesh.basix_cell(), 2 * element.degree + 1)
+    slopes = element.tabulate(1, points)[1:, :, :, 0]
+    owned = mesh.topology.index_map(mesh.topology.dim).size_local
+    out = np.empty((owned, len(points)))
+    for rows in slices(owned, 16 * mesh.geometry.dim**2 * len(points)):
+        nodes = mesh.geometry.x[mesh.geometry.dofmaps[0][rows], : mesh.geometry.dim]
+        out[rows] = np.linalg.det(np.einsum("jqk,cki->cqij", slopes, nodes, optimize=True))
+    return out
 
 
 def _subcells(element: Any, subdivisions: int) -> Ints:

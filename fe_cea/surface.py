@@ -1,27 +1,24 @@
 """Named surface of a Lagrange body: point rules, location of points, trace and gradient."""
 
 from functools import cached_property
-from typing import Any
 
 import basix
 import numpy as np
-from dolfinx.geometry import bb_tree, compute_collisions_points
-from dolfinx.mesh import create_mesh
-from mpi4py import MPI
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from cea.body import Floats, Ints, Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
 from cea.errors import InputError
-from cea.location import locate_along
-from fe_cea.facets import FacetLayer, cross
+from cea.location import cross, locate_along
+from fe_cea.facets import FacetLayer, slices
+from fe_cea.search import FacetBounds
 
 _MERGE = 1e-7
 """Grid points nearer than this, relative to the spacing of the smallest facet, are one."""
 
-_BULGE_SAFETY = 1.1
-"""Margin on the sampled bound of how far a curved facet leaves the box of its corners."""
+_BYTES_PER_POINT = 2048
+"""Temporaries of point location, with about four facets tried for each point."""
 
 
 _OUTLINES = {
@@ -216,39 +213,29 @@ class FESurface:
         reach
             Largest distance (m) along the direction, either way.
         """
-        return locate_along(self, x, direction, reach)
+        found = [
+            locate_along(_Aimed(self, direction[rows]), x[rows], direction[rows], reach)
+            for rows in slices(max(len(x), 1), _BYTES_PER_POINT)
+        ]
+        return Location(
+            at=SurfaceCoordinates(
+                np.concatenate([part.at.element for part in found]),
+                np.concatenate([part.at.xi for part in found]),
+            ),
+            distance=np.concatenate([part.distance for part in found]),
+            miss=np.concatenate([part.miss for part in found]),
+            status=np.concatenate([part.status for part in found]),
+            tolerance=found[0].tolerance,
+        )
 
     def candidates(self, x: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
         """Facets whose box comes within reach of each point, tried from their centres."""
-        padded = np.zeros((len(x), 3))
-        padded[:, : self.dim] = x
-        mesh = self._boxes
-        # Room for rounding, beside a reach that may be zero.
-        tree = bb_tree(mesh, mesh.topology.dim, padding=reach + 1e-6 * self.mesh_size)
-        found = compute_collisions_points(tree, padded)
-        point = np.repeat(np.arange(len(x)), np.diff(found.offsets))
-        element = mesh.topology.original_cell_index[found.array].astype(np.int64)
+        point, element = self._bounds.within(x, reach)
         return point, element, np.full((len(point), self.dim - 1), 1 / self.dim)
 
     @cached_property
-    def _boxes(self) -> Any:
-        """One interval for each facet, from corner to corner of a box that holds it (dolfinx)."""
-        geometry = self._layer.geometry
-        linear = basix.create_element(
-            basix.ElementFamily.P, self._facet, 1, basix.LagrangeVariant.equispaced
-        )
-        nodes = self._layer.facet_nodes
-        corners = nodes[:, : linear.dim]
-        bulge = nodes - np.einsum(
-            "kv,nvi->nki", linear.tabulate(0, geometry.facet.points)[0, :, :, 0], corners
-        )
-        sample = basix.create_lattice(self._facet, 24, basix.LatticeType.equispaced, True)
-        lebesgue = np.abs(geometry.facet.tabulate(0, sample)[0]).sum(axis=1).max()
-        margin = _BULGE_SAFETY * lebesgue * np.abs(bulge).max(axis=1)
-        low, high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
-        interval = basix.ufl.element("Lagrange", "interval", 1, shape=(self.dim,))
-        ends = np.stack([low, high], axis=1).reshape(-1, self.dim)
-        return create_mesh(MPI.COMM_SELF, np.arange(len(ends)).reshape(-1, 2), interval, ends)
+    def _bounds(self) -> FacetBounds:
+        return FacetBounds(self._layer)
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
@@ -271,3 +258,30 @@ class FESurface:
     def size(self, element: Ints) -> Floats:
         """Diameter (m) of each facet, (n,)."""
         return self._sizes[element]
+
+
+class _Aimed:
+    """Chart of a surface for points whose directions are known before they are tried.
+
+    Parameters
+    ----------
+    surface
+        The surface.
+    direction
+        Unit directions of the points that will be asked for, shape (n, dim).
+    """
+
+    def __init__(self, surface: FESurface, direction: Floats) -> None:
+        self._direction = direction
+        self._surface = surface
+        self.dim = surface.dim
+        self.tangents = surface.tangents
+        self.clamp = surface.clamp
+        self.on_edge = surface.on_edge
+        self.size = surface.size
+
+    def candidates(self, x: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
+        """Those of the surface that the line through each point may meet."""
+        point, element, start = self._surface.candidates(x, reach)
+        near = self._surface._bounds.near_lines(point, element, x, self._direction, reach)
+        return point[near], element[near], start[near]

@@ -10,8 +10,9 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_array, diags_array, kron, vstack
 
-from cea.body import Floats, Ints, VolumeSample
+from cea.body import Floats, VolumeSample
 from cea.boundary import Pressure, Spring, Support
+from cea.constraints import Constraints, symmetrised
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from iga_cea import assembly
@@ -23,8 +24,9 @@ from iga_cea.inputs import (
     checked_degree,
 )
 from iga_cea.multipatch import End, Multipatch, join
-from iga_cea.patch import PatchGeometry, refine, subdivided, tensor_cells
+from iga_cea.patch import PatchGeometry, outward, refine, subdivided, tensor_cells
 from iga_cea.pattern import Pattern
+from iga_cea.supports import face_constraints
 from iga_cea.surface import NurbsSurface
 
 
@@ -42,13 +44,13 @@ class NurbsBody:
     faces
         Faces (patch, axis, side) of each named surface.
     degree
-        Degree of the trial space along each parameter, 1 to 6, not below that of the geometry.
+        Degree of the trial space along each parameter, 1 to 8, not below that of the geometry.
     material
         Material.
     continuity
         Continuous derivatives at inserted breaks along each parameter; by default degree - 1.
     supports
-        Held components; they hold every control point of the surface.
+        What is held, over whole faces.
     springs
         Elastic foundations, part of the stiffness.
     pressures
@@ -80,7 +82,7 @@ class NurbsBody:
         dim = check_patches(patches, f"{field}.patches")
         degree = checked_degree(degree, patches, f"{field}.degree")
         continuity = checked_continuity(continuity, degree, f"{field}.continuity")
-        check_faces(faces, len(patches), dim, f"{field}.faces")
+        check_faces(faces, patches, dim, f"{field}.faces")
         check_boundary(supports, springs, pressures, faces, dim, field)
 
         self.name = name
@@ -115,18 +117,8 @@ class NurbsBody:
     @cached_property
     def expansion(self) -> Any:
         """PETSc AIJ matrix (full x free): displacement of every dof from the free ones."""
-        free = self._free
-        here = free[self._owned]
-        number = np.cumsum(free) - 1
-        return PETSc.Mat().createAIJ(
-            size=((len(here), len(free)), (int(here.sum()), int(free.sum()))),
-            csr=(
-                np.concatenate([[0], np.cumsum(here)]).astype(PETSc.IntType),
-                number[self._owned][here].astype(PETSc.IntType),
-                np.ones(int(here.sum())),
-            ),
-            comm=self.comm,
-        )
+        first, last = self.multipatch.dof_ranges[self.comm.rank : self.comm.rank + 2]
+        return self._constraints.expansion(int(first), int(last), self.comm)
 
     def stiffness(self) -> Any:
         """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
@@ -160,29 +152,28 @@ class NurbsBody:
             columns = dofs.ravel()[basis.indices]
             shape = (basis.shape[0], self.num_scalar_dofs)
             values.append(csr_array((basis.data, columns, basis.indptr), shape=shape))
-            cells.append(count + tensor_cells([len(x) for x in parameters]))
+            grid = tensor_cells([len(x) for x in parameters])
+            cells.append(count + outward(grid, values[-1] @ self.control_points))
             count += basis.shape[0]
         every = csr_array(vstack(values, format="csr"))
         return VolumeSample(every @ self.control_points, np.concatenate(cells), every)
 
     @cached_property
-    def _free(self) -> np.ndarray:
-        """True for full dofs that no support holds, shape (dim * num_scalar_dofs,)."""
-        free = np.ones((self.num_scalar_dofs, self.dim), dtype=bool)
-        for support in self._supports:
-            free[np.ix_(self.surfaces[support.surface].dofs, support.components)] = False
-        return free.ravel()
+    def _constraints(self) -> Constraints:
+        return face_constraints(
+            self.surfaces,
+            self._supports,
+            self.num_scalar_dofs,
+            self.dim,
+            max(self.degree) + 2,
+            f"bodies.{self.name}.supports",
+        )
 
     @property
     def _owned(self) -> slice:
         """Full dofs of this rank."""
         first, last = self.dim * self.multipatch.dof_ranges[self.comm.rank : self.comm.rank + 2]
         return slice(int(first), int(last))
-
-    @property
-    def _owned_free(self) -> Ints:
-        """Full dofs of this rank that are free."""
-        return self._owned.start + np.flatnonzero(self._free[self._owned])
 
     @cached_property
     def _pattern(self) -> Pattern:
@@ -213,8 +204,9 @@ class NurbsBody:
             points = surface.gauss_points(max(self.degree) + 1)
             traction = -pressure.value * points.normal
             force += surface.trace(points.at).T @ (points.weight[:, None] * traction)
-        load = self.expansion.createVecRight()
-        load.setArray(force.ravel()[self._owned_free])
+        load, full = self.expansion.createVecs()
+        full.setArray(force.ravel()[self._owned])
+        self.expansion.multTranspose(full, load)
         return load
 
     def _foundation(self, spring: Spring) -> Any:
@@ -237,10 +229,10 @@ class NurbsBody:
         )
 
     def _restricted(self, matrix: Any) -> Any:
-        """Rows and columns of the free dofs."""
-        if self._free.all():
-            return matrix
-        free = PETSc.IS().createGeneral(self._owned_free.astype(PETSc.IntType), comm=self.comm)
-        restricted = matrix.createSubMatrix(free, free)
-        matrix.destroy()
+        """Rows and columns of the free unknowns."""
+        restricted = self._constraints.restrict(matrix, self.expansion)
+        if not self._constraints.selects:
+            symmetrised(restricted)
+        if restricted is not matrix:
+            matrix.destroy()
         return restricted

@@ -19,6 +19,12 @@ _SAMPLES = 4
 _BLOCKS = 3
 """Blocks of samples of each face, per direction: each may start its own Newton iteration."""
 
+_STUCK = 1e-9
+"""Tangent of a collapsed edge, relative to the longest."""
+
+_ASIDE = 0.1
+"""Part of the way to the middle of its block by which a start leaves a collapsed edge."""
+
 
 @dataclass(frozen=True)
 class _Block:
@@ -118,7 +124,11 @@ def _blocks_of(number: int, face: PatchFace) -> Iterator[_Block]:
         parts.append([subdivided(breaks[s[0] : s[-1] + 2], _SAMPLES) for s in spans])
     for parameters in product(*parts):
         xi = grid_points(parameters)
-        x = face.tangents(xi)[0]
+        x, tangents = face.tangents(xi)
+        # A collapsed edge has no tangent along it to start Newton's method with.
+        speed = np.linalg.norm(tangents, axis=1)
+        stuck = speed.min(axis=1) <= _STUCK * speed.max()
+        xi[stuck] += _ASIDE * (xi.mean(axis=0) - xi[stuck])
         net = x.reshape(*(len(p) for p in parameters), face.dim)
         # Twice the half diagonal of a cell of samples: room for its curvature.
         sides = [np.linalg.norm(np.diff(net, axis=k), axis=-1).max() for k in range(face.dim - 1)]

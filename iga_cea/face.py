@@ -13,6 +13,12 @@ from cea.body import Floats, Ints
 from iga_cea.patch import Patch
 from iga_cea.splines import basis_functions, greville
 
+_SINGULAR = 1e-12
+"""Jacobian taken for zero, relative to the power of its longest tangent."""
+
+_BESIDE = 1e-6
+"""How far from a collapsed edge limits are taken, relative to half the range of a parameter."""
+
 
 @dataclass(frozen=True)
 class PatchFace:
@@ -194,8 +200,19 @@ class PatchFace:
     def _jacobian(self, xi: Floats) -> tuple[Ints, Floats, Floats, Floats]:
         """Functions, their derivatives along (xi, eta), positions, and the Jacobian dx/d(xi, eta).
 
-        Derivatives have shape (n, 2 * functions, dim): the outer layer first.
+        Derivatives have shape (n, 2 * functions, dim): the outer layer first. On collapsed edges,
+        where the Jacobian is singular, limits are taken from close by.
         """
+        at, derivatives, x, jacobian = self._jacobian_at(xi)
+        largest = np.linalg.norm(jacobian, axis=1).max(axis=1)
+        singular = np.flatnonzero(np.abs(np.linalg.det(jacobian)) <= _SINGULAR * largest**self.dim)
+        if len(singular):
+            middle = np.array([(k[0] + k[-1]) / 2 for k in self.knots])
+            beside = xi[singular] + _BESIDE * (middle - xi[singular])
+            at[singular], derivatives[singular], _, jacobian[singular] = self._jacobian_at(beside)
+        return at, derivatives, x, jacobian
+
+    def _jacobian_at(self, xi: Floats) -> tuple[Ints, Floats, Floats, Floats]:
         at, splines, slopes = self._splines(xi, derivatives=True)
         values, along = self._rational(at, splines, slopes)
         weighted = splines[:, :, None] * self._weights[at]

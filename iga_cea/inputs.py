@@ -7,10 +7,11 @@ import numpy as np
 
 from cea.boundary import Pressure, Spring, Support
 from cea.errors import InputError
+from iga_cea.collapse import collapsed_lines, face_is_collapsed
 from iga_cea.multipatch import End
 from iga_cea.patch import PatchGeometry, check_geometry
 
-MAX_DEGREE = 6
+MAX_DEGREE = 8
 """Highest degree of a trial space."""
 
 
@@ -53,13 +54,20 @@ def checked_continuity(
     return tuple(int(c) for c in continuity)
 
 
-def check_faces(faces: Mapping[str, Sequence[End]], patches: int, dim: int, field: str) -> None:
-    """Refuse surfaces with faces that do not exist, or with none."""
+def check_faces(
+    faces: Mapping[str, Sequence[End]], patches: Sequence[PatchGeometry], dim: int, field: str
+) -> None:
+    """Refuse surfaces with no faces, with some that do not exist, or with collapsed ones."""
+    collapsed = [collapsed_lines(patch.control_points) for patch in patches]
     for name, ends in faces.items():
-        real = [0 <= p < patches and 0 <= a < dim and s in (0, 1) for p, a, s in ends]
+        real = [0 <= p < len(patches) and 0 <= a < dim and s in (0, 1) for p, a, s in ends]
         if not real or not all(real) or len(set(ends)) != len(ends):
-            allowed = f"different (patch below {patches}, axis below {dim}, side 0 or 1)"
+            allowed = f"different (patch below {len(patches)}, axis below {dim}, side 0 or 1)"
             raise InputError(f"{field}.{name}", tuple(ends), allowed)
+        for patch, axis, side in ends:
+            if face_is_collapsed(collapsed[patch], axis, side):
+                allowed = "faces that are not collapsed to an edge or a point"
+                raise InputError(f"{field}.{name}", (patch, axis, side), allowed)
 
 
 def check_boundary(
@@ -83,9 +91,7 @@ def check_boundary(
                 allowed = f"one of {', '.join(known)}"
                 raise InputError(f"{field}.{kind}[{number}].surface", name, allowed)
     for number, support in enumerate(supports):
-        if max(support.components) >= dim:
-            part = f"{field}.supports[{number}].components"
-            raise InputError(part, support.components, f"components below {dim}")
+        support.check(dim, f"{field}.supports[{number}]")
     for number, spring in enumerate(springs):
         if len(spring.stiffness) != dim:
             part = f"{field}.springs[{number}].stiffness"

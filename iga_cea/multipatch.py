@@ -1,5 +1,7 @@
 """Patches joined to one body: numbering of scalar dofs and sharing out over ranks.
 
+Control points that coincide, in joined faces and along collapsed edges, are one scalar dof.
+
 Elements of all patches, in order, are shared out over ranks in contiguous ranges. A scalar dof
 belongs to the lowest rank that touches it, and the dofs of a rank are numbered contiguously. The
 integer connectivity is on every rank, matrices are not.
@@ -15,6 +17,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from cea.body import Floats, Ints
+from iga_cea.collapse import coinciding, face_is_collapsed
 from iga_cea.face import PatchFace
 from iga_cea.joints import joined_dofs
 from iga_cea.patch import Patch
@@ -124,8 +127,12 @@ def _merge(patches: Sequence[Patch], copies: Sequence[Ints], count: int, field: 
         PatchFace.of(patch, copies[k], (k, axis, side))
         for k, patch in enumerate(patches)
         for axis, side in product(range(patch.dim), (0, 1))
+        if not face_is_collapsed(patch.collapsed, axis, side)
     ]
-    pairs = joined_dofs(faces, field)
+    points = [
+        coinciding(patch.collapsed, copy) for patch, copy in zip(patches, copies, strict=True)
+    ]
+    pairs = np.concatenate([joined_dofs(faces, field), *points])
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     label = connected_components(graph, directed=False)[1]
     # Number components by their first copy, so that joining changes the order as little as it can.

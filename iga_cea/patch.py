@@ -11,6 +11,7 @@ from scipy.sparse import csr_array, diags_array, kron
 
 from cea.body import Floats, Ints
 from cea.errors import InputError
+from iga_cea.collapse import COLLAPSED, Lines, collapsed_lines
 from iga_cea.splines import (
     basis_matrix,
     elevation_matrix,
@@ -96,6 +97,11 @@ class Patch:
         return tuple(len(breaks) - 1 for breaks in self.breaks)
 
     @cached_property
+    def collapsed(self) -> Lines:
+        """True for the collapsed lines of control points along each axis."""
+        return collapsed_lines(self.control_points)
+
+    @cached_property
     def first_functions(self) -> tuple[Ints, ...]:
         """Number of the first function on each span, along each parameter."""
         return tuple(
@@ -163,7 +169,7 @@ def check_geometry(geometry: PatchGeometry, field: str) -> None:
 
 
 def _check_map(geometry: PatchGeometry, field: str) -> None:
-    """Refuse a patch that is folded or collapsed at its ends, its corners, or between them."""
+    """Refuse a patch that is folded or collapsed, but for edges that are collapsed whole."""
     grid = [subdivided(np.unique(knots), _MAP_SAMPLES) for knots in geometry.knots]
     net = homogeneous(geometry)
 
@@ -184,11 +190,20 @@ def _check_map(geometry: PatchGeometry, field: str) -> None:
     slopes = [sampled(axis) for axis in range(len(grid))]
     jacobian = [(s[..., :-1] - position * s[..., -1:]) / point[..., -1:] for s in slopes]
     tangents = np.stack(jacobian, axis=-1)
-    lengths = np.linalg.norm(tangents, axis=-2).max(axis=tuple(range(len(grid))))
+    speed = np.linalg.norm(tangents, axis=-2)
+    lengths = speed.max(axis=tuple(range(len(grid))))
     determinant = np.linalg.det(tangents) / np.prod(np.where(lengths > 0, lengths, 1.0))
-    if determinant.min() <= _FLAT and determinant.max() >= -_FLAT:
-        value = f"Jacobian from {determinant.min():.3g} to {determinant.max():.3g} (relative)"
-        allowed = "a map neither folded nor collapsed: a Jacobian of one sign, zero nowhere"
+    for axis in range(len(grid)):
+        line = speed[..., axis].max(axis=axis, keepdims=True) <= COLLAPSED * lengths[axis]
+        line[tuple(slice(None) if k == axis else slice(1, -1) for k in range(len(grid)))] = False
+        determinant = np.where(line, np.nan, determinant)
+    low, high = np.nanmin(determinant), np.nanmax(determinant)
+    if low <= _FLAT and high >= -_FLAT:
+        value = f"Jacobian from {low:.3g} to {high:.3g} (relative)"
+        allowed = (
+            "a map neither folded nor collapsed: a Jacobian of one sign, zero at most on edges "
+            "whose control points coincide"
+        )
         raise InputError(f"{field}.control_points", value, allowed)
 
 
@@ -266,3 +281,20 @@ def subdivided(breaks: Floats, parts: int) -> Floats:
     """
     pieces = [np.linspace(a, b, parts, endpoint=False) for a, b in pairwise(breaks)]
     return np.concatenate([*pieces, breaks[-1:]])
+
+
+def outward(cells: Ints, points: Floats) -> Ints:
+    """Cells of a tensor grid in VTK order, mirrored where the grid is left-handed.
+
+    Parameters
+    ----------
+    cells
+        Corners of the cells, as :func:`tensor_cells` numbers them.
+    points
+        Positions of the grid (m), shape (points, dim).
+    """
+    corners = points[cells]
+    edges = corners[:, [1, 3, 4][: points.shape[1]]] - corners[:, :1]
+    if np.linalg.det(edges).sum() > 0:
+        return cells
+    return cells[:, [0, 3, 2, 1, 4, 7, 6, 5][: cells.shape[1]]]

@@ -6,22 +6,26 @@ With psi the angle from the middle of the arc, their parameter t in [0, 1] obeys
 
     tan(psi / 2) = (2 t - 1) tan(alpha / 2),
 
-so that an angle becomes a parameter in closed form.
+so that an angle becomes a parameter in closed form. A patch over an arc from radius 0 is collapsed
+there: its control points along the arc coincide.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshes.breaks import Breaks
+from meshes.errors import require
+from meshes.patches import Face, GivenPatch, Patches
 from meshes.placement import Placement
-from meshes.shapes import Annulus, Box, Sector, Shape
+from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
 
 Floats = NDArray[np.float64]
-Face = tuple[int, int, int]
+Faces = Mapping[str, tuple[Face, ...]]
 
 _LINE = np.array([0.0, 0.0, 1.0, 1.0])
 _ARC = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
@@ -38,11 +42,11 @@ class NurbsPatch:
     degrees
         Degree along each parameter.
     knots
-        Open knot vector along each parameter, range 0 to 1.
+        Open knot vector along each parameter.
     control_points
-        Control points (m), shape (n1, n2, n3, dim), not multiplied by the weights.
+        Control points (m), shape (n1, ..., dim), not multiplied by the weights.
     weights
-        Weights, shape (n1, n2, n3).
+        Weights, shape (n1, ...).
     breaks
         Parameters of the wanted element boundaries along each direction, both ends included.
     """
@@ -67,72 +71,86 @@ class NurbsShape:
     """
 
     patches: tuple[NurbsPatch, ...]
-    faces: Mapping[str, tuple[Face, ...]]
+    faces: Faces
 
 
 def nurbs_shape(
-    shape: Shape, breaks: Breaks, placement: Placement = _PLACED_AT_ORIGIN
+    shape: Shape | Patches, breaks: Breaks, placement: Placement = _PLACED_AT_ORIGIN
 ) -> NurbsShape:
-    """NURBS patches of a shape: one of a box or sector, four joined quarters of an annulus.
+    """NURBS patches of a shape: one of straight shapes and sectors, four quarters of closed ones.
+
+    A hub has four quarters for each of its layers.
 
     Parameters
     ----------
     shape
         The shape.
     breaks
-        Coordinates of the element boundaries along its three directions (m, degrees), as
-        :func:`meshes.shapes.breaks_of` returns them.
+        Coordinates of the element boundaries along its directions (m, degrees), as
+        :func:`meshes.breaks.breaks_of` returns them.
     placement
         Where to put it.
 
     Raises
     ------
-    ValueError
-        When breaks do not rise from one end of the shape to the other, or those of an annulus
-        leave out a joint of its patches.
+    ShapeError
+        When breaks do not rise from one end of the shape to the other, or leave out a joint of
+        its patches.
     """
     _check(shape, breaks)
-    if isinstance(shape, Box):
-        return NurbsShape((_box(shape, breaks, placement),), _sides(shape.surfaces, range(3)))
-    if isinstance(shape, Sector):
-        low, high = np.deg2rad(shape.start), np.deg2rad(shape.end)
-        middle, half = (low + high) / 2, (high - low) / 2
-        angles = np.array([low, middle, high])
-        arc = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        arc[1] /= np.cos(half)
-        sector = _ring_patch(shape, arc, half, breaks[1] - shape.start, breaks, placement)
-        return NurbsShape((sector,), _sides(shape.surfaces, range(3)))
-    corners = np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    quarter_turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
-    quarters = []
-    for k in range(4):
-        inside = (breaks[1] > 90.0 * k - _SNAP) & (breaks[1] < 90.0 * (k + 1) + _SNAP)
-        arc = corners @ np.linalg.matrix_power(quarter_turn, k)
-        angles = breaks[1][inside] - 90.0 * k
-        quarters.append(_ring_patch(shape, arc, np.pi / 4, angles, breaks, placement))
-    return NurbsShape(tuple(quarters), _sides(shape.surfaces, (0, 2), patches=4))
+    match shape:
+        case Patches():
+            patches = tuple(_given(patch, breaks, placement) for patch in shape.patches)
+            return NurbsShape(patches, MappingProxyType(shape.faces))
+        case Box() | Rectangle():
+            faces = _sides(shape.surfaces, range(len(breaks)))
+            return NurbsShape((_straight(shape, breaks, placement),), faces)
+        case Sector() | RingSector():
+            arc = _Arc.between(shape.start, shape.end, breaks[1])
+            faces = _sides(shape.surfaces, range(len(breaks)))
+            return NurbsShape((_round(arc, breaks[0], breaks[2:], placement),), faces)
+        case Annulus() | Ring():
+            quarters = _quarters(breaks[1], breaks[0], breaks[2:], placement)
+            return NurbsShape(quarters, _sides(shape.surfaces, range(0, len(breaks), 2), 4))
+        case Disc():
+            quarters = _quarters(breaks[1], breaks[0], breaks[2:], placement)
+            named = {"outer": (0, 1), "bottom": (2, 0), "top": (2, 1)}
+            faces = {name: _on_all(range(4), *end) for name, end in named.items()}
+            return NurbsShape(quarters, MappingProxyType(faces))
+        case Hub():
+            return _hub(shape, breaks, placement)
 
 
-def _check(shape: Shape, breaks: Breaks) -> None:
+def _check(shape: Shape | Patches, breaks: Breaks) -> None:
     for name, (low, high), values in zip(shape.directions, shape.extent, breaks, strict=True):
         rises = len(values) >= 2 and bool(np.all(np.diff(values) > 0))
-        if not rises or not np.allclose([values[0], values[-1]], [low, high]):
-            raise ValueError(f"breaks along {name} = {values}: rising from {low} to {high}")
-    if isinstance(shape, Annulus):
-        distance = np.abs(breaks[1][:, None] - [90.0, 180.0, 270.0]).min(axis=0)
-        if np.any(distance > _SNAP):
-            raise ValueError(f"breaks along theta = {breaks[1]}: 90, 180 and 270 among them")
+        fits = rises and np.allclose([values[0], values[-1]], [low, high])
+        require(fits, f"breaks along {name}", values, f"rising from {low} to {high}")
+    joints: dict[int, Sequence[float]] = {}
+    if isinstance(shape, Annulus | Disc | Hub | Ring):
+        joints[1] = (90.0, 180.0, 270.0)
+    if isinstance(shape, Hub):
+        joints |= {0: (shape.hub_radius,), 2: (shape.bottom, shape.top)}
+    for axis, needed in joints.items():
+        distance = np.abs(breaks[axis][:, None] - needed).min(axis=0)
+        field, allowed = f"breaks along {shape.directions[axis]}", f"{needed} among them"
+        require(bool(np.all(distance <= _SNAP)), field, breaks[axis], allowed)
 
 
-def _sides(names: tuple[str, ...], axes: Iterable[int], patches: int = 1) -> Mapping:
+def _sides(names: Sequence[str], axes: Sequence[int], patches: int = 1) -> Faces:
     """Name both sides of each axis, in order, on every patch."""
     ends = [(axis, side) for axis in axes for side in (0, 1)]
     return MappingProxyType(
-        {
-            name: tuple((patch, *end) for patch in range(patches))
-            for name, end in zip(names, ends, strict=True)
-        }
+        {name: _on_all(range(patches), *end) for name, end in zip(names, ends, strict=True)}
     )
+
+
+def _on_all(patches: Sequence[int], axis: int, side: int) -> tuple[Face, ...]:
+    return tuple((patch, axis, side) for patch in patches)
+
+
+def _between(values: Floats, low: float, high: float) -> Floats:
+    return values[(values > low - _SNAP) & (values < high + _SNAP)]
 
 
 def _linear_parameters(values: Floats) -> Floats:
@@ -141,48 +159,140 @@ def _linear_parameters(values: Floats) -> Floats:
     return parameters
 
 
-def _arc_parameters(angles: Floats, half: float) -> Floats:
-    """Parameters of angles from the start of an arc (degrees), ``half`` its half angle (rad)."""
-    from_middle = np.deg2rad(angles) - half
-    parameters = (1 + np.tan(from_middle / 2) / np.tan(half / 2)) / 2
-    parameters[[0, -1]] = 0.0, 1.0
-    return parameters
+@dataclass(frozen=True)
+class _Arc:
+    """Arc of the unit circle.
+
+    Parameters
+    ----------
+    points
+        Its control points, (3, 2).
+    weight
+        Weight of the middle one.
+    parameters
+        Parameters of the wanted element boundaries.
+    """
+
+    points: Floats
+    weight: float
+    parameters: Floats
+
+    @classmethod
+    def between(cls, start: float, end: float, breaks: Floats) -> "_Arc":
+        """Arc between two angles less than 180 apart, its breaks at given angles (degrees)."""
+        middle, half = np.deg2rad((start + end) / 2), np.deg2rad((end - start) / 2)
+        # Multiples of 90 degrees have exact control points: patches then meet exactly.
+        angles = np.array([start, end])
+        ends = np.stack([_cosine(angles), _cosine(angles - 90.0)], axis=1)
+        corner = ends.sum(axis=0) / (2 * np.cos(half) ** 2)
+        from_middle = np.deg2rad(breaks) - middle
+        parameters = (1 + np.tan(from_middle / 2) / np.tan(half / 2)) / 2
+        parameters[[0, -1]] = 0.0, 1.0
+        return cls(np.array([ends[0], corner, ends[1]]), float(np.cos(half)), parameters)
 
 
-def _box(shape: Box, breaks: Breaks, placement: Placement) -> NurbsPatch:
-    grid = np.meshgrid(*shape.extent, indexing="ij")
+def _cosine(degrees: Floats) -> Floats:
+    return np.where(degrees % 180.0 == 90.0, 0.0, np.cos(np.deg2rad(degrees)))
+
+
+def _given(patch: GivenPatch, breaks: Breaks, placement: Placement) -> NurbsPatch:
+    """A given patch, breaks scaled to the ranges of its parameters."""
+    knots = tuple(np.asarray(k, dtype=float) for k in patch.knots)
     return NurbsPatch(
-        degrees=(1, 1, 1),
-        knots=(_LINE,) * 3,
+        degrees=tuple(patch.degrees),
+        knots=knots,
+        control_points=placement.apply(patch.points),
+        weights=patch.point_weights,
+        breaks=tuple(
+            np.clip(k[0] + values * (k[-1] - k[0]), k[0], k[-1])
+            for k, values in zip(knots, breaks, strict=True)
+        ),
+    )
+
+
+def _straight(shape: Box | Rectangle, breaks: Breaks, placement: Placement) -> NurbsPatch:
+    grid = np.meshgrid(*shape.extent, indexing="ij")
+    dim = len(breaks)
+    return NurbsPatch(
+        degrees=(1,) * dim,
+        knots=(_LINE,) * dim,
         control_points=placement.apply(np.stack(grid, axis=-1)),
-        weights=np.ones((2, 2, 2)),
+        weights=np.ones((2,) * dim),
         breaks=tuple(_linear_parameters(values) for values in breaks),
     )
 
 
-def _ring_patch(
-    shape: Annulus | Sector,
-    arc: Floats,
-    half: float,
-    angles: Floats,
-    breaks: Breaks,
-    placement: Placement,
+def _round(
+    arc: _Arc, radii: Floats, heights: tuple[Floats, ...], placement: Placement
 ) -> NurbsPatch:
-    """Patch over one arc given by its control points on the unit circle, shape (3, 2)."""
-    control_points = np.empty((2, 3, 2, 3))
-    radii = np.array([shape.inner_radius, shape.outer_radius])
-    control_points[..., :2] = radii[:, None, None, None] * arc[None, :, None, :]
-    control_points[..., 2] = shape.bottom, shape.top
-    weights = np.ones((2, 3, 2))
-    weights[:, 1] = np.cos(half)
+    """Patch over an arc between radii, in plane strain or between heights.
+
+    Parameters
+    ----------
+    arc
+        The arc.
+    radii
+        Breaks along r (m).
+    heights
+        Breaks along z (m); empty in plane strain.
+    placement
+        Where to put it.
+    """
+    plane = radii[[0, -1], None, None] * arc.points
+    weights = np.broadcast_to([1.0, arc.weight, 1.0], (2, 3))
+    for z in heights:
+        ends = np.broadcast_to(z[[0, -1], None], (2, 3, 2, 1))
+        plane = np.concatenate([np.stack([plane, plane], axis=2), ends], axis=3)
+        weights = np.stack([weights, weights], axis=2)
+    extruded = len(heights)
     return NurbsPatch(
-        degrees=(1, 2, 1),
-        knots=(_LINE, _ARC, _LINE),
-        control_points=placement.apply(control_points),
-        weights=weights,
-        breaks=(
-            _linear_parameters(breaks[0]),
-            _arc_parameters(angles, half),
-            _linear_parameters(breaks[2]),
+        degrees=(1, 2) + (1,) * extruded,
+        knots=(_LINE, _ARC) + (_LINE,) * extruded,
+        control_points=placement.apply(plane),
+        weights=np.array(weights),
+        breaks=(_linear_parameters(radii), arc.parameters, *map(_linear_parameters, heights)),
+    )
+
+
+def _quarters(
+    angles: Floats, radii: Floats, heights: tuple[Floats, ...], placement: Placement
+) -> tuple[NurbsPatch, ...]:
+    """Four joined patches all the way round."""
+    return tuple(
+        _round(
+            _Arc.between(start, start + 90.0, _between(angles, start, start + 90.0)),
+            radii,
+            heights,
+            placement,
+        )
+        for start in (0.0, 90.0, 180.0, 270.0)
+    )
+
+
+def _hub(shape: Hub, breaks: Breaks, placement: Placement) -> NurbsShape:
+    """Four quarters of the ring, then of each layer of the hub from below."""
+    r, theta, z = breaks
+    inside, outside = _between(r, 0.0, shape.hub_radius), _between(r, shape.hub_radius, np.inf)
+    levels = np.unique([shape.hub_bottom, shape.bottom, shape.top, shape.hub_top])
+    patches = list(_quarters(theta, outside, (_between(z, shape.bottom, shape.top),), placement))
+    ring = range(4)
+    standing_out: list[int] = []
+    for low, high in pairwise(levels):
+        if low != shape.bottom:
+            standing_out += range(len(patches), len(patches) + 4)
+        patches += _quarters(theta, inside, (_between(z, low, high),), placement)
+    hub = range(4, len(patches))
+    return NurbsShape(
+        tuple(patches),
+        MappingProxyType(
+            {
+                "bore": _on_all(hub, 0, 0),
+                "outer": _on_all(ring, 0, 1),
+                "bottom": _on_all(ring, 2, 0),
+                "top": _on_all(ring, 2, 1),
+                "hub_bottom": _on_all(hub[:4], 2, 0),
+                "hub_top": _on_all(hub[-4:], 2, 1),
+                "hub_side": _on_all(standing_out, 0, 1),
+            }
         ),
     )

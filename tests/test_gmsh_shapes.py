@@ -9,11 +9,17 @@ import pytest
 from meshes.breaks import breaks_of
 from meshes.gmsh_shapes import gmsh_mesh
 from meshes.placement import Placement
-from meshes.shapes import Annulus, Box, Sector
+from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
 
 BOX = Box((0.3, 0.2, 0.1), origin=(-0.1, 0.05, 0.02))
 ANNULUS = Annulus(0.06, 0.15, -0.002, 0.01)
 SECTOR = Sector(0.1, 0.14, -25.0, 60.0, 0.0, 0.02)
+RECTANGLE = Rectangle((0.3, 0.2), origin=(-0.1, 0.05))
+HUB = Hub(0.2, 0.5, 1.0, 0.0, 0.2, -0.1, 0.4)
+FLUSH_HUB = Hub(0.2, 0.5, 1.0, 0.0, 0.2, 0.0, 0.4)
+DISC = Disc(1.0, 0.1, 0.3)
+RING = Ring(0.5, 1.0)
+RING_SECTOR = RingSector(0.5, 1.0, -25.0, 60.0)
 SHAPES = {shape.shape: shape for shape in (BOX, ANNULUS, SECTOR)}
 ELEMENTS = {"box": (3, 2, 2), "annulus": (2, 14, 1), "sector": (2, 5, 2)}
 THROUGH = {"box": {"x": [0.17]}, "annulus": {"r": [0.07]}, "sector": {"theta": [-20.0]}}
@@ -127,7 +133,11 @@ BREAKS = breaks_of(BOX, (1, 1, 1))
     ("field", "arguments", "keywords"),
     [
         ("cell", (BOX, "prism", 1), {"size": 0.1}),
-        ("order", (BOX, "tetrahedron", 3), {"size": 0.1}),
+        ("order", (BOX, "tetrahedron", 5), {"size": 0.1}),
+        ("cell", (RECTANGLE, "tetrahedron", 1), {"size": 0.1}),
+        ("cell", (BOX, "triangle", 1), {"size": 0.1}),
+        ("breaks of r", (DISC, "hexahedron", 1), {"breaks": breaks_of(DISC, (1, 4, 1))}),
+        ("placement", (RECTANGLE, "triangle", 1), {"size": 0.1, "placement": PLACEMENT}),
         ("size", (BOX, "tetrahedron", 1), {}),
         ("size", (BOX, "tetrahedron", 1), {"size": -0.1}),
         ("size", (BOX, "hexahedron", 1), {"size": 0.1, "breaks": BREAKS}),
@@ -163,3 +173,108 @@ def test_a_second_mesh_within_the_first_is_refused():
         ):
             pass
         assert len(model.mesh.getNodes()[0]) == 8
+
+
+def hub_areas(hub):
+    ring = np.pi * (hub.outer_radius**2 - hub.hub_radius**2)
+    end = np.pi * (hub.hub_radius**2 - hub.bore**2)
+    through, thickness = hub.hub_top - hub.hub_bottom, hub.top - hub.bottom
+    return end * through + ring * thickness, {
+        "bore": 2 * np.pi * hub.bore * through,
+        "outer": 2 * np.pi * hub.outer_radius * thickness,
+        "bottom": ring,
+        "top": ring,
+        "hub_bottom": end,
+        "hub_top": end,
+        "hub_side": 2 * np.pi * hub.hub_radius * (through - thickness),
+    }
+
+
+SECTOR_SHARE = 85 / 360
+MEASURES = {
+    "hub": (HUB, *hub_areas(HUB)),
+    "flush hub": (FLUSH_HUB, *hub_areas(FLUSH_HUB)),
+    "disc": (DISC, 0.2 * np.pi, {"outer": 0.4 * np.pi, "bottom": np.pi, "top": np.pi}),
+    "rectangle": (RECTANGLE, 0.06, {"x_min": 0.2, "x_max": 0.2, "y_min": 0.3, "y_max": 0.3}),
+    "ring": (RING, 0.75 * np.pi, {"inner": np.pi, "outer": 2 * np.pi}),
+    "ring sector": (
+        RING_SECTOR,
+        0.75 * np.pi * SECTOR_SHARE,
+        {
+            "inner": np.pi * SECTOR_SHARE,
+            "outer": 2 * np.pi * SECTOR_SHARE,
+            "start": 0.5,
+            "end": 0.5,
+        },
+    ),
+}
+
+
+def measure(model, dim, tag=-1):
+    """Volume, area or length of the elements of an entity, by gmsh's own quadrature."""
+    total = 0.0
+    for kind in model.mesh.getElementTypes(dim, tag):
+        xi, weights = model.mesh.getIntegrationPoints(kind, "Gauss8")
+        determinants = model.mesh.getJacobians(kind, xi, tag)[1]
+        assert tag != -1 or determinants.min() > 0
+        total += np.abs(determinants.reshape(-1, len(weights)) @ weights).sum()
+    return total
+
+
+@pytest.mark.parametrize("structured", [True, False])
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+@pytest.mark.parametrize("name", MEASURES)
+def test_shapes_have_their_volume_and_the_areas_of_their_surfaces(name, order, structured):
+    shape, volume, areas = MEASURES[name]
+    dim = len(shape.directions)
+    if structured:
+        cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
+        mesh = {"breaks": breaks_of(shape, (3, 12, 4)[:dim])}
+    else:
+        cell, mesh = {2: "triangle", 3: "tetrahedron"}[dim], {"size": 0.2}
+    rel = {1: 5e-2, 2: 2e-3, 3: 5e-4, 4: 5e-6}[order]
+    with gmsh_mesh(shape, cell, order, **mesh) as model:
+        assert measure(model, dim) == pytest.approx(volume, rel=rel)
+        found = {
+            model.getPhysicalName(dim - 1, tag): measure(
+                model, dim - 1, model.getEntitiesForPhysicalGroup(dim - 1, tag)[0]
+            )
+            for _, tag in model.getPhysicalGroups(dim - 1)
+        }
+    assert found == pytest.approx(areas, rel=rel)
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+def test_arcs_are_exact_at_lobatto_points(order):
+    """The polynomial through the nodes of each arc meets the circle where it should."""
+    inner = {
+        2: [0.0],
+        3: [-np.sqrt(1 / 5), np.sqrt(1 / 5)],
+        4: [-np.sqrt(3 / 7), 0.0, np.sqrt(3 / 7)],
+    }
+    xi = np.array([[t, 0.0, 0.0] for t in [-1.0, 1.0, *inner[order]]])
+    for cell in ("triangle", "quadrilateral"):
+        mesh = {"size": 0.4} if cell == "triangle" else {"breaks": breaks_of(RING, (1, 12))}
+        with gmsh_mesh(RING, cell, order, **mesh) as model:
+            for radius, (_, tag) in zip((0.5, 1.0), model.getPhysicalGroups(1), strict=True):
+                (entity,) = model.getEntitiesForPhysicalGroup(1, tag)
+                kind = model.mesh.getElementTypes(1, entity)[0]
+                points = model.mesh.getJacobians(kind, xi.ravel(), entity)[2].reshape(-1, 3)
+                np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1]), radius, rtol=1e-13)
+
+
+def test_a_disc_of_hexahedra_follows_uneven_quarters():
+    """Five blocks: a square within half the radius, rings around; opposite quarters may differ."""
+    angles = np.array([0.0, 30.0, 90.0, 120.0, 160.0, 180.0, 250.0, 270.0, 290.0, 330.0, 360.0])
+    breaks = (np.array([0.0, 0.45, 0.8, 1.0]), angles, np.array([0.1, 0.3]))
+    with gmsh_mesh(DISC, "hexahedron", 3, breaks=breaks) as model:
+        (cells,) = model.mesh.getElements(3)[1]
+        assert len(cells) == 2 * 3 + 2 * 10
+        assert model.mesh.getElementQualities(cells, "minSJ").min() > 0
+        assert measure(model, 3) == pytest.approx(0.2 * np.pi, rel=1e-4)
+    uneven = (breaks[0], angles[[0, 2, 3, 5, 7, 10]], breaks[2])
+    with (
+        pytest.raises(ValueError, match=r"^breaks of theta"),
+        gmsh_mesh(DISC, "hexahedron", 1, breaks=uneven),
+    ):
+        pass

@@ -20,7 +20,7 @@ from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Sector
 
-DEGREES = range(1, 7)
+DEGREES = range(1, 9)
 RNG = np.random.default_rng(7)
 
 
@@ -84,7 +84,7 @@ def test_insertion_keeps_the_curve(degree: int) -> None:
 def test_elevation_keeps_the_curve(degree: int) -> None:
     knots = open_knots(degree)
     coefficients = RNG.random((len(knots) - degree - 1, 3))
-    for target in range(degree, 7):
+    for target in range(degree, 9):
         elevated, matrix = elevation_matrix(knots, degree, target)
         x = points(elevated)
         before = basis_matrix(knots, degree, x) @ coefficients
@@ -114,7 +114,7 @@ SHAPES = [
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: s.shape)
-@pytest.mark.parametrize("degree", [(1, 2, 1), (2, 3, 4), (6, 6, 6)])
+@pytest.mark.parametrize("degree", [(1, 2, 1), (2, 3, 4), (6, 6, 6), (8, 8, 8)])
 def test_refinement_keeps_the_geometry(shape, degree: tuple[int, int, int]) -> None:
     coarse = nurbs_shape(shape, breaks_of(shape, (2, 8, 3)), PLACEMENT)
     grid = [np.linspace(0, 1, 6)] * 3

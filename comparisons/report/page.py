@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from mpi4py import MPI
 
 from comparisons.report import figures, provenance, tables, words
 from comparisons.report.tabular import Table
@@ -57,7 +58,9 @@ class Image:
 
 
 def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: Path) -> Path:
-    """Write everything a comparison shows.
+    """Write everything a comparison shows, on rank 0.
+
+    Collective: the pictures take part of their modes from every rank.
 
     Parameters
     ----------
@@ -73,6 +76,16 @@ def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: 
     Path
         The page: one file that needs no other.
     """
+    pictures = _pictures(results, out)
+    page = out / "report.html"
+    if MPI.COMM_WORLD.rank == 0:
+        _write(data, [Image.of(file) for file in pictures], page)
+    return page
+
+
+def _write(data: dict[str, Any], pictures: list[Image], page: Path) -> None:
+    """Write tables, figures, ``result.json`` and the page."""
+    out = page.parent
     out.mkdir(parents=True, exist_ok=True)
     written = {table.name: table for table in (make(data) for make in TABLES)}
     for table in written.values():
@@ -81,7 +94,6 @@ def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: 
     for name, draw in figures.FIGURES.items():
         figures.save(draw(data), out / f"{name}.png")
         images[name] = Image.of(out / f"{name}.png")
-    pictures = _pictures(results, out)
     write_json(
         data
         | {
@@ -91,18 +103,15 @@ def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: 
         },
         out / "result.json",
     )
-    page = out / "report.html"
     page.write_text(_render(data, written, images, pictures), encoding="utf-8")
-    return page
 
 
-def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Image]:
+def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
     if not results:
         return []
     from comparisons.report.pictures import draw_modes
 
-    files = [file for result in results.values() for file in draw_modes(result, _PICTURES, out)]
-    return [Image.of(file) for file in files]
+    return [file for result in results.values() for file in draw_modes(result, _PICTURES, out)]
 
 
 def _render(

@@ -56,11 +56,17 @@ def draw_modes(result: SceneResult, count: int, out: Path) -> list[Path]:
     backend = "+".join(sorted({spec.backend for spec in result.scene.bodies.values()}))
     samples = {name: body.volume_sample(2) for name, body in bodies.items()}
     is_root = next(iter(bodies.values())).comm.rank == 0
-    out.mkdir(parents=True, exist_ok=True)
+    if is_root:
+        out.mkdir(parents=True, exist_ok=True)
     files = []
     for mode in chosen_modes(result, count):
         vector = result.modes.vector(mode)
-        dofs = {name: complex_displacement(result.system, name, *vector) for name in bodies}
+        dofs = {
+            name: complex_displacement(result.system, name, *vector, everywhere=False)
+            for name in bodies
+        }
+        for part in vector:
+            part.destroy()
         file = out / f"mode_{backend}_{mode + 1}.png"
         files.append(file)
         if is_root:

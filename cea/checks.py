@@ -1,0 +1,119 @@
+"""Input checks that scenes, meshes of either backend and the API share.
+
+Each refuses with :class:`cea.errors.InputError` before work begins, naming field, value and what
+is allowed.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from cea.body import Floats
+from cea.boundary import Pressure, Spring, Support
+from cea.errors import InputError
+from cea.material import IsotropicMaterial
+
+_FLAT = 1e-10
+"""Smallest Jacobian of a cell, relative to its largest, that is not called inverted."""
+
+
+def check_surface(name: str, known: Iterable[str], field: str) -> None:
+    """Refuse a surface that does not exist."""
+    names = sorted(known)
+    if name not in names:
+        raise InputError(field, name, f"one of {', '.join(names) or 'none: no surface is named'}")
+
+
+def check_boundary(
+    supports: Sequence[Support],
+    springs: Sequence[Spring],
+    pressures: Sequence[Pressure],
+    surfaces: Iterable[str],
+    dim: int,
+    field: str,
+) -> None:
+    """Refuse supports, springs and pressures on unknown surfaces, or of another dimension."""
+    known = list(surfaces)
+    conditions: dict[str, Sequence[Support | Spring | Pressure]] = {
+        "supports": supports,
+        "springs": springs,
+        "pressures": pressures,
+    }
+    for kind, items in conditions.items():
+        for number, item in enumerate(items):
+            check_surface(item.surface, known, f"{field}.{kind}[{number}].surface")
+    for number, support in enumerate(supports):
+        support.check(dim, f"{field}.supports[{number}]")
+    for number, spring in enumerate(springs):
+        if len(spring.stiffness) != dim:
+            allowed = f"{dim} values (N/m^3), one for each component"
+            raise InputError(f"{field}.springs[{number}].stiffness", spring.stiffness, allowed)
+
+
+def check_density(material: IsotropicMaterial, field: str) -> float:
+    """Density (kg/m^3) of a material that needs one; refuse one without."""
+    if material.rho is None:
+        raise InputError(f"{field}.rho", None, "a density (kg/m^3) is needed for eigenvalues")
+    return material.rho
+
+
+def check_knots(knots: Floats, degree: int, functions: int, field: str) -> None:
+    """Refuse knots that do not rise, are not open, or repeat an inner knot beyond the degree."""
+    n, p = functions, degree
+    ends = len(knots) == n + p + 1 and np.ptp(knots[: p + 1]) == np.ptp(knots[n:]) == 0
+    inner = knots[p + 1 : n]
+    inside = np.all((inner > knots[0]) & (inner < knots[-1])) and knots[0] < knots[-1]
+    continuous = not len(inner) or np.unique(inner, return_counts=True)[1].max() <= p
+    if not (ends and inside and continuous and np.all(np.diff(knots) >= 0)):
+        allowed = f"{n + p + 1} rising knots, ends {p + 1} times, others at most {p} times"
+        raise InputError(field, knots, allowed)
+
+
+def check_weights(weights: Any, field: str) -> None:
+    """Refuse weights that are not positive."""
+    if not (np.isfinite(weights).all() and np.all(np.asarray(weights) > 0)):
+        raise InputError(field, weights, "positive numbers")
+
+
+def check_jacobians(jacobians: Floats, field: str) -> None:
+    """Refuse cells that are inverted: whose Jacobian changes sign or vanishes inside.
+
+    Parameters
+    ----------
+    jacobians
+        Jacobian determinants at points of each cell, shape (cells, points).
+    field
+        Name of the mesh, for the message.
+    """
+    largest = np.abs(jacobians).max(axis=1)
+    turned = np.sign(jacobians[:, :1]) * jacobians
+    inverted = ~(turned.min(axis=1) > _FLAT * largest)
+    if inverted.any():
+        allowed = "cells whose Jacobian keeps its sign: some are inverted or flat"
+        value = f"{inverted.sum()} of {len(jacobians)} cells"
+        raise InputError(field, value, allowed)
+
+
+def check_coverage(missed: int, count: int, fraction: float, limit: float, **words: str) -> None:
+    """Refuse a contact whose points find too little on the other side.
+
+    Parameters
+    ----------
+    missed, count
+        Points that found nothing, and all points.
+    fraction
+        Share of the rule's area that found nothing.
+    limit
+        Largest share allowed.
+    words
+        ``field``, ``sides`` and ``reach`` for the message.
+    """
+    if fraction > limit:
+        raise InputError(
+            words["field"],
+            words["sides"],
+            f"surfaces that face each other within {words['reach']}: {missed} of {count} points "
+            f"({fraction:.1%} of the area of side a) find nothing on side b, at most {limit:.1%} "
+            "may",
+        )

@@ -1,0 +1,135 @@
+"""Directions held at scalar dofs, and the orthonormal frames they make there."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cea.body import Floats, Ints
+
+_INDEPENDENT = 1e-3
+"""Sine of the angle from which a direction counts as independent of those already held."""
+
+_ALIGNED = 1e-12
+"""Deviation of a span of directions from coordinate axes that is taken for rounding."""
+
+
+@dataclass(frozen=True)
+class Directions:
+    """Directions at scalar dofs; a dof may appear several times.
+
+    Parameters
+    ----------
+    dof
+        Scalar dofs, shape (n,).
+    direction
+        Unit directions there, shape (n, dim).
+    """
+
+    dof: Ints
+    direction: Floats
+
+    def __len__(self) -> int:
+        return len(self.dof)
+
+    @classmethod
+    def joined(cls, parts: Sequence["Directions"], dim: int) -> "Directions":
+        """Directions of several parts, in order."""
+        return cls(
+            np.concatenate([np.zeros(0, dtype=np.int64), *(part.dof for part in parts)]),
+            np.concatenate([np.zeros((0, dim)), *(part.direction for part in parts)]),
+        )
+
+
+def merged(entries: Directions, cosine: float) -> Ints:
+    """Label of each entry, the same for entries of one dof whose directions are near.
+
+    Parameters
+    ----------
+    entries
+        Directions at dofs.
+    cosine
+        Least cosine between directions that count as one.
+
+    Returns
+    -------
+    ndarray
+        Labels 0, 1, ..., shape (n,). Each group of a dof is gathered about its first entry.
+    """
+    label = np.full(len(entries), -1)
+    waiting = np.arange(len(entries))
+    count = 0
+    while len(waiting):
+        _, leader, group = np.unique(entries.dof[waiting], return_index=True, return_inverse=True)
+        led = entries.direction[waiting[leader][group]]
+        near = np.einsum("ij,ij->i", led, entries.direction[waiting]) >= cosine
+        # A leader is near itself, whatever rounding says: each pass ends with fewer waiting.
+        near[leader] = True
+        label[waiting[near]] = count + group[near]
+        count += len(leader)
+        waiting = waiting[~near]
+    return np.unique(label, return_inverse=True)[1]
+
+
+def orthonormal(owner: Ints, direction: Floats, count: int) -> tuple[Floats, Ints, Ints]:
+    """Gram-Schmidt at each owner, its entries in order.
+
+    Parameters
+    ----------
+    owner
+        Owner of each entry, 0 to count - 1, shape (n,).
+    direction
+        Unit directions, shape (n, dim).
+    count
+        Number of owners.
+
+    Returns
+    -------
+    vectors : ndarray
+        Orthonormal rows, zero beyond the rank, shape (count, dim, dim).
+    rank : ndarray
+        Shape (count,).
+    slot : ndarray
+        Row that each entry became, -1 where it depends on those before it.
+    """
+    dim = direction.shape[1]
+    vectors, rank = np.zeros((count, dim, dim)), np.zeros(count, dtype=np.int64)
+    slot = np.full(len(owner), -1)
+    order = np.argsort(owner, kind="stable")
+    turn = np.empty(len(owner), dtype=np.int64)
+    turn[order] = np.arange(len(owner)) - np.searchsorted(owner[order], owner[order])
+    for k in range(turn.max(initial=-1) + 1):
+        entry = np.flatnonzero(turn == k)
+        at, rest = owner[entry], direction[entry]
+        for _ in range(2):  # once more for the digits that cancel
+            along = np.einsum("nki,ni->nk", vectors[at], rest)
+            rest = rest - np.einsum("nki,nk->ni", vectors[at], along)
+        length = np.linalg.norm(rest, axis=1)
+        new = (length > _INDEPENDENT) & (rank[at] < dim)
+        entry, at = entry[new], at[new]
+        slot[entry] = rank[at]
+        vectors[at, rank[at]] = rest[new] / length[new, None]
+        rank[at] += 1
+    return vectors, rank, slot
+
+
+def complement(taken: Floats) -> Floats:
+    """Orthonormal rows that complete those taken, which come first and are not needed again.
+
+    Where they span coordinate axes the rest is exactly the other axes, in their order, so that
+    plain components stay plain.
+
+    Parameters
+    ----------
+    taken
+        Orthonormal rows, zero beyond the rank, shape (n, dim, dim).
+    """
+    dim = taken.shape[1]
+    frame = np.linalg.svd(taken)[2]
+    projector = np.einsum("nki,nkj->nij", taken, taken)
+    diagonal = np.einsum("nii->ni", projector)
+    is_axis = np.rint(diagonal)
+    aligned = np.abs(projector - is_axis[:, :, None] * np.eye(dim)).max(axis=(1, 2)) <= _ALIGNED
+    order = np.argsort(1 - is_axis[aligned], axis=1, kind="stable")
+    frame[aligned] = np.eye(dim)[order]
+    return frame

@@ -1,0 +1,31 @@
+"""Agreement between ranks, so that a fault on one leaves no other waiting."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from cea.errors import InputError
+
+
+@contextmanager
+def agreed(comm: Any) -> Iterator[None]:
+    """Run a block that sends no messages; input that any rank refuses, every rank refuses.
+
+    Parameters
+    ----------
+    comm
+        MPI communicator (mpi4py); leaving the block is collective.
+
+    Raises
+    ------
+    InputError
+        That of the lowest rank whose block raised one.
+    """
+    refusal = None
+    try:
+        yield
+    except InputError as error:
+        refusal = error
+    first = next((r for r in comm.allgather(refusal) if r is not None), None)
+    if first is not None:
+        raise first

@@ -1,0 +1,101 @@
+"""Candidates of point location: which facets a line of limited reach through a point may meet."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import basix
+import basix.ufl
+import numpy as np
+from dolfinx.geometry import bb_tree, compute_collisions_points
+from dolfinx.mesh import create_mesh
+from mpi4py import MPI
+
+from cea.body import Floats, Ints
+from fe_cea.facets import FacetLayer
+
+_BULGE_SAFETY = 1.1
+"""Margin on the sampled bound of how far a curved facet leaves the box of its corners."""
+_NEAR = 1.05
+"""Lines that pass a facet's ball by less than this part of its radius are tried: near misses."""
+
+
+@dataclass(frozen=True)
+class FacetBounds:
+    """Boxes and balls that hold the facets of a surface.
+
+    Parameters
+    ----------
+    layer
+        The facets.
+    """
+
+    layer: FacetLayer
+
+    @cached_property
+    def boxes(self) -> tuple[Floats, Floats]:
+        """Least and greatest coordinates (m) on each facet, (n, dim) each.
+
+        The box of the corners, widened by a bound of the bulge: the largest distance of a node
+        from the straight facet times the Lebesgue constant of the nodes.
+        """
+        facet = self.layer.geometry.facet
+        linear = basix.create_element(
+            basix.ElementFamily.P, facet.cell_type, 1, basix.LagrangeVariant.equispaced
+        )
+        nodes, corners = self.layer.facet_nodes, self._corners
+        bulge = nodes - np.einsum(
+            "kv,nvi->nki", linear.tabulate(0, facet.points)[0, :, :, 0], corners
+        )
+        sample = basix.create_lattice(facet.cell_type, 24, basix.LatticeType.equispaced, True)
+        lebesgue = np.abs(facet.tabulate(0, sample)[0]).sum(axis=1).max()
+        margin = _BULGE_SAFETY * lebesgue * np.abs(bulge).max(axis=1)
+        return corners.min(axis=1) - margin, corners.max(axis=1) + margin
+
+    @cached_property
+    def balls(self) -> tuple[Floats, Floats]:
+        """Centres (m), (n, dim), and radii (m), (n,), about the corners, widened as the boxes."""
+        corners = self._corners
+        centre = corners.mean(axis=1)
+        margin = np.linalg.norm(corners.min(axis=1) - self.boxes[0], axis=1)
+        farthest = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
+        return centre, farthest + margin
+
+    @property
+    def _corners(self) -> Floats:
+        """Corners (m) of the facets, the first of their nodes, (n, n_corners, dim)."""
+        count = len(basix.topology(self.layer.geometry.facet.cell_type)[0])
+        return self.layer.facet_nodes[:, :count]
+
+    @cached_property
+    def _intervals(self) -> Any:
+        """One interval for each facet, from corner to corner of its box (dolfinx)."""
+        dim = self.layer.dim
+        interval = basix.ufl.element("Lagrange", "interval", 1, shape=(dim,))
+        ends = np.stack(self.boxes, axis=1).reshape(-1, dim)
+        return create_mesh(MPI.COMM_SELF, np.arange(len(ends)).reshape(-1, 2), interval, ends)
+
+    def within(self, x: Floats, reach: float) -> tuple[Ints, Ints]:
+        """Points and facets whose box comes within reach of them, one pair a row."""
+        dim = self.layer.dim
+        padded = np.zeros((len(x), 3))
+        padded[:, :dim] = x
+        mesh = self._intervals
+        # Room for rounding, beside a reach that may be zero.
+        room = 1e-6 * 2 * float(self.balls[1].max())
+        tree = bb_tree(mesh, mesh.topology.dim, padding=reach + room)
+        found = compute_collisions_points(tree, padded)
+        point = np.repeat(np.arange(len(x)), np.diff(found.offsets))
+        return point, mesh.topology.original_cell_index[found.array].astype(np.int64)
+
+    def near_lines(
+        self, point: Ints, element: Ints, x: Floats, direction: Floats, reach: float
+    ) -> np.ndarray:
+        """True for pairs whose line, as far as it reaches, comes near the ball of the facet."""
+        centre, radius = self.balls
+        offset = centre[element] - x[point]
+        aim = direction[point]
+        along = np.einsum("ni,ni->n", offset, aim)
+        across = np.linalg.norm(offset - along[:, None] * aim, axis=1)
+        near = _NEAR * radius[element]
+        return (across <= near) & (np.abs(along) <= reach + near)

@@ -1,0 +1,82 @@
+"""Supports of a Lagrange body: directions held at its interpolation nodes."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cea.body import Floats, Ints, SurfaceCoordinates
+from cea.boundary import Support
+from cea.constraints import Constraints, constrain
+from cea.directions import Directions, merged
+from cea.frames import SurfaceNormal
+from fe_cea.facets import FacetBasis
+from fe_cea.surface import FESurface
+
+_CREASE = np.cos(np.deg2rad(40.0))
+"""Facets whose normals at a node differ by more are faces that meet at an edge of the body."""
+
+
+def nodal_constraints(
+    V: Any,
+    surfaces: Mapping[str, FESurface],
+    supports: Sequence[Support],
+    num_scalar_dofs: int,
+    field: str,
+) -> Constraints:
+    """Hold the directions of the supports at every node of their surfaces.
+
+    The normal at a node is the mean over the facets there that belong to surfaces on rollers and
+    turn by less than 40 degrees from one to the next, as facets of one curved face do; faces that
+    meet at a sharper edge hold a direction each. Facets of a round rim are polynomials: normal to
+    them, a rotation about the axis is held as weakly as they err from a circle, by radial not at
+    all.
+
+    Parameters
+    ----------
+    V
+        Lagrange space (dolfinx).
+    surfaces
+        Surfaces of the body.
+    supports
+        What is held.
+    num_scalar_dofs
+        Scalar dofs of the body.
+    field
+        Name of the supports in messages.
+    """
+    dim = V.mesh.geometry.dim
+    points = FacetBasis(V.ufl_element().basix_element).facet.points
+    held, rollers = [], []
+    for support in supports:
+        dofs, x, normal = _nodes(surfaces[support.surface], points)
+        if isinstance(support.frame, SurfaceNormal):
+            rollers.append(Directions(dofs, normal))
+            continue
+        nodes, first = np.unique(dofs, return_index=True)
+        directions = support.directions(x[first], normal[first])
+        held += [Directions(nodes, direction) for direction in directions]
+    if rollers:
+        held.append(_mean_normals(Directions.joined(rollers, dim)))
+    return constrain(num_scalar_dofs, Directions.joined(held, dim), field=field)
+
+
+def _nodes(surface: FESurface, points: Floats) -> tuple[Ints, Floats, Floats]:
+    """Nodes of every facet of a surface: scalar dofs, positions, outward normals."""
+    facets = np.arange(surface.num_elements)
+    at = SurfaceCoordinates(np.repeat(facets, len(points)), np.tile(points, (len(facets), 1)))
+    trace = surface.trace(at)
+    # A Lagrange function is one at its own node, zero at the others of its facet.
+    own = trace.data.reshape(len(at), -1).argmax(axis=1)
+    dofs = trace.indices.reshape(len(at), -1)[np.arange(len(at)), own].astype(np.int64)
+    return dofs, surface.position(at), surface.normal(at)
+
+
+def _mean_normals(normals: Directions) -> Directions:
+    label = merged(normals, _CREASE)
+    count = label.max(initial=-1) + 1
+    mean = np.zeros((count, normals.direction.shape[1]))
+    np.add.at(mean, label, normals.direction)
+    dofs = np.zeros(count, dtype=np.int64)
+    dofs[label] = normals.dof
+    return Directions(dofs, mean / np.linalg.norm(mean, axis=1, keepdims=True))

@@ -1,0 +1,138 @@
+"""Supports of a NURBS body: exact on flat faces, projected on curved ones.
+
+A direction that is the same all over a face is held at each of its control points, which holds it
+all over the face. One that turns, as the normal of a cylinder does, cannot be held so: control
+points do not lie on the face, and products of a rational spline with the direction leave the space.
+There the component u . d is made orthogonal to the trace space,
+
+    int R_i (u . d) dA = 0    for every function i of the face,
+
+one row for each control point, solved for the component along d at its Greville abscissa.
+
+Why projected and not collocated at the Greville abscissae: u . d does not vanish between the
+points, and eigenvalues feel the work of the reaction t on it, int t (u . d) dA (Strang's second
+lemma). Collocation leaves that of order q + 1. Projection leaves int (t - Pi t) (u . d) dA, Pi t
+the projected reaction, of order 2 q + 2, below the 2 q of the discretisation. In a ring of 6 by 24
+elements with u_r = 0 at its rims, lowest kappa: errors 8e-5, 5e-7, 8e-9 projected and 3e-4, 2e-4,
+6e-5 collocated for q = 2, 3, 4. Either admits exactly a motion whose u . d vanishes everywhere, so
+that a body between rollers still rotates freely about their axis.
+
+Where a direction is held at an edge already, the rows of the edge are dropped with it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from cea.body import Floats, Ints, SurfaceCoordinates
+from cea.boundary import Support
+from cea.constraints import Constraints, ProjectedConstraints, constrain
+from cea.directions import Directions, merged
+from cea.interface import along
+from iga_cea.face import grid_points
+from iga_cea.surface import NurbsSurface
+
+_SAME = 1e-10
+"""Deviation of unit directions that is taken for rounding."""
+
+_SMOOTH = 1.0 - 1e-8
+"""Cosine of directions at a joint of faces, about 1e-4 rad, from which they are one."""
+
+
+def face_constraints(
+    surfaces: Mapping[str, NurbsSurface],
+    supports: Sequence[Support],
+    num_scalar_dofs: int,
+    dim: int,
+    gauss: int,
+    field: str,
+) -> Constraints:
+    """Hold the directions of the supports over whole faces.
+
+    Parameters
+    ----------
+    surfaces
+        Surfaces of the body.
+    supports
+        What is held.
+    num_scalar_dofs
+        Scalar dofs of the body.
+    dim
+        Dimension of space.
+    gauss
+        Gauss points per direction in each knot span for projections.
+    field
+        Name of the supports in messages.
+    """
+    held: list[Directions] = []
+    turning: list[_TurningFace] = []
+    for support in supports:
+        surface = surfaces[support.surface]
+        points = surface.gauss_points(gauss)
+        fields = support.directions(points.x, points.normal)
+        for number, face in enumerate(surface.faces):
+            here = points.at.element == number
+            dofs = face.dofs[..., 0].ravel()
+            for k, direction in enumerate(fields[:, here]):
+                if np.abs(direction - direction[0]).max() <= _SAME:
+                    held.append(Directions(dofs, np.broadcast_to(direction[0], (len(dofs), dim))))
+                    continue
+                anchor = Directions(dofs, _at_greville(surface, number, support)[k])
+                trace = surface.trace(points.at[here])
+                turning.append(_TurningFace(anchor, trace, points.weight[here], direction))
+    projected = _projected(turning, dim) if turning else None
+    return constrain(num_scalar_dofs, Directions.joined(held, dim), projected, field=field)
+
+
+@dataclass(frozen=True)
+class _TurningFace:
+    """A face with a held direction that turns along it.
+
+    Parameters
+    ----------
+    anchor
+        Its scalar dofs, each once, with the direction at its Greville abscissa.
+    trace
+        Values of the functions at Gauss points, (n, num_scalar_dofs).
+    weight
+        Area weights of these points (m^2; m in 2D), (n,).
+    direction
+        Unit directions there, (n, dim).
+    """
+
+    anchor: Directions
+    trace: csr_array
+    weight: Floats
+    direction: Floats
+
+
+def _at_greville(surface: NurbsSurface, number: int, support: Support) -> Floats:
+    """Directions of a support at the Greville abscissae of a face, (directions, n, dim)."""
+    xi = grid_points(surface.faces[number].greville)
+    at = SurfaceCoordinates(np.full(len(xi), number), xi)
+    return support.directions(surface.position(at), surface.normal(at))
+
+
+def _projected(faces: Sequence[_TurningFace], dim: int) -> ProjectedConstraints:
+    """Rows of int R_i (u . d) dA over the faces that dof i joins smoothly."""
+    anchors = Directions.joined([face.anchor for face in faces], dim)
+    label = merged(anchors, _SMOOTH)
+    count = int(label.max()) + 1
+    rows = csr_array((count, dim * faces[0].trace.shape[1]))
+    ends = np.cumsum([len(face.anchor) for face in faces])
+    for face, labels in zip(faces, np.split(label, ends[:-1]), strict=True):
+        test = _tests(face, labels, count)
+        rows = csr_array(rows + test @ along(face.trace, face.direction))
+    first = np.unique(label, return_index=True)[1]
+    return ProjectedConstraints(Directions(anchors.dof[first], anchors.direction[first]), rows)
+
+
+def _tests(face: _TurningFace, labels: Ints, count: int) -> csr_array:
+    """Weighted values of the functions at the Gauss points, in their rows, (count, n)."""
+    row = np.zeros(face.trace.shape[1], dtype=np.int64)
+    row[face.anchor.dof] = labels
+    points = coo_array(face.trace)
+    entries = (points.data * face.weight[points.row], (row[points.col], points.row))
+    return csr_array(coo_array(entries, shape=(count, face.trace.shape[0])))

@@ -1,0 +1,228 @@
+"""Unstructured meshes of the shapes: triangles in an outline, tetrahedra in what it sweeps."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import gmsh
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.nodes import simplex_changes
+from meshes.shapes import Box, Disc, Hub, Rectangle, RingSector, Sector, Shape
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class MeshArrays:
+    """Mesh as plain arrays, nodes of cells and facets in gmsh's order.
+
+    Parameters
+    ----------
+    points
+        Nodes (m), (n, dim).
+    cells
+        Nodes of each cell, (n_cells, n_nodes).
+    facets
+        Nodes of the facets of each named surface, (n_facets, n_nodes).
+    """
+
+    points: Floats
+    cells: Ints
+    facets: Mapping[str, Ints]
+
+
+def mesh_outline(shape: Shape, order: int, size: float) -> MeshArrays:
+    """Mesh a shape with triangles or tetrahedra.
+
+    Parameters
+    ----------
+    shape
+        The shape.
+    order
+        Order of the geometry.
+    size
+        Target edge length (m).
+
+    Raises
+    ------
+    RuntimeError
+        When gmsh fails, or leaves inverted cells.
+    """
+    gmsh.model.add(shape.shape)
+    surfaces = _revolved_hub(shape) if isinstance(shape, Hub) else _extruded(shape)
+    dim = len(shape.directions)
+    for option in ("MeshSizeMin", "MeshSizeMax"):
+        gmsh.option.setNumber(f"Mesh.{option}", size)
+    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+    gmsh.model.mesh.generate(dim)
+    if order > 1:
+        # Nodes on arcs are put on them exactly. A cell with two facets on one circle is flat along
+        # their common edge: the optimiser moves what such cells share.
+        gmsh.model.mesh.setOrder(order)
+        gmsh.model.mesh.optimize("HighOrder")
+        (cells,) = gmsh.model.mesh.getElements(dim)[1]
+        if gmsh.model.mesh.getElementQualities(cells, "minSJ").min() <= 0:
+            raise RuntimeError(f"size = {size} m leaves inverted curved cells: take less")
+    mesh = _arrays(dim, surfaces)
+    gmsh.model.remove()
+    return _through_lobatto_points(shape, mesh, order) if order > 2 else mesh
+
+
+def _arrays(dim: int, surfaces: Mapping[str, list[int]]) -> MeshArrays:
+    """Mesh of the current gmsh model, with the entities of each named surface."""
+    tags, positions, _ = gmsh.model.mesh.getNodes()
+    points = np.zeros((int(tags.max()) + 1, dim))
+    points[tags.astype(np.int64)] = positions.reshape(-1, 3)[:, :dim]
+
+    def elements(dim: int, entity: int) -> Ints:
+        (kind,), _, (nodes,) = gmsh.model.mesh.getElements(dim, entity)
+        per_element = gmsh.model.mesh.getElementProperties(kind)[3]
+        return nodes.astype(np.int64).reshape(-1, per_element)
+
+    facets = {
+        name: np.concatenate([elements(dim - 1, entity) for entity in entities])
+        for name, entities in surfaces.items()
+    }
+    return MeshArrays(points, elements(dim, -1), facets)
+
+
+def _through_lobatto_points(shape: Shape, mesh: MeshArrays, order: int) -> MeshArrays:
+    """Mesh whose cells meet the circles at Gauss-Lobatto points rather than at their nodes."""
+    dim = mesh.points.shape[1]
+    kind = gmsh.model.mesh.getElementType("Tetrahedron" if dim == 3 else "Triangle", order)
+    nodes = np.reshape(gmsh.model.mesh.getElementProperties(kind)[4], (-1, dim))
+    to_lobatto, back = simplex_changes(nodes, order)
+
+    radius = np.zeros(len(mesh.points))
+    for name, value in _radii(shape).items():
+        radius[mesh.facets[name]] = value
+    curved = mesh.cells[radius[mesh.cells].any(axis=1)]
+    lobatto = mesh.points.copy()
+    lobatto[curved] = to_lobatto @ mesh.points[curved]
+    on = radius > 0
+    lobatto[on, :2] *= (radius[on] / np.linalg.norm(lobatto[on, :2], axis=1))[:, None]
+    points = mesh.points.copy()
+    points[curved] = back @ lobatto[curved]
+    return MeshArrays(points, mesh.cells, mesh.facets)
+
+
+def _radii(shape: Shape) -> dict[str, float]:
+    """Radii (m) of the round surfaces of a shape."""
+    if isinstance(shape, Hub):
+        return {
+            "bore": shape.bore,
+            "hub_side": shape.hub_radius,
+            "outer": shape.outer_radius,
+        }
+    if isinstance(shape, Box | Rectangle):
+        return {}
+    if isinstance(shape, Disc):
+        return {"outer": shape.outer_radius}
+    return {"inner": shape.inner_radius, "outer": shape.outer_radius}
+
+
+def _revolved_hub(shape: Hub) -> dict[str, list[int]]:
+    """Hub and ring in the current model, a profile turned about z; entities of each surface."""
+    profile = [
+        ("hub_bottom", shape.bore, shape.hub_bottom),
+        ("hub_side", shape.hub_radius, shape.hub_bottom),
+        ("bottom", shape.hub_radius, shape.bottom),
+        ("outer", shape.outer_radius, shape.bottom),
+        ("top", shape.outer_radius, shape.top),
+        ("hub_side", shape.hub_radius, shape.top),
+        ("hub_top", shape.hub_radius, shape.hub_top),
+        ("bore", shape.bore, shape.hub_top),
+    ]
+    following = [corner[1:] for corner in profile[1:] + profile[:1]]
+    edges = [
+        corner
+        for corner, end in zip(profile, following, strict=True)
+        if corner[1:] != end  # a hub that ends flush with the ring has no side there
+    ]
+    occ = gmsh.model.occ
+    points = [occ.addPoint(r, 0, z) for _, r, z in edges]
+    lines = [occ.addLine(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
+    face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+    swept = occ.revolve([(2, face)], 0, 0, 0, 0, 0, 1, 2 * np.pi)
+    occ.remove([(2, face)])
+    occ.synchronize()
+    _, _, *walls = swept  # the profile itself again, the volume, then what its edges sweep
+    surfaces: dict[str, list[int]] = {name: [] for name in shape.surfaces}
+    for (name, _, _), (_, tag) in zip(edges, walls, strict=True):
+        surfaces[name].append(tag)
+    return surfaces
+
+
+class _Edge(NamedTuple):
+    """Edge of an outline: the surface it sweeps, its first point (m), arc or straight line."""
+
+    surface: str
+    start: tuple[float, float]
+    arc: bool = False
+
+
+def _extruded(shape: Shape) -> dict[str, list[int]]:
+    """Outline of a shape in the current model, swept along z in space; entities by surface."""
+    low, high = shape.extent[2] if len(shape.directions) == 3 else (0.0, 0.0)
+    loops = _loops(shape)
+    geo = gmsh.model.geo
+    centre = geo.addPoint(0, 0, low)
+    surfaces: dict[str, list[int]] = {name: [] for name in shape.surfaces}
+    loop_tags, curves = [], []
+    for loop in loops:
+        points = [geo.addPoint(*edge.start, low) for edge in loop]
+        around = [
+            geo.addCircleArc(a, centre, b) if edge.arc else geo.addLine(a, b)
+            for edge, a, b in zip(loop, points, points[1:] + points[:1], strict=True)
+        ]
+        loop_tags.append(geo.addCurveLoop(around))
+        curves += around
+    base = geo.addPlaneSurface(loop_tags)
+    walls = curves
+    if high > low:
+        (_, top), _, *swept = geo.extrude([(2, base)], 0, 0, high - low)
+        walls = [tag for _, tag in swept]
+        ends = ("z_min", "z_max") if isinstance(shape, Box) else ("bottom", "top")
+        for name, tag in zip(ends, (base, top), strict=True):
+            surfaces[name].append(tag)
+    for edge, tag in zip([edge for loop in loops for edge in loop], walls, strict=True):
+        surfaces[edge.surface].append(tag)
+    geo.synchronize()
+    # Centres of arcs would be meshed as nodes of no cell.
+    loose = [p for p in gmsh.model.getEntities(0) if not len(gmsh.model.getAdjacencies(*p)[0])]
+    gmsh.model.removeEntities(loose)
+    return surfaces
+
+
+def _loops(shape: Shape) -> list[list[_Edge]]:
+    """Closed loops of the outline of a shape in the plane."""
+    if isinstance(shape, Box | Rectangle):
+        (x0, x1), (y0, y1) = shape.extent[:2]
+        loop = [
+            _Edge("y_min", (x0, y0)),
+            _Edge("x_max", (x1, y0)),
+            _Edge("y_max", (x1, y1)),
+            _Edge("x_min", (x0, y1)),
+        ]
+        return [loop]
+
+    def point(radius: float, degrees: float) -> tuple[float, float]:
+        angle = np.radians(degrees)
+        return float(radius * np.cos(angle)), float(radius * np.sin(angle))
+
+    if isinstance(shape, Sector | RingSector):
+        loop = [
+            _Edge("outer", point(shape.outer_radius, shape.start), arc=True),
+            _Edge("end", point(shape.outer_radius, shape.end)),
+            _Edge("inner", point(shape.inner_radius, shape.end), arc=True),
+            _Edge("start", point(shape.inner_radius, shape.start)),
+        ]
+        return [loop]
+    radii = sorted(_radii(shape).items(), key=lambda item: -item[1])
+    return [
+        [_Edge(name, point(radius, angle), arc=True) for angle in (0, 90, 180, 270)]
+        for name, radius in radii
+    ]

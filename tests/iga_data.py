@@ -1,0 +1,103 @@
+"""NURBS bodies for tests, and their matrices by slow loops that share nothing with the program."""
+
+from functools import reduce
+from itertools import pairwise, product
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.sparse import csr_array
+
+from cea.material import IsotropicMaterial
+from iga_cea import NurbsBody
+from meshes.breaks import breaks_of
+from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
+from meshes.placement import Placement
+
+STEEL = IsotropicMaterial(E=2.1, nu=0.3, rho=7.8)
+TILTED = Placement(axis=(1.0, 2.0, -0.5), angle=33.0, translation=(0.1, -0.2, 0.3))
+TURNED = Placement(angle=33.0, translation=(0.1, -0.2, 0.0))
+"""Placement that stays in the plane."""
+
+
+def body(shape, elements, degree, placement: Placement | None = None, **options) -> NurbsBody:
+    """Body of a shape, turned in space or in the plane unless a placement says otherwise."""
+    if placement is None:
+        placement = TILTED if len(degree) == 3 else TURNED
+    data = nurbs_shape(shape, breaks_of(shape, elements), placement)
+    options.setdefault("material", STEEL)
+    return NurbsBody("part", data.patches, data.faces, degree, **options)
+
+
+def scipy_of(matrix) -> csr_array:
+    indptr, indices, values = matrix.getValuesCSR()
+    return csr_array((values, indices, indptr), shape=matrix.getSize())
+
+
+def turned(patch: NurbsPatch, axes: tuple[int, ...], flip: int) -> NurbsPatch:
+    """The same patch with its parameters in another order, one of them reversed."""
+    dim = len(axes)
+    control_points = np.flip(patch.control_points.transpose(*axes, dim), flip)
+    knots = [patch.knots[a] for a in axes]
+    breaks = [patch.breaks[a] for a in axes]
+    knots[flip], breaks[flip] = 1 - knots[flip][::-1], 1 - breaks[flip][::-1]
+    return NurbsPatch(
+        tuple(patch.degrees[a] for a in axes),
+        tuple(knots),
+        control_points,
+        np.flip(patch.weights.transpose(axes), flip),
+        tuple(breaks),
+    )
+
+
+def slow_matrices(part: NurbsBody) -> tuple[np.ndarray, np.ndarray]:
+    """K and M by loops over patches, elements and points: basis by scipy, B^T D B (Voigt)."""
+    dim = part.dim
+    size = dim * part.num_scalar_dofs
+    K, M = np.zeros((2, size, size))
+    for patch, dofs in zip(part.multipatch.patches, part.multipatch.dofs, strict=True):
+        _add_patch(part, patch, dofs.ravel(), K, M)
+    return K, M
+
+
+def _add_patch(part, patch, order, K, M) -> None:
+    dim = patch.dim
+    pairs = {2: [(0, 0), (1, 1), (0, 1)], 3: [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]}[dim]
+    lam, mu = part.material.lame
+    D = np.diag([2 * mu] * dim + [mu] * (len(pairs) - dim))
+    D[:dim, :dim] += lam
+    tables = []
+    for knots, n, p in zip(patch.knots, patch.shape, patch.degrees, strict=True):
+        spline = BSpline(knots, np.eye(n), p)
+        nodes, weights = np.polynomial.legendre.leggauss(p + 1)
+        spans = []
+        for a, b in pairwise(np.unique(knots)):
+            x = (a + b) / 2 + (b - a) / 2 * nodes
+            spans.append([(*ts, (b - a) / 2 * w) for *ts, w in
+                          zip(spline(x), spline(x, nu=1), weights, strict=True)])  # fmt: skip
+        tables.append(spans)
+    X, w = patch.control_points.reshape(-1, dim), patch.weights.ravel()
+    for element in product(*tables):
+        for point in product(*element):
+            top = [
+                reduce(np.multiply.outer, [p[int(k == d)] for k, p in enumerate(point)]).ravel() * w
+                for d in (None, *range(dim))
+            ]
+            near = np.flatnonzero(np.any(top, axis=0))
+            top = [f[near] for f in top]
+            total = [f.sum() for f in top]
+            R = top[0] / total[0]
+            dR = np.array([(f - R * t) / total[0] for f, t in zip(top[1:], total[1:], strict=True)])
+            J = X[near].T @ dR.T
+            grad = np.linalg.solve(J.T, dR)
+            dV = np.prod([p[2] for p in point]) * abs(np.linalg.det(J))
+            B = np.zeros((len(pairs), len(R), dim))
+            for row, (i, j) in enumerate(pairs):
+                B[row, :, i] = grad[j]
+                B[row, :, j] = grad[i]
+            B = B.reshape(len(pairs), -1)
+            dof = order[near]
+            full = (dim * dof[:, None] + np.arange(dim)).ravel()
+            np.add.at(K, np.ix_(full, full), dV * B.T @ D @ B)
+            for c in range(dim):
+                at = np.ix_(dim * dof + c, dim * dof + c)
+                np.add.at(M, at, dV * part.material.rho * np.outer(R, R))

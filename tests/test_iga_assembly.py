@@ -1,0 +1,134 @@
+"""Matrices of NURBS bodies against slow loops, whatever degree, continuity and joints."""
+
+import subprocess
+import sys
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, turned
+
+from iga_cea import NurbsBody
+from meshes.nurbs_shapes import nurbs_shape
+from meshes.shapes import Annulus, Box, Disc, Hub, Ring, RingSector, Sector
+
+SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
+BOX = Box((2.0, 1.0, 0.5))
+
+
+def assert_agrees_with_slow_loops(part: NurbsBody) -> None:
+    for ours, slow in zip((part.stiffness(), part.mass()), slow_matrices(part), strict=True):
+        assert np.abs(scipy_of(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
+
+
+@pytest.mark.parametrize("q", [2, 3, 4, 5, 6, 8])
+def test_every_degree_in_the_plane(q: int) -> None:
+    """Continuity 0 along one parameter, the highest along the other."""
+    shape = RingSector(0.8, 1.7, 20.0, 85.0)
+    assert_agrees_with_slow_loops(body(shape, (2, 3), (q - 1, q), continuity=(0, q - 1)))
+
+
+@pytest.mark.parametrize("q", [1, 2, 3, 4, 5, 6])
+@pytest.mark.parametrize("axis", range(3))
+def test_every_degree_in_space(axis: int, q: int) -> None:
+    degree = [1, 1, 1]
+    degree[axis] = q
+    continuity = [0, 0, 0]
+    continuity[axis] = q // 2
+    elements = [1, 1, 1]
+    elements[axis] = 3
+    assert_agrees_with_slow_loops(body(BOX, elements, degree, continuity=continuity))
+
+
+@pytest.mark.parametrize("continuity", [(0, 0, 0), (1, 0, 1), (1, 2, 1), None])
+def test_continuities_in_space(continuity: tuple[int, ...] | None) -> None:
+    assert_agrees_with_slow_loops(body(SECTOR, (2, 2, 1), (2, 3, 2), continuity=continuity))
+
+
+@pytest.mark.parametrize(("axes", "flip"), [((1, 0), 0), ((0, 1), 1), ((1, 0), 1)])
+def test_odd_orientations_in_the_plane(axes: tuple[int, ...], flip: int) -> None:
+    """Three pieces of a quarter ring, the middle one turned."""
+    angles = [10.0, 40.0, 55.0, 100.0]
+    r = np.array([0.8, 1.1, 1.7])
+    pieces = [
+        nurbs_shape(RingSector(0.8, 1.7, a, b), (r, np.array([a, (a + b) / 2, b])), TURNED).patches
+        for a, b in pairwise(angles)
+    ]
+    patches = [pieces[0][0], turned(pieces[1][0], axes, flip), pieces[2][0]]
+    part = NurbsBody("part", patches, {}, (3, 3), material=STEEL)
+    assert part.num_scalar_dofs == 5 * (5 + 4 + 4)
+    assert_agrees_with_slow_loops(part)
+
+
+@pytest.mark.parametrize(("axes", "flip"), [((1, 2, 0), 0), ((2, 1, 0), 2), ((0, 2, 1), 1)])
+def test_odd_orientations_in_space(axes: tuple[int, ...], flip: int) -> None:
+    halves = [
+        nurbs_shape(
+            Sector(0.8, 1.7, a, b, -0.1, 0.2),
+            (np.array([0.8, 1.1, 1.7]), np.array([a, b]), np.array([-0.1, 0.2])),
+            TILTED,
+        ).patches[0]
+        for a, b in ((10.0, 40.0), (40.0, 95.0))
+    ]
+    patches = [halves[0], turned(halves[1], axes, flip)]
+    part = NurbsBody("part", patches, {}, (2, 2, 2), material=STEEL)
+    assert part.num_scalar_dofs == 4 * 5 * 3
+    assert_agrees_with_slow_loops(part)
+
+
+@pytest.mark.parametrize("elements", [(1, 4, 1), (2, 8, 2)])
+def test_collapsed_edges(elements: tuple[int, ...]) -> None:
+    """Elements at the axis of a disc have several functions of one dof."""
+    assert_agrees_with_slow_loops(body(Disc(1.2, -0.1, 0.2), elements, (2, 2, 1)))
+
+
+@pytest.mark.parametrize(
+    ("shape", "elements", "degree"),
+    [
+        (Annulus(0.8, 1.7, -0.1, 0.2), (2, 8, 2), (2, 3, 2)),
+        (Disc(1.7, -0.1, 0.2), (3, 12, 3), (3, 2, 2)),
+        (Hub(0.3, 0.8, 1.7, -0.1, 0.2, -0.2, 0.2), (2, 8, 2), (2, 2, 2)),
+        (Ring(0.8, 1.7), (3, 12), (4, 3)),
+    ],
+    ids=lambda s: getattr(s, "shape", None),
+)
+def test_exactly_symmetric(shape, elements, degree) -> None:
+    part = body(shape, elements, degree)
+    for matrix in (part.stiffness(), part.mass()):
+        A = scipy_of(matrix)
+        assert abs(A - A.T).max() == 0
+
+
+MEMORY = """
+import resource, sys
+from iga_cea import NurbsBody
+from cea.material import IsotropicMaterial
+from meshes.breaks import breaks_of
+from meshes.nurbs_shapes import nurbs_shape
+from meshes.shapes import Box
+
+shape, n, q = Box((1.0, 1.0, 1.0)), int(sys.argv[1]), int(sys.argv[2])
+data = nurbs_shape(shape, breaks_of(shape, (n, n, n)))
+material = IsotropicMaterial(1.0, 0.3, 1.0)
+NurbsBody("small", data.patches, data.faces, (1, 1, 1), material=material).stiffness()
+body = NurbsBody("large", data.patches, data.faces, (q, q, q), material=material)
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+matrices = body.stiffness(), body.mass()
+taken = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
+print(taken, sum(12 * matrix.getInfo()["nz_used"] for matrix in matrices))
+"""
+CHUNK = 64e6
+"""Temporaries of one chunk of elements."""
+
+
+@pytest.mark.parametrize(
+    ("elements", "degree", "least"),
+    [(8, 3, 35e6), pytest.param(18, 3, 300e6, marks=pytest.mark.slow)],
+)
+def test_memory_of_assembly(elements: int, degree: int, least: float) -> None:
+    """At most three times the finished matrices, beside one chunk."""
+    command = [sys.executable, "-c", MEMORY, str(elements), str(degree)]
+    run = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
+    taken, kept = map(float, run.stdout.split())
+    assert kept > least
+    assert taken < 3 * kept + (CHUNK if kept < 5 * CHUNK else 0)

@@ -1,0 +1,122 @@
+"""Point location alone against closed forms: curved, rotated and offset surfaces."""
+
+from time import perf_counter
+
+import numpy as np
+import pytest
+from iga_data import TILTED, body
+
+from cea.body import Status
+from meshes.patches import GivenPatch, Patches
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Disc, Hub
+
+COUNTS = [10_000, pytest.param(100_000, marks=pytest.mark.slow)]
+UNITS_BEYOND = 0.15
+
+
+def wavy_slab() -> Patches:
+    """Slab under the graph of a bicubic polynomial: x = u, y = v, top at z = f(u, v)."""
+    line, cubic = (0.0, 0.0, 1.0, 1.0), (0.0,) * 4 + (1.0,) * 4
+    u, v = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4), indexing="ij")
+    points = np.empty((4, 4, 2, 3))
+    points[..., 0], points[..., 1] = u[..., None], v[..., None]
+    points[..., 0, 2], points[..., 1, 2] = -0.5, HEIGHTS
+    patch = GivenPatch((3, 3, 1), (cubic, cubic, line), points.tolist())
+    return Patches((patch,), {"top": ((0, 2, 1),)})
+
+
+HEIGHTS = np.array(
+    [[0.0, 0.3, -0.2, 0.1], [0.4, -0.3, 0.2, 0.0], [-0.1, 0.5, -0.4, 0.3], [0.2, 0.0, 0.1, -0.2]]
+)
+
+
+def height(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """f(u, v) in Bernstein's form."""
+    bernstein = [
+        np.stack([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3]) for t in (x, y)
+    ]
+    return np.einsum("in,ij,jn->n", bernstein[0], HEIGHTS, bernstein[1])
+
+
+def located(surface, x, direction, reach):
+    start = perf_counter()
+    found = surface.locate(x, direction, reach)
+    print(f"{surface.name}: {len(x)} points in {perf_counter() - start:.2f} s")  # noqa: T201
+    return found
+
+
+@pytest.mark.parametrize("count", COUNTS)
+@pytest.mark.parametrize("gap", [0.0, 0.05, -0.08])
+def test_graph_of_a_polynomial(gap: float, count: int) -> None:
+    """Along z there is one answer, and none beside the slab."""
+    rng = np.random.default_rng(1)
+    top = body(wavy_slab(), (5, 4, 1), (3, 4, 1)).surfaces["top"]
+    x, y = rng.uniform(-UNITS_BEYOND, 1 + UNITS_BEYOND, (2, count))
+    edge = rng.random(count) < 0.05
+    x[edge] = np.round(x[edge])
+    inside = (x >= 0) & (x <= 1) & (y >= 0) & (y <= 1)
+    foot = np.stack([x, y, np.where(inside, height(*np.clip([x, y], 0, 1)), 0.0)], axis=1)
+    points = foot + np.array([0.0, 0.0, gap])
+    up = np.broadcast_to(TILTED.rotation[:, 2], points.shape)
+    found = located(top, TILTED.apply(points), up, 1.0)
+    np.testing.assert_array_equal(found.missed, ~inside)
+    on_edge = inside & ((x == 0) | (x == 1))
+    assert (found.status[on_edge] == Status.EDGE).all()
+    assert (found.status[inside & ~on_edge] == Status.INSIDE).all()
+    assert np.abs(found.distance[inside] + gap).max() < 1e-9
+    assert np.abs(top.position(found.at[inside]) - TILTED.apply(foot[inside])).max() < 1e-8
+
+
+def nearest_root(x, direction, radius, low, high, reach):
+    """Signed distance to the nearest point of a cylinder about z between heights; NaN for none."""
+    a = (direction[:, :2] ** 2).sum(axis=1)
+    b = (x[:, :2] * direction[:, :2]).sum(axis=1)
+    c = (x[:, :2] ** 2).sum(axis=1) - radius**2
+    with np.errstate(invalid="ignore"):
+        root = np.sqrt(b**2 - a * c)
+    s = np.stack([-b - root, -b + root]) / a
+    z = x[:, 2] + s * direction[:, 2]
+    s = np.where((z >= low) & (z <= high) & (np.abs(s) <= reach), s, np.inf)
+    nearest = np.take_along_axis(s, np.abs(s).argmin(axis=0)[None], axis=0)[0]
+    return np.where(np.isfinite(nearest), nearest, np.nan)
+
+
+@pytest.mark.parametrize("count", COUNTS)
+@pytest.mark.parametrize(
+    ("shape", "name", "radius", "low", "high"),
+    [
+        (Annulus(0.8, 1.7, -0.1, 0.2), "outer", 1.7, -0.1, 0.2),
+        (Annulus(0.8, 1.7, -0.1, 0.2), "inner", 0.8, -0.1, 0.2),
+        (Hub(0.3, 0.5, 1.0, -0.1, 0.15, -0.3, 0.15), "bore", 0.3, -0.3, 0.15),
+    ],
+    ids=["outer", "inner", "bore of two layers"],
+)
+def test_cylinders(shape, name: str, radius: float, low: float, high: float, count: int) -> None:
+    """Oblique lines from points offset to either side, rotated; also past the rims."""
+    rng = np.random.default_rng(2)
+    angle, z = rng.uniform(0, 2 * np.pi, count), rng.uniform(low - 0.1, high + 0.1, count)
+    outward = np.stack([np.cos(angle), np.sin(angle), np.zeros(count)], axis=1)
+    x = outward * (radius * (1 + rng.uniform(-0.3, 0.3, count)))[:, None]
+    x[:, 2] = z
+    direction = outward + 0.6 * rng.uniform(-1, 1, (count, 3))
+    direction *= (rng.choice([-1, 1], count) / np.linalg.norm(direction, axis=1))[:, None]
+    reach = 0.5 * radius
+    exact = nearest_root(x, direction, radius, low, high, reach)
+    surface = body(shape, (2, 16, 3), (2, 3, 2)).surfaces[name]
+    found = located(surface, TILTED.apply(x), direction @ TILTED.rotation.T, reach)
+    hit = ~np.isnan(exact)
+    assert 0.4 * count < hit.sum() < 0.9 * count
+    np.testing.assert_array_equal(found.missed, ~hit)
+    assert np.abs(found.distance[hit] - exact[hit]).max() < 1e-8
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_disc_with_a_collapsed_axis(count: int) -> None:
+    rng = np.random.default_rng(4)
+    radius, angle = 1.4 * rng.random(count), rng.uniform(0, 2 * np.pi, count)
+    x = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(count, 0.23)], axis=1)
+    top = body(Disc(1.2, -0.1, 0.2), (4, 16, 1), (2, 2, 2), Placement()).surfaces["top"]
+    found = located(top, x, np.tile([0.0, 0.0, -1.0], (count, 1)), 0.1)
+    np.testing.assert_array_equal(found.missed, radius > 1.2)
+    assert np.abs(found.distance[radius < 1.2] - 0.03).max() < 1e-14

@@ -1,0 +1,245 @@
+"""NURBS patches of shapes: exact geometry, joints, named faces; patches given as numbers."""
+
+import json
+from dataclasses import replace
+from itertools import permutations, product
+
+import numpy as np
+import pytest
+from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, turned
+from pydantic import TypeAdapter
+
+from cea.errors import InputError
+from iga_cea import NurbsBody
+from meshes.breaks import breaks_of
+from meshes.errors import ShapeError
+from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
+from meshes.patches import GivenPatch, Patches
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Disc, Hub, Rectangle, Ring, RingSector, Sector
+
+HUB = Hub(0.3, 0.5, 1.0, -0.1, 0.15, -0.1, 0.4)
+BOTH_SIDES = Hub(0.3, 0.5, 1.0, -0.1, 0.15, -0.2, 0.4)
+
+
+@pytest.mark.parametrize("shape", [Ring(0.8, 1.7), RingSector(0.8, 1.7, -70.0, 100.0)])
+def test_circles_of_the_plane(shape) -> None:
+    """Every point of the curves lies on its circle, breaks at their angles."""
+    breaks = breaks_of(shape, (2, 9))
+    data = nurbs_shape(shape, breaks)
+    part = NurbsBody("part", data.patches, data.faces, (1, 2), material=STEEL)
+    for name, radius in (("inner", 0.8), ("outer", 1.7)):
+        x = part.surfaces[name].grid(40).x
+        assert np.abs(np.linalg.norm(x, axis=1) / radius - 1).max() < 3e-15
+    angles = []
+    for patch in part.multipatch.patches:
+        x = patch.basis_on_grid([np.array([1.0]), patch.breaks[1]]) @ patch.control_points.reshape(
+            -1, 2
+        )
+        angles.append(np.rad2deg(np.arctan2(x[:, 1], x[:, 0])))
+    found = np.unique(np.round(np.concatenate(angles) % 360, 8) % 360)
+    np.testing.assert_allclose(found, np.unique(np.round(breaks[1] % 360, 8)), atol=1e-7)
+
+
+def test_quarters_meet_exactly() -> None:
+    """Control points of neighbours are equal to the last bit where nothing has been placed."""
+    patches = nurbs_shape(Ring(0.7, 1.3), breaks_of(Ring(0.7, 1.3), (1, 4))).patches
+    for one, other in zip(patches, (*patches[1:], patches[0]), strict=True):
+        np.testing.assert_array_equal(one.control_points[:, -1], other.control_points[:, 0])
+
+
+@pytest.mark.parametrize(("hub", "layers"), [(HUB, 3), (BOTH_SIDES, 4)])
+def test_hub(hub: Hub, layers: int) -> None:
+    """Four quarters for each layer, all joined: volume, areas, normals, numbers of dofs."""
+    part = body(hub, (3, 16, 4), (2, 6, 2))
+    assert len(part.multipatch.patches) == 4 * layers
+    height, ring = hub.hub_top - hub.hub_bottom, hub.top - hub.bottom
+    volume = np.pi * (height * (0.5**2 - 0.3**2) + ring * (1.0 - 0.5**2))
+    assert scipy_of(part.mass()).sum() == pytest.approx(3 * STEEL.rho * volume, rel=1e-13)
+    flat = {"hub_bottom": 0.5**2 - 0.3**2, "hub_top": 0.5**2 - 0.3**2}
+    flat |= {"bottom": 1.0 - 0.5**2, "top": 1.0 - 0.5**2}
+    areas = {name: np.pi * size for name, size in flat.items()}
+    areas |= {"bore": 2 * np.pi * 0.3 * height, "outer": 2 * np.pi * ring}
+    areas["hub_side"] = 2 * np.pi * 0.5 * (height - ring)
+    assert set(areas) == set(hub.surfaces)
+    for name, surface in part.surfaces.items():
+        assert surface.area == pytest.approx(areas[name], rel=1e-13)
+        points = surface.gauss_points(2)
+        original = (points.x - TILTED.translation) @ TILTED.rotation
+        outward = original * [1, 1, 0] / np.linalg.norm(original[:, :2], axis=1)[:, None]
+        if name in flat:
+            outward = np.tile([0, 0, 1 if name.endswith("top") else -1], (len(points), 1))
+        normal = points.normal @ TILTED.rotation
+        assert np.abs(normal - outward * (-1 if name == "bore" else 1)).max() < 1e-13
+    assert len(np.unique(np.round(part.control_points, 9), axis=0)) == part.num_scalar_dofs
+
+
+def test_disc_is_collapsed_at_its_axis_only() -> None:
+    data = nurbs_shape(Disc(1.2, 0.0, 0.3), breaks_of(Disc(1.2, 0.0, 0.3), (2, 4, 1)))
+    assert len(data.patches) == 4
+    for patch in data.patches:
+        np.testing.assert_array_equal(patch.control_points[0, ..., :2], 0.0)
+        assert np.linalg.norm(patch.control_points[1, ..., :2], axis=-1).min() > 1.1
+    assert set(data.faces) == {"outer", "bottom", "top"}
+
+
+def test_shapes_of_the_plane_stay_in_it() -> None:
+    with pytest.raises(ShapeError, match="a rotation about z"):
+        nurbs_shape(Rectangle((1.0, 1.0)), breaks_of(Rectangle((1.0, 1.0)), (1, 1)), TILTED)
+
+
+@pytest.mark.parametrize(
+    ("shape", "axis", "name"), [(HUB, 0, "r"), (HUB, 2, "z"), (Ring(0.5, 1.0), 1, "theta")]
+)
+def test_breaks_without_the_joints_are_refused(shape, axis: int, name: str) -> None:
+    elements = (4, 8, 5)[: len(shape.directions)]
+    breaks = list(breaks_of(shape, elements))
+    breaks[axis] = np.linspace(*shape.extent[axis], 4)
+    with pytest.raises(ShapeError, match=f"breaks along {name}"):
+        nurbs_shape(shape, tuple(breaks))
+
+
+def given(patch: NurbsPatch) -> GivenPatch:
+    """A patch as the plain numbers of a scene."""
+    return GivenPatch(
+        degrees=patch.degrees,
+        knots=tuple(tuple(k.tolist()) for k in patch.knots),
+        control_points=patch.control_points.tolist(),
+        weights=patch.weights.tolist(),
+    )
+
+
+def test_given_patches_are_the_shape_they_describe() -> None:
+    """A quarter of an annulus as numbers: the same matrices; placed like any shape."""
+    shape = Sector(0.8, 1.7, 0.0, 80.0, -0.1, 0.2)
+    (patch,) = nurbs_shape(shape, breaks_of(shape, (1, 1, 1))).patches
+    patches = Patches((given(patch),), {"rim": ((0, 0, 1),), "top": ((0, 2, 1),)})
+    assert patches.directions == ("u", "v", "w")
+    assert patches.surfaces == ("rim", "top")
+    ours = body(patches, (2, 2, 1), (2, 3, 2))
+    same = body(shape, (2, 2, 1), (2, 3, 2))
+    assert ours.num_scalar_dofs == same.num_scalar_dofs
+    assert ours.surfaces["rim"].area == pytest.approx(same.surfaces["outer"].area, rel=1e-14)
+    # The middle break of the arc has another parameter: even in the parameter, not in the angle.
+    middle = breaks_of(patches, (2, 2, 1))[1][1]
+    assert middle == 0.5
+    difference = abs(scipy_of(ours.mass()) - scipy_of(same.mass())).max()
+    assert difference < 1e-14 * abs(scipy_of(same.mass())).max()
+
+
+def bent() -> GivenPatch:
+    """Curved patch of mixed degrees, uneven knots, one of them twice, over other ranges."""
+    knots = ((1.0, 1.0, 1.0, 1.0, 2.5, 2.5, 4.0, 4.0, 4.0, 4.0), (-1.0, -1.0, 0.2, 1.0, 1.0))
+    x, y = np.meshgrid(np.linspace(0, 2, 6), [0.0, 0.7, 1.0], indexing="ij")
+    points = np.stack([x - 0.1 * y**2, y + 0.2 * np.sin(2 * x)], axis=-1)
+    weights = 1 + 0.3 * np.cos(x + y)
+    return GivenPatch((3, 1), knots, points.tolist(), weights.tolist())
+
+
+@pytest.mark.parametrize("degree", [(3, 1), (3, 2), (4, 3), (8, 8)])
+def test_given_knots_are_kept(degree: tuple[int, int]) -> None:
+    """Elements divide the scaled range evenly beside the knots; inner knots stay as smooth."""
+    patches = Patches((bent(),), {"low": ((0, 1, 0),)})
+    part = body(patches, (3, 2), degree)
+    (patch,) = part.multipatch.patches
+    np.testing.assert_allclose(patch.breaks[0], [1, 2, 2.5, 3, 4], atol=1e-15)
+    np.testing.assert_allclose(patch.breaks[1], [-1, 0, 0.2, 1], atol=1e-15)
+    assert (patch.knots[0] == 2.5).sum() == 2 + degree[0] - 3
+    assert (np.abs(patch.knots[1] - 0.2) < 1e-12).sum() == 1 + degree[1] - 1
+    if max(degree) < 8:
+        for ours, slow in zip((part.stiffness(), part.mass()), slow_matrices(part), strict=True):
+            assert np.abs(scipy_of(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
+
+
+ORIENTATIONS = [
+    (axes, flip) for axes, flip in product(permutations(range(3)), range(3))
+]  # all orders of the axes, each with one direction reversed
+
+
+@pytest.mark.parametrize(("axes", "flip"), ORIENTATIONS)
+def test_patches_join_in_any_relative_orientation(axes: tuple[int, ...], flip: int) -> None:
+    ring = Annulus(0.8, 1.7, -0.1, 0.2)
+    quarters = nurbs_shape(ring, breaks_of(ring, (1, 4, 1))).patches
+    odd = [quarters[0], turned(quarters[1], axes, flip), quarters[2], turned(quarters[3], axes, 1)]
+    patches = Patches(tuple(given(patch) for patch in odd), {})
+    part = body(patches, (2, 2, 2), (2, 2, 2))
+    assert part.num_scalar_dofs == 4 * (4 * 3) * 4
+
+
+def test_patches_on_other_elements_are_refused() -> None:
+    """Where parameters change places, elements along those that meet must be the same."""
+    ring = Annulus(0.8, 1.7, -0.1, 0.2)
+    quarters = nurbs_shape(ring, breaks_of(ring, (1, 4, 1))).patches
+    odd = [quarters[0], turned(quarters[1], (1, 0, 2), 0)]
+    patches = Patches(tuple(given(patch) for patch in odd), {})
+    with pytest.raises(InputError, match="patch 0 axis 1 side 1 and patch 1"):
+        body(patches, (2, 3, 1), (2, 2, 2))
+
+
+LINE = (0.0, 0.0, 1.0, 1.0)
+SQUARE = (((0.0, 0.0), (0.0, 1.0)), ((1.0, 0.0), (1.0, 1.0)))
+PLAIN = GivenPatch((1, 1), (LINE, LINE), SQUARE)
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"degrees": (0, 1)}, "degrees"),
+        ({"degrees": (1, 1, 1, 1)}, "degrees"),
+        ({"knots": (LINE,)}, "knots"),
+        ({"knots": ((0.0, 0.0, 1.0, 0.5), LINE)}, r"knots\[0\]"),
+        ({"knots": (LINE, (0.0, 0.5, 1.0, 1.0))}, r"knots\[1\]"),
+        ({"knots": (LINE, (0.0, 0.0, 0.0, 1.0, 1.0))}, r"knots\[1\]"),
+        ({"knots": (LINE, (0.0, 0.0, 0.0, 0.0))}, r"knots\[1\]"),
+        ({"knots": (LINE, (0.0, 0.0, 0.5, 0.5, 1.0, 1.0))}, r"knots\[1\].*continuity 0"),
+        ({"knots": (LINE, (0.0, 0.0, 0.5, 1.0, 1.0))}, r"control_points.*\(2, 3, 2\)"),
+        ({"knots": (LINE, (0.0, 0.0, float("nan"), 1.0))}, r"knots\[1\]"),
+        ({"control_points": (((0.0, 0.0), (0.0, 1.0)), ((1.0, 0.0),))}, "control_points"),
+        ({"control_points": (((0.0, 0.0), (0.0, "y")), ((1.0, 0.0), (1.0, 1.0)))}, "control_p"),
+        ({"weights": ((1.0, 1.0), (1.0, 0.0))}, "weights = 0.0: positive"),
+        ({"weights": ((1.0, 1.0),)}, "weights"),
+    ],
+)
+def test_wrong_patches_are_refused(change: dict, field: str) -> None:
+    with pytest.raises(ShapeError, match=field):
+        replace(PLAIN, **change)
+
+
+@pytest.mark.parametrize(
+    ("patches", "faces", "field"),
+    [
+        ((), {}, "patches"),
+        ((PLAIN, given(nurbs_shape(Annulus(1.0, 2.0, 0.0, 1.0), breaks_of(
+            Annulus(1.0, 2.0, 0.0, 1.0), (1, 4, 1))).patches[0])), {}, r"patches = \[2, 3\]"),
+        ((PLAIN,), {"left": ((1, 0, 0),)}, r"faces\[left\]"),
+        ((PLAIN,), {"left": ((0, 2, 0),)}, r"faces\[left\]"),
+        ((PLAIN,), {"left": ((0, 0, 0), (0, 0, 0))}, r"faces\[left\]"),
+        ((PLAIN,), {"left": ()}, r"faces\[left\]"),
+    ],
+)  # fmt: skip
+def test_wrong_faces_are_refused(patches, faces: dict, field: str) -> None:
+    with pytest.raises(ShapeError, match=field):
+        Patches(patches, faces)
+
+
+def test_patches_are_read_from_plain_data() -> None:
+    """As a scene gives them: nested lists of whole or other numbers."""
+    data = {
+        "shape": "patches",
+        "patches": [
+            {"degrees": [1, 1], "knots": [[0, 0, 1, 1]] * 2, "control_points": SQUARE},
+            {
+                "degrees": [1, 1],
+                "knots": [[0, 0, 1, 1]] * 2,
+                "control_points": [[[2, 0], [1, 0]], [[2, 1], [1, 1]]],
+                "weights": [[1, 1], [1, 1]],
+            },
+        ],
+        "faces": {"left": [[0, 0, 0]], "right": [[1, 1, 0]]},
+    }
+    patches = TypeAdapter(Patches).validate_json(json.dumps(data), strict=True)
+    part = body(patches, (2, 2), (2, 2), Placement())
+    assert part.num_scalar_dofs == 4 * 7
+    assert scipy_of(part.mass()).sum() == pytest.approx(2 * STEEL.rho * 2.0)
+    np.testing.assert_allclose(part.surfaces["right"].gauss_points(1).normal, [[1.0, 0.0]] * 2)
+    assert TURNED.apply(patches.patches[0].points).shape == (2, 2, 2)
