@@ -20,7 +20,7 @@ _FLAT = 1e-10
 
 def check_surface(name: str, known: Iterable[str], field: str) -> None:
     """Refuse a surface that does not exist."""
-    names = sorted(known)
+    names = list(known)
     if name not in names:
         raise InputError(field, name, f"one of {', '.join(names) or 'none: no surface is named'}")
 

@@ -2,7 +2,7 @@
 
 import json
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from cea.boundary import Spring, Support
+from cea.checks import check_density, check_surface
 from cea.errors import InputError
 from cea.formulations import Formulation
 from cea.frames import Cartesian, Cylindrical, SurfaceNormal
@@ -362,10 +363,9 @@ def _cross_checks(scene: Scene) -> Iterable[InputError]:
         yield InputError("bodies", {}, "at least one body")
     for name, body in scene.bodies.items():
         yield from _body_checks(f"bodies.{name}", body)
-        if scene.analysis.kind == "cea" and body.material.rho is None:
-            place = f"bodies.{name}.material.rho"
-            yield InputError(place, None, "a density (kg/m^3) is needed for eigenvalues")
-    known = {f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces}
+        if scene.analysis.kind == "cea":
+            yield from _fault(check_density, body.material, f"bodies.{name}.material")
+    known = sorted(f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces)
     for name, contact in scene.contacts.items():
         for side in ("a", "b"):
             yield from _known(f"contacts.{name}.{side}", getattr(contact, side), known)
@@ -423,5 +423,12 @@ def _formulation_checks(scene: Scene, name: str, contact: ContactSpec) -> Iterab
 
 
 def _known(place: str, name: str, known: Iterable[str]) -> Iterable[InputError]:
-    if name not in known:
-        yield InputError(place, name, f"one of {', '.join(sorted(known))}")
+    yield from _fault(check_surface, name, known, place)
+
+
+def _fault(check: Callable[..., Any], *arguments: Any) -> Iterable[InputError]:
+    """Fault that a shared check finds, collected with the others rather than raised."""
+    try:
+        check(*arguments)
+    except InputError as error:
+        yield error

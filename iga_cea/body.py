@@ -12,12 +12,12 @@ from scipy.sparse import csr_array, diags_array, kron, vstack
 
 from cea.body import Floats, VolumeSample
 from cea.boundary import Pressure, Spring, Support
+from cea.checks import check_boundary, check_density
 from cea.constraints import Constraints, symmetrised
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from iga_cea import assembly
 from iga_cea.inputs import (
-    check_boundary,
     check_faces,
     check_patches,
     checked_continuity,
@@ -190,10 +190,7 @@ class NurbsBody:
 
     @cached_property
     def _mass(self) -> Any:
-        rho = self.material.rho
-        if rho is None:
-            field = f"bodies.{self.name}.material.rho"
-            raise InputError(field, None, "a density (kg/m^3) is needed for a mass matrix")
+        rho = check_density(self.material, f"bodies.{self.name}.material")
         return self._restricted(assembly.mass(self.multipatch, self._pattern, rho, self.comm))
 
     @cached_property

@@ -1,11 +1,10 @@
 """Input of a NURBS body checked before any work begins."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from cea.boundary import Pressure, Spring, Support
 from cea.errors import InputError
 from iga_cea.collapse import collapsed_lines, face_is_collapsed
 from iga_cea.multipatch import End
@@ -68,34 +67,6 @@ def check_faces(
             if face_is_collapsed(collapsed[patch], axis, side):
                 allowed = "faces that are not collapsed to an edge or a point"
                 raise InputError(f"{field}.{name}", (patch, axis, side), allowed)
-
-
-def check_boundary(
-    supports: Sequence[Support],
-    springs: Sequence[Spring],
-    pressures: Sequence[Pressure],
-    surfaces: Iterable[str],
-    dim: int,
-    field: str,
-) -> None:
-    """Refuse supports, springs and pressures on unknown surfaces, or of another dimension."""
-    known = list(surfaces)
-    named = {
-        "supports": [item.surface for item in supports],
-        "springs": [item.surface for item in springs],
-        "pressures": [item.surface for item in pressures],
-    }
-    for kind, names in named.items():
-        for number, name in enumerate(names):
-            if name not in known:
-                allowed = f"one of {', '.join(known)}"
-                raise InputError(f"{field}.{kind}[{number}].surface", name, allowed)
-    for number, support in enumerate(supports):
-        support.check(dim, f"{field}.supports[{number}]")
-    for number, spring in enumerate(springs):
-        if len(spring.stiffness) != dim:
-            part = f"{field}.springs[{number}].stiffness"
-            raise InputError(part, spring.stiffness, f"{dim} values, one for each component")
 
 
 def _whole_numbers(values: Any, count: int) -> bool:
