@@ -2,9 +2,10 @@
 
 import json
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -334,12 +335,9 @@ def _set(data: dict[str, Any], override: str) -> None:
 def _faults(error: ValidationError) -> list[InputError]:
     """Faults that pydantic found, each under its own field."""
     faults: dict[str, InputError] = {}
-    tags = {"static", "cea", "AlongVector", "Circumferential"}
-    tags |= {kind.shape for kind in Shape.__args__}
-    tags |= {kind.method for kind in Formulation.__args__}
     for detail in error.errors(include_url=False):
         cause = detail.get("ctx", {}).get("error")
-        place = ".".join(str(p) for p in detail["loc"] if p not in tags)
+        place = _place(detail["loc"])
         allowed = detail["msg"][0].lower() + detail["msg"][1:]
         if detail["type"] in ("unexpected_keyword_argument", "extra_forbidden"):
             allowed = "no such field; remove it or mend its name"
@@ -355,6 +353,16 @@ def _faults(error: ValidationError) -> list[InputError]:
             value = detail["input"] if detail["type"] != "missing" else None
         faults[place] = InputError(place, value, allowed)
     return list(faults.values())
+
+
+_CHOICES = ("geometry", "formulation", "analysis", "friction_direction_on_a")
+"""Fields of several forms: pydantic adds the name of the form to the path behind them."""
+
+
+def _place(path: Sequence[str | int]) -> str:
+    """Path of a field as the user wrote it."""
+    written = [p for before, p in pairwise(("", *path)) if before not in _CHOICES]
+    return ".".join(map(str, written))
 
 
 def _cross_checks(scene: Scene) -> Iterable[InputError]:
@@ -385,6 +393,8 @@ def _mesh_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     """Meshes that do not suit the dimension of the shape."""
     directions = body.geometry.directions
     dim, names = len(directions), ", ".join(directions)
+    if body.geometry.shape == "patches" and body.backend == "fe":
+        yield InputError(f"{place}.backend", "fe", "'iga' for a geometry of patches")
     fe, iga = body.mesh.fe, body.mesh.iga
     if fe is not None and fe.cell not in _CELLS[dim]:
         yield InputError(f"{place}.mesh.fe.cell", fe.cell, " or ".join(_CELLS[dim]))

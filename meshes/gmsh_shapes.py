@@ -11,6 +11,7 @@ from meshes.breaks import Breaks
 from meshes.errors import require
 from meshes.lattice import lattices
 from meshes.outline import MeshArrays, mesh_outline
+from meshes.patches import Patches
 from meshes.placement import Placement
 from meshes.shapes import Shape
 
@@ -106,6 +107,7 @@ def gmsh_mesh(
 
 
 def _check(shape: Shape, cell: str, order: int, breaks: Breaks | None, size: float | None) -> None:
+    require(not isinstance(shape, Patches), "shape", shape.shape, "a shape that can be meshed")
     dim = len(shape.directions)
     fitting = [name for name, d in _DIMENSION.items() if d == dim]
     require(cell in fitting, "cell", cell, f"{' or '.join(fitting)} for shape = {shape.shape!r}")

@@ -75,7 +75,7 @@ class NurbsShape:
 
 
 def nurbs_shape(
-    shape: Shape | Patches, breaks: Breaks, placement: Placement = _PLACED_AT_ORIGIN
+    shape: Shape, breaks: Breaks, placement: Placement = _PLACED_AT_ORIGIN
 ) -> NurbsShape:
     """NURBS patches of a shape: one of straight shapes and sectors, four quarters of closed ones.
 
@@ -121,7 +121,7 @@ def nurbs_shape(
             return _hub(shape, breaks, placement)
 
 
-def _check(shape: Shape | Patches, breaks: Breaks) -> None:
+def _check(shape: Shape, breaks: Breaks) -> None:
     for name, (low, high), values in zip(shape.directions, shape.extent, breaks, strict=True):
         rises = len(values) >= 2 and bool(np.all(np.diff(values) > 0))
         fits = rises and np.allclose([values[0], values[-1]], [low, high])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.nodes import simplex_changes
-from meshes.shapes import Box, Disc, Hub, Rectangle, RingSector, Sector, Shape
+from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -117,11 +117,11 @@ def _radii(shape: Shape) -> dict[str, float]:
             "hub_side": shape.hub_radius,
             "outer": shape.outer_radius,
         }
-    if isinstance(shape, Box | Rectangle):
-        return {}
     if isinstance(shape, Disc):
         return {"outer": shape.outer_radius}
-    return {"inner": shape.inner_radius, "outer": shape.outer_radius}
+    if isinstance(shape, Annulus | Sector | Ring | RingSector):
+        return {"inner": shape.inner_radius, "outer": shape.outer_radius}
+    return {}
 
 
 def _revolved_hub(shape: Hub) -> dict[str, list[int]]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from meshes.errors import require
+from meshes.patches import Patches
 
 
 @dataclass(frozen=True)
@@ -290,4 +291,4 @@ class RingSector:
         return (self.inner_radius, self.outer_radius), (self.start, self.end)
 
 
-Shape = Box | Annulus | Sector | Hub | Disc | Rectangle | Ring | RingSector
+Shape = Box | Annulus | Sector | Hub | Disc | Rectangle | Ring | RingSector | Patches
