@@ -20,6 +20,8 @@ from cea.checks import check_coverage
 from cea.errors import InputError
 from cea.ranks import agreed
 
+_QUADRATURE = 1e-3
+"""Part of side a that a rule may lose to its own quadrature; more is area it leaves out."""
 _FACING = -0.5
 """Largest cosine between the normals of two surfaces that face each other."""
 
@@ -66,21 +68,10 @@ class Interface:
         """Points of this rank."""
         return self.points[self.rows]
 
-    def jump(self, direction: Floats) -> tuple[csr_array, csr_array]:
-        """Parts on a and b of the jump along a direction, the rows of this rank.
 
-        Parameters
-        ----------
-        direction
-            Unit vectors at the points of this rank, shape (n_local, dim): normals for G, friction
-            direction for T.
-
-        Returns
-        -------
-        tuple
-            Operators on full dofs, shape (n_local, dim * num_scalar_dofs) each.
-        """
-        return along(self.trace_a, direction), -along(self.trace_b, direction)
+def default_reach(a: Surface, b: Surface) -> float:
+    """Largest distance (m) at which two surfaces may touch: half the larger mesh size."""
+    return 0.5 * max(a.mesh_size, b.mesh_size)
 
 
 def pair(
@@ -117,13 +108,15 @@ def pair(
         On every rank, when too many points are missed or the surfaces do not face each other.
     """
     if reach is None:
-        reach = 0.5 * max(a.mesh_size, b.mesh_size)
+        reach = default_reach(a, b)
     start, stop = local_rows(len(points), comm)
     with agreed(comm):
         opposite = b.locate(points.x[start:stop], points.normal[start:stop], reach)
     status = np.concatenate(comm.allgather(opposite.status))
     found = status != Status.MISSED
-    fraction = float(points.weight[~found].sum() / points.weight.sum())
+    left_out = 1 - points.weight.sum() / a.area
+    missed_area = points.weight[~found].sum() / a.area
+    fraction = float(missed_area + (left_out if left_out > _QUADRATURE else 0.0))
     check_coverage(
         int((~found).sum()),
         len(points),
@@ -159,6 +152,44 @@ def pair(
         largest_distance=comm.allreduce(farthest, MPI.MAX),
         comm=comm,
     )
+
+
+@dataclass(frozen=True)
+class PointRule:
+    """Penalty at the points of an interface: a row of G and T for each point.
+
+    Parameters
+    ----------
+    interface
+        The points.
+    stiffness
+        Contact stiffness p at all points (N/m^3), shape (n,).
+    """
+
+    interface: Interface
+    stiffness: Floats
+
+    @property
+    def weight(self) -> Floats:
+        """Diagonal of D = w p (N/m) for the points of this rank."""
+        return self.interface.local_points.weight * self.stiffness[self.interface.rows]
+
+    def jump(self, direction: Floats, factor: Floats) -> tuple[csr_array, csr_array]:
+        """Parts on a and b of the jump along a direction times a factor, the rows of this rank.
+
+        Parameters
+        ----------
+        direction
+            Unit vectors at the points of this rank, shape (n_local, dim).
+        factor
+            Factor at them, e.g. the friction coefficient, shape (n_local,).
+        """
+        scaled = factor[:, None] * direction
+        return along(self.interface.trace_a, scaled), -along(self.interface.trace_b, scaled)
+
+    def pressure(self, gap: Floats) -> Floats:
+        """Contact pressure p g (N/m^2) at all points from the gaps G x there."""
+        return self.stiffness * gap
 
 
 def along(trace: csr_array, direction: Floats) -> csr_array:

@@ -5,19 +5,19 @@ M l = B x, where
 
     B_i = int psi_i g,   M_ij = int psi_i psi_j / p,   (B_k)_i = int mu psi_i [[u]].k,
 
-and K_n = B^T M^-1 B, K_f = B_k^T M^-1 B. With M = L L^T these are K_n = G^T G and K_f = T^T G for
-the whitened operators G = L^-1 B and T = L^-1 B_k: the same algebra as that of a point rule.
+and K_n = B^T M^-1 B, K_f = B_k^T M^-1 B. With R R^T = M^-1 these are K_n = G^T G and K_f = T^T G
+for G = R^T B and T = R^T B_k: the same algebra as that of a point rule, a row for each multiplier.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from mpi4py import MPI
 from scipy.linalg import eigh
-from scipy.sparse import csr_array, dia_array, diags_array
+from scipy.sparse import csr_array, diags_array
 
-from cea.body import Floats, SurfacePoints
-from cea.errors import InputError
-from cea.interface import along
+from cea.body import Floats
+from cea.interface import Interface, along, local_rows
 
 _NEGLIGIBLE = 1e-12
 """Multipliers whose share of the overlap is below this part of the largest are dropped."""
@@ -25,77 +25,80 @@ _NEGLIGIBLE = 1e-12
 
 @dataclass(frozen=True)
 class MortarProjection:
-    """Projection of functions at segment points on the trace space of side a, whitened.
+    """Projection of functions at segment points on the trace space of side a.
 
     Parameters
     ----------
-    points
-        Segment points on side a.
-    weights
-        Matrix (multipliers x points) that makes L^-1 int psi_i f from values of f at the points.
+    interface
+        Segment points and traces.
+    traces
+        psi at the points of this rank, shape (n_local, m).
+    root
+        R, shape (m, multipliers).
     """
 
-    points: SurfacePoints
-    weights: Floats
+    interface: Interface
+    traces: csr_array
+    root: Floats
 
     @classmethod
-    def of(cls, points: SurfacePoints, trace_a: csr_array, stiffness: Floats) -> "MortarProjection":
+    def of(cls, interface: Interface, stiffness: Floats) -> "MortarProjection":
         """Set up the projection.
 
         Parameters
         ----------
-        points
-            Segment points on side a.
-        trace_a
-            Trace of side a there, shape (n, num_scalar_dofs).
+        interface
+            Segment points and traces.
         stiffness
-            Contact stiffness p at the points (N/m^3), shape (n,).
+            Contact stiffness p at all points (N/m^3), shape (n,).
         """
-        if not len(points):
-            raise InputError("mortar", 0, "surfaces that overlap: no segment joins them")
-        psi = trace_a[:, np.unique(trace_a.indices)]
-        weighted = psi.T @ diags_array(points.weight)
-        mass = (weighted @ diags_array(1 / stiffness) @ psi).toarray()
+        comm = interface.comm
+        touched = np.unique(np.concatenate(comm.allgather(interface.trace_a.indices)))
+        traces = csr_array(interface.trace_a[:, touched])
+        share = interface.local_points.weight / stiffness[interface.rows]
+        mass = comm.allreduce((traces.T @ diags_array(share) @ traces).toarray(), MPI.SUM)
         values, vectors = eigh(0.5 * (mass + mass.T))
         kept = values > _NEGLIGIBLE * values[-1]
-        root = vectors[:, kept] / np.sqrt(values[kept])
-        return cls(points, root.T @ weighted.toarray())
+        return cls(interface, traces, vectors[:, kept] / np.sqrt(values[kept]))
 
-    def jump(
-        self,
-        trace_a: csr_array,
-        trace_b: csr_array,
-        direction: Floats,
-        factor: Floats | None = None,
-    ) -> tuple[csr_array, csr_array]:
-        """Parts on a and b of the projected jump along a direction.
+    @property
+    def weight(self) -> Floats:
+        """Diagonal of D for the rows of this rank: ones."""
+        start, stop = local_rows(self.root.shape[1], self.interface.comm)
+        return np.ones(stop - start)
+
+    def jump(self, direction: Floats, factor: Floats) -> tuple[csr_array, csr_array]:
+        """Parts on a and b of the projected jump along a direction, the rows of this rank.
 
         Parameters
         ----------
-        trace_a, trace_b
-            Traces at the points, (n, num_scalar_dofs) each.
         direction
-            Unit vectors at the points, (n, dim).
+            Unit vectors at the points of this rank, (n_local, dim).
         factor
-            Factor at the points, e.g. the friction coefficient, (n,).
+            Factor at the points of this rank, e.g. the friction coefficient, (n_local,).
 
         Returns
         -------
         tuple
-            Operators (multipliers, dim * num_scalar_dofs) on full dofs.
+            Operators on full dofs, shape (rows, dim * num_scalar_dofs) each.
         """
-        scale = np.ones(len(self.points)) if factor is None else factor
-        return tuple(
-            self._project(sign * diags_array(scale) @ along(trace, direction))
-            for sign, trace in ((1.0, trace_a), (-1.0, trace_b))
+        weighted = self.traces.T @ diags_array(self.interface.local_points.weight * factor)
+        return (
+            self._project(weighted @ along(self.interface.trace_a, direction)),
+            self._project(-(weighted @ along(self.interface.trace_b, direction))),
         )
 
-    def _project(self, operator: csr_array | dia_array) -> csr_array:
-        operator = csr_array(operator)
-        columns = np.unique(operator.indices[operator.data != 0])
-        block = self.weights @ operator[:, columns].toarray()
-        rows = len(block)
-        indptr = np.arange(rows + 1, dtype=np.int64) * len(columns)
+    def pressure(self, force: Floats) -> Floats:
+        """Contact pressure lambda_h (N/m^2) at all points from G x."""
+        return np.concatenate(self.interface.comm.allgather(self.traces @ (self.root @ force)))
+
+    def _project(self, integrals: csr_array) -> csr_array:
+        whole = csr_array(self.interface.comm.allreduce(csr_array(integrals), MPI.SUM))
+        columns = np.unique(whole.indices[whole.data != 0])
+        rows = self.root[:, slice(*local_rows(self.root.shape[1], self.interface.comm))].T
+        block = rows @ whole[:, columns].toarray()
+        indptr = np.arange(len(block) + 1, dtype=np.int64) * len(columns)
         return csr_array(
-            (block.ravel(), np.tile(columns, rows), indptr), shape=(rows, operator.shape[1])
+            (block.ravel(), np.tile(columns, len(block)), indptr),
+            shape=(len(block), whole.shape[1]),
         )

@@ -66,6 +66,8 @@ def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> 
     """
     cells_a, cells_b = a.cells(), b.cells()
     pairs = _near(a, cells_a, b, cells_b, reach)
+    if not len(pairs.a):
+        return a.gauss_points(1)[:0]
     if a.dim == 2:
         element, xi, weight = _intervals(a, cells_a, b, cells_b, pairs, points)
     else:

@@ -17,7 +17,8 @@ from cea.body import Body, Floats
 from cea.constraints import symmetrised
 from cea.errors import InputError
 from cea.friction import FrictionDirection
-from cea.interface import Interface, free_operator
+from cea.interface import Interface, PointRule, free_operator
+from cea.mortar import MortarProjection
 from cea.ranks import agreed
 
 
@@ -33,11 +34,14 @@ class ContactLaw:
         Friction coefficient there, shape (n,) or one number; 0 without friction.
     direction
         Direction of the friction traction on side a; needed when mu is not zero.
+    projected
+        Whether the gap is projected on the traces of side a (mortar).
     """
 
     stiffness: Floats | float
     mu: Floats | float = 0.0
     direction: FrictionDirection | None = None
+    projected: bool = False
 
     def __post_init__(self) -> None:
         if (np.asarray(self.stiffness) <= 0).any():
@@ -65,22 +69,25 @@ class Contact:
         Names of the bodies on its two sides.
     interface
         Its points.
+    rule
+        What makes rows of G of them: the points themselves, or multipliers.
     gap
-        G, PETSc AIJ (points x free dofs).
+        G, PETSc AIJ (rows x free dofs).
     slip
-        T, PETSc AIJ (points x free dofs), None without friction.
+        diag(mu) T, PETSc AIJ (rows x free dofs), None without friction.
     stiffness
         K_n, PETSc AIJ, symmetric positive semidefinite (N/m).
     friction
         K_f, PETSc AIJ, unsymmetric (N/m), None without friction.
     weight
-        Diagonal of D = w p (N/m) on this rank, PETSc vector.
+        Diagonal of D, PETSc vector (rows).
     """
 
     name: str
     body_a: str
     body_b: str
     interface: Interface
+    rule: PointRule | MortarProjection
     gap: Any
     slip: Any | None
     stiffness: Any
@@ -88,12 +95,11 @@ class Contact:
     weight: Any
 
     def pressure(self, x: Any) -> Floats:
-        """Contact pressure f / w (N/m^2) at every point, on every rank, for unknowns x."""
-        force = self.gap.createVecLeft()
-        self.gap.mult(x, force)
-        force.pointwiseMult(force, self.weight)
-        pressure = gather(force) / self.interface.points.weight
-        force.destroy()
+        """Contact pressure (N/m^2) at every point, on every rank, for unknowns x."""
+        closed = self.gap.createVecLeft()
+        self.gap.mult(x, closed)
+        pressure = self.rule.pressure(gather(closed))
+        closed.destroy()
         return pressure
 
 
@@ -217,20 +223,24 @@ def _contact(
     leave_out: bool,
 ) -> Contact:
     points = interface.local_points
-    gap = _system_operator(bodies, a, b, interface, points.normal)
-    weight = _point_vector(interface, interface.points.weight * law.stiffness, gap)
+    stiffness = np.broadcast_to(np.asarray(law.stiffness, dtype=float), len(interface.points))
+    rule = (MortarProjection.of if law.projected else PointRule)(interface, stiffness)
+    gap = _system_operator(bodies, a, b, rule.jump(points.normal, np.ones(len(points))))
+    weight = gap.createVecLeft()
+    weight.array[:] = rule.weight
     slip = friction = None
     if law.direction is not None and (law.frictional or not leave_out):
         with agreed(interface.comm):
             direction = law.direction.at(points.x, points.normal)
-        slip = _system_operator(bodies, a, b, interface, direction)
-        mu = np.broadcast_to(law.mu, len(interface.points))
-        friction = _product(slip, _point_vector(interface, mu, gap), gap, weight)
+        mu = np.broadcast_to(law.mu, len(interface.points))[interface.rows]
+        slip = _system_operator(bodies, a, b, rule.jump(direction, mu))
+        friction = _product(slip, gap, weight)
     return Contact(
         name=name,
         body_a=a,
         body_b=b,
         interface=interface,
+        rule=rule,
         gap=gap,
         slip=slip,
         stiffness=_symmetric_product(gap, weight),
@@ -240,26 +250,25 @@ def _contact(
 
 
 def _system_operator(
-    bodies: Mapping[str, Body], a: str, b: str, interface: Interface, direction: Floats
+    bodies: Mapping[str, Body], a: str, b: str, jump: tuple[csr_array, csr_array]
 ) -> Any:
-    """Jump along a direction as an operator on the unknowns of the whole system."""
-    parts = dict(zip((a, b), interface.jump(direction), strict=True))
+    """Parts of a jump on a and b as one operator on the unknowns of the whole system."""
+    parts = dict(zip((a, b), jump, strict=True))
     row = []
     for name, body in bodies.items():
-        nothing = csr_array((len(direction), body.dim * body.num_scalar_dofs))
+        nothing = csr_array((jump[0].shape[0], body.dim * body.num_scalar_dofs))
         row.append(free_operator(parts.get(name, nothing), body))
     operator = PETSc.Mat().createNest([row]).convert("aij")
     _destroy(*row)
     return operator
 
 
-def _product(left: Any, left_factor: Any, right: Any, right_factor: Any) -> Any:
-    """L^T diag(l) diag(r) R."""
-    scaled_left, scaled_right = left.copy(), right.copy()
-    scaled_left.diagonalScale(L=left_factor)
-    scaled_right.diagonalScale(L=right_factor)
-    product = scaled_left.transposeMatMult(scaled_right)
-    _destroy(scaled_left, scaled_right)
+def _product(left: Any, right: Any, factor: Any) -> Any:
+    """L^T diag(factor) R."""
+    scaled = right.copy()
+    scaled.diagonalScale(L=factor)
+    product = left.transposeMatMult(scaled)
+    _destroy(scaled)
     return product
 
 
@@ -279,13 +288,6 @@ def _symmetric_product(gap: Any, weight: Any) -> Any:
     product.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     _destroy(root, scaled)
     return product
-
-
-def _point_vector(interface: Interface, values: Floats, operator: Any) -> Any:
-    """Values at all points as a PETSc vector in the rows of an operator."""
-    vector = operator.createVecLeft()
-    vector.array[:] = values[interface.rows]
-    return vector
 
 
 def _destroy(*objects: Any) -> None:

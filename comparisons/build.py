@@ -7,7 +7,8 @@ from mpi4py import MPI
 from cea.body import Body
 from cea.boundary import Pressure
 from cea.errors import InputError
-from cea.interface import Interface, pair
+from cea.formulations import Mortar
+from cea.interface import Interface, default_reach, pair
 from cea.system import ContactLaw, CoupledSystem, couple
 from cea.timing import StageTimer
 from comparisons.scene import BodySpec, ContactSpec, FeMesh, IgaMesh, Scene
@@ -89,13 +90,14 @@ def build_interfaces(
     with timer("search"):
         for name, spec in scene.contacts.items():
             (body_a, a), (body_b, b) = spec.a.split("."), spec.b.split(".")
-            surface = bodies[body_a].surfaces[a]
+            side_a, side_b = bodies[body_a].surfaces[a], bodies[body_b].surfaces[b]
+            reach = spec.reach or default_reach(side_a, side_b)
             interfaces[name] = pair(
-                surface,
-                bodies[body_b].surfaces[b],
-                spec.formulation.points_on(surface),
+                side_a,
+                side_b,
+                spec.formulation.points_on(side_a, side_b, reach),
                 field=f"contacts.{name}",
-                reach=spec.reach,
+                reach=reach,
                 max_missed=spec.max_missed,
             )
     return interfaces
@@ -104,7 +106,12 @@ def build_interfaces(
 def contact_law(spec: ContactSpec, interface: Interface) -> ContactLaw:
     """Contact stiffness per area and friction: p as given, or P spread evenly over side a."""
     p = spec.p if spec.p is not None else _required(spec.P) / interface.a.area
-    return ContactLaw(stiffness=p, mu=spec.mu, direction=spec.friction_direction_on_a)
+    return ContactLaw(
+        stiffness=p,
+        mu=spec.mu,
+        direction=spec.friction_direction_on_a,
+        projected=isinstance(spec.formulation, Mortar),
+    )
 
 
 def _required(value: float | None) -> float:

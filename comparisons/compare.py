@@ -266,6 +266,8 @@ def _labels(backend: Backend, formulation: Formulation, run: Mapping[str, Any]) 
         "greville": "Greville",
         "grid": "grid",
         "gpts": "GPTS",
+        "segments": "segments",
+        "mortar": "mortar",
     }[formulation.method]
     if isinstance(formulation, GaussPointToSurface):
         label += f" {formulation.points} x {formulation.points}"

@@ -428,7 +428,9 @@ def _formulation_checks(scene: Scene, name: str, contact: ContactSpec) -> Iterab
         right = {"fe": "node_to_surface", "iga": "greville"}[body.backend]
         place = f"contacts.{name}.formulation.method"
         yield InputError(
-            place, method, f"{right}, grid or gpts where side a has backend {body.backend!r}"
+            place,
+            method,
+            f"{right}, grid, gpts, segments or mortar where side a has backend {body.backend!r}",
         )
 
 

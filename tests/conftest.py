@@ -16,13 +16,15 @@ def backend(request):
     return request.param
 
 
-@pytest.fixture(params=["collocation", "grid", "gpts"])
+@pytest.fixture(params=["collocation", "grid", "gpts", "segments", "mortar"])
 def formulation(request, backend):
     """Each formulation, collocation in the manner of the backend."""
     return {
         "collocation": {"method": {"fe": "node_to_surface", "iga": "greville"}[backend]},
         "grid": {"method": "grid", "points": 5},
         "gpts": {"method": "gpts", "points": 4},
+        "segments": {"method": "segments"},
+        "mortar": {"method": "mortar"},
     }[request.param]
 
 

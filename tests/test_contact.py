@@ -5,6 +5,7 @@ import pytest
 from conftest import assemble, two_blocks
 
 from cea.errors import InputError
+from cea.mortar import MortarProjection
 from cea.system import gather
 
 P, MU, CLOSURE = 3.0, 0.4, 1e-6
@@ -111,23 +112,36 @@ def test_matrices_equal_a_loop_over_points(system):
     contact = system.contacts[0]
     interface = contact.interface
     offsets = np.cumsum([0, *(3 * b.num_scalar_dofs for b in system.bodies.values())])
-    K_n = np.zeros((offsets[-1], offsets[-1]))
-    K_f = np.zeros_like(K_n)
     k = rotation_of(system) @ np.array([1.0, 0.5, 0.0]) / np.linalg.norm([1.0, 0.5])
-    trace_a = interface.a.trace(interface.points.at).toarray()
-    trace_b = interface.b.trace(interface.opposite.at).toarray()
+    p = P / 0.3
+    trace_a, trace_b = interface.trace_a.toarray(), interface.trace_b.toarray()
+    touched = np.flatnonzero(np.abs(trace_a).sum(axis=0))
+    projected = isinstance(contact.rule, MortarProjection)
+    rows = len(touched) if projected else 1
+    K_n, K_f = np.zeros((2, offsets[-1], offsets[-1]))
+    B, B_k = np.zeros((2, rows, offsets[-1]))
+    M = np.zeros((rows, rows))
     for i, weight in enumerate(interface.points.weight):
-        gap, slip = np.zeros(offsets[-1]), np.zeros(offsets[-1])
+        gap, slip = np.zeros((2, offsets[-1]))
         for operator, direction in ((gap, interface.points.normal[i]), (slip, k)):
             operator[: offsets[1]] = np.outer(trace_a[i], direction).ravel()
             operator[offsets[1] :] = -np.outer(trace_b[i], direction).ravel()
-        touched = np.flatnonzero((gap != 0) | (slip != 0))
-        block = np.ix_(touched, touched)
-        K_n[block] += weight * P / 0.3 * np.outer(gap[touched], gap[touched])
-        K_f[block] += weight * P / 0.3 * MU * np.outer(slip[touched], gap[touched])
+        if projected:
+            psi = trace_a[i, touched]
+            B += weight * np.outer(psi, gap)
+            B_k += weight * MU * np.outer(psi, slip)
+            M += weight / p * np.outer(psi, psi)
+            continue
+        at = np.flatnonzero((gap != 0) | (slip != 0))
+        K_n[np.ix_(at, at)] += weight * p * np.outer(gap[at], gap[at])
+        K_f[np.ix_(at, at)] += weight * p * MU * np.outer(slip[at], gap[at])
+    if projected:
+        multiplier = np.linalg.solve(M, B)
+        K_n, K_f = B.T @ multiplier, B_k.T @ multiplier
+    tolerance = 1e-11 if projected else 1e-13  # times the condition of M
     for matrix, expected in ((contact.stiffness, K_n), (contact.friction, K_f)):
         dense = matrix.copy().convert("dense").getDenseArray()
-        assert np.abs(dense - expected).max() <= 1e-13 * np.abs(expected).max()
+        assert np.abs(dense - expected).max() <= tolerance * np.abs(expected).max()
 
 
 def test_surfaces_that_do_not_meet_are_refused(backend, formulation):

@@ -24,6 +24,6 @@ class GaussPointToSurface:
         if self.points < 1:
             raise InputError("points", self.points, "at least 1 per direction")
 
-    def points_on(self, surface: Surface) -> SurfacePoints:
+    def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""
-        return surface.gauss_points(self.points)
+        return a.gauss_points(self.points)

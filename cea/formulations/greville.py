@@ -15,6 +15,6 @@ class Greville:
 
     method: Literal["greville"] = "greville"
 
-    def points_on(self, surface: Surface) -> SurfacePoints:
+    def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""
-        return surface.abscissae("greville")
+        return a.abscissae("greville")

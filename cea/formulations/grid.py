@@ -25,6 +25,6 @@ class Grid:
         if self.points < 2:
             raise InputError("points", self.points, "at least 2 per direction")
 
-    def points_on(self, surface: Surface) -> SurfacePoints:
+    def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""
-        return surface.grid(self.points)
+        return a.grid(self.points)

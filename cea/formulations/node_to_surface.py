@@ -12,6 +12,6 @@ class NodeToSurface:
 
     method: Literal["node_to_surface"] = "node_to_surface"
 
-    def points_on(self, surface: Surface) -> SurfacePoints:
+    def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""
-        return surface.abscissae("nodes")
+        return a.abscissae("nodes")

@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from cea.body import Surface, SurfacePoints
 from cea.errors import InputError
+from cea.segments import segment_points
 
 
 @dataclass(frozen=True)
@@ -25,3 +27,7 @@ class Segments:
     def __post_init__(self) -> None:
         if self.points is not None and self.points < 1:
             raise InputError("points", self.points, "at least 1 per direction")
+
+    def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
+        """Points and weights on side a."""
+        return segment_points(a, b, self.points, reach)
