@@ -10,12 +10,14 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from comparisons.exact.cli import app as exact_app
 from comparisons.ranks import one_voice
 
 if TYPE_CHECKING:
     from comparisons.report.tabular import Table as ReportTable
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+app.add_typer(exact_app, name="exact")
 console = Console()
 _TABLE_WIDTH = 120
 

@@ -1,0 +1,119 @@
+"""Numbers as the user wrote them, exact until the precision of the arithmetic is chosen."""
+
+import math
+import re
+from fractions import Fraction
+
+from flint import arb, fmpq
+
+from cea.errors import InputError
+
+_ALLOWED = "a number, inf, or a product such as pi, pi/2 or 3*pi/2"
+
+
+class Exact:
+    """A real number kept as written: ``0.1`` is one tenth, ``pi/2`` is half of pi.
+
+    Parameters
+    ----------
+    value
+        A number, or text made of decimal numbers and ``pi`` joined by ``*`` and ``/``, or
+        ``inf``.
+    field
+        Name for error messages.
+
+    Raises
+    ------
+    InputError
+        For anything else.
+    """
+
+    def __init__(self, value: "str | float | Exact", field: str = "value") -> None:
+        self.text = str(value).replace(" ", "")
+        self.rational = Fraction(1)
+        self.pi_power = 0
+        self.infinite = self.text in {"inf", "infinity", "oo"}
+        if self.infinite:
+            return
+        operator = "*"
+        for token in re.split(r"([*/])", self.text):
+            if token in {"*", "/"}:
+                operator = token
+                continue
+            sign = 1 if operator == "*" else -1
+            if token == "pi":
+                self.pi_power += sign
+                continue
+            try:
+                self.rational *= Fraction(token) ** sign
+            except (ValueError, ZeroDivisionError):
+                raise InputError(field, value, _ALLOWED) from None
+
+    def __float__(self) -> float:
+        return math.inf if self.infinite else float(self.rational) * math.pi**self.pi_power
+
+    def __str__(self) -> str:
+        return self.text
+
+    @property
+    def arb(self) -> arb:
+        """The number at the present precision (finite numbers only)."""
+        rational = arb(fmpq(self.rational.numerator, self.rational.denominator))
+        return rational * arb.pi() ** self.pi_power
+
+
+def positive(field: str, value: "str | float | Exact", infinite: bool = False) -> Exact:
+    """Exact number above zero.
+
+    Raises
+    ------
+    InputError
+        If it is not, or infinite where that is not allowed.
+    """
+    number = Exact(value, field)
+    if not float(number) > 0 or (number.infinite and not infinite):
+        raise InputError(field, str(value), "positive" + (" or inf" if infinite else ""))
+    return number
+
+
+def not_negative(field: str, value: "str | float | Exact") -> Exact:
+    """Exact finite number, zero or above.
+
+    Raises
+    ------
+    InputError
+        If it is negative or infinite.
+    """
+    number = Exact(value, field)
+    if not 0 <= float(number) < math.inf:
+        raise InputError(field, str(value), "zero or a positive number")
+    return number
+
+
+def order(field: str, value: int) -> int:
+    """Circumferential order.
+
+    Raises
+    ------
+    InputError
+        If it is not an integer of 0 or more.
+    """
+    if isinstance(value, bool) or int(value) != value or value < 0:
+        raise InputError(field, value, "an integer of 0 or more (-m gives -Re lambda)")
+    return int(value)
+
+
+def check_window(max_frequency: float | None, count: int | None) -> None:
+    """Refuse anything but one of a highest frequency and a number of eigenvalues.
+
+    Raises
+    ------
+    InputError
+        Unless exactly one is given, positive and finite.
+    """
+    if (max_frequency is None) == (count is None):
+        raise InputError("max_frequency, count", (max_frequency, count), "exactly one of both")
+    if max_frequency is not None and not 0 < max_frequency < math.inf:
+        raise InputError("max_frequency", max_frequency, "a positive number")
+    if count is not None and count < 1:
+        raise InputError("count", count, "1 or more")
