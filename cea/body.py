@@ -169,7 +169,12 @@ class Surface(Protocol):
 
     @property
     def abscissa_kinds(self) -> tuple[str, ...]:
-        """Kinds of abscissae this surface has: ``nodes``, or ``greville``."""
+        """Kinds of abscissae this surface has: ``nodes``, or ``greville`` and ``botella``."""
+        ...
+
+    @property
+    def abscissa_weights(self) -> tuple[str, ...]:
+        """Kinds of weights they may bear: ``equal``, and ``tributary`` or ``area``."""
         ...
 
     def cells(self) -> SurfaceCells:
@@ -180,13 +185,21 @@ class Surface(Protocol):
         """Gauss points, n per direction in each cell, weights with the Jacobian."""
         ...
 
-    def abscissae(self, kind: str) -> SurfacePoints:
-        """Abscissae of the trace space, each once, weights area/n.
+    def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
+        """Abscissae of the trace space, each once.
+
+        Parameters
+        ----------
+        kind
+            One of ``abscissa_kinds``.
+        weights
+            One of ``abscissa_weights``: ``equal`` gives each area/n; the others positive shares
+            of the area by the trace functions, added up to the area.
 
         Raises
         ------
         InputError
-            When the surface has no abscissae of this kind.
+            When the surface has no abscissae or weights of this kind.
         """
         ...
 

@@ -2,7 +2,7 @@
 
 Undamped sliding is linear in kappa = -lambda^2: (S - F) x = kappa M x, with S = K + K_n symmetric
 and F = K_f. Without friction it is solved as a symmetric problem. The driver takes operators, not
-bodies.
+bodies; contact forces may be unknowns beside them (:mod:`cea.saddle`).
 """
 
 from typing import Any
@@ -14,6 +14,8 @@ from slepc4py import SLEPc
 from cea.body import Floats
 from cea.errors import ConvergenceError, InputError
 from cea.modes import Complexes, Modes, Window
+from cea.pencil import BorderedSolver, Pencil
+from cea.saddle import Multipliers
 from cea.timing import StageTimer
 
 _MARGIN = 1.05
@@ -32,6 +34,7 @@ def solve_modes(
     friction: Any | None = None,
     *,
     max_frequency: float,
+    multipliers: Multipliers | None = None,
     tolerance: float = 1e-10,
     max_restarts: int = 200,
     timer: StageTimer | None = None,
@@ -48,6 +51,8 @@ def solve_modes(
         Unsymmetric part F, PETSc AIJ (N/m); None takes the symmetric path.
     max_frequency
         Upper end of the modes asked for (Hz).
+    multipliers
+        Contact forces that are unknowns; K_n and K_f of their contacts are not in S and F.
     tolerance
         Relative tolerance of the Krylov iteration on 1 / (kappa - shift).
     max_restarts
@@ -66,13 +71,16 @@ def solve_modes(
     top = (2 * np.pi * max_frequency) ** 2
     shift, radius = 0.5 * top, 0.5 * top * _MARGIN
 
+    pencil = Pencil(stiffness, mass, friction, multipliers)
     with timer("factorisation"):
-        count = count_below(stiffness, mass, shift + radius)
-    operator = stiffness
-    if friction is not None:
-        operator = stiffness.copy()
-        operator.axpy(-1.0, friction, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    solver = _shift_invert(operator, mass, shift, symmetric=friction is None)
+        count = pencil.count_below(shift + radius)
+    operator = pencil.displacement_operator()
+    solver = _shift_invert(operator, mass, shift, symmetric=pencil.symmetric)
+    bordered = None
+    if multipliers is not None:
+        with timer("factorisation"):
+            bordered = pencil.bordered(shift)
+        _precondition(solver, bordered)
     solver.setTolerances(tol=tolerance, max_it=max_restarts)
     kappa, vectors, reached = _search(solver, mass, shift, radius, count, timer)
 
@@ -87,9 +95,14 @@ def solve_modes(
             symmetric_count=count,
             max_growth=_growth_covered(top, shift, float(reached)),
         )
-        modes = _modes(operator, mass, kappa, vectors, window, symmetric=friction is None)
+        forces = None
+        if bordered is not None:
+            vectors, forces = _with_contact_forces(bordered, operator, mass, kappa, vectors, shift)
+        modes = _modes(operator, mass, kappa, vectors, forces, window, symmetric=pencil.symmetric)
     solver.destroy()
-    if friction is not None:
+    if bordered is not None:
+        bordered.free()
+    if operator is not stiffness:
         operator.destroy()
     if reached < radius:
         raise ConvergenceError(
@@ -98,7 +111,7 @@ def solve_modes(
             f"{max_frequency:g} Hz",
             best=modes,
         )
-    if friction is None and window.found_below != count:
+    if pencil.symmetric and window.found_below != count:
         raise ConvergenceError(
             f"{window.found_below} eigenvalues found below kappa = {window.upper:.6g}, "
             f"the inertia of S - kappa M counts {count}",
@@ -176,41 +189,6 @@ def _as_vector(mass: Any, values: Floats) -> Any:
     return vector
 
 
-def count_below(stiffness: Any, mass: Any, kappa: float) -> int:
-    """Number of eigenvalues of S x = kappa' M x below kappa, by the inertia of S - kappa M.
-
-    Parameters
-    ----------
-    stiffness, mass
-        Symmetric S and symmetric positive definite M, PETSc AIJ.
-    kappa
-        Upper end (1/s^2).
-
-    Raises
-    ------
-    ConvergenceError
-        When the factorisation fails.
-    """
-    shifted = stiffness.copy()
-    shifted.axpy(-kappa, mass, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    shifted.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    pc = PETSc.PC().create(shifted.comm)
-    pc.setOperators(shifted)
-    pc.setType(PETSc.PC.Type.CHOLESKY)
-    pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
-    pc.setFactorSetUpSolverType()
-    factor = pc.getFactorMatrix()
-    factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
-    factor.setMumpsIcntl(24, 1)  # null pivots are counted, not failed on
-    pc.setUp()
-    if pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
-        raise ConvergenceError(f"S - kappa M could not be factorised at kappa = {kappa:.6g}")
-    negative, _, _ = factor.getInertia()
-    pc.destroy()
-    shifted.destroy()
-    return int(negative)
-
-
 def _shift_invert(operator: Any, mass: Any, shift: float, *, symmetric: bool) -> Any:
     solver = SLEPc.EPS().create(operator.comm)
     solver.setOperators(operator, mass)
@@ -229,6 +207,38 @@ def _shift_invert(operator: Any, mass: Any, shift: float, *, symmetric: bool) ->
     pc.setType(PETSc.PC.Type.CHOLESKY if symmetric else PETSc.PC.Type.LU)
     pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
     return solver
+
+
+def _precondition(solver: Any, bordered: BorderedSolver) -> None:
+    """Take displacements from the bordered system instead of the displacement operator alone."""
+    pc = solver.getST().getKSP().getPC()
+    pc.setType(PETSc.PC.Type.PYTHON)
+    pc.setPythonContext(bordered)
+
+
+def _with_contact_forces(
+    bordered: BorderedSolver,
+    operator: Any,
+    mass: Any,
+    kappa: Complexes,
+    vectors: Complexes,
+    shift: float,
+) -> tuple[Complexes, Complexes]:
+    """One step of inverse iteration: displacements that obey the contact, and all forces on them.
+
+    Returns
+    -------
+    tuple
+        x and (S - F) x + L^T f, both normalised as the vectors were.
+    """
+    n = vectors.shape[1]
+    inertia = _apply(mass, vectors * (kappa - shift))
+    x, f = bordered.solve_block(np.hstack([inertia.real, inertia.imag]))
+    displacements, contact = x[:, :n] + 1j * x[:, n:], f[:, :n] + 1j * f[:, n:]
+    transpose = bordered.multipliers.reaction.transpose(PETSc.Mat())
+    forces = _apply(operator, displacements) + _apply(transpose, contact)
+    transpose.destroy()
+    return displacements, forces
 
 
 def _eigenpairs(solver: Any, mass: Any) -> tuple[Complexes, Complexes]:
@@ -257,14 +267,16 @@ def _modes(
     mass: Any,
     kappa: Complexes,
     vectors: Complexes,
+    forces: Complexes | None,
     window: Window,
     *,
     symmetric: bool,
 ) -> Modes:
     mass_vectors = _apply(mass, vectors)
+    if forces is None:
+        forces = _apply(operator, vectors)
     norms = np.sqrt(_inner(vectors, mass_vectors, mass.comm, diagonal=True).real)
-    vectors, mass_vectors = vectors / norms, mass_vectors / norms
-    forces = _apply(operator, vectors)
+    vectors, mass_vectors, forces = vectors / norms, mass_vectors / norms, forces / norms
     if symmetric:  # the Rayleigh quotient has the square of the vector's error
         kappa = _inner(vectors, forces, mass.comm, diagonal=True).real.astype(complex)
     defects = forces - mass_vectors * kappa

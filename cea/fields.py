@@ -27,6 +27,20 @@ class Expression:
 
     text: str
 
+    def check(self, field: str) -> None:
+        """Refuse what is no expression, before there are points to evaluate it at.
+
+        Raises
+        ------
+        InputError
+            Under the name of the field.
+        """
+        try:
+            self(np.full((1, 3), 0.5))
+        except InputError as error:
+            if not error.allowed.startswith(_FINITE):
+                raise InputError(field, self.text, error.allowed) from None
+
     def __call__(self, x: Floats) -> Floats:
         """Values at positions x (m), shape (n,).
 
@@ -54,9 +68,11 @@ class Expression:
             raise InputError("expression", self.text, _allowed(coordinates)) from None
         if not np.isfinite(values).all():
             where = x[np.flatnonzero(~np.isfinite(values))[0]]
-            raise InputError("expression", self.text, f"finite everywhere, not so at {where}")
+            raise InputError("expression", self.text, f"{_FINITE}, not so at {where}")
         return values
 
+
+_FINITE = "finite everywhere"
 
 Field = float | Expression | Callable[[Floats], Floats]
 

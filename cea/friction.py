@@ -53,6 +53,23 @@ class Circumferential:
 FrictionDirection = AlongVector | Circumferential
 
 
+@dataclass(frozen=True)
+class Reversed:
+    """Against another direction: what friction on a is to b, in the second half of a full pass.
+
+    Parameters
+    ----------
+    direction
+        The direction on side a.
+    """
+
+    direction: FrictionDirection
+
+    def at(self, x: Floats, normal: Floats) -> Floats:
+        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        return -self.direction.at(x, normal)
+
+
 def _tangent(direction: Floats, normal: Floats) -> Floats:
     along = np.einsum("ij,ij->i", direction, normal)
     tangent = direction - along[:, None] * normal

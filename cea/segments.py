@@ -17,7 +17,7 @@ from scipy.spatial import KDTree
 from scipy.special import roots_jacobi, roots_legendre
 
 from cea.body import Floats, Ints, Surface, SurfaceCells, SurfaceCoordinates, SurfacePoints
-from cea.errors import ConvergenceError
+from cea.continuation import continued_coordinates
 from cea.location import cross
 
 _POLYLINE = 16
@@ -26,9 +26,6 @@ _STRAIGHT = 1e-10
 """Distance of an edge's middle from its chord, relative to the chord, that counts as straight."""
 _SLIVER = 1e-14
 """Segments below this part of their cell's area are dropped."""
-_NEWTON = 1e-9
-"""Last step of Newton's method, relative to the cell; the error after it is its square."""
-_MAX_ITERATIONS = 30
 
 
 @dataclass(frozen=True)
@@ -80,7 +77,7 @@ def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> 
 def _near(
     a: Surface, cells_a: SurfaceCells, b: Surface, cells_b: SurfaceCells, reach: float
 ) -> _Pairs:
-    """Pairs of cells whose bounding spheres come within reach of each other."""
+    """Pairs of cells that face each other and whose bounding spheres come within reach."""
     (centre_a, radius_a), (centre_b, radius_b) = _spheres(a, cells_a), _spheres(b, cells_b)
     found = KDTree(centre_b).query_ball_point(centre_a, radius_a + radius_b.max() + reach)
     counts = np.array([len(f) for f in found])
@@ -88,7 +85,14 @@ def _near(
     j = np.concatenate([np.asarray(f, dtype=np.int64) for f in found])
     apart = np.linalg.norm(centre_a[i] - centre_b[j], axis=1)
     near = apart <= radius_a[i] + radius_b[j] + reach
+    normal_a, normal_b = _middle_normals(a, cells_a), _middle_normals(b, cells_b)
+    near &= np.einsum("ij,ij->i", normal_a[i], normal_b[j]) < 0
     return _Pairs(i[near], j[near])
+
+
+def _middle_normals(surface: Surface, cells: SurfaceCells) -> Floats:
+    """Outward unit normals at the centres of cells, (n, dim)."""
+    return surface.normal(SurfaceCoordinates(cells.element, cells.corners.mean(axis=1)))
 
 
 def _spheres(surface: Surface, cells: SurfaceCells) -> tuple[Floats, Floats]:
@@ -102,43 +106,8 @@ def _spheres(surface: Surface, cells: SurfaceCells) -> tuple[Floats, Floats]:
 
 
 def _to_reference(a: Surface, cells_a: SurfaceCells, pairs: _Pairs, x: Floats) -> Floats:
-    """Coordinates in the cells of a of points x (pairs, m, dim), along the normal at its centre.
-
-    The coordinates are continued beyond the cell as the same polynomials.
-    """
-    count, m, dim = x.shape
-    element = cells_a.element[pairs.a]
-    centre = cells_a.corners[pairs.a].mean(axis=1)
-    direction = np.repeat(a.normal(SurfaceCoordinates(element, centre)), m, axis=0)
-    extent = np.repeat(np.ptp(cells_a.corners[pairs.a], axis=1).max(axis=1), m)
-    return _continued_newton(
-        a,
-        np.repeat(element, m),
-        np.repeat(centre, m, axis=0),
-        x.reshape(-1, dim),
-        direction,
-        extent,
-    ).reshape(count, m, dim - 1)
-
-
-def _continued_newton(
-    a: Surface, element: Ints, xi: Floats, x: Floats, direction: Floats, extent: Floats
-) -> Floats:
-    """Solve F(xi) - s d = x without keeping xi inside the element."""
-    xi = xi.copy()
-    active = np.arange(len(element))
-    for _ in range(_MAX_ITERATIONS):
-        position, tangents = a.tangents(element[active], xi[active])
-        jacobian = np.concatenate([tangents, -direction[active][:, :, None]], axis=2)
-        step = np.linalg.solve(jacobian, (x[active] - position)[..., None])[:, :-1, 0]
-        xi[active] += step
-        active = active[np.abs(step).max(axis=1) > _NEWTON * extent[active]]
-        if not active.size:
-            return xi
-    raise ConvergenceError(
-        f"{active.size} of {len(xi)} cell corners of side b cannot be mapped to cells of side a",
-        best=xi,
-    )
+    """Coordinates in the cells of a of points x (pairs, m, dim), continued beyond the cells."""
+    return continued_coordinates(a, cells_a.element[pairs.a], cells_a.corners[pairs.a], x)
 
 
 def _intervals(

@@ -5,11 +5,20 @@ from typing import Any
 from petsc4py import PETSc
 
 from cea.errors import ConvergenceError
+from cea.pencil import Pencil
+from cea.saddle import Multipliers
 from cea.timing import StageTimer
+
+_SINGULAR = "the stiffness is singular: the bodies are not held by supports and contacts"
 
 
 def solve_static(
-    stiffness: Any, load: Any, friction: Any | None = None, timer: StageTimer | None = None
+    stiffness: Any,
+    load: Any,
+    friction: Any | None = None,
+    timer: StageTimer | None = None,
+    *,
+    multipliers: Multipliers | None = None,
 ) -> Any:
     """Displacements under a load.
 
@@ -23,6 +32,8 @@ def solve_static(
         Unsymmetric part K_f, PETSc AIJ (N/m); None takes the symmetric path.
     timer
         Counts factorisation.
+    multipliers
+        Contact forces that are unknowns.
 
     Returns
     -------
@@ -35,27 +46,34 @@ def solve_static(
         When the matrix is singular; the failed solution is attached.
     """
     timer = timer or StageTimer()
-    operator = stiffness
-    if friction is not None:
-        operator = stiffness.copy()
-        operator.axpy(-1.0, friction, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    pencil = Pencil(stiffness, None, friction, multipliers)
+    x = stiffness.createVecRight()
+    if multipliers is not None:
+        with timer("factorisation"):
+            bordered = pencil.bordered()
+            solved = bordered.solve(load, x)
+            bordered.free()
     else:
+        with timer("factorisation"):
+            solved = _solve(pencil, load, x)
+    if not solved:
+        raise ConvergenceError(_SINGULAR, best=x)
+    return x
+
+
+def _solve(pencil: Pencil, load: Any, x: Any) -> bool:
+    operator = pencil.displacement_operator()
+    if pencil.symmetric:
         operator.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     solver = PETSc.KSP().create(operator.comm)
     solver.setOperators(operator)
     solver.setType(PETSc.KSP.Type.PREONLY)
     pc = solver.getPC()
-    pc.setType(PETSc.PC.Type.CHOLESKY if friction is None else PETSc.PC.Type.LU)
+    pc.setType(PETSc.PC.Type.CHOLESKY if pencil.symmetric else PETSc.PC.Type.LU)
     pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
-    x = operator.createVecRight()
-    with timer("factorisation"):
-        solver.solve(load, x)
-    failed = solver.getConvergedReason() < 0
+    solver.solve(load, x)
+    solved = solver.getConvergedReason() >= 0
     solver.destroy()
-    if friction is not None:
+    if operator is not pencil.stiffness:
         operator.destroy()
-    if failed:
-        raise ConvergenceError(
-            "the stiffness is singular: the bodies are not held by supports and contacts", best=x
-        )
-    return x
+    return bool(solved)

@@ -1,15 +1,20 @@
 """Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
+import numpy as np
 from mpi4py import MPI
 
-from cea.body import Body
+from cea.body import Body, Floats
 from cea.boundary import Pressure
+from cea.contact import ContactLaw
 from cea.errors import InputError
-from cea.formulations import Mortar
+from cea.fields import Expression, evaluate
+from cea.formulations import coupling_of
+from cea.friction import FrictionDirection, Reversed
 from cea.interface import Interface, default_reach, pair
-from cea.system import ContactLaw, CoupledSystem, couple
+from cea.system import CoupledSystem, HalfPass, couple
 from cea.timing import StageTimer
 from comparisons.scene import BodySpec, ContactSpec, FeMesh, IgaMesh, Scene
 from meshes.breaks import breaks_of
@@ -82,36 +87,69 @@ def _iga_body(name: str, spec: BodySpec, mesh: IgaMesh, pressures: tuple[Pressur
     )
 
 
+@dataclass(frozen=True)
+class _Half:
+    """One half of a contact: its points lie on ``a``; ``share`` of the stiffness is its own."""
+
+    name: str
+    pair: str
+    spec: ContactSpec
+    a: str
+    b: str
+    direction: FrictionDirection | Reversed | None
+    share: float
+
+
+def _halves(contacts: Mapping[str, ContactSpec]) -> Iterator[_Half]:
+    """The one half of each half pass, both halves of each full pass."""
+    for name, spec in contacts.items():
+        direction, share = spec.friction_direction_on_a, 0.5 if spec.full_pass else 1.0
+        yield _Half(name, name, spec, spec.a, spec.b, direction, share)
+        if spec.full_pass:
+            opposite = Reversed(direction) if direction is not None else None
+            yield _Half(f"{name}, b on a", name, spec, spec.b, spec.a, opposite, share)
+
+
 def build_interfaces(
     scene: Scene, bodies: Mapping[str, Body], timer: StageTimer
 ) -> dict[str, Interface]:
-    """Contact points of a scene, located on their opposite sides."""
+    """Contact points of a scene, located on their opposite sides, by name of the half pass."""
     interfaces = {}
     with timer("search"):
-        for name, spec in scene.contacts.items():
-            (body_a, a), (body_b, b) = spec.a.split("."), spec.b.split(".")
+        for half in _halves(scene.contacts):
+            (body_a, a), (body_b, b) = half.a.split("."), half.b.split(".")
             side_a, side_b = bodies[body_a].surfaces[a], bodies[body_b].surfaces[b]
-            reach = spec.reach or default_reach(side_a, side_b)
-            interfaces[name] = pair(
+            reach = half.spec.reach or default_reach(side_a, side_b)
+            larger = half.spec.full_pass and side_a.area > side_b.area
+            interfaces[half.name] = pair(
                 side_a,
                 side_b,
-                spec.formulation.points_on(side_a, side_b, reach),
-                field=f"contacts.{name}",
+                half.spec.formulation.points_on(side_a, side_b, reach),
+                field=f"contacts.{half.pair}",
                 reach=reach,
-                max_missed=spec.max_missed,
+                max_missed=1.0 if larger else half.spec.max_missed,
             )
     return interfaces
 
 
-def contact_law(spec: ContactSpec, interface: Interface) -> ContactLaw:
-    """Contact stiffness per area and friction: p as given, or P spread evenly over side a."""
-    p = spec.p if spec.p is not None else _required(spec.P) / interface.a.area
+def _contact_law(half: _Half, interface: Interface) -> ContactLaw:
+    """Stiffness and friction at the points; P is spread evenly over those that touch."""
+    spec, x = half.spec, interface.points.x
+    if spec.p is None:
+        stiffness = np.full(len(x), _required(spec.P) / interface.points.weight.sum())
+    else:
+        stiffness = _values(spec.p, x)
     return ContactLaw(
-        stiffness=p,
-        mu=spec.mu,
-        direction=spec.friction_direction_on_a,
-        projected=isinstance(spec.formulation, Mortar),
+        stiffness=half.share * stiffness,
+        mu=_values(spec.mu, x),
+        direction=half.direction,
+        coupling=coupling_of(spec.formulation),
+        form=spec.form,
     )
+
+
+def _values(field: float | str, x: Floats) -> Floats:
+    return evaluate(Expression(field) if isinstance(field, str) else field, x)
 
 
 def _required(value: float | None) -> float:
@@ -129,15 +167,16 @@ def build_system(
     leave_out: bool = True,
 ) -> CoupledSystem:
     """Coupled matrices of a scene: mass only for eigenvalues, loads only for statics."""
-    contacts = {
-        name: (
-            spec.a.split(".")[0],
-            spec.b.split(".")[0],
-            interfaces[name],
-            contact_law(spec, interfaces[name]),
+    halves = {
+        half.name: HalfPass(
+            half.a.split(".")[0],
+            half.b.split(".")[0],
+            interfaces[half.name],
+            _contact_law(half, interfaces[half.name]),
+            half.pair,
         )
-        for name, spec in scene.contacts.items()
+        for half in _halves(scene.contacts)
     }
     static = scene.analysis.kind == "static"
     with timer("assembly"):
-        return couple(bodies, contacts, with_mass=not static, with_load=static, leave_out=leave_out)
+        return couple(bodies, halves, with_mass=not static, with_load=static, leave_out=leave_out)

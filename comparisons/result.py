@@ -30,7 +30,7 @@ def describe(result: SceneResult) -> dict[str, Any]:
     """Everything about a run, ready for JSON."""
     scene = result.scene
     data: dict[str, Any] = {
-        "scene": asdict(scene),
+        "scene": _in_json(asdict(scene)),
         "versions": versions(),
         "machine": machine(),
         "dofs": {
@@ -124,6 +124,15 @@ def _interface(interface: Interface) -> dict[str, Any]:
         "largest_distance": interface.largest_distance,
         "tolerance": interface.opposite.tolerance,
     }
+
+
+def _in_json(value: Any) -> Any:
+    """Plain data in which infinity, which JSON has no number for, is the text ``inf``."""
+    if isinstance(value, dict):
+        return {key: _in_json(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_in_json(part) for part in value]
+    return "inf" if isinstance(value, float) and value == float("inf") else value
 
 
 def _number(value: float) -> float | None:

@@ -78,6 +78,7 @@ def run_scene(
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
     with timer("assembly"):
         symmetric, friction = system.symmetric_stiffness(), system.friction()
+        multipliers = system.multipliers()
     parts: dict[str, Any]
     if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
         modes = solve_modes(
@@ -85,11 +86,12 @@ def run_scene(
             system.mass,
             friction,
             max_frequency=scene.analysis.max_frequency,
+            multipliers=multipliers,
             timer=timer,
         )
         parts = {"modes": modes}
     else:
-        x = solve_static(symmetric, system.load, friction, timer)
+        x = solve_static(symmetric, system.load, friction, timer, multipliers=multipliers)
         with timer("post-processing"):
             stresses = {
                 name: contact_stresses(system, name, x, scene.analysis.samples)

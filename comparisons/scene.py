@@ -13,8 +13,10 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from cea.boundary import Spring, Support
 from cea.checks import check_density, check_surface
+from cea.contact import Form
 from cea.errors import InputError
-from cea.formulations import Formulation
+from cea.fields import Expression
+from cea.formulations import Bonded, Formulation, GaussPointToSurface
 from cea.frames import Cartesian, Cylindrical, SurfaceNormal
 from cea.friction import FrictionDirection
 from cea.material import IsotropicMaterial
@@ -180,14 +182,20 @@ class ContactSpec:
     formulation
         Points and weights.
     P
-        Global contact stiffness, the integral of p over side a (N/m).
+        Global contact stiffness, the integral of p over the interface (N/m).
     p
-        Contact stiffness (N/m^3); either P or p is given.
+        Contact stiffness (N/m^3), a number or an expression in the coordinates
+        (:class:`cea.fields.Expression`); either P or p is given.
     mu
-        Friction coefficient.
+        Friction coefficient, likewise.
     friction_direction_on_a
         Direction of the friction traction on side a: {vector = [...]} or
         {circumferential_about = [...], origin = [...]}.
+    full_pass
+        Whether points lie on both sides, each half with half the stiffness; P and mu as in a half
+        pass. Of the larger side, points that find nothing opposite are dropped.
+    form
+        ``penalty``, or ``saddle``: contact forces as unknowns, which takes P = inf too.
     reach
         Largest distance (m) between the sides.
     max_missed
@@ -197,18 +205,35 @@ class ContactSpec:
     a: str
     b: str
     formulation: Annotated[Formulation, Field(discriminator="method")]
-    P: Annotated[float, Field(gt=0)] | None = None
-    p: Annotated[float, Field(gt=0)] | None = None
-    mu: Annotated[float, Field(ge=0)] = 0.0
+    P: Annotated[float, Field(gt=0, allow_inf_nan=True)] | None = None
+    p: Annotated[float, Field(allow_inf_nan=True)] | str | None = None
+    mu: float | str = 0.0
     friction_direction_on_a: FrictionDirection | None = None
+    full_pass: bool = False
+    form: Form = "penalty"
     reach: Annotated[float, Field(gt=0)] | None = None
     max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
 
     def __post_init__(self) -> None:
         if (self.P is None) == (self.p is None):
             raise InputError("P", self.P, f"either P or p is given, not both (p = {self.p})")
-        if self.mu > 0 and self.friction_direction_on_a is None:
+        if isinstance(self.p, float) and not self.p > 0:
+            raise InputError("p", self.p, "greater than 0")
+        if isinstance(self.mu, float) and not self.mu >= 0:
+            raise InputError("mu", self.mu, "greater than or equal to 0")
+        for name, value in (("p", self.p), ("mu", self.mu)):
+            if isinstance(value, str):
+                Expression(value).check(name)
+        if self.mu != 0 and self.friction_direction_on_a is None:
             raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
+        for name, stiffness in (("P", self.P), ("p", self.p)):
+            if stiffness == float("inf") and self.form == "penalty":
+                raise InputError(name, stiffness, "finite, or form = 'saddle'")
+        lumped = isinstance(self.formulation, GaussPointToSurface) and self.formulation.lumped
+        if lumped and self.form == "saddle":
+            raise InputError("form", "saddle", "penalty where lumped")
+        if isinstance(self.formulation, Bonded) and (self.mu != 0 or self.full_pass):
+            raise InputError("formulation.method", "bonded", "a half pass with mu = 0")
 
 
 @dataclass(frozen=True)
@@ -351,11 +376,13 @@ def _faults(error: ValidationError) -> list[InputError]:
             value, allowed = detail["input"], str(cause)
         else:
             value = detail["input"] if detail["type"] != "missing" else None
+        if place in faults:  # one of several forms the field may take
+            allowed = f"{faults[place].allowed}, or {allowed}"
         faults[place] = InputError(place, value, allowed)
     return list(faults.values())
 
 
-_CHOICES = ("geometry", "formulation", "analysis", "friction_direction_on_a")
+_CHOICES = ("geometry", "formulation", "analysis", "friction_direction_on_a", "p", "mu")
 """Fields of several forms: pydantic adds the name of the form to the path behind them."""
 
 
@@ -418,20 +445,23 @@ def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
             yield from _known(f"{place}.{kind}.{i}.surface", item.surface, body.geometry.surfaces)
 
 
+_ONE_BACKEND = {"greville": "iga", "botella": "iga", "node_to_surface": "fe"}
+"""Formulations whose points are abscissae of one backend's traces."""
+
+
 def _formulation_checks(scene: Scene, name: str, contact: ContactSpec) -> Iterable[InputError]:
-    body = scene.bodies.get(contact.a.split(".")[0])
-    if body is None:
-        return
+    """Abscissae that the side they are asked of does not have."""
     method = contact.formulation.method
-    wrong = {"fe": "greville", "iga": "node_to_surface"}[body.backend]
-    if method == wrong:
-        right = {"fe": "node_to_surface", "iga": "greville"}[body.backend]
-        place = f"contacts.{name}.formulation.method"
-        yield InputError(
-            place,
-            method,
-            f"{right}, grid, gpts, segments or mortar where side a has backend {body.backend!r}",
-        )
+    for side in ("a", "b") if contact.full_pass else ("a",):
+        body = scene.bodies.get(getattr(contact, side).split(".")[0])
+        if body is not None and _ONE_BACKEND.get(method, body.backend) != body.backend:
+            own = [m for m, backend in _ONE_BACKEND.items() if backend == body.backend]
+            allowed = ", ".join([*own, "grid", "gpts", "segments", "mortar"])
+            yield InputError(
+                f"contacts.{name}.formulation.method",
+                method,
+                f"one of {allowed} where side {side} has backend {body.backend!r}",
+            )
 
 
 def _known(place: str, name: str, known: Iterable[str]) -> Iterable[InputError]:

@@ -1,5 +1,6 @@
 """Named surface of a Lagrange body: point rules, location of points, trace and gradient."""
 
+from dataclasses import replace
 from functools import cached_property
 
 import basix
@@ -73,6 +74,11 @@ class FESurface:
         return ("nodes",)
 
     @property
+    def abscissa_weights(self) -> tuple[str, ...]:
+        """Kinds of weights of abscissae."""
+        return ("equal", "tributary")
+
+    @property
     def num_elements(self) -> int:
         """Number of its facets."""
         return len(self._layer)
@@ -80,7 +86,14 @@ class FESurface:
     @cached_property
     def area(self) -> float:
         """Area (m^2; length in 2D) of the meshed surface."""
-        return float(self.gauss_points(self._layer.geometry.cell.degree + 3).weight.sum())
+        return float(self._area_points.weight.sum())
+
+    @property
+    def _area_points(self) -> SurfacePoints:
+        """Gauss points for the area, on flat facets exact for squares of traces too."""
+        return self.gauss_points(
+            self._layer.geometry.cell.degree + max(3, self._layer.trace.cell.degree)
+        )
 
     @cached_property
     def mesh_size(self) -> float:
@@ -123,19 +136,45 @@ class FESurface:
         weight = np.tile(weights, len(self._layer)) * jacobian
         return SurfacePoints(at, x, normal / jacobian[:, None], weight)
 
-    def abscissae(self, kind: str) -> SurfacePoints:
-        """Interpolation nodes of the trace space, each once, weights area/n.
+    def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
+        """Interpolation nodes of the trace space, each once.
+
+        Parameters
+        ----------
+        kind
+            ``nodes``.
+        weights
+            ``equal``: area/n. ``tributary``: each facet's area shared among its nodes in
+            proportion to int N_i^2 (as Hinton, Rock & Zienkiewicz 1976 lump a mass), positive
+            where integrals of N_i are not, and added up to the area.
 
         Raises
         ------
         InputError
-            When the kind is not ``nodes``.
+            For another kind of abscissae or weights.
         """
         if kind not in self.abscissa_kinds:
             raise InputError("abscissae", kind, f"one of {', '.join(self.abscissa_kinds)}")
+        if weights not in self.abscissa_weights:
+            raise InputError("weights", weights, f"one of {', '.join(self.abscissa_weights)}")
         at = self._on_every_facet(self._layer.trace.facet.points)
-        _, first = np.unique(self._layer.facet_dofs.ravel(), return_index=True)
-        return self._equal_weights(at[np.sort(first)])
+        dofs, first = np.unique(self._layer.facet_dofs.ravel(), return_index=True)
+        order = np.argsort(first)
+        points = self._equal_weights(at[first[order]])
+        if weights == "equal":
+            return points
+        shares = np.bincount(self._layer.facet_dofs.ravel(), weights=self._shares.ravel())
+        return replace(points, weight=shares[dofs[order]])
+
+    @property
+    def _shares(self) -> Floats:
+        """Part of its area (m^2) that each facet gives each of its nodes, (n_facets, n_nodes)."""
+        points = self._area_points
+        n = len(points) // len(self._layer)
+        squares = self._layer.trace_values(points.at.xi[:n]) ** 2
+        measure = points.weight.reshape(-1, n)
+        shares = measure @ squares
+        return shares * (measure.sum(axis=1) / shares.sum(axis=1))[:, None]
 
     def grid(self, n: int) -> SurfacePoints:
         """Equally spaced points, n per side of each facet, shared ones once, weights area/n_points.

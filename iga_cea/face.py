@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from cea.body import Floats, Ints
+from iga_cea.botella import botella
 from iga_cea.patch import Patch
 from iga_cea.splines import basis_functions, greville
 
@@ -105,6 +106,11 @@ class PatchFace:
     def greville(self) -> tuple[Floats, ...]:
         """Greville abscissae along each parameter."""
         return tuple(greville(k, p) for k, p in zip(self.knots, self.degrees, strict=True))
+
+    @cached_property
+    def botella(self) -> tuple[Floats, ...]:
+        """Parameters of the maxima of the B-splines along each parameter."""
+        return tuple(botella(k, p) for k, p in zip(self.knots, self.degrees, strict=True))
 
     @cached_property
     def span_diameters(self) -> Floats:

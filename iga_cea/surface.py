@@ -1,7 +1,9 @@
 """Named surfaces of NURBS bodies: points, location, trace and derivatives."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
+from operator import attrgetter
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
@@ -16,6 +18,9 @@ from iga_cea.splines import gauss_rule
 
 _AREA_POINTS = 12
 """Gauss points per span for the area: a quarter circle in one span needs ten for 1e-14."""
+
+_ABSCISSAE = {"greville": attrgetter("greville"), "botella": attrgetter("botella")}
+"""Abscissae of a face by kind."""
 
 _SAME_POINT = 1e-8
 """Distance of points taken for one, relative to the mesh size."""
@@ -56,8 +61,13 @@ class NurbsSurface(FaceChart):
 
     @property
     def abscissa_kinds(self) -> tuple[str, ...]:
-        """Kinds of abscissae."""
-        return ("greville",)
+        """Kinds of abscissae: Greville's, or the maxima of the B-splines."""
+        return tuple(_ABSCISSAE)
+
+    @property
+    def abscissa_weights(self) -> tuple[str, ...]:
+        """Kinds of weights of abscissae."""
+        return ("equal", "area")
 
     @cached_property
     def dofs(self) -> Ints:
@@ -92,20 +102,40 @@ class NurbsSurface(FaceChart):
         x, normal, area = self._normals(at)
         return SurfacePoints(at, x, normal, reference * area)
 
-    def abscissae(self, kind: str) -> SurfacePoints:
-        """Tensor Greville abscissae of the trace space, each once, weights area/n.
+    def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
+        """One point of the trace space for each of its functions, joined patches' points once.
+
+        Parameters
+        ----------
+        kind
+            ``greville``: tensor Greville abscissae. ``botella``: the maxima of the tensor
+            B-splines; of the rational functions they are not quite the maxima.
+        weights
+            ``equal``: area/n. ``area``: integrals of the trace functions, which are positive and
+            add up to the area (Matzen & Bischoff, A weighted point-based formulation for
+            isogeometric contact, CMAME 308 (2016)).
 
         Raises
         ------
         InputError
-            When the kind is not ``greville``.
+            For another kind of abscissae or weights.
         """
         if kind not in self.abscissa_kinds:
             raise InputError("abscissae", kind, f"one of {', '.join(self.abscissa_kinds)}")
-        at = _on_faces([face.greville for face in self.faces])
+        if weights not in self.abscissa_weights:
+            raise InputError("weights", weights, f"one of {', '.join(self.abscissa_weights)}")
+        at = _on_faces([_ABSCISSAE[kind](face) for face in self.faces])
         # Each abscissa belongs to a control point, and joined control points are one dof.
         dofs = np.concatenate([face.dofs[..., 0].ravel() for face in self.faces])
-        return self._even(at[np.sort(np.unique(dofs, return_index=True)[1])])
+        first = np.sort(np.unique(dofs, return_index=True)[1])
+        points = self._even(at[first])
+        return points if weights == "equal" else replace(points, weight=self._shares[dofs[first]])
+
+    @cached_property
+    def _shares(self) -> Floats:
+        """Integrals over the surface of all scalar basis functions (m^2), (num_scalar_dofs,)."""
+        points = self.gauss_points(_AREA_POINTS)
+        return np.asarray(self.trace(points.at).T @ points.weight)
 
     def grid(self, n: int) -> SurfacePoints:
         """Equally spaced parameters, n per direction over each face with its boundary.

@@ -16,11 +16,17 @@ def backend(request):
     return request.param
 
 
-@pytest.fixture(params=["collocation", "grid", "gpts", "segments", "mortar"])
+@pytest.fixture(
+    params=["collocation", "weighted collocation", "grid", "gpts", "segments", "mortar"]
+)
 def formulation(request, backend):
     """Each formulation, collocation in the manner of the backend."""
     return {
         "collocation": {"method": {"fe": "node_to_surface", "iga": "greville"}[backend]},
+        "weighted collocation": {
+            "fe": {"method": "node_to_surface", "weights": "tributary"},
+            "iga": {"method": "botella", "weights": "area"},
+        }[backend],
         "grid": {"method": "grid", "points": 5},
         "gpts": {"method": "gpts", "points": 4},
         "segments": {"method": "segments"},

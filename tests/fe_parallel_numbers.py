@@ -6,12 +6,14 @@ import sys
 from mpi4py import MPI
 
 from cea.boundary import Pressure, Spring, Support
+from cea.contact import ContactLaw
 from cea.eigen import solve_modes
 from cea.friction import AlongVector
 from cea.interface import pair
 from cea.material import IsotropicMaterial
+from cea.matrices import gather
 from cea.static import solve_static
-from cea.system import ContactLaw, couple, gather
+from cea.system import HalfPass, couple
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
 from meshes.gmsh_shapes import gmsh_mesh
@@ -85,7 +87,7 @@ def contact():
     a, b = bodies["a"].surfaces["y_min"], bodies["b"].surfaces["y_max"]
     interface = pair(a, b, a.gauss_points(3))
     law = ContactLaw(50.0, 0.4, AlongVector((1.0, 0.0)))
-    system = couple(bodies, {"c": ("a", "b", interface, law)})
+    system = couple(bodies, {"c": HalfPass("a", "b", interface, law)})
     modes = solve_modes(
         system.symmetric_stiffness(), system.mass, system.friction(), max_frequency=0.3
     )

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from conftest import assemble, two_blocks
+from motions import control_points, product, resultant, rotation_of, unknowns
 
 from cea.errors import InputError
+from cea.matrices import gather
 from cea.mortar import MortarProjection
-from cea.system import gather
 
 P, MU, CLOSURE = 3.0, 0.4, 1e-6
 
@@ -14,35 +15,6 @@ P, MU, CLOSURE = 3.0, 0.4, 1e-6
 @pytest.fixture
 def system(backend, formulation, placement):
     return assemble(two_blocks(backend, formulation, placement, mu=MU, P=P))
-
-
-def unknowns(system, motions):
-    """Unknowns of free bodies that move as given: displacement functions of position by body."""
-    x = system.stiffness.createVecRight()
-    for name, motion in motions.items():
-        part = x.getSubVector(system.index_sets[name])
-        part.array[:] = motion(control_points(system.bodies[name])).ravel()
-        x.restoreSubVector(system.index_sets[name], part)
-    return x
-
-
-def control_points(body):
-    """Coefficients that reproduce x, from the body's own trace of a fine volume sample."""
-    sample = body.volume_sample(3)
-    values = sample.values.toarray()
-    return np.linalg.lstsq(values, sample.points, rcond=None)[0]
-
-
-def resultant(system, force, body):
-    """Sum of nodal forces of a free body, by component, and the largest of them."""
-    nodal = system.displacement(force, body).reshape(-1, 3)
-    return nodal.sum(axis=0), np.abs(nodal).sum()
-
-
-def product(matrix, x):
-    y = matrix.createVecLeft()
-    matrix.mult(x, y)
-    return y
 
 
 def test_friction_pushes_a_along_k_and_b_against_it(system):
@@ -58,14 +30,6 @@ def test_friction_pushes_a_along_k_and_b_against_it(system):
         assert friction == pytest.approx(sign * MU * force * (rotation @ k), abs=1e-13 * scale)
         pressure, scale = resultant(system, product(contact.stiffness, x), body)
         assert -pressure == pytest.approx(-sign * force * normal, abs=1e-13 * scale)
-
-
-def rotation_of(system):
-    """Rotation of the blocks, from the outward normal and an edge of the sample."""
-    points = system.bodies["lower"].surfaces["x_max"].gauss_points(1)
-    e1 = points.normal[0]
-    e3 = system.bodies["lower"].surfaces["z_max"].gauss_points(1).normal[0]
-    return np.stack([e1, np.cross(e3, e1), e3], axis=1)
 
 
 def test_uniform_closure_gives_uniform_pressure(system):

@@ -18,8 +18,8 @@ from cea.eigen import solve_modes
 from cea.errors import InputError
 from cea.frames import Cartesian, Cylindrical, SurfaceNormal
 from cea.material import IsotropicMaterial
+from cea.matrices import gather
 from cea.static import solve_static
-from cea.system import gather
 from cea.timing import StageTimer
 from comparisons.build import build_bodies
 from comparisons.run import run_scene

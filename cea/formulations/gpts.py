@@ -15,9 +15,12 @@ class GaussPointToSurface:
     ----------
     points
         Gauss points per direction in each surface element.
+    lumped
+        Whether the block of each side is summed onto its diagonal (eq. 41).
     """
 
     points: int
+    lumped: bool = False
     method: Literal["gpts"] = "gpts"
 
     def __post_init__(self) -> None:

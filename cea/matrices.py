@@ -1,0 +1,91 @@
+"""Small operations on distributed PETSc matrices that contact and driver share."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.sparse import csr_array
+
+from cea.body import Body, Floats
+from cea.constraints import symmetrised
+from cea.interface import free_operator
+
+
+def system_operator(bodies: Mapping[str, Body], parts: Mapping[str, csr_array], rows: int) -> Any:
+    """Operators on full dofs of some bodies as one on the unknowns of the whole system.
+
+    Parameters
+    ----------
+    bodies
+        All bodies by name, in the order of the unknowns.
+    parts
+        The rows of this rank by body, shape (rows, dim * num_scalar_dofs); others are zero.
+    rows
+        Rows of this rank.
+    """
+    row = []
+    for name, body in bodies.items():
+        nothing = csr_array((rows, body.dim * body.num_scalar_dofs))
+        row.append(free_operator(parts.get(name, nothing), body))
+    operator = PETSc.Mat().createNest([row]).convert("aij")
+    destroy(*row)
+    return operator
+
+
+def product(left: Any, right: Any, factor: Any) -> Any:
+    """L^T diag(factor) R."""
+    scaled = right.copy()
+    scaled.diagonalScale(L=factor)
+    result = left.transposeMatMult(scaled)
+    destroy(scaled)
+    return result
+
+
+def symmetric_product(gap: Any, weight: Any) -> Any:
+    """G^T D G as (sqrt(D) G)^T (sqrt(D) G): symmetric to the last bit.
+
+    On several ranks an entry and its mirror image may add the same parts in another order; their
+    mean does not.
+    """
+    root = weight.copy()
+    root.sqrtabs()
+    scaled = gap.copy()
+    scaled.diagonalScale(L=root)
+    result = scaled.transposeMatMult(scaled)
+    if result.comm.size > 1:
+        symmetrised(result)
+    result.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    destroy(root, scaled)
+    return result
+
+
+def total(matrices: Sequence[Any]) -> Any:
+    """Sum of matrices, a new one."""
+    result = matrices[0].copy()
+    for matrix in matrices[1:]:
+        result.axpy(1.0, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    return result
+
+
+def block_diagonal(blocks: Sequence[Any]) -> Any:
+    """Nest of matrices along the diagonal; convert it to AIJ to compute with it."""
+    n = len(blocks)
+    return PETSc.Mat().createNest(
+        [[blocks[i] if i == j else None for j in range(n)] for i in range(n)]
+    )
+
+
+def gather(vector: Any, *, everywhere: bool = True) -> Floats:
+    """Whole PETSc vector on every rank, or on rank 0 only and empty on others."""
+    scatter, whole = (PETSc.Scatter.toAll if everywhere else PETSc.Scatter.toZero)(vector)
+    scatter.scatter(vector, whole)
+    values = np.array(whole.array)
+    destroy(scatter, whole)
+    return values
+
+
+def destroy(*objects: Any) -> None:
+    """Free PETSc objects now: on several ranks Python's collector only puts them aside."""
+    for each in objects:
+        each.destroy()

@@ -1,0 +1,45 @@
+"""Motions of free bodies given as functions of position, and what forces they meet."""
+
+import numpy as np
+
+
+def unknowns(system, motions):
+    """Unknowns of free bodies that move as given: displacement functions of position by body."""
+    x = system.stiffness.createVecRight()
+    for name, motion in motions.items():
+        part = x.getSubVector(system.index_sets[name])
+        part.array[:] = motion(control_points(system.bodies[name])).ravel()
+        x.restoreSubVector(system.index_sets[name], part)
+    return x
+
+
+def control_points(body):
+    """Coefficients that reproduce x, from the body's own trace of a fine volume sample."""
+    sample = body.volume_sample(3)
+    values = sample.values.toarray()
+    return np.linalg.lstsq(values, sample.points, rcond=None)[0]
+
+
+def resultant(system, force, body):
+    """Sum of nodal forces of a free body, by component, and the largest of them."""
+    nodal = system.displacement(force, body).reshape(-1, 3)
+    return nodal.sum(axis=0), np.abs(nodal).sum()
+
+
+def product(matrix, x):
+    y = matrix.createVecLeft()
+    matrix.mult(x, y)
+    return y
+
+
+def rotation_of(system):
+    """Rotation of the blocks, from the outward normal and an edge of the sample."""
+    points = system.bodies["lower"].surfaces["x_max"].gauss_points(1)
+    e1 = points.normal[0]
+    e3 = system.bodies["lower"].surfaces["z_max"].gauss_points(1).normal[0]
+    return np.stack([e1, np.cross(e3, e1), e3], axis=1)
+
+
+def dense(matrix):
+    """Entries of a PETSc matrix."""
+    return matrix.copy().convert("dense").getDenseArray().copy()

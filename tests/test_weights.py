@@ -1,0 +1,183 @@
+"""Collocation points and their weights: Greville, Botella and nodes; equal and shared by area."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+from scipy.optimize import minimize_scalar
+
+from cea.errors import InputError
+from cea.material import IsotropicMaterial
+from fe_cea.body import FEBody
+from iga_cea import NurbsBody
+from iga_cea.botella import botella
+from iga_cea.splines import greville, knots_with_breaks
+from meshes.breaks import breaks_of
+from meshes.gmsh_shapes import gmsh_mesh
+from meshes.nurbs_shapes import nurbs_shape
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Box, Disc, Rectangle, Ring, Shape
+
+MATERIAL = IsotropicMaterial(1.0, 0.3)
+TILTED = Placement(axis=(1.0, 2.0, -0.5), angle=37.0, translation=(0.3, -0.2, 0.7))
+BOX = Box((2.0, 1.0, 0.5), (0.1, -0.3, 0.2))
+ANNULUS = Annulus(0.5, 1.0, 0.0, 0.3)
+DISC = Disc(1.0, 0.0, 0.2)
+RING = Ring(0.5, 1.0)
+RECTANGLE = Rectangle((2.0, 1.0))
+SPACE = [(BOX, (3, 3, 2)), (ANNULUS, (2, 16, 1)), (DISC, (2, 12, 1))]
+PLANE = [(RECTANGLE, (3, 2)), (RING, (2, 16))]
+
+
+def nurbs(shape: Shape, elements, degree: int, continuity: int | None = None) -> NurbsBody:
+    dim = len(shape.directions)
+    data = nurbs_shape(shape, breaks_of(shape, elements), TILTED if dim == 3 else Placement())
+    smoothness = None if continuity is None else dim * (continuity,)
+    return NurbsBody(
+        "part",
+        data.patches,
+        data.faces,
+        dim * (degree,),
+        continuity=smoothness,
+        material=MATERIAL,
+    )
+
+
+def lagrange(shape: Shape, cell: str, elements, degree: int) -> FEBody:
+    structured = cell in ("hexahedron", "quadrilateral")
+    mesh = {"breaks": breaks_of(shape, elements)} if structured else {"size": 0.4}
+    placement = TILTED if len(shape.directions) == 3 else Placement()
+    with gmsh_mesh(shape, cell, degree, placement=placement, **mesh) as model:
+        return FEBody.from_gmsh("part", model, degree=degree, material=MATERIAL)
+
+
+KNOTS = [
+    knots_with_breaks(np.repeat([0.0, 1.0], p + 1), p, np.array(breaks), continuity)
+    for p, continuity in ((1, 0), (2, 1), (2, 0), (3, 2), (3, 1), (4, 3), (4, 1), (5, 0), (8, 7))
+    for breaks in ([], [0.5], [0.1, 0.2, 0.7], [0.01, 0.4, 0.41, 0.9])
+]
+
+
+@pytest.mark.parametrize("knots", KNOTS, ids=lambda k: f"{(k == 0).sum() - 1}-{len(k)}")
+def test_botella_points_are_the_maxima(knots):
+    """Against a search of each function by another implementation, polished by golden section."""
+    degree = int((knots == 0).sum()) - 1
+    points = botella(knots, degree)
+    assert (np.diff(points) > 0).all()
+    assert points[0] == 0
+    assert points[-1] == 1
+    samples = np.unique(np.concatenate([np.linspace(0, 1, 1001), knots]))
+    for found, coefficients in zip(points, np.eye(len(points)), strict=True):
+        spline = BSpline(knots, coefficients, degree)
+        top = spline(samples).argmax()
+        near = samples[[max(top - 1, 0), min(top + 1, len(samples) - 1)]]
+        best = minimize_scalar(
+            lambda x, spline=spline: -spline(x),
+            bounds=near,
+            method="bounded",
+            options={"xatol": 1e-12},
+        )
+        assert found == pytest.approx(best.x, abs=1e-6)
+        assert spline(found) >= max(-best.fun, spline(samples[top])) * (1 - 1e-14)
+
+
+def test_botella_and_greville_points_agree_on_uniform_splines_only():
+    uniform = np.concatenate([[0.0] * 4, np.arange(1, 10) / 10, [1.0] * 4])
+    np.testing.assert_allclose(botella(uniform, 3)[4:-4], greville(uniform, 3)[4:-4], rtol=1e-15)
+    assert np.abs(botella(uniform, 3) - greville(uniform, 3)).max() > 5e-3
+
+
+@pytest.mark.parametrize(("degree", "continuity"), [(2, None), (3, 1)])
+@pytest.mark.parametrize("kind", ["greville", "botella"])
+@pytest.mark.parametrize(
+    ("shape", "elements"), SPACE + PLANE, ids=lambda s: getattr(s, "shape", "")
+)
+def test_area_weights_are_integrals_of_the_traces(shape, elements, kind, degree, continuity):
+    for surface in nurbs(shape, elements, degree, continuity).surfaces.values():
+        even, points = surface.abscissae(kind), surface.abscissae(kind, "area")
+        assert len(points) == len(surface.dofs)
+        np.testing.assert_array_equal(points.x, even.x)
+        np.testing.assert_allclose(even.weight, surface.area / len(even), rtol=1e-15)
+        assert points.weight.min() > 0
+        assert points.weight.sum() == pytest.approx(surface.area, rel=1e-13)
+        fine = surface.gauss_points(16)
+        integrals = fine.weight @ surface.trace(fine.at).toarray()
+        np.testing.assert_allclose(
+            np.sort(points.weight), np.sort(integrals[surface.dofs]), rtol=1e-11
+        )
+        if kind == "botella":
+            # The largest function at a maximum is its own, whose integral the point bears.
+            own = surface.trace(points.at).toarray().argmax(axis=1)
+            inner = np.bincount(own, minlength=surface.num_scalar_dofs)[own] == 1
+            assert inner.mean() > 0.5
+            np.testing.assert_allclose(points.weight[inner], integrals[own[inner]], rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("shape", "elements", "cell", "degree"),
+    [
+        *((BOX, (3, 3, 2), cell, p) for cell in ("hexahedron", "tetrahedron") for p in (1, 2, 3)),
+        (BOX, (2, 2, 1), "hexahedron", 4),
+        (ANNULUS, (2, 16, 1), "hexahedron", 2),
+        (ANNULUS, None, "tetrahedron", 2),
+        (RECTANGLE, (3, 2), "quadrilateral", 3),
+        (RING, (2, 16), "quadrilateral", 2),
+        (RING, None, "triangle", 2),
+    ],
+    ids=lambda s: getattr(s, "shape", s) if not isinstance(s, tuple) else "",
+)
+def test_tributary_weights_share_each_facet_by_squares(shape, elements, cell, degree):
+    for surface in lagrange(shape, cell, elements, degree).surfaces.values():
+        even, points = surface.abscissae("nodes"), surface.abscissae("nodes", "tributary")
+        np.testing.assert_array_equal(points.x, even.x)
+        np.testing.assert_allclose(even.weight, surface.area / len(even), rtol=1e-15)
+        assert points.weight.min() > 0
+        assert points.weight.sum() == pytest.approx(surface.area, rel=1e-13)
+        fine = surface.gauss_points(7)
+        traces = surface.trace(fine.at).toarray()
+        expected = np.zeros(surface.num_scalar_dofs)
+        for facet in range(surface.num_elements):
+            on = fine.at.element == facet
+            squares = fine.weight[on] @ traces[on] ** 2
+            expected += fine.weight[on].sum() * squares / squares.sum()
+        own = surface.trace(points.at).toarray().argmax(axis=1)
+        rel = 1e-12 if isinstance(shape, Box | Rectangle) else 1e-5
+        np.testing.assert_allclose(points.weight, expected[own], rtol=rel)
+
+
+def test_integrals_of_quadratic_triangle_corners_are_no_weights():
+    surface = lagrange(BOX, "tetrahedron", None, 2).surfaces["z_max"]
+    fine = surface.gauss_points(3)
+    integrals = fine.weight @ surface.trace(fine.at).toarray()
+    nodes = surface.abscissae("nodes", "tributary")
+    own = surface.trace(nodes.at).toarray().argmax(axis=1)
+    assert (np.abs(integrals[own]) < 1e-15).any()
+    assert nodes.weight.min() > 0.1 * nodes.weight.mean()
+
+
+@pytest.mark.parametrize("points_of", ["greville", "hexahedron", "tetrahedron"])
+def test_linear_fields_are_integrated_exactly_on_flat_faces(points_of):
+    """Equal weights do not: functions at the boundary have less area than those inside."""
+    if points_of == "greville":
+        body, kind, shared = nurbs(BOX, (3, 2, 1), 3), "greville", "area"
+    else:
+        body, kind, shared = lagrange(BOX, points_of, (3, 2, 1), 2), "nodes", "tributary"
+    surface = body.surfaces["x_max"]
+    fine = surface.gauss_points(3)
+    exact = fine.weight @ fine.x
+    points, even = surface.abscissae(kind, shared), surface.abscissae(kind)
+    np.testing.assert_allclose(points.weight @ points.x, exact, rtol=1e-13)
+    square = ((points.x - fine.x.mean(axis=0)) ** 2).sum(axis=1)
+    exact_square = fine.weight @ ((fine.x - fine.x.mean(axis=0)) ** 2).sum(axis=1)
+    errors = [abs(w @ square - exact_square) for w in (points.weight, even.weight)]
+    assert errors[0] < 0.8 * errors[1]
+
+
+def test_other_kinds_are_refused():
+    spline = nurbs(BOX, (2, 2, 1), 2).surfaces["z_max"]
+    nodes = lagrange(BOX, "hexahedron", (2, 2, 1), 2).surfaces["z_max"]
+    with pytest.raises(InputError, match=r"abscissae = 'nodes'.*greville, botella"):
+        spline.abscissae("nodes")
+    with pytest.raises(InputError, match=r"weights = 'tributary'.*equal, area"):
+        spline.abscissae("botella", "tributary")
+    with pytest.raises(InputError, match=r"weights = 'area'.*equal, tributary"):
+        nodes.abscissae("nodes", "area")
