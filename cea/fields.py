@@ -39,7 +39,7 @@ class Expression:
             self(np.full((1, 3), 0.5))
         except InputError as error:
             if not error.allowed.startswith(_FINITE):
-                raise InputError(field, self.text, error.allowed) from None
+                raise InputError(field, self.text, f"a number, or {error.allowed}") from None
 
     def __call__(self, x: Floats) -> Floats:
         """Values at positions x (m), shape (n,).

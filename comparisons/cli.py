@@ -1,4 +1,4 @@
-"""The command line: ``cea run`` and ``cea compare``."""
+"""The command line: ``cea run``, ``compare``, ``figure``, ``accuracy`` and ``exact``."""
 
 from math import tau
 from pathlib import Path
@@ -90,6 +90,64 @@ def compare(out: _Out = Path("results/compare")) -> None:
     for make in (tables.patch_test, tables.agreement, tables.disc_alone):
         _print_table(make(data))
     typer.echo(f"The report to open: {report}")
+
+
+@app.command()
+def figure(
+    name: Annotated[
+        str, typer.Argument(help="Number of a figure of the paper, a study by name, or all.")
+    ],
+    backend: Annotated[Literal["fe", "iga"], typer.Option(help="Backend for every body.")] = "iga",
+    out: _Out = Path("results/figures"),
+    recompute: Annotated[
+        bool, typer.Option("--recompute", help="Compute even where stored data could be drawn.")
+    ] = False,
+) -> None:
+    """Make a figure of the paper: data, pictures, and its numbers beside those of the text."""
+    from comparisons.compare import Progress
+    from comparisons.figures.registry import chosen
+    from comparisons.figures.store import make_figure
+
+    for each in chosen(name):
+        with console.status(each.title) as status:
+            made = make_figure(
+                each,
+                backend,
+                out,
+                Progress(step=status.update, stage=lambda stage: None),
+                recompute=recompute,
+            )
+        if MPI.COMM_WORLD.rank == 0:
+            _print_table(made.numbers)
+            typer.echo(made.note)
+        drawn = ", ".join(map(str, made.pictures))
+        typer.echo(f"{'drawn from stored data' if made.reused else made.data_file}; {drawn}")
+
+
+@app.command()
+def accuracy(
+    problems: Annotated[
+        list[str] | None, typer.Argument(help="Problems with exact eigenvalues; all by default.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="5 minutes instead of an hour.")] = False,
+    redraw: Annotated[
+        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
+    ] = False,
+    out: _Out = Path("results/accuracy"),
+) -> None:
+    """Measure the error of every method against run time, on problems with exact eigenvalues."""
+    from comparisons.accuracy import page
+    from comparisons.accuracy.problems import PROBLEMS, problem
+    from comparisons.accuracy.runner import run_study
+    from comparisons.accuracy.study import FULL, QUICK
+
+    if redraw:
+        data = page.read(out)
+    else:
+        names = [problem(name).name for name in problems or PROBLEMS]
+        with console.status("accuracy") as status:
+            data = run_study(QUICK if quick else FULL, names, status.update)
+    typer.echo(f"The report to open: {page.write(data, out)}")
 
 
 def _print_table(table: "ReportTable") -> None:

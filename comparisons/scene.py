@@ -215,8 +215,6 @@ class ContactSpec:
     max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
 
     def __post_init__(self) -> None:
-        if (self.P is None) == (self.p is None):
-            raise InputError("P", self.P, f"either P or p is given, not both (p = {self.p})")
         if isinstance(self.p, float) and not self.p > 0:
             raise InputError("p", self.p, "greater than 0")
         if isinstance(self.mu, float) and not self.mu >= 0:
@@ -224,6 +222,8 @@ class ContactSpec:
         for name, value in (("p", self.p), ("mu", self.mu)):
             if isinstance(value, str):
                 Expression(value).check(name)
+        if (self.P is None) == (self.p is None):
+            raise InputError("P", self.P, f"either P or p is given, not both (p = {self.p})")
         if self.mu != 0 and self.friction_direction_on_a is None:
             raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
         for name, stiffness in (("P", self.P), ("p", self.p)):
@@ -266,9 +266,19 @@ Analysis = StaticAnalysis | ComplexEigenvalueAnalysis
 
 @dataclass(frozen=True)
 class OutputSpec:
-    """What is made beside numbers: pictures of so many modes, the most unstable first."""
+    """What is made beside numbers.
+
+    Parameters
+    ----------
+    pictures
+        Modes to draw and animate, the most unstable first.
+    paraview
+        Modes to write for ParaView, the most unstable first; of a static analysis, whether to
+        write its displacement.
+    """
 
     pictures: Annotated[int, Field(ge=0)] = 0
+    paraview: Annotated[int, Field(ge=0)] = 0
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,10 @@ _CLOSED = (Annulus, Hub, Disc, Ring)
 """Shapes all the way round, in four quarters."""
 
 
+_SAMPLES = 2001
+"""Points at which the size of graded elements is integrated."""
+
+
 def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -> Floats:
     """Element boundaries as even as possible that pass through given coordinates.
 
@@ -82,3 +86,45 @@ def breaks_of(
         spread(low, high, count, asked.get(name, ()))
         for name, (low, high), count in zip(shape.directions, shape.extent, elements, strict=True)
     )
+
+
+def graded(
+    stops: Sequence[float], largest: float, fine: Mapping[float, float], growth: float = 1.0
+) -> Floats:
+    """Element boundaries that crowd towards some coordinates, as near edges where stress is large.
+
+    Elements are at most ``largest`` long, and ``fine[c] + growth * distance`` at a distance from
+    the coordinate c.
+
+    Parameters
+    ----------
+    stops
+        Rising coordinates that must be element boundaries, the ends of the range among them.
+    largest
+        Largest size.
+    fine
+        Size at each coordinate to crowd towards.
+    growth
+        Increase of the size with distance.
+
+    Returns
+    -------
+    ndarray
+        Rising coordinates.
+    """
+    require(len(stops) > 1 and largest > 0 and growth > 0, "stops", list(stops), "a range to grade")
+
+    def density(x: Floats) -> Floats:
+        size = np.full(x.shape, largest)
+        for centre, first in fine.items():
+            size = np.minimum(size, first + growth * np.abs(x - centre))
+        return 1 / size
+
+    pieces = []
+    for low, high in pairwise(stops):
+        x = np.linspace(low, high, _SAMPLES)
+        steps = 0.5 * (density(x[1:]) + density(x[:-1])) * np.diff(x)
+        elapsed = np.concatenate([[0.0], np.cumsum(steps)])
+        count = max(1, round(elapsed[-1]))
+        pieces.append(np.interp(np.linspace(0, elapsed[-1], count + 1)[:-1], elapsed, x))
+    return np.concatenate([*pieces, [stops[-1]]])

@@ -52,7 +52,9 @@ _STYLE = {
 }
 
 
-def _styled(draw: Callable[[Data], Figure]) -> Callable[[Data], Figure]:
+def styled(draw: Callable[[Data], Figure]) -> Callable[[Data], Figure]:
+    """Give a figure the style of the report."""
+
     @wraps(draw)
     def styled(data: Data) -> Figure:
         with rc_context(_STYLE):
@@ -69,7 +71,7 @@ def save(figure: Figure, file: Path) -> None:
         figure.savefig(file, dpi=DPI)
 
 
-@_styled
+@styled
 def patch_stresses(data: Data) -> Figure:
     """Normal stress of both sides along the diagonal, at the least P; a panel for each rule."""
     part = data["patch_test"]
@@ -122,7 +124,7 @@ def _patch_panel(axes: Axes, run: Data, exact: float) -> None:
     )
 
 
-@_styled
+@styled
 def stability(data: Data) -> Figure:
     """Growth rate against frequency of every mode: backends by marker, formulations by colour."""
     runs = data["disc_pad"]["runs"]
@@ -155,7 +157,7 @@ def stability(data: Data) -> Figure:
     return figure
 
 
-@_styled
+@styled
 def disc_errors(data: Data) -> Figure:
     """Errors of the disc's frequencies against run time, and against dofs."""
     figure = Figure(figsize=(10, 4.8), layout="constrained")
@@ -196,7 +198,7 @@ def disc_errors(data: Data) -> Figure:
     return figure
 
 
-@_styled
+@styled
 def stage_bars(data: Data) -> Figure:
     """Run time of every run by stage as stacked bars, a panel for each part."""
     table = stage_times(data)

@@ -1,0 +1,174 @@
+"""One run of the contact patch test: a discretisation, a formulation and a contact stiffness.
+
+Section 3 of the paper: E = 1e5 N/m^2, nu = 0, a pressure of 1000 N/m^2 on top, so that the normal
+stress on the interface is -1000 N/m^2 exactly. A discretisation is told by the oscillation of the
+normal stress: its largest minus its smallest value over the interface.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cea.body import Body
+from cea.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
+from comparisons.compare import on_backend, with_contact
+from comparisons.figures.figure import Data
+from comparisons.report.numbers import number
+from comparisons.run import run_scene
+from comparisons.scene import Backend, FeMesh, IgaMesh, MeshSpec, Scene, load_scene
+from comparisons.stresses import pressure_along, stress_map
+
+EXACT = -1000.0
+"""Normal stress on the interface (N/m^2)."""
+INTERFACE = "interface"
+"""Name of the contact in the scene."""
+
+_MAP_SAMPLES = 61
+_FE_GRID = 4
+
+
+@dataclass(frozen=True)
+class PatchCase:
+    """One run of the contact patch test.
+
+    Parameters
+    ----------
+    formulation
+        Points and weights on side a.
+    P
+        Global contact stiffness (N/m).
+    degree, continuity
+        Of both bodies in every direction.
+    elements
+        Elements along each side of the interface, of a and of b.
+    quoted
+        Oscillation in the paper (N/m^2), in words where it has only those; None where it says
+        nothing.
+    remark
+        What a reader must know to compare it, in a few words.
+    """
+
+    formulation: Formulation
+    P: float
+    degree: int = 2
+    continuity: int = 1
+    elements: tuple[int, int] = (3, 5)
+    quoted: float | str | None = field(default=None, compare=False)
+    remark: str = field(default="", compare=False)
+
+    def on(self, backend: Backend) -> "PatchCase":
+        """The case as a backend has it.
+
+        Lagrange elements are continuous and no more, have nodes for Greville abscissae, and a grid
+        on every facet: 10 x 10 points over 3 x 3 facets for the paper's 9 x 9.
+        """
+        if backend == "iga":
+            return self
+        formulation = self.formulation
+        if isinstance(formulation, Greville):
+            formulation = NodeToSurface()
+        elif isinstance(formulation, Grid):
+            formulation = Grid(_FE_GRID)
+        return replace(self, continuity=0, formulation=formulation)
+
+    @property
+    def space(self) -> str:
+        """Degree and continuity in the paper's notation."""
+        return f"D{self.degree}C{self.continuity}"
+
+    @property
+    def rule(self) -> str:
+        """Name of the formulation."""
+        rule = self.formulation
+        if isinstance(rule, GaussPointToSurface):
+            lumped = ", lumped" if rule.lumped else ""
+            return f"GPTS {rule.points} × {rule.points}{lumped}"
+        if isinstance(rule, Grid):
+            return f"grid {rule.points} × {rule.points}"
+        return {"node_to_surface": "node-to-surface", "greville": "Greville"}.get(
+            rule.method, rule.method
+        )
+
+    @property
+    def label(self) -> str:
+        """What tells it from other cases."""
+        return f"{self.space}, {self.rule}, P = {number(self.P, 1)}"
+
+    def scene(self, backend: Backend) -> Scene:
+        """The scene of the case."""
+        scene = on_backend(load_scene(Path("patch_test")), backend)
+        bodies = {
+            name: replace(scene.bodies[name], mesh=self._mesh(n))
+            for name, n in zip(("upper", "lower"), self.elements, strict=True)
+        }
+        scene = replace(scene, bodies=bodies)
+        return with_contact(scene, formulation=self.formulation, P=self.P)
+
+    def _mesh(self, n: int) -> MeshSpec:
+        """Both meshes of a body; the one that its backend does not use says nothing."""
+        elements = (n, n, 1)
+        return MeshSpec(
+            fe=FeMesh("hexahedron", min(self.degree, 4), elements=elements),
+            iga=IgaMesh((self.degree,) * 3, elements, (self.continuity,) * 3),
+        )
+
+
+def run_case(
+    case: PatchCase, backend: Backend, bodies: Mapping[str, Body] | None = None
+) -> tuple[Data, Mapping[str, Body]]:
+    """Run a case.
+
+    Parameters
+    ----------
+    case
+        The case.
+    backend
+        Backend of both bodies.
+    bodies
+        Bodies of an earlier case of the same discretisation.
+
+    Returns
+    -------
+    dict
+        Plain data: oscillations, the stresses and p g along the diagonal of side a, and a map of
+        each side.
+    dict
+        The bodies, for other cases.
+    """
+    scene = case.scene(backend)
+    result = run_scene(scene, bodies=bodies)
+    assert result.stresses is not None
+    assert scene.analysis.kind == "static"
+    sides = result.stresses[INTERFACE]
+    x, system = result.displacement, result.system
+    area = result.interfaces[INTERFACE].a.area
+    plane = stress_map(system, INTERFACE, x, _MAP_SAMPLES)
+    along = pressure_along(system, INTERFACE, x, case.P / area, scene.analysis.samples)
+    data = {
+        "space": case.space,
+        "rule": case.rule,
+        "P": case.P,
+        "points": len(result.interfaces[INTERFACE].points),
+        "dofs": system.size,
+        "oscillation": {side: stress.oscillation for side, stress in sides.items()},
+        "oscillation_of_p_gap": float(np.ptp(along[np.isfinite(along)])),
+        "seconds": result.timer.total,
+        "line": {"arc": plain(sides["a"].arc), "p_gap": plain(along)}
+        | {side: plain(stress.sigma_n_along) for side, stress in sides.items()},
+        "map": {"x": plain(plane.u), "y": plain(plane.v)}
+        | {side: plain(stress) for side, stress in plane.sigma_n.items()},
+    }
+    return data, system.bodies
+
+
+def plain(values: Any) -> list[Any]:
+    """Nested lists of numbers, None for NaN."""
+    return np.asarray(np.where(np.isfinite(values), values, None)).tolist()
+
+
+def worse(case: Data) -> float:
+    """Oscillation on the worse side (N/m^2)."""
+    return max(case["oscillation"].values())
