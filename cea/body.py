@@ -11,7 +11,7 @@ scalar dof numbers of one layer of cells, so that points, location and trace nee
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -269,6 +269,43 @@ class VolumeSample:
     values: csr_array
 
 
+@dataclass(frozen=True)
+class VolumeCells:
+    """Cells of a body with geometry and displacement as they are, for programs that draw such.
+
+    Lagrange elements on equally spaced nodes, or the rational Bezier elements of knot spans. Both
+    have one point for each (i, j, k) of a lattice: 0 <= i <= degree along each direction of
+    boxes, i + j + k <= degree in simplices.
+
+    Parameters
+    ----------
+    kind
+        ``lagrange``: fields pass through the values at the points; ``bezier``: points and values
+        are rational Bezier coefficients.
+    simplex
+        Whether cells are triangles or tetrahedra, rather than quadrilaterals or hexahedra.
+    degrees
+        Degree along each direction; the same for all directions of simplices.
+    points
+        Positions (m), shape (n, dim).
+    weights
+        Rational weights of the points, shape (n,); 1 for Lagrange elements.
+    cells
+        Point numbers of each right-handed cell, lattice points in C order, shape
+        (n_cells, points of a cell).
+    values
+        Coefficients at the points of the scalar basis functions, shape (n, num_scalar_dofs).
+    """
+
+    kind: Literal["lagrange", "bezier"]
+    simplex: bool
+    degrees: tuple[int, ...]
+    points: Floats
+    weights: Floats
+    cells: Ints
+    values: csr_array
+
+
 class Body(Protocol):
     """An elastic body: matrices without its supports' dofs, loads, named surfaces."""
 
@@ -327,6 +364,13 @@ class Body(Protocol):
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
         """Sample of the whole body, each cell or knot span divided so many times a direction.
+
+        Gathered: complete on rank 0.
+        """
+        ...
+
+    def volume_cells(self) -> VolumeCells:
+        """Cells of the whole body with its geometry and trial space as they are.
 
         Gathered: complete on rank 0.
         """

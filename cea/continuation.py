@@ -3,7 +3,7 @@
 A cell of the opposite surface may overlap a cell in part only, so that some of its corners have
 coordinates beyond it. There the polynomials of the cell go on, which keeps parameter lines straight
 in its coordinates. Far out they turn back or have no solution, and a corner would seem to lie on
-the wrong side. The tangent plane at the centre of the cell tells the side, and stands in for
+the wrong side. There the tangent plane at the centre of the cell tells the side, and stands in for
 polynomials that disagree with it.
 """
 
@@ -16,8 +16,8 @@ from cea.errors import ConvergenceError
 _NEWTON = 1e-9
 """Last step of Newton's method, relative to the cell; the error after it is its square."""
 _MAX_ITERATIONS = 30
-_NEAR = 0.5
-"""Distance of polynomials from the tangent plane, relative to the cell, that is curvature only."""
+_MARGIN = 0.5
+"""Width of the margin around a cell, relative to it, within which its polynomials are trusted."""
 
 
 def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: Floats) -> Floats:
@@ -45,19 +45,22 @@ def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: F
         When a point that belongs inside its cell cannot be mapped.
     """
     m = x.shape[1]
-    centre, low, high = corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1)
-    direction = surface.normal(SurfaceCoordinates(element, centre))
-    element, centre, low, high, direction = (
-        np.repeat(each, m, axis=0) for each in (element, centre, low, high, direction)
+    middle = corners.mean(axis=1)
+    normal = surface.normal(SurfaceCoordinates(element, middle))
+    centre, low, high, direction = (
+        np.repeat(each, m, axis=0)
+        for each in (middle, corners.min(axis=1), corners.max(axis=1), normal)
     )
+    element = np.repeat(element, m)
     points = x.reshape(len(element), -1)
 
     by_plane = centre + _step(surface, element, centre, points, direction)
     extent = (high - low).max(axis=1)
     by_polynomials, met = _newton(surface, element, by_plane, points, direction, extent)
-    apart = np.abs(by_polynomials - by_plane).max(axis=1)
     side, told = (_side(xi, low, high) for xi in (by_polynomials, by_plane))
-    agree = met & ((apart <= _NEAR * extent) | (side == told).all(axis=1))
+    margin = _MARGIN * (high - low)
+    near = (_side(by_polynomials, low - margin, high + margin) == 0).all(axis=1)
+    agree = met & (near | (side == told).all(axis=1))
     lost = ~agree & (told == 0).all(axis=1)
     xi = np.where(agree[:, None], by_polynomials, by_plane).reshape(*x.shape[:2], -1)
     if lost.any():
@@ -80,8 +83,8 @@ def _newton(
     xi = start.copy()
     met = np.zeros(len(xi), dtype=bool)
     active = np.arange(len(xi))
-    # What diverges overflows in the polynomials of splines before it is given up.
-    with np.errstate(over="ignore", invalid="ignore"):
+    # What diverges overflows, or meets a pole of a rational face, before it is given up.
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         for _ in range(_MAX_ITERATIONS):
             if not active.size:
                 break
