@@ -53,6 +53,13 @@ def run(
             data["pictures"] = [
                 file.name for file in draw_modes(result, result.scene.output.pictures, out)
             ]
+        if result.scene.output.paraview:
+            from comparisons.paraview import write_paraview
+
+            status.update("files for ParaView")
+            data["paraview"] = [
+                file.name for file in write_paraview(result, result.scene.output.paraview, out)
+            ]
     if MPI.COMM_WORLD.rank == 0:
         write_json(data, out / "result.json")
     if result.modes is not None:

@@ -1,0 +1,150 @@
+"""Measuring one case in this process: run times by stage, peak memory, errors of lambda."""
+
+import ctypes
+import gc
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cea.body import Floats
+from cea.modes import Complexes
+from comparisons.accuracy.problems import problem
+from comparisons.accuracy.study import Case, overrides
+from comparisons.run import SceneResult, run_scene
+from comparisons.scene import load_scene
+from comparisons.spectra import match_spectrum
+
+REACH = 0.25
+"""Relative distance at which a computed eigenvalue no longer stands for an exact one."""
+
+
+@dataclass
+class Measurer:
+    """Measures cases; remembers what this process has warmed up.
+
+    The first run of a problem, discretisation and contact rule in a process imports modules,
+    loads or compiles finite element forms and fills caches: it is made on the coarsest mesh and
+    not timed.
+    """
+
+    def __post_init__(self) -> None:
+        self._warm: set[Case] = set()
+
+    def measure(self, case: Case, exact: Complexes, repeats: int) -> dict[str, Any]:
+        """Measure a case.
+
+        Parameters
+        ----------
+        case
+            The case.
+        exact
+            Exact eigenvalues to beyond the band.
+        repeats
+            Timed runs.
+
+        Returns
+        -------
+        dict
+            ``dofs``, ``points``; ``seconds`` of every run, ``stages`` as medians over the runs;
+            ``memory`` peak above what the process held before, and ``memory_process`` at the
+            peak (MB, None where the system does not tell); errors of :func:`errors`.
+        """
+        self._warm_up(case)
+        before = start_memory()
+        results = [_run(case)]
+        memory = peak_memory()
+        system, interface = results[0].system, next(iter(results[0].interfaces.values()))
+        timers = [results[0].timer]
+        modes = results[0].modes
+        assert modes is not None
+        measured = {"dofs": system.size, "points": len(interface.points)}
+        del results, system, interface
+        for _ in range(repeats - 1):
+            gc.collect()
+            timers.append(_run(case).timer)
+        return measured | {
+            "seconds": [timer.total for timer in timers],
+            "stages": {
+                stage: float(np.median([timer.seconds[stage] for timer in timers]))
+                for stage in timers[0].seconds
+            },
+            "memory": None if memory is None or before is None else memory - before,
+            "memory_process": memory,
+            **errors(modes.eigenvalues, exact, problem(case.problem).band),
+        }
+
+    def _warm_up(self, case: Case) -> None:
+        key = replace(case, refinement=1, stiffness=1.0)
+        if key not in self._warm:
+            _run(key)
+            self._warm.add(key)
+
+
+def _run(case: Case) -> SceneResult:
+    fields = overrides(problem(case.problem), case)
+    return run_scene(load_scene(Path(case.problem), fields, case.method.backend))
+
+
+def errors(computed: Complexes, exact: Complexes, band: tuple[float, float]) -> dict[str, Any]:
+    """Errors over the exact eigenvalues of a band.
+
+    Returns
+    -------
+    dict
+        ``lambda``, ``frequency``, ``growth``, each with ``worst`` and ``median``, None where
+        modes are missing; ``modes`` listed; ``missing`` and ``spurious`` eigenvalues as pairs.
+    """
+    match = match_spectrum(computed, exact, band, reach=REACH)
+    return {
+        "modes": len(match.exact),
+        "lambda": _summary(match.errors),
+        "frequency": _summary(match.frequency_errors),
+        "growth": _summary(match.growth_errors),
+        "missing": _pairs(match.missing),
+        "spurious": _pairs(match.spurious),
+    }
+
+
+def _summary(error: Floats) -> dict[str, float | None]:
+    worst, median = float(error.max(initial=0.0)), float(np.median(error)) if len(error) else 0.0
+    return {
+        "worst": worst if np.isfinite(worst) else None,
+        "median": median if np.isfinite(median) else None,
+    }
+
+
+def _pairs(values: Complexes) -> list[list[float]]:
+    return [[float(v.real), float(v.imag)] for v in values]
+
+
+_PROCESS = Path("/proc/self")
+_RESET_PEAK = "5"
+"""What clears the high-water mark of resident memory: proc(5), clear_refs."""
+
+
+def start_memory() -> float | None:
+    """Give free memory back, clear the peak, and tell what is held (MB)."""
+    gc.collect()
+    if not sys.platform.startswith("linux"):
+        return None
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim is not None:
+        trim(0)
+    try:
+        (_PROCESS / "clear_refs").write_text(_RESET_PEAK)
+    except OSError:
+        return None
+    return peak_memory()
+
+
+def peak_memory() -> float | None:
+    """Peak of resident memory since it was cleared (MB); None where the system does not tell."""
+    try:
+        lines = (_PROCESS / "status").read_text().splitlines()
+    except OSError:
+        return None
+    peak = next((line for line in lines if line.startswith("VmHWM:")), None)
+    return None if peak is None else int(peak.split()[1]) / 1024

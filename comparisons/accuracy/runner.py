@@ -1,0 +1,169 @@
+"""Running a study: cheap cases first, nothing ends it, and what gave no numbers is told."""
+
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import asdict
+from time import perf_counter
+from typing import Any, Protocol
+
+from mpi4py import MPI
+
+from cea.errors import InputError
+from comparisons.accuracy.problems import exact, problem
+from comparisons.accuracy.study import Case, Study, cases
+from comparisons.accuracy.worker import CaseError, Worker
+from comparisons.result import machine, versions
+
+Data = dict[str, Any]
+
+_GROWTH = 1.0
+"""Exponent with which run time is expected to grow with the elements: what all of it does not
+exceed on small meshes, where much of it is overhead."""
+
+
+class Measurer(Protocol):
+    """What measures cases: :class:`comparisons.accuracy.worker.Worker`."""
+
+    def measure(self, case: Case, exact: Any, repeats: int, seconds: float) -> Data:
+        """Measure one case within so many seconds, or raise CaseError."""
+        ...
+
+
+def run_study(
+    study: Study,
+    names: Iterable[str],
+    progress: Callable[[str], None] = lambda _: None,
+    worker: Measurer | None = None,
+) -> Data:
+    """Run every case of a study that its time allows.
+
+    Parameters
+    ----------
+    study
+        How far it goes.
+    names
+        Names of the problems.
+    progress
+        Called with each case, in words, as it begins.
+    worker
+        What measures cases; by default a process of its own.
+
+    Returns
+    -------
+    dict
+        Plain data: the study, ``problems`` with the exact eigenvalues of what was run, ``runs``,
+        ``omissions`` with a reason each, ``seconds``, versions and machine.
+
+    Raises
+    ------
+    InputError
+        For an unknown problem, or on more ranks than one.
+    """
+    if MPI.COMM_WORLD.size > 1:
+        raise InputError("ranks", MPI.COMM_WORLD.size, "1: run times are those of one thread")
+    start = perf_counter()
+    problems = [problem(name) for name in names]
+    own = Worker() if worker is None else None
+    runs: list[Data] = []
+    omissions: list[Data] = []
+    try:
+        for i, chosen in enumerate(problems):
+            spent = perf_counter() - start
+            share = (60 * study.minutes - spent) / (len(problems) - i)
+            line = _Problem(study, chosen.name, perf_counter() + share, own or worker, progress)
+            line.run(cases(study, chosen))
+            runs += line.runs
+            omissions += line.omissions
+    finally:
+        if own is not None:
+            own.end()
+    return {
+        "command": "accuracy",
+        "study": asdict(study),
+        "problems": {p.name: _described(p.name, runs) for p in problems},
+        "runs": runs,
+        "omissions": omissions,
+        "seconds": perf_counter() - start,
+        "versions": versions(),
+        "machine": machine() | {"load": os.getloadavg()[0]},
+    }
+
+
+class _Problem:
+    """The cases of one problem, until its share of the time is up."""
+
+    def __init__(
+        self,
+        study: Study,
+        name: str,
+        deadline: float,
+        worker: Any,
+        progress: Callable[[str], None],
+    ) -> None:
+        self._study, self._name, self._deadline = study, name, deadline
+        self._worker, self._progress = worker, progress
+        self.runs: list[Data] = []
+        self.omissions: list[Data] = []
+
+    def run(self, chosen: list[Case]) -> None:
+        """Run cases in their order; each ends among the runs or among the omissions."""
+        for case in chosen:
+            reason = self._reason_to_leave_out(case)
+            if reason is None:
+                self._progress(case.label)
+                try:
+                    self.runs.append(case.described() | self._measure(case))
+                    continue
+                except CaseError as failure:
+                    reason = str(failure)
+            self.omissions.append(case.described() | {"reason": reason})
+
+    def _measure(self, case: Case) -> Data:
+        values = exact(self._name, case.stiffness)
+        return self._worker.measure(
+            case, values, self._study.repeats, seconds=self._study.case_seconds
+        )
+
+    def _reason_to_leave_out(self, case: Case) -> str | None:
+        if perf_counter() > self._deadline:
+            return "the time of the study was up"
+        failed = [o for o in self.omissions if _line(o) == _line(case.described())]
+        if any(o["refinement"] < case.refinement for o in failed):
+            return f"a coarser mesh was left out: {failed[0]['reason']}"
+        expected = self._expected_seconds(case)
+        if expected > self._study.case_seconds:
+            return f"more than {self._study.case_seconds:g} s expected for its runs"
+        return None
+
+    def _expected_seconds(self, case: Case) -> float:
+        """Seconds for all runs of a case, from the finest coarser mesh of its line."""
+        line = [run for run in self.runs if _line(run) == _line(case.described())]
+        coarser = [run for run in line if run["refinement"] < case.refinement]
+        if not coarser:
+            return 0.0
+        last = max(coarser, key=lambda run: run["refinement"])
+        more = (case.refinement / last["refinement"]) ** problem(self._name).dim
+        return sum(last["seconds"]) * more**_GROWTH
+
+
+def _line(described: Data) -> tuple[Any, ...]:
+    """What the cases of a line share."""
+    return described["problem"], *described["method"].values(), described["stiffness"]
+
+
+def _described(name: str, runs: list[Data]) -> Data:
+    chosen = problem(name)
+    reached = dict.fromkeys(run["stiffness"] for run in runs if run["problem"] == name)
+    spectra = [(p, chosen.listed(exact(name, p))) for p in reached]
+    return {
+        "dim": chosen.dim,
+        "band": list(chosen.band),
+        "unit": chosen.unit,
+        "friction": chosen.friction.strip('"'),
+        "highest_order": chosen.highest_order,
+        "max_frequency": chosen.max_frequency,
+        "exact": [
+            {"stiffness": p, "lambda": [[float(v.real), float(v.imag)] for v in values]}
+            for p, values in spectra
+        ],
+    }
