@@ -10,13 +10,14 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_array, diags_array, kron, vstack
 
-from cea.body import Floats, VolumeSample
+from cea.body import Floats, VolumeCells, VolumeSample
 from cea.boundary import Pressure, Spring, Support
 from cea.checks import check_boundary, check_density
 from cea.constraints import Constraints, symmetrised
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from iga_cea import assembly
+from iga_cea.cells import bezier_cells
 from iga_cea.inputs import (
     check_faces,
     check_patches,
@@ -158,6 +159,13 @@ class NurbsBody:
         every = csr_array(vstack(values, format="csr"))
         return VolumeSample(every @ self.control_points, np.concatenate(cells), every)
 
+    def volume_cells(self) -> VolumeCells:
+        """Bezier elements of the knot spans. Complete on every rank.
+
+        Points on joints of patches appear once for each patch.
+        """
+        return bezier_cells(self.multipatch)
+
     @cached_property
     def _constraints(self) -> Constraints:
         return face_constraints(
@@ -228,7 +236,8 @@ class NurbsBody:
     def _restricted(self, matrix: Any) -> Any:
         """Rows and columns of the free unknowns."""
         restricted = self._constraints.restrict(matrix, self.expansion)
-        if not self._constraints.selects:
+        if not self._constraints.selects or self.comm.size > 1:
+            # Products with a turned frame, and sums over ranks, are symmetric up to rounding only.
             symmetrised(restricted)
         if restricted is not matrix:
             matrix.destroy()

@@ -9,8 +9,8 @@ from mpi4py import MPI
 
 from cea.boundary import Pressure, Spring, Support
 from cea.eigen import solve_modes
-from cea.static import solve_static
 from cea.matrices import gather
+from cea.static import solve_static
 from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape

@@ -1,11 +1,14 @@
 """Small scenes run on any number of ranks; rank 0 prints what must not depend on that number.
 
 Under mpiexec, ``python parallel_cases.py`` runs every case, ``parallel_cases.py few`` those of few
-messages, ``parallel_cases.py disc_pad`` finds the eigenvalues of a scene on both backends.
+messages, ``parallel_cases.py formulations`` every formulation on coarse meshes of two scenes that
+come with the project, ``parallel_cases.py disc_pad`` finds the eigenvalues of a scene on both
+backends.
 """
 
 import json
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +16,12 @@ from conftest import block, two_blocks
 
 from cea.errors import InputError
 from cea.ranks import agreed
+from cea.timing import StageTimer
+from comparisons.build import build_bodies
 from comparisons.match import complex_displacement
 from comparisons.result import describe
 from comparisons.run import run_scene
-from comparisons.scene import load_scene, read_scene
+from comparisons.scene import SCENES, load_scene, read_scene
 
 GRID, GPTS = {"method": "grid", "points": 5}, {"method": "gpts", "points": 4}
 
@@ -64,10 +69,14 @@ def mixed_pairing(a, b):
     return data
 
 
+def collocation(backend):
+    """Collocation in the manner of the backend."""
+    return {"method": {"fe": "node_to_surface", "iga": "greville"}[backend]}
+
+
 def scenes():
     for backend in ("fe", "iga"):
-        collocation = {"method": {"fe": "node_to_surface", "iga": "greville"}[backend]}
-        for formulation in (collocation, GRID, GPTS):
+        for formulation in (collocation(backend), GRID, GPTS):
             data = blocks(backend, formulation)
             yield f"{backend} {formulation['method']}", data
             yield f"{backend} {formulation['method']} static", static(data)
@@ -86,6 +95,54 @@ FEW = (
     "iga column", "fe on iga", "iga on fe",
 )  # fmt: skip
 """Ends of the names of all static scenes, and of some with modes, one for each path taken."""
+
+
+FORMULATIONS = {
+    "collocation": None,
+    "grid": GRID,
+    "gpts": GPTS,
+    "segments": {"method": "segments"},
+    "mortar": {"method": "mortar"},
+}
+COARSE = {
+    "patch_test": {"upper": [3, 3, 1], "lower": [4, 4, 1]},
+    "disc_pad": {"pad": [2, 3, 1], "disc": [3, 24, 1]},
+}
+"""Elements of the bodies of two scenes."""
+
+
+def coarse(name, backend, **analysis):
+    """A scene that comes with the project, on coarse meshes of quadratic elements."""
+    data = tomllib.loads((SCENES / f"{name}.toml").read_text())
+    for body, elements in COARSE[name].items():
+        fe = {"cell": "hexahedron", "degree": 2, "elements": elements}
+        mesh = {"fe": fe, "iga": {"degree": [2, 2, 2], "elements": elements}}
+        data["bodies"][body] |= {"backend": backend, "mesh": mesh}
+    data["analysis"] |= analysis
+    return data
+
+
+def with_every_formulation(data, backend):
+    """Results of a scene with one contact, by formulation; its bodies are built once."""
+    bodies = build_bodies(read_scene(data), StageTimer())
+    (contact,) = data["contacts"].values()
+    for name, formulation in FORMULATIONS.items():
+        contact["formulation"] = formulation or collocation(backend)
+        yield name, run_scene(read_scene(data), bodies=bodies)
+
+
+def formulations():
+    """Displacements of the patch test and eigenvalues of the disc and pad."""
+    shown = {}
+    for backend in ("fe", "iga"):
+        patch_test = coarse("patch_test", backend, samples=7)
+        for name, result in with_every_formulation(patch_test, backend):
+            shown[f"{backend} {name} patch test"] = displacements(result)
+        disc_pad = coarse("disc_pad", backend, max_frequency=6000.0)
+        disc_pad["contacts"]["pad_disc"]["mu"] = 2.0  # on coarse meshes the modes flutter late
+        for name, result in with_every_formulation(disc_pad, backend):
+            shown[f"{backend} {name} disc and pad"] = eigenvalues(result)
+    return shown
 
 
 def probes(result):
@@ -118,7 +175,15 @@ def facts(scene):
         "dofs": data["dofs"],
         "stresses": data.get("stresses"),
         "skipped": data["skipped"],
-        "asymmetry": [asymmetry(contact.stiffness) for contact in system.contacts],
+        "asymmetry": [
+            asymmetry(matrix)
+            for matrix in (
+                system.symmetric_stiffness(),
+                *(body.stiffness() for body in system.bodies.values()),
+                *(contact.stiffness for contact in system.contacts),
+                *([] if system.mass is None else [system.mass]),
+            )
+        ],
     }
     traces = probes(result)
     if result.modes is not None:
@@ -140,15 +205,30 @@ def facts(scene):
             ],
         }
     else:
-        x = result.displacement
-        shown["displacements"] = [
-            (traces[name] @ system.displacement(x, name).reshape(-1, 3)).tolist()
-            for name in system.bodies
-        ]
+        shown["displacements"] = displacements(result)
         contact = system.contacts[0]
         weight = contact.interface.points.weight
-        shown["closing force"] = float(weight @ contact.pressure(x))
+        shown["closing force"] = float(weight @ contact.pressure(result.displacement))
     return shown
+
+
+def displacements(result):
+    """Displacements of each body at its probes."""
+    system = result.system
+    return [
+        (trace @ system.displacement(result.displacement, name).reshape(-1, 3)).tolist()
+        for name, trace in probes(result).items()
+    ]
+
+
+def eigenvalues(result):
+    """Eigenvalues alone."""
+    modes = result.modes
+    return {
+        "re": modes.growth_rates.tolist(),
+        "im": modes.eigenvalues.imag.tolist(),
+        "worst_residual": modes.residuals.max(),
+    }
 
 
 def refusals(comm):
@@ -175,20 +255,15 @@ def main():
             if chosen == "every" or name.endswith(FEW)
         }
         everything["refusals"] = sorted(set(refusals(comm)))
+    elif chosen == "formulations":
+        everything = formulations()
     else:
-        everything = {b: numbers(load_scene(Path(chosen), backend=b)) for b in ("fe", "iga")}
+        everything = {
+            backend: eigenvalues(run_scene(load_scene(Path(chosen), backend=backend)))
+            for backend in ("fe", "iga")
+        }
     if comm.rank == 0:
         sys.stdout.write(json.dumps(everything))
-
-
-def numbers(scene):
-    """Eigenvalues of a scene alone."""
-    modes = run_scene(scene).modes
-    return {
-        "re": modes.growth_rates.tolist(),
-        "im": modes.eigenvalues.imag.tolist(),
-        "worst_residual": modes.residuals.max(),
-    }
 
 
 if __name__ == "__main__":

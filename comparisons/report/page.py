@@ -58,7 +58,7 @@ class Image:
 
 
 def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: Path) -> Path:
-    """Write everything a comparison shows, on rank 0.
+    """Write everything a comparison shows, on rank 0; the others wait until it is written.
 
     Collective: the pictures take part of their modes from every rank.
 
@@ -80,6 +80,7 @@ def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: 
     page = out / "report.html"
     if MPI.COMM_WORLD.rank == 0:
         _write(data, [Image.of(file) for file in pictures], page)
+    MPI.COMM_WORLD.Barrier()
     return page
 
 
