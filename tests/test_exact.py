@@ -51,10 +51,14 @@ def just_above(entry):
 
 def same_set(values, reference, tolerance):
     """Both lists hold the same values, whatever their order."""
+    assert distance_to(values, reference).max() < tolerance
+    assert distance_to(reference, values).max() < tolerance
+
+
+def distance_to(values, reference):
+    """Relative distance of each value to the nearest reference."""
     values, reference = np.asarray(values), np.asarray(reference)
-    distance = abs(values[:, None] - reference) / abs(reference)
-    assert distance.min(axis=0).max() < tolerance
-    assert distance.min(axis=1).max() < tolerance
+    return (abs(values[:, None] - reference) / abs(reference)).min(axis=1)
 
 
 DRUMS = stored("drum_2d") + stored("drum_3d")
@@ -151,7 +155,7 @@ def test_constant_friction_with_corner_singularities_to_9_digits_on_a_coarse_gri
 def test_constant_friction_to_the_digits_stored(i):
     entry = stored("blocks_constant_mu")[i]
     found = entries.blocks_constant(Blocks.of(entry["p"], entry["mu"]), count=18)
-    assert found["digits"] >= 8
+    assert found["digits"] >= 10
     values = [complex(float(x), float(y)) for x, y in found["lam"]]
     same_set(values, [complex(float(x), float(y)) for x, y in entry["lam"]], 3e-11)
 
@@ -163,18 +167,38 @@ def test_the_ring_to_8_digits_on_a_coarse_grid():
     same_set(values[:17], [complex(float(x), float(y)) for x, y in entry["lam"][:17]], 3e-9)
 
 
+def ring_of(entry):
+    return Ring.of(entry["m"], entry["p"], entry["mu"])
+
+
+def far_from(values, entry):
+    """Largest distance to the 17 stored values that hold their digits, relative to them.
+
+    The rigid rotation of order 0 is stored as its round-off: there relative to a frequency.
+    """
+    stored_values = np.array([complex(float(x), float(y)) for x, y in entry["lam"][:17]])
+    size = np.maximum(abs(stored_values), ring_of(entry).scale())
+    return (abs(np.asarray(values)[:17] - stored_values) / size).max()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("i", range(18))
-def test_the_ring_to_the_digits_stored(i):
+def test_every_stored_ring_to_10_digits(i):
     entry = stored("ring_rollers")[i]
-    found = entries.ring(Ring.of(entry["m"], entry["p"], entry["mu"]), count=20)
-    # The rigid rotation of order 0 is a zero up to round-off; the last three have fewer digits.
-    pairs = [
-        (complex(float(x), float(y)), complex(float(s), float(t)))
-        for (x, y), (s, t) in zip(found["lam"][:17], entry["lam"][:17], strict=True)
-        if abs(float(t)) > 1
-    ]
-    assert max(abs(x - y) / abs(y) for x, y in pairs) < 3e-11
+    problem = ring_of(entry)
+    values = lowest(layouts.ring(problem, 13, 1), 20, problem.scale())
+    assert far_from(values, entry) < 1e-10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("i", [15, 16])
+def test_the_ring_claims_the_digits_it_holds(i):
+    entry = stored("ring_rollers")[i]
+    found = entries.ring(ring_of(entry), count=20)
+    assert found["digits"] >= 10
+    assert far_from([complex(float(x), float(y)) for x, y in found["lam"]], entry) < 1e-10
+    if entry["m"] == 0:
+        assert found["lam"][0] == ["0", "0"]
 
 
 def random_materials(rng):
@@ -184,7 +208,7 @@ def random_materials(rng):
     ]
 
 
-def methods_agree(seed):
+def methods_agree(seed, degree=18):
     """Determinant against Galerkin for one random drum and one random pair of blocks."""
     rng = np.random.default_rng(seed)
     p = rng.choice(["0.2", "3", "150", "inf"])
@@ -200,8 +224,12 @@ def methods_agree(seed):
     blocks = Blocks.of(p, mu, kz, a, b, *sizes)
     found = spectrum(blocks, count=8)
     exact = found.values + [complex(value) for value in found.contact_free]
-    galerkin = lowest(layouts.blocks(blocks, 18, 0, constant=False), len(exact), blocks.scale())
-    same_set(galerkin, exact, 1e-9)
+    contact = layouts.blocks(blocks, degree, 0, constant=False)
+    galerkin = lowest(contact, len(exact) + 2, blocks.scale())
+    # The list may end between the two of a pair: the second is then beyond it.
+    inside = galerkin[galerkin.imag < max(value.imag for value in exact) * (1 - 1e-7)]
+    assert distance_to(exact, galerkin).max() < 1e-9
+    assert distance_to(inside, exact).max() < 1e-9
 
 
 @pytest.mark.parametrize("seed", [1])
@@ -212,7 +240,7 @@ def test_determinant_and_galerkin_agree_for_random_parameters(seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, *range(2, 20)])
 def test_determinant_and_galerkin_agree_for_more_random_parameters(seed):
-    methods_agree(seed)
+    methods_agree(seed, degree=22)
 
 
 def test_no_harmonic_no_flutter_and_mirror_images_of_each_other_neither():
@@ -275,6 +303,11 @@ def test_a_layer_of_long_waves_is_a_column_and_its_static_stiffness_that_of_unia
         (["blocks", "--E-b", "soft"], "b.E"),
         (["ring", "--m", "1", "--outer", "0.01"], "inner"),
         (["lumped", "duffing"], "model"),
+        (["drum", "--m", "1", "--p", "1e-999999999"], "p"),
+        (["drum", "--m", "1", "--p", "nan"], "p"),
+        (["drum", "--m", "1", "--max-frequency", "nan"], "max_frequency"),
+        (["blocks", "--mu", ""], "mu"),
+        (["drum", "--m", "1", "--json", "/"], "json"),
     ],
 )
 def test_wrong_parameters_are_refused_by_name(arguments, field):

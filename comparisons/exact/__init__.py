@@ -9,4 +9,7 @@ the friction traction on a. Drum and blocks with sinusoidal friction have charac
 functions of closed form, whose roots are counted by the argument principle; blocks with constant
 friction and the ring are solved by a graded Galerkin method of high order, which also checks the
 others; lumped systems are roots of polynomials.
+
+``reference`` and ``critical`` give eigenvalues and thresholds by the name of a problem, ``cli``
+prints and writes them with their digits.
 """

@@ -30,11 +30,32 @@ _RhoA = Annotated[str, typer.Option("--rho-a", help="Density of body a.")]
 _EB = Annotated[str, typer.Option("--E-b", help="Young's modulus of body b.")]
 _NuB = Annotated[str, typer.Option("--nu-b", help="Poisson's ratio of body b.")]
 _RhoB = Annotated[str, typer.Option("--rho-b", help="Density of body b.")]
+_Inner = Annotated[str, typer.Option("--inner", help="Inner radius.")]
+_Interface = Annotated[str, typer.Option("--interface", help="Radius of the interface.")]
+_Outer = Annotated[str, typer.Option("--outer", help="Outer radius.")]
+_HeightA = Annotated[str, typer.Option("--height-a", help="Thickness of body a.")]
+_HeightB = Annotated[str, typer.Option("--height-b", help="Thickness of body b.")]
 _Max = Annotated[
-    float | None, typer.Option("--max-frequency", help="List all eigenvalues with Im up to this.")
+    float | None,
+    typer.Option("--max-frequency", help="List all eigenvalues with Im up to this, Re to half."),
 ]
 _Count = Annotated[int | None, typer.Option("--count", help="Or: list so many, lowest first.")]
-_Json = Annotated[Path | None, typer.Option("--json", help="File for the entries.")]
+
+
+def _writable(file: Path | None) -> Path | None:
+    """Refuse a file that cannot be written before work begins."""
+    if file is not None:
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.open("a").close()
+        except OSError as error:
+            raise InputError("json", str(file), f"a file to write ({error.strerror})") from None
+    return file
+
+
+_Json = Annotated[
+    Path | None, typer.Option("--json", callback=_writable, help="File for the entries.")
+]
 
 
 @app.command()
@@ -49,9 +70,9 @@ def drum(
     E_b: _EB = "1",
     nu_b: _NuB = "0.3",
     rho_b: _RhoB = "1",
-    inner: str = "0.5",
-    interface: str = "1",
-    outer: str = "1.5",
+    inner: _Inner = "0.5",
+    interface: _Interface = "1",
+    outer: _Outer = "1.5",
     max_frequency: _Max = None,
     count: _Count = None,
     json: _Json = None,
@@ -80,9 +101,9 @@ def blocks(
     E_b: _EB = "1",
     nu_b: _NuB = "0.3",
     rho_b: _RhoB = "1",
-    height_a: str = "0.5",
-    height_b: str = "1",
-    length: str = "2",
+    height_a: _HeightA = "0.5",
+    height_b: _HeightB = "1",
+    length: Annotated[str, typer.Option("--length", help="Distance of the roller walls.")] = "2",
     max_frequency: _Max = None,
     count: _Count = None,
     json: _Json = None,
@@ -91,7 +112,8 @@ def blocks(
     if mu is not None and (mu0 is not None or thresholds):
         raise InputError("mu", mu, "not together with mu0 or thresholds")
     a, b = _materials(E_a, nu_a, rho_a, E_b, nu_b, rho_b)
-    friction = mu or mu0 or ("1" if thresholds else "0.3")
+    default = "1" if thresholds else "0.3"
+    friction = next(value for value in (mu, mu0, default) if value is not None)
     problem = Blocks.of(p, friction, kz, a, b, height_a, height_b, length)
     if thresholds:
         if max_frequency is None or count is not None:
@@ -114,10 +136,10 @@ def ring(
     E_b: _EB = "2.1e11",
     nu_b: _NuB = "0.3",
     rho_b: _RhoB = "7800",
-    inner: str = "0.08",
-    outer: str = "0.16",
-    height_a: str = "0.01",
-    height_b: str = "0.02",
+    inner: _Inner = "0.08",
+    outer: _Outer = "0.16",
+    height_a: _HeightA = "0.01",
+    height_b: _HeightB = "0.02",
     max_frequency: _Max = None,
     count: _Count = None,
     json: _Json = None,
@@ -133,18 +155,18 @@ def ring(
 def lumped_(
     model: Annotated[str, typer.Argument(help="hoffmann or hulten.")],
     mu: _Mu = "0.3",
-    k11: str = "2.5",
-    k12: str = "0.5",
-    k22: str = "2",
-    k3: str = "4/3",
-    k1: str = "1",
-    k2: str = "1.44",
-    c1: str = "0",
-    c2: str = "0",
-    rotation: str = "0",
+    k11: Annotated[str, typer.Option("--k11", help="hoffmann: stiffness.")] = "2.5",
+    k12: Annotated[str, typer.Option("--k12", help="hoffmann: coupling.")] = "0.5",
+    k22: Annotated[str, typer.Option("--k22", help="hoffmann: stiffness.")] = "2",
+    k3: Annotated[str, typer.Option("--k3", help="hoffmann: of the contact.")] = "4/3",
+    k1: Annotated[str, typer.Option("--k1", help="hulten: stiffness of contact 1.")] = "1",
+    k2: Annotated[str, typer.Option("--k2", help="hulten: stiffness of contact 2.")] = "1.44",
+    c1: Annotated[str, typer.Option("--c1", help="hulten: damping of contact 1.")] = "0",
+    c2: Annotated[str, typer.Option("--c2", help="hulten: damping of contact 2.")] = "0",
+    rotation: Annotated[str, typer.Option("--rotation", help="hulten: speed of the frame.")] = "0",
     json: _Json = None,
 ) -> None:
-    """Systems of two degrees of freedom: hoffmann (k11, k12, k22, k3), hulten (the others)."""
+    """Systems of two degrees of freedom: the models of Hoffmann and of Hulten."""
     if model == "hoffmann":
         stiffness = k11, k12, k22, k3
         info = {"mu_c": str(float(lumped.hoffmann_threshold(*stiffness)))}
@@ -179,7 +201,18 @@ def _window(
 
 def _deliver(found: list[entries.Entry], file: Path | None) -> None:
     for entry in found:
-        shown = {"lam", "lam_contact_free", "digits_each", "M", "C", "K", "window", "a", "b"}
+        shown = {
+            "lam",
+            "lam_contact_free",
+            "digits_each",
+            "M",
+            "C",
+            "K",
+            "window",
+            "a",
+            "b",
+            "sizes",
+        }
         typer.echo("  ".join(f"{key}={entry[key]}" for key in entry if key not in shown))
         for real, imaginary in entry.get("lam", []):
             typer.echo(f"{real:>32} {imaginary:>28}")

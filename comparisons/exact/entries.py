@@ -31,7 +31,7 @@ def drum(problem: Drum, max_frequency: float | None = None, count: int | None = 
     name |= {"p": str(problem.p), "mu": str(problem.mu)}
     name |= {"a": str(problem.a), "b": str(problem.b)}
     name["radii"] = [str(problem.inner), str(problem.interface), str(problem.outer)]
-    return name | _exact(spectrum(problem, max_frequency, count))
+    return name | _exact(_spectrum(problem, max_frequency, count))
 
 
 def blocks_sine(
@@ -40,7 +40,7 @@ def blocks_sine(
     """Entry of the blocks with friction ``mu0 sin(pi x / length)``."""
     kz = None if problem.kz is None else str(problem.kz)
     name = {"problem": "blocks-sine-mu", "kz": kz, "p": str(problem.p), "mu0": str(problem.mu0)}
-    return name | _sizes(problem) | _exact(spectrum(problem, max_frequency, count))
+    return name | _sizes(problem) | _exact(_spectrum(problem, max_frequency, count))
 
 
 def blocks_constant(
@@ -71,7 +71,7 @@ def ring(problem: Ring, max_frequency: float | None = None, count: int | None = 
     ]
     return name | _approximate(
         *converged(
-            lambda fine: layouts.ring(problem, 14 if fine else 12, 1),
+            lambda fine: layouts.ring(problem, 16 if fine else 14, 1),
             problem.scale(),
             count,
             max_frequency,
@@ -81,13 +81,15 @@ def ring(problem: Ring, max_frequency: float | None = None, count: int | None = 
 
 def thresholds(problem: Blocks, mu_max: float, max_frequency: float) -> list[Entry]:
     """Entries of the exceptional points of the blocks with sinusoidal friction."""
+    name = {"p": str(problem.p)} | ({} if problem.kz is None else {"kz": str(problem.kz)})
     return [
         {
-            "p": str(problem.p),
+            **name,
             "mu_c": _text(point.mu_c, point.digits),
             "lam2": _text(point.kappa, point.digits),
             "omega": _text(point.omega, point.digits),
             "digits": min(point.digits, _DIGITS),
+            **_sizes(problem),
         }
         for point in exceptional_points(problem, mu_max, max_frequency)
     ]
@@ -108,8 +110,11 @@ def lumped_system(system: lumped.LumpedSystem, info: dict[str, str]) -> Entry:
 
 def write(entries: Sequence[Entry], file: Path) -> None:
     """Write entries as a JSON list, one to a line."""
-    file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text("[\n" + ",\n".join(json.dumps(entry) for entry in entries) + "\n]\n")
+
+
+def _spectrum(problem: Drum | Blocks, max_frequency: float | None, count: int | None) -> Spectrum:
+    return spectrum(problem, max_frequency, count, guess=layouts.guess(problem))
 
 
 def _sizes(problem: Blocks) -> Entry:

@@ -22,6 +22,8 @@ from comparisons.exact.spectral import Axis, Single
 Term = tuple[complex, int, str, str]
 """Coefficient, component, table along the first and along the second axis."""
 
+_RIGID = 1e-11
+
 Strain = Sequence[Sequence[Term]]
 """Terms of the strains 11, 22, 33, 12, 13, 23 (the last three doubled)."""
 
@@ -164,7 +166,7 @@ def lowest(contact: GalerkinContact, count: int, scale: float) -> NDArray[np.com
     Returns
     -------
     ndarray
-        Sorted by frequency, shape (count,).
+        Sorted by frequency, shape (count,). A rigid motion has zero, not its round-off.
 
     Raises
     ------
@@ -186,10 +188,23 @@ def lowest(contact: GalerkinContact, count: int, scale: float) -> NDArray[np.com
         A.shape, matvec=lambda x: factor.solve(B @ np.ravel(x)), dtype=A.dtype
     )
     start = np.random.default_rng(1).standard_normal(A.shape[0]).astype(A.dtype)
-    inverse = eigs(
-        operator, wanted, which="LM", v0=start, ncv=3 * wanted, return_eigenvectors=False
-    )
-    return upper_half(shift + 1 / inverse)[:count]
+    basis = min(3 * wanted, A.shape[0])
+    inverse = eigs(operator, wanted, which="LM", v0=start, ncv=basis, return_eigenvectors=False)
+    omega2 = shift + 1 / inverse
+    rigid = abs(omega2) < _RIGID * scale**2
+    return upper_half(np.where(rigid, 0, omega2))[:count]
+
+
+def lowest_below(
+    contact: GalerkinContact, max_frequency: float, scale: float
+) -> NDArray[np.complex128]:
+    """Eigenvalues with ``0 <= Im <= max_frequency``, else as ``lowest``."""
+    wanted = 20
+    values = lowest(contact, wanted, scale)
+    while values[-1].imag <= max_frequency:
+        wanted *= 2
+        values = lowest(contact, wanted, scale)
+    return values[values.imag <= max_frequency]
 
 
 def converged(
@@ -220,18 +235,16 @@ def converged(
         Unless exactly one of ``count`` and ``max_frequency`` is given, positive.
     """
     check_window(max_frequency, count)
-    wanted = count or 20
     fine, coarse = contact(True), contact(False)
-    values = lowest(fine, wanted, scale)
-    if max_frequency is not None:
-        while values[-1].imag <= max_frequency:
-            wanted *= 2
-            values = lowest(fine, wanted, scale)
-        values = values[values.imag <= max_frequency]
+    if count is not None:
+        values = lowest(fine, count, scale)
+    else:
+        assert max_frequency is not None
+        values = lowest_below(fine, max_frequency, scale)
     others = lowest(coarse, len(values) + 2, scale)
-    floor = 1e-14 * abs(values).max(initial=0.0)
     apart = np.array([abs(others - value).min() for value in values])
-    digits = -np.log10(np.maximum(apart, floor) / np.maximum(abs(values), floor))
+    size = np.where(values == 0, scale, abs(values))
+    digits = -np.log10(np.maximum(apart / size, 1e-14))
     return values, [max(0, int(d)) for d in digits]
 
 

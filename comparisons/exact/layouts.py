@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from cea.errors import InputError
 from comparisons.exact.blocks import Blocks
 from comparisons.exact.drum import Drum
-from comparisons.exact.galerkin import GalerkinBody, GalerkinContact, Strain
+from comparisons.exact.galerkin import GalerkinBody, GalerkinContact, Strain, lowest
 from comparisons.exact.material import Material
 from comparisons.exact.numbers import Exact, not_negative, order, positive
+from comparisons.exact.solve import Guess
 from comparisons.exact.spectral import Axis, Single, graded
 
 V, D, R = "value", "slope", "over_r"
@@ -136,6 +137,20 @@ def blocks(problem: Blocks, degree: int, layers: int, constant: bool) -> Galerki
         p=float(problem.p),
         mu=mu0 if constant else sine,
     )
+
+
+def guess(problem: Drum | Blocks) -> Guess:
+    """Lowest eigenvalues of drum or blocks (sinusoidal friction), to start a polish from."""
+
+    def lowest_of(count: int) -> NDArray[np.complex128]:
+        contact = (
+            drum(problem, max(30, count))
+            if isinstance(problem, Drum)
+            else blocks(problem, max(16, count // 2), 0, constant=False)
+        )
+        return lowest(contact, count, problem.scale())
+
+    return lowest_of
 
 
 DISC = Material.of("2.1e11", "0.3", "7800", "b")

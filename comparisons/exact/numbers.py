@@ -8,7 +8,8 @@ from flint import arb, fmpq
 
 from cea.errors import InputError
 
-_ALLOWED = "a number, inf, or a product such as pi, pi/2 or 3*pi/2"
+_LARGEST = 10**300
+_ALLOWED = "a number, or a product such as pi, pi/2 or 3*pi/2, or inf"
 
 
 class Exact:
@@ -45,9 +46,11 @@ class Exact:
                 self.pi_power += sign
                 continue
             try:
-                self.rational *= Fraction(token) ** sign
+                self.rational *= _decimal(token) ** sign
             except (ValueError, ZeroDivisionError):
                 raise InputError(field, value, _ALLOWED) from None
+        if self.rational and not Fraction(1, _LARGEST) < abs(self.rational) < _LARGEST:
+            raise InputError(field, value, "a number that a double can hold")
 
     def __float__(self) -> float:
         return math.inf if self.infinite else float(self.rational) * math.pi**self.pi_power
@@ -55,11 +58,29 @@ class Exact:
     def __str__(self) -> str:
         return self.text
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Exact) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[Fraction, int, bool]:
+        return self.rational, self.pi_power, self.infinite
+
     @property
     def arb(self) -> arb:
         """The number at the present precision (finite numbers only)."""
         rational = arb(fmpq(self.rational.numerator, self.rational.denominator))
         return rational * arb.pi() ** self.pi_power
+
+
+def _decimal(token: str) -> Fraction:
+    """A decimal number; one with an exponent beyond doubles is not worth its digits."""
+    rounded = float(token)
+    if math.isinf(rounded) or (rounded == 0 and re.search("[1-9]", token.lower().split("e")[0])):
+        raise ValueError(token)
+    return Fraction(token)
 
 
 def positive(field: str, value: "str | float | Exact", infinite: bool = False) -> Exact:

@@ -1,16 +1,23 @@
 """Complete lists of eigenvalues of a characteristic function, with the digits they hold."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Protocol, Self
 
+import numpy as np
 from flint import acb, arb, ctx
+from numpy.typing import NDArray
 
 from cea.errors import ConvergenceError, InputError
 from comparisons.exact.numbers import check_window
 from comparisons.exact.roots import Box, EdgeTooClose, Root, RootFinder, polish
 
 DIGITS = 25
+
+Guess = Callable[[int], NDArray[np.complex128]]
+"""The lowest eigenvalues by another method, as many as asked for."""
 
 
 class Characteristic(Protocol):
@@ -69,6 +76,7 @@ def spectrum(
     count: int | None = None,
     max_growth: float | None = None,
     digits: int = DIGITS,
+    guess: Guess | None = None,
 ) -> Spectrum:
     """All eigenvalues of a window, or the lowest few.
 
@@ -84,6 +92,9 @@ def spectrum(
         Bound of abs(Re lambda); half of the frequency by default.
     digits
         Digits aimed at.
+    guess
+        Lowest eigenvalues by another method, of the number asked for. They save the search where
+        they polish to as many different roots as the window holds; else they are dropped.
 
     Raises
     ------
@@ -91,42 +102,88 @@ def spectrum(
         Unless exactly one of ``max_frequency`` and ``count`` is given, positive.
     """
     check_window(max_frequency, count)
-    if max_growth is not None and not max_growth > 0:
+    if max_growth is not None and not 0 < max_growth < math.inf:
         raise InputError("max_growth", max_growth, "a positive number")
-    frequency = 2 * problem.scale() if max_frequency is None else max_frequency
-    while True:
-        found = _window(problem.for_frequency(frequency), frequency, max_growth, digits)
-        if count is None:
-            return found
-        if len(found.roots) >= count:
-            last = float(found.roots[count - 1].value.imag)
-            free = [value for value in found.contact_free if float(value.imag) <= last]
-            box = replace(found.box, top=last)
-            return Spectrum(found.roots[:count], free, box)
-        frequency *= 1.5
-
-
-def _window(
-    problem: Characteristic, frequency: float, max_growth: float | None, digits: int
-) -> Spectrum:
-    growth = max_growth or frequency / 2
-    finder = RootFinder(problem, problem.turning(frequency), problem.real)
-    for widening in (0.0, 1.7e-3, 4.1e-3, 7.3e-3):
-        box = Box(-growth * (1 + widening), growth * (1 + widening), 0, frequency * (1 + widening))
-        try:
-            starts = finder.roots(box, finder.count(box))
-        except EdgeTooClose:
-            continue
-        break
+    if max_frequency is not None:
+        frequency = max_frequency
+    elif count is not None and guess is not None:
+        frequency = 1.01 * float(guess(count)[-1].imag)
     else:
+        frequency = 2 * problem.scale()
+    while True:
+        window = _Window.open(problem.for_frequency(frequency), frequency, max_growth)
+        if count is None or window.size >= count:
+            found = window.spectrum(digits, guess)
+            if count is None:
+                return found
+            if len(found.roots) >= count:
+                return _lowest(found, count)
+        frequency *= 1.5 if guess is None else 1.15
+
+
+def _lowest(found: Spectrum, count: int) -> Spectrum:
+    last = float(found.roots[count - 1].value.imag)
+    free = [value for value in found.contact_free if float(value.imag) <= last]
+    return Spectrum(found.roots[:count], free, replace(found.box, top=last))
+
+
+@dataclass(frozen=True)
+class _Window:
+    """A box that no root is near the edge of, and the number of roots in it."""
+
+    problem: Characteristic
+    finder: RootFinder
+    box: Box
+    frequency: float
+    size: int
+
+    @classmethod
+    def open(cls, problem: Characteristic, frequency: float, max_growth: float | None) -> "_Window":
+        """Count the roots, widening the box by fractions of a per cent where its edge is near one.
+
+        Raises
+        ------
+        ConvergenceError
+            If every box tried has a root at its edge.
+        """
+        growth = max_growth or frequency / 2
+        finder = RootFinder(problem, problem.turning(frequency), problem.real)
+        for widening in (1.0, 1.0017, 1.0041, 1.0073):
+            box = Box(-growth * widening, growth * widening, 0, frequency * widening)
+            try:
+                return cls(problem, finder, box, frequency, finder.count(box))
+            except EdgeTooClose:
+                continue
         raise ConvergenceError(f"roots crowd the edge of the window up to {frequency}")
-    roots = [_finish(problem, start, digits) for start in starts]
-    with ctx.workdps(2 * digits):
-        free = problem.closed_form(frequency)
-    kept = [root for root in roots if float(root.value.imag) <= frequency]
-    kept.sort(key=lambda root: (float(root.value.imag), float(root.value.real)))
-    free.sort(key=lambda value: float(value.imag))
-    return Spectrum(kept, free, replace(box, top=frequency))
+
+    def spectrum(self, digits: int, guess: Guess | None) -> Spectrum:
+        """All roots up to the frequency asked for, polished and sorted."""
+        with ctx.workdps(2 * digits):
+            free = sorted(
+                self.problem.closed_form(self.frequency), key=lambda value: float(value.imag)
+            )
+        roots = self._from_guess(guess, free, digits) if guess and self.size else None
+        if roots is None:
+            starts = self.finder.roots(self.box, self.size)
+            roots = [_finish(self.problem, start, digits) for start in starts]
+        kept = [root for root in roots if float(root.value.imag) <= self.frequency]
+        kept.sort(key=lambda root: (float(root.value.imag), float(root.value.real)))
+        return Spectrum(kept, free, replace(self.box, top=self.frequency))
+
+    def _from_guess(self, guess: Guess, free: list[acb], digits: int) -> list[Root] | None:
+        """Roots that guesses polish to: all, as their number tells, or None."""
+        known = [complex(value) for value in free]
+        starts = [
+            complex(value)
+            for value in guess(self.size + len(free) + 2)
+            if value in self.box and all(abs(value - z) > 1e-6 * abs(z) for z in known)
+        ]
+        if len(starts) != self.size:
+            return None
+        roots = [_finish(self.problem, start, digits) for start in starts]
+        values = [complex(root.value) for root in roots]
+        different = all(abs(y - z) > 1e-8 * abs(z) for y, z in combinations(values, 2))
+        return roots if different and all(value in self.box for value in values) else None
 
 
 def _finish(problem: Characteristic, start: complex, digits: int) -> Root:
