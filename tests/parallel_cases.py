@@ -98,12 +98,16 @@ FEW = (
 
 
 FORMULATIONS = {
-    "collocation": None,
-    "grid": GRID,
-    "gpts": GPTS,
-    "segments": {"method": "segments"},
-    "mortar": {"method": "mortar"},
+    "collocation": {},
+    "grid": {"formulation": GRID},
+    "gpts": {"formulation": GPTS},
+    "lumped": {"formulation": GPTS | {"lumped": True}},
+    "full pass": {"formulation": GPTS, "full_pass": True},
+    "segments": {"formulation": {"method": "segments"}},
+    "mortar": {"formulation": {"method": "mortar"}},
+    "tied mortar": {"formulation": {"method": "mortar"}, "form": "saddle", "P": float("inf")},
 }
+"""What each changes in a contact of collocation."""
 COARSE = {
     "patch_test": {"upper": [3, 3, 1], "lower": [4, 4, 1]},
     "disc_pad": {"pad": [2, 3, 1], "disc": [3, 24, 1]},
@@ -125,10 +129,11 @@ def coarse(name, backend, **analysis):
 def with_every_formulation(data, backend):
     """Results of a scene with one contact, by formulation; its bodies are built once."""
     bodies = build_bodies(read_scene(data), StageTimer())
-    (contact,) = data["contacts"].values()
-    for name, formulation in FORMULATIONS.items():
-        contact["formulation"] = formulation or collocation(backend)
-        yield name, run_scene(read_scene(data), bodies=bodies)
+    ((contact_name, contact),) = data["contacts"].items()
+    contact["formulation"] = collocation(backend)
+    for name, changes in FORMULATIONS.items():
+        scene = read_scene(data | {"contacts": {contact_name: contact | changes}})
+        yield name, run_scene(scene, bodies=bodies)
 
 
 def formulations():

@@ -115,7 +115,7 @@ def test_every_formulation(ranks):
     """Displacements of the patch test and eigenvalues of the disc and pad, on coarse meshes."""
     found, expected = cases(ranks, "formulations"), cases(1, "formulations")
     assert found.keys() == expected.keys()
-    assert len(found) == 20
+    assert len(found) == 32
     for name, here in found.items():
         if name.endswith("patch test"):
             assert_same(here, expected[name], name)
