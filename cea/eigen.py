@@ -35,7 +35,7 @@ def solve_modes(
     *,
     max_frequency: float,
     multipliers: Multipliers | None = None,
-    tolerance: float = 1e-10,
+    tolerance: float = 1e-13,
     max_restarts: int = 200,
     timer: StageTimer | None = None,
 ) -> Modes:
