@@ -274,8 +274,8 @@ class VolumeCells:
     """Cells of a body with geometry and displacement as they are, for programs that draw such.
 
     Lagrange elements on equally spaced nodes, or the rational Bezier elements of knot spans. Both
-    have one point for each (i, j, k) of a lattice: 0 <= i <= degree along each direction of
-    boxes, i + j + k <= degree in simplices.
+    have one point for each (i, j, k) of a lattice: 0 <= i, j, k <= degree in boxes,
+    i + j + k <= degree in simplices.
 
     Parameters
     ----------
@@ -284,8 +284,8 @@ class VolumeCells:
         are rational Bezier coefficients.
     simplex
         Whether cells are triangles or tetrahedra, rather than quadrilaterals or hexahedra.
-    degrees
-        Degree along each direction; the same for all directions of simplices.
+    degree
+        Degree along every direction, to which lower ones are raised: programs are surest there.
     points
         Positions (m), shape (n, dim).
     weights
@@ -299,7 +299,7 @@ class VolumeCells:
 
     kind: Literal["lagrange", "bezier"]
     simplex: bool
-    degrees: tuple[int, ...]
+    degree: int
     points: Floats
     weights: Floats
     cells: Ints

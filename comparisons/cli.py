@@ -1,4 +1,4 @@
-"""The command line: ``cea run``, ``compare``, ``figure``, ``accuracy`` and ``exact``."""
+"""The command line: ``cea run``, ``compare``, ``figure``, ``claims``, ``accuracy``, ``exact``."""
 
 from math import tau
 from pathlib import Path
@@ -50,16 +50,14 @@ def run(
             from comparisons.report.pictures import draw_modes
 
             status.update("pictures")
-            data["pictures"] = [
-                file.name for file in draw_modes(result, result.scene.output.pictures, out)
-            ]
+            pictures = draw_modes(result, result.scene.output.pictures, out, animated=True)
+            data["pictures"] = [file.name for file in pictures]
         if result.scene.output.paraview:
             from comparisons.paraview import write_paraview
 
             status.update("files for ParaView")
-            data["paraview"] = [
-                file.name for file in write_paraview(result, result.scene.output.paraview, out)
-            ]
+            collections = write_paraview(result, result.scene.output.paraview, out)
+            data["paraview"] = [file.name for file in collections]
     if MPI.COMM_WORLD.rank == 0:
         write_json(data, out / "result.json")
     if result.modes is not None:
@@ -104,7 +102,9 @@ def figure(
     name: Annotated[
         str, typer.Argument(help="Number of a figure of the paper, a study by name, or all.")
     ],
-    backend: Annotated[Literal["fe", "iga"], typer.Option(help="Backend for every body.")] = "iga",
+    backend: Annotated[
+        Literal["fe", "iga", "both"], typer.Option(help="Backend for every body, or both together.")
+    ] = "iga",
     out: _Out = Path("results/figures"),
     recompute: Annotated[
         bool, typer.Option("--recompute", help="Compute even where stored data could be drawn.")
@@ -112,23 +112,41 @@ def figure(
 ) -> None:
     """Make a figure of the paper: data, pictures, and its numbers beside those of the text."""
     from comparisons.compare import Progress
+    from comparisons.figures.both import make_both
     from comparisons.figures.registry import chosen
     from comparisons.figures.store import make_figure
 
     for each in chosen(name):
         with console.status(each.title) as status:
-            made = make_figure(
-                each,
-                backend,
-                out,
-                Progress(step=status.update, stage=lambda stage: None),
-                recompute=recompute,
-            )
-        if MPI.COMM_WORLD.rank == 0:
-            _print_table(made.numbers)
-            typer.echo(made.note)
-        drawn = ", ".join(map(str, made.pictures))
-        typer.echo(f"{'drawn from stored data' if made.reused else made.data_file}; {drawn}")
+            progress = Progress(step=status.update, stage=lambda stage: None)
+            pictures = []
+            if backend == "both":
+                both = make_both(each, out, progress, recompute=recompute)
+                every, pictures = list(both.made.values()), both.pictures
+            else:
+                every = [make_figure(each, backend, out, progress, recompute=recompute)]
+        for made in every:
+            if MPI.COMM_WORLD.rank == 0:
+                _print_table(made.numbers)
+                typer.echo(made.note)
+            drawn = ", ".join(map(str, made.pictures))
+            typer.echo(f"{'drawn from stored data' if made.reused else made.data_file}; {drawn}")
+        if pictures:
+            typer.echo(f"both: {', '.join(map(str, pictures))}")
+
+
+@app.command()
+def claims(out: _Out = Path("results/figures")) -> None:
+    """Judge the paper's claims by the figures' data; what is not stored is computed."""
+    from comparisons.compare import Progress
+    from comparisons.figures.claims import judge, write_claims
+
+    with console.status("claims") as status:
+        judged = judge(out, Progress(step=status.update, stage=lambda stage: None))
+    if MPI.COMM_WORLD.rank == 0:
+        for each in judged:
+            typer.echo(each.told())
+        typer.echo(", ".join(map(str, write_claims(judged, out))))
 
 
 @app.command()
@@ -138,23 +156,60 @@ def accuracy(
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="5 minutes instead of an hour.")] = False,
     redraw: Annotated[
-        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
+        bool, typer.Option("--redraw", help="Draw the result in --out anew, do not run the study.")
+    ] = False,
+    finest: Annotated[
+        bool,
+        typer.Option(
+            "--finest",
+            help="Beside it, run the finest meshes and problems that cannot flutter (an hour).",
+        ),
     ] = False,
     out: _Out = Path("results/accuracy"),
 ) -> None:
     """Measure the error of every method against run time, on problems with exact eigenvalues."""
     from comparisons.accuracy import page
+    from comparisons.accuracy.finest import run_finest
     from comparisons.accuracy.problems import PROBLEMS, problem
     from comparisons.accuracy.runner import run_study
+    from comparisons.accuracy.still import run_still
     from comparisons.accuracy.study import FULL, QUICK
 
-    if redraw:
-        data = page.read(out)
-    else:
-        names = [problem(name).name for name in problems or PROBLEMS]
-        with console.status("accuracy") as status:
+    with console.status("accuracy") as status:
+        if redraw:
+            data = page.read(out)
+        else:
+            names = [problem(name).name for name in problems or PROBLEMS]
             data = run_study(QUICK if quick else FULL, names, status.update)
+        if finest:
+            data["still"] = run_still(status.update)
+            data["finest"] = run_finest(progress=status.update)
     typer.echo(f"The report to open: {page.write(data, out)}")
+
+
+@app.command()
+def reference(
+    recompute: Annotated[
+        bool, typer.Option("--recompute", help="Run it anew (some minutes, 12 GB) and compare.")
+    ] = False,
+    out: _Out = Path("results/reference"),
+) -> None:
+    """Show the converged modes of disc_pad, on which both backends agree."""
+    from comparisons.compare import Progress
+    from comparisons.report.reference_table import reference_table
+    from comparisons.result import write_json
+    from comparisons.studies.disc_pad_reference import compute_reference, stored_reference
+
+    data = stored_reference()
+    if recompute:
+        with console.status("reference") as status:
+            data = compute_reference(Progress(step=console.print, stage=status.update))
+    table = reference_table(data)
+    if MPI.COMM_WORLD.rank == 0:
+        write_json(data, out / "disc_pad_reference.json")
+        table.write_csv(out)
+    _print_table(table)
+    typer.echo(f"{out / 'disc_pad_reference.json'}")
 
 
 def _print_table(table: "ReportTable") -> None:

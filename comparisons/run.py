@@ -120,6 +120,8 @@ def skipped_by(scene: Scene) -> dict[str, str]:
         skipped["loads"] = "no loads"
     if not scene.output.pictures:
         skipped["pictures"] = "none asked for"
+    if not scene.output.paraview:
+        skipped["paraview"] = "no files for ParaView asked for"
     if all(body.backend == "iga" for body in scene.bodies.values()):
         skipped["gmsh"] = "no body is meshed"
     return skipped

@@ -10,13 +10,14 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_array
 
-from cea.body import VolumeSample
+from cea.body import VolumeCells, VolumeSample
 from cea.boundary import Pressure, Spring, Support
 from cea.checks import check_boundary, check_density, check_jacobians
 from cea.constraints import Constraints, symmetrised
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.ranks import agreed
+from fe_cea.cells import lagrange_cells
 from fe_cea.facets import gather_facets
 from fe_cea.forms import mass_form, pressure_form, stiffness_form
 from fe_cea.gmsh_reader import read_gmsh
@@ -239,6 +240,13 @@ class FEBody:
             When subdivisions is less than 1.
         """
         return sample_volume(self._space, subdivisions)
+
+    def volume_cells(self) -> VolumeCells:
+        """Lagrange cells of the degree of the space, or of the geometry where higher; collective.
+
+        Complete on every rank.
+        """
+        return lagrange_cells(self._space)
 
 
 def _without_zeros(matrix: Any) -> Any:

@@ -7,11 +7,15 @@ import numpy as np
 import pytest
 from conftest import two_blocks
 from matplotlib.image import imread
+from PIL import Image
 from report_data import small_comparison
+from scipy.sparse import eye_array
 
+from cea.body import VolumeSample
 from cea.errors import InputError
 from comparisons.report import write_report
-from comparisons.report.pictures import chosen_modes, draw_modes, largest_deflection
+from comparisons.report.drawing import Drawing, largest_deflection
+from comparisons.report.pictures import chosen_modes, draw_modes
 from comparisons.run import run_scene
 from comparisons.scene import read_scene
 
@@ -19,13 +23,15 @@ from comparisons.scene import read_scene
 def test_largest_deflection_beats_every_phase():
     rng = np.random.default_rng(3)
     shape = rng.normal(size=(40, 3)) + 1j * rng.normal(size=(40, 3))
-    real, largest = largest_deflection(shape)
+    complex_shape, largest = largest_deflection(shape)
+    real = complex_shape.real
+    np.testing.assert_allclose(np.abs(complex_shape), np.abs(shape), rtol=1e-12)
     phases = np.exp(1j * np.linspace(0, 2 * np.pi, 3601))
     swept = np.linalg.norm((shape[:, :, None] * phases).real, axis=1)
     assert np.linalg.norm(real, axis=1).max() == pytest.approx(largest, rel=1e-12)
     assert largest == pytest.approx(swept.max(), rel=1e-5)
     turned, _ = largest_deflection(shape * np.exp(2.1j))
-    np.testing.assert_allclose(turned, real, atol=1e-12)
+    np.testing.assert_allclose(turned.real, real, atol=1e-12)
 
 
 @pytest.fixture
@@ -65,6 +71,48 @@ def test_modes_are_drawn_and_put_on_the_page(result, backend, tmp_path):
     assert rows.min() > 0
     assert columns.min() > 0
     assert columns.max() < image.shape[1] - 1
+
+
+def test_images_follow_the_phase():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    sample = VolumeSample(square, np.array([[0, 1, 2, 3]]), eye_array(4, format="csr"))
+    # Re(u e^(i phase)) = (cos phase, sin phase): every point runs around a circle.
+    circling = np.tile([1.0, -1.0j], (4, 1))
+    drawing = Drawing.of({"square": sample}, {"square": circling}, "circling")
+    phases = np.array([0.0, 0.7, 2.0, 3.5, 5.0])
+    centres = []
+    for image in drawing.images(phases.tolist(), 2):
+        pixels = np.asarray(image)[:380]
+        rows, columns = np.nonzero((pixels[..., 2] > 60) & (pixels[..., 0] < 30))
+        centres.append(complex(columns.mean(), -rows.mean()))
+    # centre = c + r e^(i phase) with one c and r for all phases
+    fit, residual, *_ = np.linalg.lstsq(
+        np.stack([np.ones(len(phases)), np.exp(1j * phases)], axis=1), np.array(centres), rcond=None
+    )
+    assert fit[1].real > 10
+    assert abs(fit[1].imag) < 0.1 * fit[1].real
+    assert np.sqrt(residual[0].real) < 0.1 * fit[1].real
+
+
+@pytest.mark.parametrize("backend", ["iga"])
+def test_an_animation_is_a_small_endless_period(result, tmp_path):
+    unstable = with_growth(result, [0.0, 0.7])
+    picture, animation = draw_modes(unstable, 1, tmp_path, animated=True)
+    assert (picture.name, animation.name) == ("mode_iga_2.png", "mode_iga_2.gif")
+    assert animation.stat().st_size < 2_000_000
+    with Image.open(animation) as image:
+        assert (image.format, image.n_frames, image.info["loop"]) == ("GIF", 24, 0)
+        frames = []
+        for frame in range(24):
+            image.seek(frame)
+            frames.append(np.asarray(image.convert("RGB"), dtype=int))
+    changes = [np.abs(a - b).mean() for a, b in zip(frames, np.roll(frames, -1, 0), strict=True)]
+    assert min(changes) > 0
+    # The last frame leads back to the first one.
+    assert changes[-1] < 2 * max(changes[:-1])
+    assert np.abs(frames[12] - frames[0]).mean() > 0.5 * max(changes)
+    still = Image.open(picture).convert("RGB").resize((750, 450))
+    assert np.abs(np.asarray(still, dtype=int) - frames[0]).mean() < 8
 
 
 def test_a_static_scene_has_no_modes_to_draw(result, tmp_path):

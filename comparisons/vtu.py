@@ -1,0 +1,116 @@
+"""VTK files of bodies on their true cells: ``.vtu`` grids, and ``.pvd`` lists of them.
+
+Lagrange elements become VTK Lagrange cells, knot spans VTK rational Bezier cells: nothing is
+resampled.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
+
+import numpy as np
+import pyvista
+from vtkmodules.vtkCommonDataModel import (
+    vtkHigherOrderHexahedron,
+    vtkHigherOrderQuadrilateral,
+    vtkHigherOrderTetra,
+    vtkHigherOrderTriangle,
+)
+
+from cea.body import Floats, Ints, VolumeCells
+
+_CELL_TYPES = {
+    ("lagrange", True, 2): pyvista.CellType.LAGRANGE_TRIANGLE,
+    ("lagrange", True, 3): pyvista.CellType.LAGRANGE_TETRAHEDRON,
+    ("lagrange", False, 2): pyvista.CellType.LAGRANGE_QUADRILATERAL,
+    ("lagrange", False, 3): pyvista.CellType.LAGRANGE_HEXAHEDRON,
+    ("bezier", False, 2): pyvista.CellType.BEZIER_QUADRILATERAL,
+    ("bezier", False, 3): pyvista.CellType.BEZIER_HEXAHEDRON,
+}
+
+_SIMPLICES: dict[int, Any] = {2: vtkHigherOrderTriangle, 3: vtkHigherOrderTetra}
+_BOXES: dict[int, Any] = {2: vtkHigherOrderQuadrilateral, 3: vtkHigherOrderHexahedron}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A file in a ``.pvd`` list.
+
+    Parameters
+    ----------
+    time
+        Time at which it is shown.
+    part
+        Number of the part of the scene it holds.
+    file
+        The file.
+    """
+
+    time: float
+    part: int
+    file: Path
+
+
+def cell_grid(cells: VolumeCells) -> Any:
+    """Cells of a body as VTK cells of the same geometry (pyvista ``UnstructuredGrid``).
+
+    Values at its points are ``cells.values`` times those of the scalar dofs.
+    """
+    dim = cells.points.shape[1]
+    count, size = cells.cells.shape
+    connectivity = np.empty((count, size + 1), dtype=np.int64)
+    connectivity[:, 0] = size
+    connectivity[:, 1 + _vtk_positions(cells)] = cells.cells
+    kinds = np.full(count, _CELL_TYPES[cells.kind, cells.simplex, dim], dtype=np.uint8)
+    grid = pyvista.UnstructuredGrid(connectivity.ravel(), kinds, in_space(cells.points))
+    if cells.kind == "bezier":
+        degrees = np.full((count, 3), float(cells.degree))
+        # As pyvista adds them they would be scalars too, and VTK's filters then lose the weights.
+        grid.GetPointData().SetRationalWeights(
+            pyvista.convert_array(cells.weights, name="RationalWeights")
+        )
+        grid.GetCellData().SetHigherOrderDegrees(
+            pyvista.convert_array(degrees, name="HigherOrderDegrees")
+        )
+    return grid
+
+
+def point_grid(points: Floats) -> Any:
+    """Points (m), shape (n, dim), each a VTK vertex (pyvista ``UnstructuredGrid``)."""
+    vertices = np.stack([np.ones(len(points), dtype=np.int64), np.arange(len(points))], axis=1)
+    kinds = np.full(len(points), pyvista.CellType.VERTEX, dtype=np.uint8)
+    return pyvista.UnstructuredGrid(vertices.ravel(), kinds, in_space(points))
+
+
+def in_space(vectors: Floats) -> Floats:
+    """Vectors with z = 0 added in 2D, shape (n, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
+def write_collection(entries: Iterable[Entry], file: Path) -> None:
+    """Write a ``.pvd`` list of files, told by their paths relative to its folder."""
+    root = Element("VTKFile", type="Collection", version="1.0")
+    collection = SubElement(root, "Collection")
+    for entry in entries:
+        SubElement(
+            collection,
+            "DataSet",
+            timestep=str(entry.time),
+            part=str(entry.part),
+            file=entry.file.relative_to(file.parent).as_posix(),
+        )
+    indent(root)
+    ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
+
+
+def _vtk_positions(cells: VolumeCells) -> Ints:
+    """Place of each lattice point of a cell, in C order, among the points of a VTK cell."""
+    p, dim = cells.degree, cells.points.shape[1]
+    lattice: Iterable[tuple[int, ...]] = product(range(p + 1), repeat=dim)
+    if cells.simplex:
+        inside = (point for point in lattice if sum(point) <= p)
+        return np.array([_SIMPLICES[dim].Index((*point, p - sum(point)), p) for point in inside])
+    return np.array([_BOXES[dim].PointIndexFromIJK(*point, (p,) * dim) for point in lattice])

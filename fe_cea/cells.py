@@ -1,0 +1,80 @@
+"""Lagrange cells on equally spaced nodes: geometry and space of a mesh as they are."""
+
+from typing import Any
+
+import basix
+import basix.ufl
+import numpy as np
+from dolfinx.fem import functionspace
+from dolfinx.fem.petsc import interpolation_matrix
+from scipy.sparse import csr_array, vstack
+
+from cea.body import Floats, Ints, VolumeCells
+from fe_cea.facets import geometry_element
+
+
+def lagrange_cells(V: Any) -> VolumeCells:
+    """Cells of a Lagrange space on equally spaced nodes, shared nodes once; on every rank whole.
+
+    Their degree is the higher one of space and geometry, so that both are held exactly.
+
+    Parameters
+    ----------
+    V
+        Lagrange space (dolfinx), blocked with the dimension of its mesh.
+    """
+    mesh, dim = V.mesh, V.mesh.geometry.dim
+    degree = max(V.ufl_element().degree, geometry_element(mesh).degree)
+    element = basix.ufl.element(
+        "Lagrange",
+        mesh.basix_cell(),
+        degree,
+        lagrange_variant=basix.LagrangeVariant.equispaced,
+        shape=(dim,),
+    )
+    W = functionspace(mesh, element)
+    numbers = W.dofmap.index_map
+    points = W.tabulate_dof_coordinates()[:, :dim]
+
+    owned = mesh.topology.index_map(mesh.topology.dim).size_local
+    lattice = np.rint(element.basix_element.points * degree).astype(int)
+    c_order = np.lexsort(lattice.T[::-1])
+    simplex = element.cell_type in (basix.CellType.triangle, basix.CellType.tetrahedron)
+    cells = _right_handed(W.dofmap.list[:owned][:, c_order], lattice[c_order], points)
+    cells = numbers.local_to_global(cells.ravel()).reshape(cells.shape).astype(np.int64)
+
+    gathered = np.concatenate(mesh.comm.allgather(points[: numbers.size_local]))
+    return VolumeCells(
+        kind="lagrange",
+        simplex=simplex,
+        degree=degree,
+        points=gathered,
+        weights=np.ones(len(gathered)),
+        cells=np.concatenate(mesh.comm.allgather(cells)),
+        values=csr_array(vstack(mesh.comm.allgather(_values(V, W)), format="csr")),
+    )
+
+
+def _values(V: Any, W: Any) -> csr_array:
+    """Values of the scalar functions of V at the owned nodes of W, global numbers as columns."""
+    matrix = interpolation_matrix(V, W)
+    matrix.assemble()
+    indptr, indices, data = matrix.getValuesCSR()
+    rows = csr_array((data, indices, indptr), shape=(len(indptr) - 1, matrix.getSize()[1]))
+    matrix.destroy()
+    # Components are alike: the first one stands for the scalar functions.
+    scalar = csr_array(rows[:: V.dofmap.index_map_bs])
+    scalar.eliminate_zeros()
+    columns = scalar.indices.astype(np.int64) // V.dofmap.index_map_bs
+    shape = (scalar.shape[0], V.dofmap.index_map.size_global)
+    return csr_array((scalar.data, columns, scalar.indptr), shape=shape)
+
+
+def _right_handed(cells: Ints, lattice: Ints, points: Floats) -> Ints:
+    """Cells in C order of their lattice, those of negative volume with x and y exchanged."""
+    dim, degree = lattice.shape[1], lattice.max()
+    corners = degree * np.vstack([np.zeros(dim, dtype=int), np.eye(dim, dtype=int)])
+    at = [int(np.flatnonzero((lattice == corner).all(axis=1))[0]) for corner in corners]
+    edges = points[cells[:, at[1:]]] - points[cells[:, at[:1]]]
+    exchanged = np.lexsort(lattice[:, [1, 0, *range(2, dim)]].T[::-1])
+    return np.where(np.linalg.det(edges)[:, None] < 0, cells[:, exchanged], cells)

@@ -1,0 +1,91 @@
+"""Bezier elements of the knot spans of patches: geometry and trial space as they are."""
+
+from functools import reduce
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, diags_array, kron, vstack
+from scipy.special import comb
+
+from cea.body import Floats, Ints, VolumeCells
+from iga_cea.multipatch import Multipatch
+from iga_cea.patch import Patch, outward, tensor_cells
+from iga_cea.splines import insertion_matrix
+
+
+def bezier_cells(multipatch: Multipatch) -> VolumeCells:
+    """Bezier elements of all patches; spans of one patch share points, patches do not.
+
+    Knots inserted until each is as frequent as the degree turn a patch into Bezier elements
+    (Borden, Scott, Evans & Hughes, Isogeometric finite element data structures based on Bezier
+    extraction of NURBS, 2011). Their degree is then raised to the highest one of any direction.
+
+    Parameters
+    ----------
+    multipatch
+        The joined patches.
+    """
+    degree = max(max(patch.degrees) for patch in multipatch.patches)
+    cells, values, weights, count = [], [], [], 0
+    for patch, dofs in zip(multipatch.patches, multipatch.dofs, strict=True):
+        extraction, weight = _extraction(patch, degree)
+        columns = dofs.ravel()[extraction.indices]
+        shape = (len(weight), multipatch.num_scalar_dofs)
+        values.append(csr_array((extraction.data, columns, extraction.indptr), shape=shape))
+        weights.append(weight)
+        points = values[-1] @ multipatch.control_points
+        cells.append(count + _elements([n * degree + 1 for n in patch.spans], degree, points))
+        count += len(weight)
+    every = csr_array(vstack(values, format="csr"))
+    return VolumeCells(
+        kind="bezier",
+        simplex=False,
+        degree=degree,
+        points=every @ multipatch.control_points,
+        weights=np.concatenate(weights),
+        cells=np.concatenate(cells),
+        values=every,
+    )
+
+
+def _extraction(patch: Patch, degree: int) -> tuple[csr_array, Floats]:
+    """Bezier coefficients from those of the rational basis, (points, functions), and weights."""
+    factors = []
+    for knots, breaks, p in zip(patch.knots, patch.breaks, patch.degrees, strict=True):
+        # On knots as frequent as the degree every span has its own polynomials.
+        frequency = [p + 1, *[p] * (len(breaks) - 2), p + 1]
+        extraction = csr_array(insertion_matrix(knots, p, np.repeat(breaks, frequency)))
+        factors.append(_elevation(len(breaks) - 1, p, degree) @ extraction)
+    weighted = reduce(lambda a, b: kron(a, b, format="csr"), factors) @ diags_array(
+        patch.weights.ravel()
+    )
+    weight = weighted.sum(axis=1)
+    return csr_array(diags_array(1 / weight) @ weighted), weight
+
+
+def _elevation(spans: int, p: int, q: int) -> csr_array:
+    """Bezier coefficients of degree q from those of degree p, spans sharing their ends."""
+    i, j = np.arange(q + 1)[:, None], np.arange(p + 1)
+    table = comb(p, j) * comb(q - p, i - j) / comb(q, i)
+    span = np.arange(spans)[:, None, None]
+    # The point between two spans belongs to the second one; the last span has its end too.
+    own = np.broadcast_to((i < q) | (span == spans - 1), (spans, q + 1, p + 1))
+    own = own & (table > 0)
+    rows = np.broadcast_to(q * span + i, own.shape)[own]
+    columns = np.broadcast_to(p * span + j, own.shape)[own]
+    data = np.broadcast_to(table, own.shape)[own]
+    return csr_array(coo_array((data, (rows, columns)), shape=(spans * q + 1, spans * p + 1)))
+
+
+def _elements(counts: list[int], degree: int, points: Floats) -> Ints:
+    """Points of each Bezier element of a patch in C order, right-handed, (elements, points).
+
+    The first parameter of left-handed patches is reversed.
+    """
+    numbers = np.arange(len(points)).reshape(counts)
+    size = (degree + 1,) * len(counts)
+    windows = np.lib.stride_tricks.sliding_window_view(numbers, size)
+    elements = windows[(slice(None, None, degree),) * len(counts)].reshape(-1, *size)
+    net = tensor_cells(counts)
+    if outward(net, points) is not net:
+        elements = elements[:, ::-1]
+    return elements.reshape(len(elements), -1)
