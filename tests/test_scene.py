@@ -75,7 +75,7 @@ def test_every_fault_is_told_at_once():
 
 @pytest.mark.parametrize("name", ["no_such_scene", "no/such/file.toml"])
 def test_missing_scene_names_those_there_are(name):
-    with pytest.raises(SceneError, match="disc_pad, .*patch_test"):
+    with pytest.raises(SceneError, match=r"disc_pad, .*patch_test"):
         load_scene(Path(name))
 
 
