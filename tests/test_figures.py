@@ -232,7 +232,7 @@ def test_figures_go_by_name():
     assert {"2", "3", "7", "8", "9", "10", "11", "12", "points"} <= set(FIGURES)
     assert chosen("all") == list(FIGURES.values())
     assert all(figure.name == name for name, figure in FIGURES.items())
-    with pytest.raises(InputError, match="figure = '99': one of 2, 3, 7"):
+    with pytest.raises(InputError, match="figure = '99': one of 1, 2, 3"):
         chosen("99")
 
 
