@@ -1,4 +1,4 @@
-"""The command line: ``cea run``, ``compare``, ``figure``, ``claims``, ``accuracy``, ``exact``."""
+"""The command line ``cea``: a function for each command."""
 
 from math import tau
 from pathlib import Path
@@ -147,6 +147,31 @@ def claims(out: _Out = Path("results/figures")) -> None:
         for each in judged:
             typer.echo(each.told())
         typer.echo(", ".join(map(str, write_claims(judged, out))))
+
+
+@app.command()
+def formulations(
+    redraw: Annotated[
+        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
+    ] = False,
+    out: _Out = Path("results/formulations"),
+) -> None:
+    """Patch tests, locking, momentum, numbers of the paper, pairings of backends: one page."""
+    from comparisons.compare import Progress
+    from comparisons.report.formulations import read_formulations, write_formulations
+    from comparisons.studies.formulations import run_formulations
+
+    with console.status("formulations") as status:
+        if redraw:
+            data = read_formulations(out)
+        else:
+            data = run_formulations(
+                Progress(step=status.update, stage=lambda stage: None),
+                lambda part: console.print(f"· {part}"),
+            )
+        status.update("report")
+        report = write_formulations(data, out)
+    typer.echo(f"The report to open: {report}")
 
 
 @app.command()

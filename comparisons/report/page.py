@@ -1,16 +1,13 @@
 """The report of a comparison: result.json, CSV files, figures, and one page that holds them all."""
 
-from base64 import b64encode
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from mpi4py import MPI
 
 from comparisons.report import figures, provenance, tables, words
-from comparisons.report.tabular import Table
+from comparisons.report.layout import Image, render
 from comparisons.result import write_json
 from comparisons.run import SceneResult
 
@@ -34,27 +31,6 @@ TABLES = (
 
 _PICTURES = 1
 """Modes drawn of each result."""
-
-
-@dataclass(frozen=True)
-class Image:
-    """An image that the page holds.
-
-    Parameters
-    ----------
-    source
-        The PNG file as a ``data:`` address.
-    file
-        Name of the file.
-    """
-
-    source: str
-    file: str
-
-    @classmethod
-    def of(cls, file: Path) -> "Image":
-        """Read a PNG file."""
-        return cls("data:image/png;base64," + b64encode(file.read_bytes()).decode(), file.name)
 
 
 def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: Path) -> Path:
@@ -104,7 +80,12 @@ def _write(data: dict[str, Any], pictures: list[Image], page: Path) -> None:
         },
         out / "result.json",
     )
-    page.write_text(_render(data, written, images, pictures), encoding="utf-8")
+    page.write_text(
+        render(
+            "page.html", data=data, tables=written, images=images, pictures=pictures, words=words
+        ),
+        encoding="utf-8",
+    )
 
 
 def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
@@ -113,21 +94,3 @@ def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
     from comparisons.report.pictures import draw_modes
 
     return [file for result in results.values() for file in draw_modes(result, _PICTURES, out)]
-
-
-def _render(
-    data: dict[str, Any],
-    written: Mapping[str, Table],
-    images: Mapping[str, Image],
-    pictures: list[Image],
-) -> str:
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("page.html").render(
-        data=data, tables=written, images=images, pictures=pictures, words=words
-    )

@@ -60,7 +60,7 @@ def patch_tests_table(data: Data) -> Table:
                 run["points"],
                 *run["errors"],
                 run["own_error"],
-                _passes(run["passes"], data["P"]),
+                passes_in_words(run["passes"], data["P"]),
                 *(run["momentum"][kind][part] for kind, part in momentum),
             )
             for run in data["runs"]
@@ -68,7 +68,7 @@ def patch_tests_table(data: Data) -> Table:
     )
 
 
-def _passes(passed: list[float], every: list[float]) -> str:
+def passes_in_words(passed: list[float], every: list[float]) -> str:
     """The P of a test that is passed, in words."""
     if not passed:
         return "none"
@@ -77,3 +77,47 @@ def _passes(passed: list[float], every: list[float]) -> str:
     if len(passed) > 1 and passed == every[every.index(passed[0]) :]:
         return f"{number(passed[0], 1)} and more"
     return listed(number(P, 1) for P in passed)
+
+
+def passes_table(data: Data, interface: str) -> Table:
+    """The P for which each formulation passes the patch test of an interface, by meshes."""
+    runs = [run for run in data["runs"] if run["interface"] == interface]
+    meshes = list(dict.fromkeys(" on ".join(run["meshes"]) for run in runs))
+    passed: dict[str, dict[str, str]] = {}
+    for run in runs:
+        row = passed.setdefault(run["formulation"], {})
+        row[" on ".join(run["meshes"])] = passes_in_words(run["passes"], data["P"])
+    return Table(
+        f"passes_{interface}",
+        f"Interface: {interface}. P (N/m) for which each formulation passes, by meshes of sides a "
+        f"and b, out of {listed(number(P, 1) for P in data['P'])}; a dash where it is not offered.",
+        (Column("formulation", "formulation"), *(Column(name, name) for name in meshes)),
+        [(name, *(row.get(m) for m in meshes)) for name, row in passed.items()],
+    )
+
+
+def momentum_table(data: Data) -> Table:
+    """Largest loss of momentum of each formulation on each interface, over all meshes."""
+    kinds = [(kind, part) for part in ("linear", "angular") for kind in ("normal", "friction")]
+    worst: dict[tuple[str, str], dict[tuple[str, str], float]] = {}
+    for run in data["runs"]:
+        row = worst.setdefault((f"interface: {run['interface']}", run["formulation"]), {})
+        for kind, part in kinds:
+            row[kind, part] = max(row.get((kind, part), 0.0), run["momentum"][kind][part])
+    return Table(
+        "momentum",
+        "Resultant force (linear) and moment (angular) of contact forces on both bodies together, "
+        "relative to the largest that they could have: the largest over all meshes. Where meshes "
+        "of a curved interface leave gaps, friction has a moment.",
+        (
+            Column("section", "interface"),
+            Column("formulation", "formulation"),
+            *(Column(f"{part}_{kind}", f"{part}, {kind}", shown(1)) for kind, part in kinds),
+        ),
+        [(*key, *(row[k] for k in kinds)) for key, row in worst.items()],
+    )
+
+
+def pairing_name(run: Data) -> str:
+    """Backends of pad and disc."""
+    return f"{backend_name(run['pad'])} on {backend_name(run['disc'])}"

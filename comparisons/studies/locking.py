@@ -28,6 +28,7 @@ from comparisons.scene import (
     load_scene,
 )
 from comparisons.spectra import match_spectrum
+from comparisons.studies.timings import summed
 from comparisons.studies.variants import Variant, variants
 
 _MARGIN = 1.15
@@ -111,28 +112,39 @@ def run_locking(progress: Progress, study: LockingStudy = DEFAULT) -> dict[str, 
         Plain data: ``study``; ``p``; ``exact``, eigenvalues as [re, im] for each p; ``runs`` with
         ``backend``, ``formulation``, ``points`` of the rule, ``traces`` (scalar dofs of side a on
         the interface), ``errors``, for each p the worst of abs(lambda_h - lambda) / abs(lambda),
-        None where one is more than 15 per cent off, and ``tied_error``, the
-        same for p = infinity, None too where that was not run.
+        None where one is more than 15 per cent off, and ``tied_error``, the same for p = infinity,
+        None too where that was not run; ``timings`` over all runs.
     """
     stiffnesses = (*study.stiffnesses, inf) if study.tied else study.stiffnesses
     exact = {}
     for p in stiffnesses:
         progress.step(f"locking, exact eigenvalues, p = {p:g}")
         exact[p] = exact_eigenvalues("blocks", p=p, mu=study.mu0, max_frequency=study.max_frequency)
+    timings: list[Mapping[str, float]] = []
+    runs = [
+        run for backend in study.backends for run in _runs(progress, timings, study, backend, exact)
+    ]
     return {
         "study": asdict(study),
         "p": list(study.stiffnesses),
         "exact": [[[v.real, v.imag] for v in exact[p].tolist()] for p in study.stiffnesses],
-        "runs": [run for b in study.backends for run in _runs(progress, study, b, exact)],
+        "runs": runs,
+        "timings": summed(timings),
     }
 
 
 def _runs(
-    progress: Progress, study: LockingStudy, backend: Backend, exact: Mapping[float, Complexes]
+    progress: Progress,
+    timings: list[Mapping[str, float]],
+    study: LockingStudy,
+    backend: Backend,
+    exact: Mapping[float, Complexes],
 ) -> Iterator[dict[str, Any]]:
     top = _MARGIN * study.max_frequency / tau
     scene = replace(study.scene(backend), analysis=ComplexEigenvalueAnalysis("cea", top))
-    bodies = build_bodies(scene, StageTimer())
+    meshing = StageTimer(progress.stage)
+    bodies = build_bodies(scene, meshing)
+    timings.append(meshing.seconds)
     for variant in study.variants(backend):
         errors: dict[float, float | None] = {}
         for p, values in exact.items():
@@ -140,6 +152,7 @@ def _runs(
                 continue
             progress.step(f"locking, {backend}, {variant.label}, p = {p:g}")
             result = run_scene(variant.of(scene, p=p), bodies=bodies, listener=progress.stage)
+            timings.append(result.timer.seconds)
             assert result.modes is not None
             match = match_spectrum(result.modes.eigenvalues, values, reach=_MARGIN - 1)
             worst = float(match.errors.max())

@@ -86,28 +86,34 @@ def run_patch_tests(progress: Progress, study: PatchTestStudy = DEFAULT) -> dict
         ``meshes`` of sides a and b, ``formulation``, ``points``, ``errors``, for each P the largest
         of abs(sigma_n + q) / q over both sides (None where the system was singular),
         ``own_error``, the same without contact, ``passes``, the P that passed, and ``momentum``:
-        relative defects ``linear`` and ``angular`` of contact forces ``normal`` and ``friction``.
+        relative defects ``linear`` and ``angular`` of contact forces ``normal`` and ``friction``;
+        ``timings`` over all runs.
     """
+    timer = StageTimer(progress.stage)
     runs = [
         run
         for problem in PROBLEMS
         if problem.name in study.problems
         for meshes in problem.pairs
         if set(meshes) <= set(study.meshes)
-        for run in _runs(progress, study, problem, meshes)
+        for run in _runs(progress, timer, study, problem, meshes)
     ]
     return {
         "study": asdict(study),
         "P": list(study.stiffnesses),
         "passed": PASSED,
         "runs": runs,
+        "timings": dict(timer.seconds),
     }
 
 
 def _runs(
-    progress: Progress, study: PatchTestStudy, problem: PatchProblem, meshes: tuple[str, str]
+    progress: Progress,
+    timer: StageTimer,
+    study: PatchTestStudy,
+    problem: PatchProblem,
+    meshes: tuple[str, str],
 ) -> Iterator[dict[str, Any]]:
-    timer = StageTimer(progress.stage)
     scenes = {P: problem.scene(meshes, P) for P in study.stiffnesses}
     bodies: dict[float, Mapping[str, Body]] = {}
     for P, scene in scenes.items():
@@ -116,7 +122,9 @@ def _runs(
         bodies[P] = alike[0] if alike else build_bodies(scene, timer)
     first, scene = next(iter(scenes.items()))
     sides = scene.contacts["interface"].a, scene.contacts["interface"].b
-    own_error = _own_error(problem.alone(meshes, first), sides, study) if problem.held else 0.0
+    own_error = (
+        _own_error(problem.alone(meshes, first), sides, study, timer) if problem.held else 0.0
+    )
     free = problem.unsupported(meshes, first)
     free_bodies = build_bodies(free, timer)
     motions = {name: rigid_motions(body) for name, body in free_bodies.items()}
@@ -149,9 +157,10 @@ def _runs(
         }
 
 
-def _own_error(scene: Scene, sides: tuple[str, str], study: PatchTestStudy) -> float:
+def _own_error(
+    scene: Scene, sides: tuple[str, str], study: PatchTestStudy, timer: StageTimer
+) -> float:
     """Error of bodies under the exact pressure as a load, without contact."""
-    timer = StageTimer()
     system = build_system(scene, build_bodies(scene, timer), {}, timer)
     error = _error(system, sides, study.samples, timer)
     assert error is not None, "bodies that need contact to be held"
