@@ -19,6 +19,9 @@ from cea.timing import StageTimer
 from comparisons.scene import BodySpec, ContactSpec, FeMesh, IgaMesh, Scene
 from meshes.breaks import breaks_of
 
+_ROUNDING = 1e-14
+"""Values of a field below this part of the largest count as zero."""
+
 
 def build_bodies(scene: Scene, timer: StageTimer) -> dict[str, Body]:
     """Bodies of a scene by name."""
@@ -149,7 +152,12 @@ def _contact_law(half: _Half, interface: Interface) -> ContactLaw:
 
 
 def _values(field: float | str, x: Floats) -> Floats:
-    return evaluate(Expression(field) if isinstance(field, str) else field, x)
+    """Values of a field; what rounding leaves where an expression vanishes counts as zero."""
+    values = evaluate(Expression(field) if isinstance(field, str) else field, x)
+    negligible = _ROUNDING * np.abs(values).max(initial=0.0)
+    return (
+        np.where(np.abs(values) <= negligible, 0.0, values) if np.isfinite(negligible) else values
+    )
 
 
 def _required(value: float | None) -> float:

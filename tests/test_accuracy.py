@@ -1,5 +1,6 @@
 """The accuracy study: exact lists, cases, honest measuring, omissions, and what is drawn."""
 
+import gzip
 import json
 from dataclasses import replace
 from itertools import product
@@ -13,9 +14,12 @@ from typer.testing import CliRunner
 from cea.errors import InputError
 from comparisons.accuracy import page, words
 from comparisons.accuracy.analysis import lines, observed_order, pareto, uses
+from comparisons.accuracy.lists import FILE, computed, exact
 from comparisons.accuracy.measure import Measurer, errors, peak_memory, start_memory
-from comparisons.accuracy.problems import PROBLEMS, exact, problem
+from comparisons.accuracy.problems import PROBLEMS, problem
 from comparisons.accuracy.runner import run_study
+from comparisons.accuracy.still import STILL
+from comparisons.accuracy.still import measure as measure_still
 from comparisons.accuracy.study import (
     FULL,
     QUICK,
@@ -41,24 +45,53 @@ TINY = Study(
 
 
 @pytest.mark.parametrize(
-    ("name", "parameters"),
+    ("name", "stiffness", "top", "parameters"),
     [
-        ("drum", {"m": 2, "p": 1.0, "mu": 0.3}),
-        ("drum", {"m": -3, "p": 1.0, "mu": 0.3}),
-        ("drum_3d", {"m": 1, "p": 1.0, "mu": 0.7, "kz": "pi"}),
-        ("blocks", {"p": 1.0, "mu": 1.0}),
+        ("drum", 1.0, 2.0, {"m": 2, "mu": 0.3}),
+        ("drum", 1000.0, 2.5, {"m": -3, "mu": 0.3}),
+        ("drum_3d", 0.1, 2.0, {"m": 1, "mu": 0.7, "kz": "pi"}),
+        ("blocks", 1.0, 3.6, {"mu": 1.0}),
+        ("blocks_3d", 10.0, 2.8, {"mu": 1.0, "kz": "pi/2"}),
+        ("ring", 1.0, 8e4, {"m": 1, "mu": 0.3}),
     ],
 )
-def test_exact_lists_hold_each_harmonic(name, parameters):
-    top = 2.0
-    family = exact_eigenvalues(name.removesuffix("_3d"), max_frequency=top, **parameters)
-    values = exact(name, 1.0)
+def test_stored_lists_hold_each_harmonic(name, stiffness, top, parameters):
+    p = stiffness * problem(name).unit
+    solver = name.removesuffix("_3d")
+    family = exact_eigenvalues(solver, max_frequency=top, p=p, **parameters)
+    values = exact(name, stiffness)
     assert len(family)
     match = match_spectrum(values, family)
     assert not len(match.missing)
     assert match.errors.max() < 1e-9
     if name == "blocks":  # one harmonic is all
         assert (values.imag <= top).sum() == len(family)
+
+
+def test_a_stored_list_is_what_is_computed():
+    data = computed([problem("blocks")], [10.0])
+    assert data["blocks"].keys() == {"parameters", "lists"}
+    values = np.array([complex(*value) for value in data["blocks"]["lists"]["10"]])
+    np.testing.assert_allclose(exact("blocks", 10.0), values, rtol=1e-12)
+
+
+def test_every_list_of_the_study_is_stored():
+    stored = json.loads(FILE.read_text())
+    assert stored.keys() == PROBLEMS.keys()
+    for chosen in PROBLEMS.values():
+        assert stored[chosen.name]["lists"].keys() == {f"{p:g}" for p in FULL.stiffnesses}
+        for p in FULL.stiffnesses:
+            values = exact(chosen.name, p)
+            assert (values.imag <= chosen.highest_exact).all()
+            assert len(chosen.listed(values)) > 5
+
+
+def test_a_stored_list_is_not_taken_for_other_parameters(monkeypatch):
+    other = replace(problem("blocks"), mu=0.3, band=(0.0, 2.0))
+    monkeypatch.setitem(PROBLEMS, "blocks", other)
+    values = exact.__wrapped__("blocks", 1.0)
+    expected = exact_eigenvalues("blocks", max_frequency=2.3, p=1.0, mu=0.3)
+    np.testing.assert_allclose(values, expected, rtol=1e-12, atol=1e-12)
 
 
 def test_exact_lists_hold_mirror_images():
@@ -121,6 +154,8 @@ def test_a_case_is_measured():
     assert len(run["seconds"]) == 3
     assert sum(run["stages"].values()) == pytest.approx(np.median(run["seconds"]), rel=0.5)
     assert run["stages"]["assembly"] > 0
+    # Of one thread, and free of what other processes do meanwhile.
+    assert all(s <= 1.1 * c for s, c in zip(run["seconds"], run["clock"], strict=True))
     assert run["modes"] == len(chosen.listed(exact("blocks", 1.0)))
     assert run["missing"] == run["spurious"] == []
     assert 1e-6 < run["lambda"]["median"] < run["lambda"]["worst"] < 0.02
@@ -228,7 +263,7 @@ def test_observed_order():
 def test_orders_and_theory_of_lines(data):
     found = {(ln.method, ln.stiffness): ln for ln in lines(data["runs"])}
     mortar = found[Method("iga", 3, "mortar"), 1.0]
-    assert mortar.order == pytest.approx(6)
+    assert mortar.order == pytest.approx(6, abs=1e-3)
     assert mortar.theory(None) == 6
     assert mortar.theory(2.0) == 2
     assert found[Method("iga", 2, "gpts"), 1.0].theory(None) is None
@@ -261,13 +296,26 @@ def test_uses_stand_beside_a_yardstick_on_the_same_mesh(data):
     found = {(u.method, u.stiffness): u for u in uses(data["runs"])}
     use = found[Method("iga", 2, "greville"), 1.0]
     assert use.yardstick == "mortar"
-    assert use.error == pytest.approx(30 * use.floor)
-    assert use.floor == pytest.approx((2.0 * use.refinement) ** -4)
+    assert use.error == pytest.approx(30 * use.floor, rel=1e-3)
+    assert use.floor == pytest.approx((2.0 * use.refinement) ** -4, rel=1e-3)
     assert use.usable == (use.error <= 0.01)
     assert not found[Method("fe", 2, "segments"), 1.0].usable
     said = "\n".join(words.where_each_may_be_used(data))
     assert "NURBS 2, Greville** (drum)" in said
     assert "p = 0.1" in said
+
+
+def test_a_mesh_too_coarse_for_the_yardstick_says_nothing(data):
+    greville = Method("iga", 2, "greville"), 1.0
+    for floor in (None, 0.5):
+        runs = [
+            run | {"growth": {"worst": floor, "median": floor}}
+            if run["method"]["rule"] == "mortar"
+            else run
+            for run in data["runs"]
+        ]
+        assert greville not in {(u.method, u.stiffness) for u in uses(runs)}
+    assert greville in {(u.method, u.stiffness) for u in uses(data["runs"])}
 
 
 def test_the_page_is_drawn_anew_without_running(data, tmp_path):
@@ -288,6 +336,57 @@ def test_the_page_is_drawn_anew_without_running(data, tmp_path):
     again = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
     assert again.keys() == files.keys()
     assert all(again[n] == files[n] for n in files if not n.endswith(".png"))
+
+
+def test_nothing_grows_but_with_lumped_splines():
+    layers, drum = STILL
+    for still, method in ((layers, Method("fe", 2, "grid")), (drum, Method("iga", 2, "mortar"))):
+        run = measure_still(still, method, refinement=2)
+        assert run["unexplained"] == 0
+        assert run["growth"] <= run["rounding"] < 1e-10
+        assert run["modes"] == {None: 22, 0: 2}[still.order]
+    lumped = measure_still(layers, Method("iga", 2, "gpts_lumped"), refinement=2)
+    assert lumped["unexplained"] >= 2
+    assert lumped["growth"] > 1e-3
+
+
+def test_the_page_tells_of_finest_meshes_and_of_what_grew(data, tmp_path):
+    finest = {
+        **{"problem": "drum", "backend": "iga", "degree": 8, "elements": {"outer": [16, 48]}},
+        **{
+            "highest": None,
+            "bound": 1e-10,
+            "p": 1.0,
+            "mu": 0.3,
+            "dofs": 100,
+            "seconds": 2.0,
+            "modes": 9,
+        },
+        **{"compared": 5, "errors": {}, "worst": 2e-12, "residual": 1e-13, "condition": 2.0},
+    }
+    still = {
+        **{"problem": "layers", "method": {"backend": "iga", "degree": 2, "rule": "mortar"}},
+        **{"modes": 20, "growth": 0.0, "rounding": 1e-14, "unexplained": 0},
+    }
+    grown = still | {"unexplained": 3, "growth": 0.05}
+    runs = [
+        finest,
+        finest | {"worst": 3e-10},
+        finest | {"problem": "ring", "worst": None},
+        finest | {"problem": "blocks", "highest": 3.0},
+    ]
+    text = page.write(data | {"finest": runs, "still": [still, grown]}, tmp_path).read_text()
+    assert "**drum, NURBS 8** (p = 1): 10 eigenvalues, worst error 3.0 · 10⁻¹⁰, not within" in text
+    assert "some not found in 1 run" in text
+    assert "5 eigenvalues with Im lambda up to 3, worst error 2.0 · 10⁻¹², within" in text
+    assert "In 1 of 2 runs" in text
+    assert "Exception: NURBS 2, mortar (layers) lets 3 modes of 20 grow" in text
+    assert "| drum | NURBS 8 | outer 16, 48 |" in text
+
+
+def test_a_compressed_result_is_read(data, tmp_path):
+    (tmp_path / "result.json.gz").write_bytes(gzip.compress(json.dumps(data).encode()))
+    assert page.read(tmp_path)["runs"] == data["runs"]
 
 
 def test_redraw_needs_a_result(tmp_path):

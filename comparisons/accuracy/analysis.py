@@ -13,6 +13,8 @@ Run = Mapping[str, Any]
 
 TOLERABLE = 0.01
 """Error of growth, relative to the largest growth rate, up to which a rule is called usable."""
+_TOO_COARSE = 0.1
+"""Error of growth of a yardstick from which on a mesh says nothing of contact rules."""
 _ROUNDING = 1e-9
 """Errors below this say nothing of the order: exact lists and Krylov iteration end here."""
 _FITTED = 3
@@ -118,20 +120,21 @@ class Use:
     refinement: int
     error: float | None
     yardstick: str
-    floor: float | None
+    floor: float
 
     @property
     def usable(self) -> bool:
         """Whether the error is tolerable, or no worse than twice that of the yardstick."""
         if self.error is None:
             return False
-        return self.error <= max(TOLERABLE, 2 * (self.floor or 0.0))
+        return self.error <= max(TOLERABLE, 2 * self.floor)
 
 
 def uses(runs: Iterable[Run]) -> list[Use]:
     """Growth errors of every rule on the finest mesh that a yardstick was run on too.
 
-    By problem, method and stiffness; lines without a yardstick at their degree are left out.
+    By problem, method and stiffness; lines without a yardstick at their degree are left out, and
+    meshes on which the yardstick itself lost modes or is far off.
     """
     table = {
         (run["problem"], method_of(run), run["stiffness"], run["refinement"]): run for run in runs
@@ -141,11 +144,14 @@ def uses(runs: Iterable[Run]) -> list[Use]:
         for rule in _YARDSTICKS:
             beside = table.get((problem, Method(method.backend, method.degree, rule), p, n))
             if beside is not None and rule != method.rule:
+                floor = beside["growth"]["worst"]
+                if floor is None or floor > _TOO_COARSE:
+                    break
                 found[problem, method, p] = Use(
                     *(problem, method, p, n),
                     run["growth"]["worst"],
                     rule,
-                    beside["growth"]["worst"],
+                    floor,
                 )
                 break
     return [found[key] for key in dict.fromkeys(_keys(table)) if key in found]

@@ -5,6 +5,7 @@ import gc
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -48,28 +49,33 @@ class Measurer:
         Returns
         -------
         dict
-            ``dofs``, ``points``; ``seconds`` of every run, ``stages`` as medians over the runs;
+            ``dofs``, ``points``; ``seconds`` of every run, ``stages`` as medians over the runs,
+            both of processor time: on one thread of an idle machine that is time by the clock,
+            and other work does not lengthen it; ``clock``, the time by the clock of every run;
             ``memory`` peak above what the process held before, and ``memory_process`` at the
             peak (MB, None where the system does not tell); errors of :func:`errors`.
         """
         self._warm_up(case)
         before = start_memory()
-        results = [_run(case)]
+        first = _timed(case)
         memory = peak_memory()
-        system, interface = results[0].system, next(iter(results[0].interfaces.values()))
-        timers = [results[0].timer]
-        modes = results[0].modes
+        assert first.result is not None
+        system, interface = first.result.system, next(iter(first.result.interfaces.values()))
+        modes = first.result.modes
         assert modes is not None
         measured = {"dofs": system.size, "points": len(interface.points)}
-        del results, system, interface
+        del system, interface
+        timed = [replace(first, result=None)]
+        del first
         for _ in range(repeats - 1):
             gc.collect()
-            timers.append(_run(case).timer)
+            timed.append(replace(_timed(case), result=None))
         return measured | {
-            "seconds": [timer.total for timer in timers],
+            "seconds": [run.seconds for run in timed],
+            "clock": [run.clock for run in timed],
             "stages": {
-                stage: float(np.median([timer.seconds[stage] for timer in timers]))
-                for stage in timers[0].seconds
+                stage: float(np.median([run.stages[stage] for run in timed]))
+                for stage in timed[0].stages
             },
             "memory": None if memory is None or before is None else memory - before,
             "memory_process": memory,
@@ -81,6 +87,29 @@ class Measurer:
         if key not in self._warm:
             _run(key)
             self._warm.add(key)
+
+
+@dataclass(frozen=True)
+class _Timed:
+    """A run with its processor time by stage and its time by the clock (s)."""
+
+    result: SceneResult | None
+    stages: dict[str, float]
+    clock: float
+
+    @property
+    def seconds(self) -> float:
+        """Processor time of all stages (s)."""
+        return sum(self.stages.values())
+
+
+def _timed(case: Case) -> _Timed:
+    clock, processor = perf_counter(), process_time()
+    result = _run(case)
+    clock, processor = perf_counter() - clock, process_time() - processor
+    share = processor / clock
+    stages = {stage: share * seconds for stage, seconds in result.timer.seconds.items()}
+    return _Timed(result, stages, result.timer.total)
 
 
 def _run(case: Case) -> SceneResult:

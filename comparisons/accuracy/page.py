@@ -1,5 +1,6 @@
 """The page of a study: JSON, CSV files, figures and Markdown, all drawn from plain data."""
 
+import gzip
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -10,7 +11,6 @@ from matplotlib.figure import Figure
 from cea.errors import InputError
 from comparisons.accuracy import figures, tables, words
 from comparisons.report.tabular import Table
-from comparisons.result import write_json
 
 Data = dict[str, Any]
 
@@ -20,17 +20,20 @@ _DPI = 150
 
 
 def read(out: Path) -> Data:
-    """Data of a study that was written to a folder.
+    """Data of a study that was written to a folder, as it is or compressed.
 
     Raises
     ------
     InputError
         When the folder holds none.
     """
-    file = out / RESULT
-    if not file.is_file():
+    file, compressed = out / RESULT, out / f"{RESULT}.gz"
+    if file.is_file():
+        data = json.loads(file.read_bytes())
+    elif compressed.is_file():
+        data = json.loads(gzip.decompress(compressed.read_bytes()))
+    else:
         raise InputError("out", str(out), f"a folder with the {RESULT} of a study")
-    data = json.loads(file.read_text())
     if data.get("command") != "accuracy":
         raise InputError("out", str(out), f"a folder whose {RESULT} is that of a study of accuracy")
     return data
@@ -45,7 +48,7 @@ def write(data: Data, out: Path) -> Path:
         The page.
     """
     out.mkdir(parents=True, exist_ok=True)
-    write_json(data, out / RESULT)
+    (out / RESULT).write_text(_compact(data), encoding="utf-8")
     made = {table.name: table for table in (make(data) for make in tables.TABLES)}
     for table in made.values():
         table.write_csv(out)
@@ -55,6 +58,18 @@ def write(data: Data, out: Path) -> Path:
     page = out / "report.md"
     page.write_text("\n".join(_page(data, made)) + "\n", encoding="utf-8")
     return page
+
+
+def _compact(data: Data) -> str:
+    """JSON with a line for each run: small, and changes can be read."""
+    parts = []
+    for key, value in data.items():
+        text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+        if isinstance(value, list) and value:
+            items = (json.dumps(v, separators=(",", ":"), allow_nan=False) for v in value)
+            text = "[\n" + ",\n".join(items) + "\n]"
+        parts.append(f"{json.dumps(key)}: {text}")
+    return "{\n" + ",\n".join(parts) + "\n}\n"
 
 
 def _save(draw: Callable[[Data, str], Figure], data: Data, problem: str, file: Path) -> None:
@@ -69,11 +84,18 @@ def _page(data: Data, made: dict[str, Table]) -> list[str]:
         "",
         "## Where each formulation may be used",
         "",
+        words.in_short(data),
+        "",
         words.verdict_rule(),
         "",
-        *(f"- {sentence}" for sentence in words.where_each_may_be_used(data)),
+        *_bullets(words.where_each_may_be_used(data)),
         "",
     ]
+    if data.get("still"):
+        text += ["## Where nothing may grow", "", *_bullets(words.without_flutter(data)), ""]
+    if data.get("finest"):
+        text += ["## Finest meshes", "", *_bullets(words.finest(data)), ""]
+        text += _table(made["finest"])
     for problem, described in data["problems"].items():
         low, high = described["band"]
         text += [
@@ -88,11 +110,15 @@ def _page(data: Data, made: dict[str, Table]) -> list[str]:
             "",
             "Fastest for its error (no other run is better in both):",
             "",
-            *(f"- {sentence}" for sentence in words.front(data, problem)),
+            *_bullets(words.front(data, problem)),
             "",
             *_table(made["orders"], problem),
         ]
     return [*text, *_omissions(made), *_machine(data)]
+
+
+def _bullets(sentences: list[str]) -> list[str]:
+    return [f"- {sentence}" for sentence in sentences]
 
 
 def _omissions(made: dict[str, Table]) -> list[str]:

@@ -9,7 +9,8 @@ from typing import Any, Protocol
 from mpi4py import MPI
 
 from cea.errors import InputError
-from comparisons.accuracy.problems import exact, problem
+from comparisons.accuracy.lists import exact
+from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, Study, cases
 from comparisons.accuracy.worker import CaseError, Worker
 from comparisons.result import machine, versions
@@ -19,6 +20,8 @@ Data = dict[str, Any]
 _GROWTH = 1.0
 """Exponent with which run time is expected to grow with the elements: what all of it does not
 exceed on small meshes, where much of it is overhead."""
+_DIGITS = 4
+"""Significant digits of run times, memory and errors."""
 
 
 class Measurer(Protocol):
@@ -120,9 +123,10 @@ class _Problem:
 
     def _measure(self, case: Case) -> Data:
         values = exact(self._name, case.stiffness)
-        return self._worker.measure(
+        measured = self._worker.measure(
             case, values, self._study.repeats, seconds=self._study.case_seconds
         )
+        return _rounded(measured)
 
     def _reason_to_leave_out(self, case: Case) -> str | None:
         if perf_counter() > self._deadline:
@@ -144,6 +148,15 @@ class _Problem:
         last = max(coarser, key=lambda run: run["refinement"])
         more = (case.refinement / last["refinement"]) ** problem(self._name).dim
         return sum(last["seconds"]) * more**_GROWTH
+
+
+def _rounded(value: Any) -> Any:
+    """Measured data with the digits that measurements have."""
+    if isinstance(value, float):
+        return float(f"{value:.{_DIGITS}g}")
+    if isinstance(value, dict):
+        return {key: _rounded(part) for key, part in value.items()}
+    return [_rounded(part) for part in value] if isinstance(value, list) else value
 
 
 def _line(described: Data) -> tuple[Any, ...]:

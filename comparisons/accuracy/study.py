@@ -159,10 +159,10 @@ class Study:
     stiffnesses: tuple[float, ...] = (1.0, 0.1, 10.0, 1000.0)
     thorough: bool = True
     dofs: dict[int, tuple[int, int]] = field(
-        default_factory=lambda: {2: (400, 20_000), 3: (500, 13_000)}
+        default_factory=lambda: {2: (400, 12_000), 3: (500, 4_500)}
     )
-    levels: int = 5
-    levels_elsewhere: int = 2
+    levels: int = 4
+    levels_elsewhere: int = 1
     repeats: int = 3
     minutes: float = 55.0
     case_seconds: float = 100.0
@@ -267,7 +267,7 @@ def overrides(problem: Problem, case: Case) -> list[str]:
     """Fields of the problem's scene that make it the case, as ``path=value``."""
     rule, contact = RULES[case.method.rule], f"contacts.{problem.contact}"
     fields = [
-        *(_mesh(body, case, problem.dim) for body in problem.bodies),
+        *(_mesh(problem, body, case) for body in problem.bodies),
         f"{contact}.formulation={_table(rule.formulation | _points(rule, problem, case))}",
         f"{contact}.p={problem.unit * case.stiffness!r}",
         f"{contact}.mu={problem.friction}",
@@ -276,13 +276,17 @@ def overrides(problem: Problem, case: Case) -> list[str]:
     return [*fields, f"{contact}.full_pass=true"] if rule.full_pass else fields
 
 
-def _mesh(body: BodyMesh, case: Case, dim: int) -> str:
+def _mesh(problem: Problem, body: BodyMesh, case: Case) -> str:
     degree, elements = case.method.degree, list(body.elements(case.refinement))
     if case.method.backend == "fe":
-        cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
+        cell = {2: "quadrilateral", 3: "hexahedron"}[problem.dim]
         mesh = {"cell": cell, "degree": degree, "elements": elements}
+        if problem.geometry_degree is not None:
+            mesh["geometry_degree"] = problem.geometry_degree
+        elif degree == 1 and any(body.closed):
+            mesh["geometry_degree"] = 2  # straight facets of both sides would leave gaps
     else:
-        mesh = {"degree": [degree] * dim, "elements": elements}
+        mesh = {"degree": [degree] * problem.dim, "elements": elements}
     return f"bodies.{body.name}.mesh.{case.method.backend}={_table(mesh)}"
 
 

@@ -12,12 +12,14 @@ from comparisons.accuracy.analysis import (
     seconds_of,
     uses,
 )
-from comparisons.accuracy.study import RULES
-from comparisons.report.numbers import number, shown
+from comparisons.accuracy.study import RULES, Method
+from comparisons.report.numbers import counted, number, plain, shown
 from comparisons.report.tabular import Column, Table
 
 Data = dict[str, Any]
 
+_FEW = 8
+"""Methods that are listed one by one."""
 _QUANTITIES = ("lambda", "frequency", "growth")
 
 
@@ -160,7 +162,7 @@ def where_usable(data: Data) -> Table:
 def omitted(data: Data) -> Table:
     """What gave no numbers, by problem and reason."""
     rows = [
-        (problem, len(cases), "; ".join(dict.fromkeys(method_of(c).label for c in cases)), reason)
+        (problem, len(cases), _methods(cases), reason)
         for (problem, reason), cases in grouped_omissions(data["omissions"]).items()
     ]
     return Table(
@@ -196,8 +198,94 @@ def incomplete_runs(data: Data) -> Table:
     )
 
 
-TABLES = (every_run, orders, fronts, where_usable, omitted, incomplete_runs)
+def finest_meshes(data: Data) -> Table:
+    """Errors on the finest meshes, one row for each stiffness and friction."""
+    rows = [
+        (
+            run["problem"],
+            Method(run["backend"], run["degree"], "mortar").discretisation,
+            "; ".join(f"{name} {plain(n)}" for name, n in run["elements"].items()),
+            run["p"],
+            run["mu"],
+            run["dofs"],
+            run["compared"],
+            run["modes"],
+            run["worst"],
+            run["bound"],
+            run["residual"],
+            run["condition"],
+            run["seconds"],
+        )
+        for run in data.get("finest", [])
+    ]
+    return Table(
+        "finest",
+        "Worst relative error of every listed eigenvalue on the finest meshes.",
+        (
+            Column("problem", "problem"),
+            Column("bodies", "bodies"),
+            Column("elements", "elements"),
+            Column("p", "p", shown(3), "N/m³"),
+            Column("mu", "mu", shown(2)),
+            Column("dofs", "dofs", number),
+            Column("compared", "listed", number),
+            Column("modes", "modes found", number),
+            Column("lambda_worst", "worst error of lambda", shown(2)),
+            Column("bound", "asked for", shown(2)),
+            Column("residual", "largest residual", shown(2)),
+            Column("condition", "largest condition", shown(2)),
+            Column("seconds", "run time", shown(3), "s"),
+        ),
+        rows,
+    )
+
+
+def without_flutter(data: Data) -> Table:
+    """Growth in problems that cannot flutter."""
+    rows = [
+        (
+            run["problem"],
+            method_of(run).label,
+            run["modes"],
+            run["growth"],
+            run["rounding"],
+            run["unexplained"],
+        )
+        for run in data.get("still", [])
+    ]
+    return Table(
+        "still",
+        "Largest growth relative to abs(lambda) in problems that cannot flutter, and what residual "
+        "times condition explains of it.",
+        (
+            Column("problem", "problem"),
+            Column("method", "method"),
+            Column("modes", "modes", number),
+            Column("growth", "largest growth", shown(2)),
+            Column("rounding", "explained", shown(2)),
+            Column("unexplained", "modes unexplained", number),
+        ),
+        rows,
+    )
+
+
+TABLES = (
+    every_run,
+    orders,
+    fronts,
+    where_usable,
+    omitted,
+    incomplete_runs,
+    finest_meshes,
+    without_flutter,
+)
 """Every table; each is a CSV file."""
+
+
+def _methods(cases: list[Any]) -> str:
+    """Their methods, or how many they are."""
+    labels = list(dict.fromkeys(method_of(case).label for case in cases))
+    return "; ".join(labels) if len(labels) <= _FEW else counted(len(labels), "method")
 
 
 def _case_columns() -> tuple[Column, ...]:

@@ -1,0 +1,43 @@
+"""Friction and stiffness given as expressions in scenes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cea.errors import InputError
+from cea.timing import StageTimer
+from comparisons.build import build_bodies, build_interfaces, build_system
+from comparisons.scene import load_scene
+
+
+def law_and_points(scene):
+    bodies = build_bodies(scene, StageTimer())
+    interfaces = build_interfaces(scene, bodies, StageTimer())
+    law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0].law
+    return law, interfaces["interface"].points.x
+
+
+def blocks(backend, **fields):
+    method = {"fe": "node_to_surface", "iga": "greville"}[backend]
+    overrides = [f"contacts.interface.formulation={{method='{method}'}}"]
+    overrides += [f"contacts.interface.{name}={value}" for name, value in fields.items()]
+    return load_scene(Path("blocks_3d"), overrides, backend)
+
+
+def test_rounding_where_friction_vanishes_is_not_negative_friction(backend):
+    """At x = 2 the sine is -2e-16."""
+    law, x = law_and_points(blocks(backend, mu="0.3*sin(pi*x/2)"))
+    assert x[:, 0].max() == pytest.approx(2)
+    assert law.mu == pytest.approx(0.3 * np.sin(np.pi * x[:, 0] / 2), abs=1e-15)
+    assert law.mu.min() == 0
+
+
+def test_stiffness_follows_its_expression(backend):
+    law, x = law_and_points(blocks(backend, p="2 + x*z"))
+    assert law.stiffness == pytest.approx(2 + x[:, 0] * x[:, 2], rel=1e-14)
+
+
+def test_negative_friction_is_refused(backend):
+    with pytest.raises(InputError, match=r"mu = -.*zero or positive"):
+        law_and_points(blocks(backend, mu="0.3*sin(pi*x)"))
