@@ -6,6 +6,7 @@ import numpy as np
 
 from cea.body import Floats
 from cea.errors import InputError
+from cea.fields import Expression
 
 _GRAZING = 1e-6
 
@@ -50,7 +51,31 @@ class Circumferential:
         return _tangent(np.cross(self.circumferential_about, arm)[:, :dim], normal)
 
 
-FrictionDirection = AlongVector | Circumferential
+@dataclass(frozen=True)
+class AlongField:
+    """A direction that varies, by expressions; the part of it that is tangential counts.
+
+    Parameters
+    ----------
+    field
+        Expressions in the coordinates (:class:`cea.fields.Expression`), one for each component.
+    """
+
+    field: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        for text in self.field:
+            Expression(text).check("field")
+
+    def at(self, x: Floats, normal: Floats) -> Floats:
+        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        if len(self.field) != x.shape[1]:
+            allowed = f"{x.shape[1]} expressions, one for each component"
+            raise InputError("friction_direction_on_a.field", list(self.field), allowed)
+        return _tangent(np.stack([Expression(text)(x) for text in self.field], axis=1), normal)
+
+
+FrictionDirection = AlongVector | Circumferential | AlongField
 
 
 @dataclass(frozen=True)

@@ -190,7 +190,8 @@ class ContactSpec:
         Friction coefficient, likewise.
     friction_direction_on_a
         Direction of the friction traction on side a: {vector = [...]} or
-        {circumferential_about = [...], origin = [...]}.
+        {circumferential_about = [...], origin = [...]}, or {field = [...]} with an expression for
+        each component.
     full_pass
         Whether points lie on both sides, each half with half the stiffness; P and mu as in a half
         pass. Of the larger side, points that find nothing opposite are dropped.

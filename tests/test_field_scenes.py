@@ -8,7 +8,7 @@ import pytest
 from cea.errors import InputError
 from cea.timing import StageTimer
 from comparisons.build import build_bodies, build_interfaces, build_system
-from comparisons.scene import load_scene
+from comparisons.scene import SceneError, load_scene
 
 
 def law_and_points(scene):
@@ -36,6 +36,40 @@ def test_rounding_where_friction_vanishes_is_not_negative_friction(backend):
 def test_stiffness_follows_its_expression(backend):
     law, x = law_and_points(blocks(backend, p="2 + x*z"))
     assert law.stiffness == pytest.approx(2 + x[:, 0] * x[:, 2], rel=1e-14)
+
+
+def test_a_direction_by_expressions_is_the_circumferential_one():
+    directions = ("{circumferential_about=[0.0, 0.0, 1.0]}", '{field=["-y", "x", "0"]}')
+    name = "contacts.pad_disc.friction_direction_on_a"
+    coarse = ["bodies.disc.mesh.fe.elements=[4, 16, 1]", "bodies.pad.mesh.fe.elements=[2, 3, 1]"]
+    both = []
+    for direction in directions:
+        scene = load_scene(Path("disc_pad"), [f"{name}={direction}", *coarse], "fe")
+        bodies = build_bodies(scene, StageTimer())
+        interfaces = build_interfaces(scene, bodies, StageTimer())
+        law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0].law
+        points = interfaces["pad_disc"].points
+        both.append(law.direction.at(points.x, points.normal))
+    assert both[1] == pytest.approx(both[0], abs=1e-14)
+    assert np.ptp(both[0][:, 0]) > 0.3
+
+
+@pytest.mark.parametrize(
+    ("direction", "told"),
+    [
+        ('{field=["-y", "sideways", "0"]}', "an expression in x, y, z"),
+        ('{field=["-y", "x", 0]}', "valid string"),
+    ],
+)
+def test_directions_that_are_none_are_refused_when_read(direction, told):
+    override = f"contacts.pad_disc.friction_direction_on_a={direction}"
+    with pytest.raises(SceneError, match=told):
+        load_scene(Path("disc_pad"), [override])
+
+
+def test_a_direction_has_as_many_components_as_space(backend):
+    with pytest.raises(InputError, match="3 expressions"):
+        law_and_points(blocks(backend, friction_direction_on_a='{field=["1", "0"]}'))
 
 
 def test_negative_friction_is_refused(backend):
