@@ -22,6 +22,7 @@ from scipy.sparse.linalg import splu
 from cea.body import Floats, Ints
 from cea.directions import Directions, complement, orthonormal
 from cea.errors import InputError
+from cea.matrices import distributed
 
 _NEGLIGIBLE = 1e-14
 """Coefficients dropped; those of dependent dofs fall exponentially with distance."""
@@ -115,18 +116,7 @@ class Constraints:
         )
         size = dim * (last - first)
         local = csr_array(coo_array(entries, shape=(size, self.rows.shape[1])))
-        return PETSc.Mat().createAIJ(
-            (
-                (size, dim * self.num_scalar_dofs),
-                (int(stops - starts), self.rows.shape[1]),
-            ),
-            csr=(
-                local.indptr.astype(PETSc.IntType),
-                local.indices.astype(PETSc.IntType),
-                local.data,
-            ),
-            comm=comm,
-        )
+        return distributed(local, (int(stops - starts), self.rows.shape[1]), comm)
 
     def restrict(self, matrix: Any, expansion: Any) -> Any:
         """Z^T A Z of a symmetric matrix, symmetric as far as rounding goes.
@@ -156,16 +146,6 @@ class Constraints:
         chosen = (first + np.flatnonzero(kept)).astype(PETSc.IntType)
         free = PETSc.IS().createGeneral(chosen, comm=matrix.comm)
         return matrix.createSubMatrix(free, free)
-
-
-def symmetrised(matrix: Any) -> Any:
-    """Mean of a PETSc AIJ matrix and its transpose, in place: a + b = b + a to the last bit."""
-    transpose = matrix.transpose(PETSc.Mat())
-    # Of one pattern, but on several ranks each may store columns of others that it does not use.
-    matrix.axpy(1.0, transpose, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
-    matrix.scale(0.5)
-    transpose.destroy()
-    return matrix
 
 
 def constrain(

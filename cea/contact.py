@@ -68,16 +68,16 @@ class ContactLaw:
     def __post_init__(self) -> None:
         p, mu = np.asarray(self.stiffness), np.asarray(self.mu)
         if not (p > 0).all():
-            raise InputError("p", _worst(p), "positive (N/m^3)")
+            raise InputError("p", float(p.min()), "positive (N/m^3)")
         if np.isinf(p).any() and not (self.form == "saddle" and np.isinf(p).all()):
             allowed = "finite; or, in the saddle form, infinite everywhere"
             raise InputError("p", float("inf"), allowed)
         if not (mu >= 0).all():
-            raise InputError("mu", _worst(mu), "zero or positive")
+            raise InputError("mu", float(mu.min()), "zero or positive")
         if self.frictional and self.direction is None:
             raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
         if self.frictional and self.coupling == "bonded":
-            raise InputError("mu", _worst(-mu), "0 where both sides are bonded")
+            raise InputError("mu", float(mu.max()), "0 where both sides are bonded")
         if self.coupling == "lumped" and self.form == "saddle":
             allowed = "penalty: lumped contact is not of the form G^T D G"
             raise InputError("form", self.form, allowed)
@@ -86,10 +86,6 @@ class ContactLaw:
     def frictional(self) -> bool:
         """True where there is any friction."""
         return bool(np.any(np.asarray(self.mu) != 0))
-
-
-def _worst(values: Floats) -> float:
-    return float(np.min(np.abs(values) if (values <= 0).all() and values.any() else values))
 
 
 @dataclass(frozen=True)
@@ -238,8 +234,7 @@ def _scaled(law: ContactLaw, interface: Interface) -> tuple[Floats, float]:
 
 
 def _stacked(jumps: list[tuple[csr_array, csr_array]]) -> tuple[csr_array, csr_array]:
-    if len(jumps) == 1:
-        return jumps[0]
+    """Rows of several jumps one below the other."""
     part_a, part_b = (csr_array(vstack(parts)) for parts in zip(*jumps, strict=True))
     return part_a, part_b
 

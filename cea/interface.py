@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
 from scipy.sparse import csr_array
 
-from cea.body import Body, Floats, Location, Status, Surface, SurfacePoints
+from cea.body import Floats, Location, Status, Surface, SurfacePoints
 from cea.checks import check_coverage
 from cea.errors import InputError
 from cea.ranks import agreed
@@ -215,35 +214,6 @@ def along(trace: csr_array, direction: Floats) -> csr_array:
     return csr_array(
         (data.ravel(), columns.ravel(), trace.indptr.astype(np.int64) * dim), shape=(n, m * dim)
     )
-
-
-def free_operator(operator: csr_array, body: Body) -> Any:
-    """Restrict an operator on full dofs, distributed by rows, to free dofs.
-
-    Parameters
-    ----------
-    operator
-        The rows of this rank, shape (n_local, dim * num_scalar_dofs).
-    body
-        The body whose dofs are its columns.
-
-    Returns
-    -------
-    PETSc.Mat
-        AIJ matrix (n x free dofs), the rows of the ranks one after the other.
-    """
-    full = PETSc.Mat().createAIJ(
-        size=((operator.shape[0], PETSc.DETERMINE), body.expansion.getSizes()[0]),
-        csr=(
-            operator.indptr.astype(PETSc.IntType),
-            operator.indices.astype(PETSc.IntType),
-            operator.data,
-        ),
-        comm=body.comm,
-    )
-    free = full.matMult(body.expansion)
-    full.destroy()
-    return free
 
 
 def local_rows(n: int, comm: Any) -> tuple[int, int]:

@@ -12,12 +12,19 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import bsr_array, csr_array
 
 from cea.body import Body, Floats
-from cea.constraints import symmetrised
 from cea.interface import Interface, along
-from cea.matrices import block_diagonal, destroy, product, system_operator, total
+from cea.matrices import (
+    block_diagonal,
+    destroy,
+    distributed,
+    product,
+    symmetrised,
+    system_operator,
+    total,
+)
 
 
 def lumped_matrices(
@@ -93,18 +100,8 @@ def _own_blocks(
         lumped = csr_array(full)
         if name in traces:
             lumped = comm.allreduce(_lumped_block(traces[name], weight, left, right), MPI.SUM)
-        local, size = body.expansion.getSizes()[0]
-        start, stop = body.expansion.getOwnershipRange()
-        own = csr_array(lumped[start:stop])
-        matrix = PETSc.Mat().createAIJ(
-            size=((local, size), (local, size)),
-            csr=(
-                own.indptr.astype(PETSc.IntType),
-                own.indices.astype(PETSc.IntType),
-                own.data,
-            ),
-            comm=body.comm,
-        )
+        own = csr_array(lumped[slice(*body.expansion.getOwnershipRange())])
+        matrix = distributed(own, body.expansion.getSizes()[0], body.comm)
         blocks.append(matrix.ptap(body.expansion))
         destroy(matrix)
     result = block_diagonal(blocks).convert("aij")
@@ -117,14 +114,7 @@ def _lumped_block(trace: csr_array, weight: Floats, left: Floats, right: Floats)
     dim = left.shape[1]
     outer = np.einsum("q,qc,qd->qcd", weight, left, right).reshape(len(weight), -1)
     blocks = np.asarray(trace.T @ outer).reshape(-1, dim, dim)
-    touched = np.unique(trace.indices)
-    row, column = (np.arange(dim)[:, None], np.arange(dim)[None, :])
-    shape = (len(touched), dim, dim)
-    entries = (
-        blocks[touched].ravel(),
-        (
-            np.broadcast_to(touched[:, None, None] * dim + row, shape).ravel(),
-            np.broadcast_to(touched[:, None, None] * dim + column, shape).ravel(),
-        ),
-    )
-    return csr_array(coo_array(entries, shape=(trace.shape[1] * dim,) * 2))
+    n = len(blocks)
+    lumped = csr_array(bsr_array((blocks, np.arange(n), np.arange(n + 1))))
+    lumped.eliminate_zeros()
+    return lumped

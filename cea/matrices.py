@@ -8,8 +8,46 @@ from petsc4py import PETSc
 from scipy.sparse import csr_array
 
 from cea.body import Body, Floats
-from cea.constraints import symmetrised
-from cea.interface import free_operator
+
+
+def distributed(rows: csr_array, columns: tuple[int, int], comm: Any) -> Any:
+    """PETSc AIJ matrix of the rows of every rank, one rank's after another's.
+
+    Parameters
+    ----------
+    rows
+        The rows of this rank.
+    columns
+        Columns of this rank and of all, as PETSc's layouts have them.
+    comm
+        Communicator.
+    """
+    return PETSc.Mat().createAIJ(
+        size=((rows.shape[0], PETSc.DETERMINE), columns),
+        csr=(rows.indptr.astype(PETSc.IntType), rows.indices.astype(PETSc.IntType), rows.data),
+        comm=comm,
+    )
+
+
+def free_operator(operator: csr_array, body: Body) -> Any:
+    """Restrict an operator on full dofs, distributed by rows, to free dofs.
+
+    Parameters
+    ----------
+    operator
+        The rows of this rank, shape (n_local, dim * num_scalar_dofs).
+    body
+        The body whose dofs are its columns.
+
+    Returns
+    -------
+    PETSc.Mat
+        AIJ matrix (n x free dofs), the rows of the ranks one after the other.
+    """
+    full = distributed(operator, body.expansion.getSizes()[0], body.comm)
+    free = full.matMult(body.expansion)
+    destroy(full)
+    return free
 
 
 def system_operator(bodies: Mapping[str, Body], parts: Mapping[str, csr_array], rows: int) -> Any:
@@ -58,6 +96,16 @@ def symmetric_product(gap: Any, weight: Any) -> Any:
     result.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     destroy(root, scaled)
     return result
+
+
+def symmetrised(matrix: Any) -> Any:
+    """Mean of a PETSc AIJ matrix and its transpose, in place: a + b = b + a to the last bit."""
+    transpose = matrix.transpose(PETSc.Mat())
+    # Of one pattern, but on several ranks each may store columns of others that it does not use.
+    matrix.axpy(1.0, transpose, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+    matrix.scale(0.5)
+    transpose.destroy()
+    return matrix
 
 
 def total(matrices: Sequence[Any]) -> Any:

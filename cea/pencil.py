@@ -113,9 +113,9 @@ class BorderedSolver:
 
     def __init__(self, pencil: Pencil, kappa: float) -> None:
         assert pencil.multipliers is not None
-        operator = pencil.stiffness.copy()
-        if pencil.friction is not None:
-            operator.axpy(-1.0, pencil.friction, structure=_DIFFERENT)
+        operator = pencil.displacement_operator()
+        if operator is pencil.stiffness:
+            operator = operator.copy()
         if kappa:
             operator.axpy(-kappa, pencil.mass, structure=_DIFFERENT)
         self.multipliers = pencil.multipliers

@@ -16,13 +16,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from scipy.linalg import qr
 from scipy.sparse import csr_array, vstack
 
 from cea.body import Floats, Ints
 from cea.contact import Contact
 from cea.interface import local_rows
+from cea.matrices import distributed
 
 _DEPENDENT = 1e-12
 """Rows of J whose pivot is below this part of the largest are dropped."""
@@ -77,8 +77,8 @@ def multipliers_of(contacts: Sequence[Contact]) -> Multipliers | None:
         compliances.append(np.full(closure.shape[0], 1 / halves[0].scale))
     template = next(iter(pairs.values()))[0].gap
     frictional = any(c.slip is not None for halves in pairs.values() for c in halves)
-    closure = _distributed(csr_array(vstack(closures)), template)
-    reaction = _distributed(csr_array(vstack(reactions)), template) if frictional else closure
+    closure = _shared_out(csr_array(vstack(closures)), template)
+    reaction = _shared_out(csr_array(vstack(reactions)), template) if frictional else closure
     compliance = closure.createVecLeft()
     compliance.array[:] = np.concatenate(compliances)[slice(*compliance.getOwnershipRange())]
     return Multipliers(closure, reaction, compliance)
@@ -136,12 +136,7 @@ def _spread(block: Floats, columns: Ints, size: int) -> csr_array:
     return matrix
 
 
-def _distributed(matrix: csr_array, template: Any) -> Any:
+def _shared_out(matrix: csr_array, template: Any) -> Any:
     """Rows shared out evenly, columns as those of the template."""
     start, stop = local_rows(matrix.shape[0], template.comm.tompi4py())
-    own = csr_array(matrix[start:stop])
-    return PETSc.Mat().createAIJ(
-        size=((stop - start, matrix.shape[0]), template.getSizes()[1]),
-        csr=(own.indptr.astype(PETSc.IntType), own.indices.astype(PETSc.IntType), own.data),
-        comm=template.comm,
-    )
+    return distributed(csr_array(matrix[start:stop]), template.getSizes()[1], template.comm)

@@ -13,9 +13,10 @@ from scipy.sparse import csr_array
 from cea.body import VolumeCells, VolumeSample
 from cea.boundary import Pressure, Spring, Support
 from cea.checks import check_boundary, check_density, check_jacobians
-from cea.constraints import Constraints, symmetrised
+from cea.constraints import Constraints
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
+from cea.matrices import symmetrised
 from cea.ranks import agreed
 from fe_cea.cells import lagrange_cells
 from fe_cea.facets import gather_facets

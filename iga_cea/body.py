@@ -13,9 +13,10 @@ from scipy.sparse import csr_array, diags_array, kron, vstack
 from cea.body import Floats, VolumeCells, VolumeSample
 from cea.boundary import Pressure, Spring, Support
 from cea.checks import check_boundary, check_density
-from cea.constraints import Constraints, symmetrised
+from cea.constraints import Constraints
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
+from cea.matrices import symmetrised
 from iga_cea import assembly
 from iga_cea.cells import bezier_cells
 from iga_cea.inputs import (

@@ -34,8 +34,6 @@ def with_form(data, form, **changes):
 
 @pytest.mark.parametrize("mu", [0.0, 0.4])
 def test_the_eigenvalues_are_those_of_the_penalty_form(backend, formulation, mu):
-    if formulation.get("lumped"):
-        pytest.skip("lumped contact has no saddle form")
     both = [
         modes_of(with_form(two_blocks(backend, formulation, mu=mu, held=True), form))
         for form in ("penalty", "saddle")
@@ -46,8 +44,6 @@ def test_the_eigenvalues_are_those_of_the_penalty_form(backend, formulation, mu)
 
 
 def test_multipliers_eliminated_give_the_penalty_matrices(backend, formulation):
-    if formulation.get("lumped"):
-        pytest.skip("lumped contact has no saddle form")
     penalty = assemble(with_form(two_blocks(backend, formulation), "penalty"))
     multipliers = assemble(with_form(two_blocks(backend, formulation), "saddle")).multipliers()
     closure, reaction = (dense(m) for m in (multipliers.closure, multipliers.reaction))
