@@ -12,7 +12,9 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from cea.body import Floats
+from cea.eigenpairs import modes_from_eigenpairs
 from cea.errors import ConvergenceError, InputError
+from cea.matrices import destroy
 from cea.modes import Complexes, Modes, Window
 from cea.pencil import BorderedSolver, Pencil
 from cea.saddle import Multipliers
@@ -24,8 +26,6 @@ _SPARE = 2
 """Eigenvalues asked for beyond the inertia count."""
 _MAX_PASSES = 8
 """Krylov runs, each larger than the last or beside the copies already found."""
-_NEGLIGIBLE = 1e-10
-"""Eigenvalues below this part of the window's upper end count as zero in relative residuals."""
 
 
 def solve_modes(
@@ -84,6 +84,8 @@ def solve_modes(
     solver.setTolerances(tol=tolerance, max_it=max_restarts)
     kappa, vectors, reached = _search(solver, mass, shift, radius, count, timer)
 
+    solver.destroy()  # with its Krylov space, before vectors of the same size are worked on
+
     with timer("post-processing"):
         window = Window(
             max_frequency=max_frequency,
@@ -95,11 +97,9 @@ def solve_modes(
             symmetric_count=count,
             max_growth=_growth_covered(top, shift, float(reached)),
         )
-        forces = None
-        if bordered is not None:
-            vectors, forces = _with_contact_forces(bordered, operator, mass, kappa, vectors, shift)
-        modes = _modes(operator, mass, kappa, vectors, forces, window, symmetric=pencil.symmetric)
-    solver.destroy()
+        modes = modes_from_eigenpairs(
+            operator, mass, kappa, vectors, window, symmetric=pencil.symmetric, bordered=bordered
+        )
     if bordered is not None:
         bordered.free()
     if operator is not stiffness:
@@ -126,9 +126,9 @@ def _search(
     """Eigenpairs outwards from the shift until the disc is full.
 
     A Krylov space holds one vector of a multiple eigenvalue and meets further copies by rounding
-    only. Where fewer are found than the inertia counts, a symmetric problem is searched again
-    beside the vectors it has; an unsymmetric one, whose count friction may have changed, once more
-    in a larger space.
+    only. Where fewer are found than the inertia counts, it is searched beside those found: a
+    symmetric problem has then more of them. An unsymmetric one may have lost them to friction; if
+    not, it is searched once more in a larger space.
 
     Returns
     -------
@@ -149,19 +149,17 @@ def _search(
         missing = count - int(np.sum(kappa.real < shift + radius))
         if missing <= 0 or reached < radius:
             break
-        if not solver.isHermitian():
+        others, other_vectors = _krylov_beside(solver, mass, kappa, vectors, missing, timer)
+        if solver.isHermitian():
+            kappa, vectors = np.append(kappa, others), np.hstack([vectors, other_vectors])
+            continue
+        if (np.abs(others - shift) < radius).any():
             wanted = min(size, len(kappa) + missing)
             larger = _krylov(solver, mass, wanted, 4 * wanted, timer)
             if len(larger[0]) > len(kappa):
                 kappa, vectors = larger
                 reached = min(reached, _reach(kappa, shift))
-            break
-        found = [_as_vector(mass, v.real) for v in vectors.T]
-        solver.setDeflationSpace(found)
-        copies, copy_vectors = _krylov(solver, mass, missing, missing + 16, timer)
-        for vector in found:
-            vector.destroy()
-        kappa, vectors = np.append(kappa, copies), np.hstack([vectors, copy_vectors])
+        break
     return kappa, vectors, float(reached)
 
 
@@ -177,6 +175,36 @@ def _krylov(
     with timer("krylov"):
         solver.solve()
         return _eigenpairs(solver, mass)
+
+
+def _krylov_beside(
+    solver: Any,
+    mass: Any,
+    kappa: Complexes,
+    vectors: Complexes,
+    wanted: int,
+    timer: StageTimer,
+) -> tuple[Complexes, Complexes]:
+    """Eigenvalues nearest the shift beside the invariant subspace of eigenpairs already found.
+
+    They are eigenvalues of the whole problem; their vectors are eigenvectors only if it is
+    symmetric.
+    """
+    pairs = vectors[:, kappa.imag > 0].imag
+    found = [_as_vector(mass, v) for v in vectors[:, kappa.imag >= 0].real.T]
+    found += [_as_vector(mass, v) for v in pairs.T]
+    beside = SLEPc.EPS().create(solver.comm)
+    beside.setST(solver.getST())  # with its factorisation
+    beside.setProblemType(solver.getProblemType())
+    beside.setPurify(False)
+    beside.setWhichEigenpairs(solver.getWhichEigenpairs())
+    beside.setTarget(solver.getTarget())
+    tolerance, max_restarts = solver.getTolerances()
+    beside.setTolerances(tol=tolerance, max_it=max_restarts)
+    beside.setDeflationSpace(found)
+    result = _krylov(beside, mass, wanted, 2 * wanted, timer)
+    destroy(beside, *found)
+    return result
 
 
 def _reach(kappa: Complexes, shift: float) -> float:
@@ -216,37 +244,12 @@ def _precondition(solver: Any, bordered: BorderedSolver) -> None:
     pc.setPythonContext(bordered)
 
 
-def _with_contact_forces(
-    bordered: BorderedSolver,
-    operator: Any,
-    mass: Any,
-    kappa: Complexes,
-    vectors: Complexes,
-    shift: float,
-) -> tuple[Complexes, Complexes]:
-    """One step of inverse iteration: displacements that obey the contact, and all forces on them.
-
-    Returns
-    -------
-    tuple
-        x and (S - F) x + L^T f, both normalised as the vectors were.
-    """
-    n = vectors.shape[1]
-    inertia = _apply(mass, vectors * (kappa - shift))
-    x, f = bordered.solve_block(np.hstack([inertia.real, inertia.imag]))
-    displacements, contact = x[:, :n] + 1j * x[:, n:], f[:, :n] + 1j * f[:, n:]
-    transpose = bordered.multipliers.reaction.transpose(PETSc.Mat())
-    forces = _apply(operator, displacements) + _apply(transpose, contact)
-    transpose.destroy()
-    return displacements, forces
-
-
 def _eigenpairs(solver: Any, mass: Any) -> tuple[Complexes, Complexes]:
     """Converged kappa and vectors; a complex pair is read once and its conjugate added."""
     converged = solver.getConverged()
     real, imaginary = mass.createVecRight(), mass.createVecRight()
     values = np.empty(converged, dtype=complex)
-    vectors = np.empty((real.getLocalSize(), converged), dtype=complex)
+    vectors = np.empty((real.getLocalSize(), converged), dtype=complex, order="F")
     i = 0
     while i < converged:
         values[i] = solver.getEigenpair(i, real, imaginary)
@@ -262,44 +265,6 @@ def _eigenpairs(solver: Any, mass: Any) -> tuple[Complexes, Complexes]:
     return values, vectors
 
 
-def _modes(
-    operator: Any,
-    mass: Any,
-    kappa: Complexes,
-    vectors: Complexes,
-    forces: Complexes | None,
-    window: Window,
-    *,
-    symmetric: bool,
-) -> Modes:
-    mass_vectors = _apply(mass, vectors)
-    if forces is None:
-        forces = _apply(operator, vectors)
-    norms = np.sqrt(_inner(vectors, mass_vectors, mass.comm, diagonal=True).real)
-    vectors, mass_vectors, forces = vectors / norms, mass_vectors / norms, forces / norms
-    if symmetric:  # the Rayleigh quotient has the square of the vector's error
-        kappa = _inner(vectors, forces, mass.comm, diagonal=True).real.astype(complex)
-    defects = forces - mass_vectors * kappa
-    scale = np.maximum(np.abs(kappa), _NEGLIGIBLE * window.upper) * _norms(mass_vectors, mass.comm)
-    residuals = _norms(defects, mass.comm) / scale
-    conditions = np.ones(len(kappa))
-    if not symmetric:
-        conditions = _conditions(_inner(vectors, mass_vectors, mass.comm))
-
-    eigenvalues = np.sqrt(-kappa).astype(complex)
-    eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
-    order = np.lexsort((eigenvalues.real, eigenvalues.imag))
-    order = order[eigenvalues.imag[order] <= 2 * np.pi * window.max_frequency]
-    return Modes(
-        eigenvalues=eigenvalues[order],
-        residuals=residuals[order],
-        conditions=conditions[order],
-        vectors=vectors[:, order],
-        template=mass.createVecRight(),
-        window=window,
-    )
-
-
 def _growth_covered(top: float, shift: float, radius: float) -> float:
     """Largest Re lambda at Im lambda = sqrt(top) with abs(-lambda^2 - shift) <= radius."""
     if not np.isfinite(radius):
@@ -307,31 +272,3 @@ def _growth_covered(top: float, shift: float, radius: float) -> float:
     b, c = 2 * (top + shift), (top - shift) ** 2 - radius**2
     square = 0.5 * (-b + np.sqrt(b * b - 4 * c))
     return float(np.sqrt(max(square, 0.0)))
-
-
-def _apply(matrix: Any, vectors: Complexes) -> Complexes:
-    """Matrix times a block of vectors, real and imaginary parts in one sparse-dense product."""
-    n = vectors.shape[1]
-    block = np.asfortranarray(np.hstack([vectors.real, vectors.imag]))
-    columns = matrix.getSizes()[1]
-    dense = PETSc.Mat().createDense((columns, (PETSc.DECIDE, 2 * n)), array=block, comm=matrix.comm)
-    product = matrix.matMult(dense)
-    result = np.array(product.getDenseArray())
-    product.destroy()
-    dense.destroy()
-    return result[:, :n] + 1j * result[:, n:]
-
-
-def _inner(left: Complexes, right: Complexes, comm: Any, *, diagonal: bool = False) -> Complexes:
-    local = np.einsum("ij,ij->j", left.conj(), right) if diagonal else left.conj().T @ right
-    return comm.tompi4py().allreduce(local)
-
-
-def _norms(vectors: Complexes, comm: Any) -> Floats:
-    return np.sqrt(_inner(vectors, vectors, comm, diagonal=True).real)
-
-
-def _conditions(gram: Complexes) -> Floats:
-    """Condition numbers from the Gram matrix of unit eigenvectors: sqrt of diag of its inverse."""
-    inverse = np.linalg.pinv(gram, hermitian=True, rcond=1e-30)
-    return np.sqrt(np.maximum(np.diag(inverse).real, 1.0))

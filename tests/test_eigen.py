@@ -154,6 +154,37 @@ def test_every_copy_of_a_multiple_eigenvalue_is_found(copies):
     assert overlaps == pytest.approx(np.eye(len(found)), abs=1e-7)
 
 
+@pytest.mark.parametrize("copies", [1, 2, 5])
+def test_every_copy_of_a_flutter_pair_is_found(copies):
+    """The inertia count misleads as well: friction turns one more mode of the window unstable."""
+    flutter = [np.array([[4.0, 3.0], [-3.0, 5.0]])] * copies
+    matrix = scipy.linalg.block_diag(*flutter, np.diag(np.arange(50.0, 400.0)))
+    rng = np.random.default_rng(5)
+    turn = np.linalg.qr(rng.normal(size=matrix.shape))[0]
+    symmetric = to_petsc(turn @ np.diag(np.diag(matrix)) @ turn.T)
+    friction = to_petsc(turn @ (np.diag(np.diag(matrix)) - matrix) @ turn.T)
+    mass = to_petsc(eye_array(len(matrix)))
+    modes = solve_modes(symmetric, mass, friction, max_frequency=1.0)
+    expected = np.linalg.eigvals(flutter[0])
+    assert len(modes.eigenvalues) == 2 * copies
+    kappa = -(modes.eigenvalues**2)
+    assert np.sort(kappa.imag) == pytest.approx(np.sort(np.tile(expected.imag, copies)), rel=1e-8)
+    assert kappa.real == pytest.approx(expected[0].real, rel=1e-8)
+
+
+def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones(chain):
+    """The inertia counts one more than there is; a search beside those found finds no other."""
+    stiffness = to_petsc(np.diag(np.r_[np.arange(1.0, 30.0), 40.0, np.arange(60.0, 400.0)]))
+    coupling = np.zeros((370, 370))
+    coupling[29, 30], coupling[30, 29] = 30.0, -30.0
+    modes = solve_modes(
+        stiffness, to_petsc(eye_array(370)), to_petsc(coupling), max_frequency=6.6 / (2 * np.pi)
+    )
+    assert modes.window.symmetric_count == 30
+    assert modes.window.found_below == 29
+    assert (-(modes.eigenvalues**2)).real == pytest.approx(np.arange(1.0, 30.0))
+
+
 def test_window_must_be_positive(chain):
     stiffness, mass, _ = chain
     with pytest.raises(InputError, match="max_frequency = 0"):
