@@ -114,6 +114,7 @@ def check_coverage(missed: int, count: int, fraction: float, limit: float, **wor
             words["field"],
             words["sides"],
             f"surfaces that face each other within {words['reach']}: {missed} of {count} points "
-            f"({fraction:.1%} of the area of side a) find nothing on side b, at most {limit:.1%} "
-            "may",
+            f"({100 * fraction:.2g} % of the area of side a) find nothing on side b, at most "
+            f"{100 * limit:.2g} % may; where curved rims only nearly meet, take more elements or "
+            "a higher degree of geometry, else raise max_missed",
         )

@@ -2,10 +2,13 @@
 
 A cell of the opposite surface may overlap a cell in part only, so that some of its corners have
 coordinates beyond it. There the polynomials of the cell go on, which keeps parameter lines straight
-in its coordinates. Far out they turn back or have no solution, and a corner would seem to lie on
-the wrong side. There the tangent plane at the centre of the cell tells the side, and stands in for
-polynomials that disagree with it.
+in its coordinates. Far out they turn back, or come round, and a corner would seem to lie on the
+wrong side. Coordinates are therefore followed from the centre of the cell along the straight line
+to the point, and polynomials trusted for as long as they turn by less than a right angle on the
+way. The rest of the way, if any, is covered in the tangent plane at the centre.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +18,11 @@ from cea.errors import ConvergenceError
 
 _NEWTON = 1e-9
 """Last step of Newton's method, relative to the cell; the error after it is its square."""
-_MAX_ITERATIONS = 30
-_MARGIN = 0.5
-"""Width of the margin around a cell, relative to it, within which its polynomials are trusted."""
+_MAX_ITERATIONS = 60
+_SHORTEST = 2.0**-6
+"""Damping below which a line is taken to have reached its end of trust."""
+_FOLDED = 1e-8
+"""Determinant of the deformation, relative to the power of its trace, that counts as a fold."""
 
 
 def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: Floats) -> Floats:
@@ -42,66 +47,135 @@ def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: F
     Raises
     ------
     ConvergenceError
-        When a point that belongs inside its cell cannot be mapped.
+        When a cell is so distorted that a point cannot be told to lie inside or beyond it.
     """
     m = x.shape[1]
     middle = corners.mean(axis=1)
-    normal = surface.normal(SurfaceCoordinates(element, middle))
-    centre, low, high, direction = (
-        np.repeat(each, m, axis=0)
-        for each in (middle, corners.min(axis=1), corners.max(axis=1), normal)
-    )
-    element = np.repeat(element, m)
-    points = x.reshape(len(element), -1)
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    chart = _Lines.of(surface, element, middle, high - low)
+    cell = np.repeat(np.arange(len(element)), m)
+    points = x.reshape(len(cell), -1)
 
-    by_plane = centre + _step(surface, element, centre, points, direction)
-    extent = (high - low).max(axis=1)
-    by_polynomials, met = _newton(surface, element, by_plane, points, direction, extent)
-    side, told = (_side(xi, low, high) for xi in (by_polynomials, by_plane))
-    margin = _MARGIN * (high - low)
-    near = (_side(by_polynomials, low - margin, high + margin) == 0).all(axis=1)
-    agree = met & (near | (side == told).all(axis=1))
-    lost = ~agree & (told == 0).all(axis=1)
-    xi = np.where(agree[:, None], by_polynomials, by_plane).reshape(*x.shape[:2], -1)
+    xi, met = chart.follow(cell, points)
+    xi[~met] = chart.beyond(cell[~met], xi[~met], points[~met])
+    lost = ~met & ((xi >= low[cell]) & (xi <= high[cell])).all(axis=1)
+    xi = xi.reshape(*x.shape[:2], -1)
     if lost.any():
         raise ConvergenceError(
-            f"{lost.sum()} of {len(points)} points of side b cannot be mapped to cells of side a",
+            f"{lost.sum()} of {len(points)} points cannot be mapped to cells of {surface.name}: "
+            "some of its cells are bent by a right angle or folded; refine them",
             best=xi,
         )
     return xi
 
 
-def _side(xi: Floats, low: Floats, high: Floats) -> Floats:
-    """For each coordinate -1 below the cell, 0 in it, 1 above it."""
-    return (xi > high).astype(float) - (xi < low)
+@dataclass(frozen=True)
+class _Lines:
+    """Straight lines from the centres of cells, seen along the normals at the centres.
+
+    Parameters
+    ----------
+    surface
+        The surface.
+    element
+        Element of each cell, (n,).
+    middle
+        Reference coordinates of its centre, (n, dim - 1).
+    extent
+        Its size along each of them, (n, dim - 1).
+    normal
+        Unit normal at its centre, (n, dim).
+    inverse
+        Inverse of the Jacobian there, the normal its last direction, (n, dim, dim).
+    """
+
+    surface: Surface
+    element: Ints
+    middle: Floats
+    extent: Floats
+    normal: Floats
+    inverse: Floats
+
+    @classmethod
+    def of(cls, surface: Surface, element: Ints, middle: Floats, extent: Floats) -> "_Lines":
+        """Set up the lines of cells."""
+        normal = surface.normal(SurfaceCoordinates(element, middle))
+        _, tangents = surface.tangents(element, middle)
+        inverse = np.linalg.inv(np.concatenate([tangents, -normal[:, :, None]], axis=2))
+        return cls(surface, element, middle, extent, normal, inverse)
+
+    def follow(self, cell: Ints, x: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """Follow the line to each point as far as the polynomials are trusted.
+
+        Newton's method, damped so that each step brings the point nearer as seen from where it
+        began (Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3), keeps to the
+        line: coordinates beyond a fold, or round a circle, are never reached.
+
+        Returns
+        -------
+        tuple
+            Coordinates (n, dim - 1) of the end, and whether it is the point.
+        """
+        xi = self.middle[cell]
+        met = np.zeros(len(xi), dtype=bool)
+        active = np.arange(len(xi))
+        damping = np.ones(len(xi))
+        position, tangents = self.surface.tangents(self.element[cell], xi)
+        jacobian = self._jacobian(cell, tangents)
+        step = _solve(jacobian, x - position)
+        # What is tried too far out overflows, or meets a pole of a rational face.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            for _ in range(_MAX_ITERATIONS):
+                met[active] = self._size(cell[active], step[active]) <= _NEWTON
+                done = active[met[active]]
+                xi[done] += step[done]
+                active = active[~met[active] & (damping[active] >= _SHORTEST)]
+                if not active.size:
+                    break
+                at, factor = cell[active], damping[active]
+                tried = xi[active] + factor[:, None] * step[active]
+                position, tangents = self.surface.tangents(self.element[at], tried)
+                rest = x[active] - position
+                trusted = self._trusted(at, position, tangents)
+                nearer = np.zeros(len(active), dtype=bool)
+                again = _solve(jacobian[active[trusted]], rest[trusted])
+                nearer[trusted] = self._size(at[trusted], again) <= (
+                    1 - factor[trusted] / 4
+                ) * self._size(at[trusted], step[active[trusted]])
+                taken = active[nearer]
+                xi[taken] = tried[nearer]
+                jacobian[taken] = self._jacobian(at[nearer], tangents[nearer])
+                step[taken] = _solve(jacobian[taken], rest[nearer])
+                damping[active] = np.where(nearer, np.minimum(1.0, 2 * factor), factor / 2)
+        return xi, met
+
+    def beyond(self, cell: Ints, xi: Floats, x: Floats) -> Floats:
+        """Go on from xi to points in the tangent planes at the centres."""
+        position, _ = self.surface.tangents(self.element[cell], xi)
+        return xi + np.einsum("nij,nj->ni", self.inverse[cell, :-1], x - position)
+
+    def _jacobian(self, cell: Ints, tangents: Floats) -> Floats:
+        return np.concatenate([tangents, -self.normal[cell, :, None]], axis=2)
+
+    def _size(self, cell: Ints, step: Floats) -> Floats:
+        """Largest component of a step, relative to the cell."""
+        return np.abs(step / self.extent[cell]).max(axis=1)
+
+    def _trusted(self, cell: Ints, position: Floats, tangents: Floats) -> NDArray[np.bool_]:
+        """True where tangents are those at the centre, deformed and turned below a right angle.
+
+        The rotation in the polar decomposition of a plane map of positive determinant is below a
+        right angle where the trace is positive; neither depends on the coordinates.
+        """
+        trusted = np.isfinite(position).all(axis=1) & np.isfinite(tangents).all(axis=(1, 2))
+        change = self.inverse[cell[trusted], :-1] @ tangents[trusted]
+        trace = np.trace(change, axis1=1, axis2=2)
+        folded = np.linalg.det(change) <= _FOLDED * trace ** change.shape[1]
+        trusted[trusted] = ~folded & (trace > 0)
+        return trusted
 
 
-def _newton(
-    surface: Surface, element: Ints, start: Floats, x: Floats, direction: Floats, extent: Floats
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """Solve F(xi) - s d = x without keeping xi inside the cell; which converged comes second."""
-    xi = start.copy()
-    met = np.zeros(len(xi), dtype=bool)
-    active = np.arange(len(xi))
-    # What diverges overflows, or meets a pole of a rational face, before it is given up.
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        for _ in range(_MAX_ITERATIONS):
-            if not active.size:
-                break
-            step = _step(surface, element[active], xi[active], x[active], direction[active])
-            xi[active] += step
-            met[active] = np.abs(step).max(axis=1) <= _NEWTON * extent[active]
-            active = active[~met[active] & np.isfinite(step).all(axis=1)]
-    return xi, met
-
-
-def _step(surface: Surface, element: Ints, xi: Floats, x: Floats, direction: Floats) -> Floats:
-    """Newton's step from xi; not a number where the tangents are none."""
-    position, tangents = surface.tangents(element, xi)
-    jacobian = np.concatenate([tangents, -direction[:, :, None]], axis=2)
-    regular = np.isfinite(jacobian).all(axis=(1, 2))
-    regular[regular] = np.linalg.det(jacobian[regular]) != 0
-    step = np.full(xi.shape, np.nan)
-    rest = (x - position)[regular, :, None]
-    step[regular] = np.linalg.solve(jacobian[regular], rest)[:, :-1, 0]
+def _solve(jacobian: Floats, rest: Floats) -> Floats:
+    """Newton's steps, without the distance along the normal."""
+    step: Floats = np.linalg.solve(jacobian, rest[:, :, None])[:, :-1, 0]
     return step

@@ -4,7 +4,9 @@ Trace functions are smooth inside the cells of their surface only (facets of a m
 a patch). A rule that integrates products of both traces must break at the cell boundaries of both.
 Cells of side b are mapped along the normal of a into the reference coordinates of each cell of a
 they may touch and clipped there, so that cells bounded by parameter lines of both sides, or by
-straight lines on flat facets, are cut exactly; other edges are followed by polylines.
+straight lines on flat facets, are cut exactly; other edges are followed by polylines. Where the rim
+of b is hollow, or crosses that of a at a flat angle, polylines reach a little beyond it: points
+there face nothing and are dropped.
 """
 
 from dataclasses import dataclass
@@ -21,9 +23,13 @@ from cea.continuation import continued_coordinates
 from cea.location import cross
 
 _POLYLINE = 16
-"""Pieces that stand for an edge of b that is curved in the coordinates of a."""
-_STRAIGHT = 1e-10
-"""Distance of an edge's middle from its chord, relative to the chord, that counts as straight."""
+"""Pieces, at most, that stand for an edge of b that is curved in the coordinates of a."""
+_STRAIGHT = 1e-8
+"""Distance of an edge from its chord, relative to the cell of a, that counts as straight.
+
+Traces of b are continuous across its edges: a break off by d costs an integral d^2 inside the
+surfaces, and d at their rims.
+"""
 _SLIVER = 1e-14
 """Segments below this part of their cell's area are dropped."""
 
@@ -63,15 +69,56 @@ def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> 
     """
     cells_a, cells_b = a.cells(), b.cells()
     pairs = _near(a, cells_a, b, cells_b, reach)
+    none = a.gauss_points(1)[:0]
     if not len(pairs.a):
-        return a.gauss_points(1)[:0]
+        return none
     if a.dim == 2:
         element, xi, weight = _intervals(a, cells_a, b, cells_b, pairs, points)
-    else:
-        element, xi, weight = _polygons(a, cells_a, b, cells_b, pairs, points)
+        return _on_surface(a, element, xi, weight)
+    parts = [none]
+    pairs, straight = _crossing(a, cells_a, b, cells_b, pairs)
+    for pieces, chosen in ((1, straight), (_POLYLINE, ~straight)):
+        some = _Pairs(pairs.a[chosen], pairs.b[chosen])
+        if not len(some.a):
+            continue
+        owner, xi, weight = _polygons(a, cells_a, b, cells_b, some, points, pieces)
+        part = _on_surface(a, cells_a.element[some.a[owner]], xi, weight)
+        if pieces > 1 and len(part):
+            part = part[_facing(part, b, cells_b, some.b[owner], reach)]
+        parts.append(part)
+    return _joined(parts)
+
+
+def _on_surface(a: Surface, element: Ints, xi: Floats, weight: Floats) -> SurfacePoints:
+    """Points of reference weights on a."""
     at = SurfaceCoordinates(element, xi)
     x, tangents = a.tangents(element, xi)
     return SurfacePoints(at, x, a.normal(at), weight * np.linalg.norm(cross(tangents), axis=1))
+
+
+def _joined(parts: list[SurfacePoints]) -> SurfacePoints:
+    return SurfacePoints(
+        SurfaceCoordinates(
+            np.concatenate([p.at.element for p in parts]), np.concatenate([p.at.xi for p in parts])
+        ),
+        np.concatenate([p.x for p in parts]),
+        np.concatenate([p.normal for p in parts]),
+        np.concatenate([p.weight for p in parts]),
+    )
+
+
+def _facing(
+    points: SurfacePoints, b: Surface, cells: SurfaceCells, numbers: Ints, reach: float
+) -> NDArray[np.bool_]:
+    """True for points within their cells of b, and for those others that are found on b."""
+    corners = cells.corners[numbers]
+    xi = continued_coordinates(b, cells.element[numbers], corners, points.x[:, None])
+    edge = np.roll(corners, -1, axis=1) - corners
+    arm = xi - corners
+    turn = edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0]
+    facing = (np.abs(np.sign(turn).sum(axis=1)) == turn.shape[1]).astype(bool)
+    facing[~facing] = ~b.locate(points.x[~facing], points.normal[~facing], reach).missed
+    return facing
 
 
 def _near(
@@ -147,25 +194,22 @@ def _polygons(
     cells_b: SurfaceCells,
     pairs: _Pairs,
     points: int | None,
+    pieces: int,
 ) -> tuple[Ints, Floats, Floats]:
-    """Common refinement of two surfaces: element, xi and reference weight of each Gauss point."""
-    straight = _are_straight(a, cells_a, b, cells_b, pairs)
+    """Common refinement of two surfaces: pair, xi and reference weight of each Gauss point."""
     degree = max(cells_a.degree, cells_b.degree)
     on_boxes = points or degree + 1
     on_triangles = points or (2 * degree if cells_a.tensor or cells_b.tensor else degree) + 1
-    parts = []
-    for pieces, chosen in ((1, straight), (_POLYLINE, ~straight)):
-        some = _Pairs(pairs.a[chosen], pairs.b[chosen])
-        if not len(some.a):
-            continue
-        outline = _to_reference(a, cells_a, some, _outlines(b, cells_b, some.b, pieces))
-        owner, overlap = _clip(cells_a.corners[some.a], outline)
-        boxes, is_box = _boxes(overlap)
-        parts.append(_rule_on_boxes(owner[is_box], boxes, on_boxes, cells_a, some))
-        rest, triangles = _triangles(owner[~is_box], overlap[~is_box])
-        parts.append(_rule_on_triangles(rest, triangles, on_triangles, cells_a, some))
-    element, xi, weight = (np.concatenate(p) for p in zip(*parts, strict=True))
-    return element, xi, weight
+    outline = _to_reference(a, cells_a, pairs, _outlines(b, cells_b, pairs.b, pieces))
+    own = cells_a.corners[pairs.a]
+    owner, overlap = _clip(own, _simplified(outline, pieces, np.ptp(own, axis=1).min(axis=1)))
+    boxes, is_box = _boxes(overlap)
+    parts = (
+        _rule_on_boxes(owner[is_box], boxes, on_boxes),
+        _rule_on_triangles(*_triangles(owner[~is_box], overlap[~is_box]), on_triangles),
+    )
+    owner, xi, weight = (np.concatenate(p) for p in zip(*parts, strict=True))
+    return owner, xi, weight
 
 
 def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int) -> Floats:
@@ -182,24 +226,55 @@ def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int)
     return surface.position(at).reshape(n, m, -1)
 
 
-def _are_straight(
+def _crossing(
     a: Surface, cells_a: SurfaceCells, b: Surface, cells_b: SurfaceCells, pairs: _Pairs
-) -> NDArray[np.bool_]:
-    """True where all edges of the cell of b are straight in the coordinates of the cell of a."""
+) -> tuple[_Pairs, NDArray[np.bool_]]:
+    """Pairs whose cells may overlap in the coordinates of a.
+
+    Comes with whether all edges of the cell of b are straight there, as far as they may touch the
+    cell of a. Between its samples an edge is taken to leave the box around them by half their
+    largest second difference at most, four times what a parabola does.
+    """
     outline = _to_reference(a, cells_a, pairs, _outlines(b, cells_b, pairs.b, 4))
-    corner = outline[:, ::4]
-    chord = np.roll(corner, -1, axis=1) - corner
-    bulge = np.zeros(len(outline))
-    for k in (1, 2, 3):
-        arm = outline[:, k::4] - corner
-        off = np.abs(chord[..., 0] * arm[..., 1] - chord[..., 1] * arm[..., 0])
-        bulge = np.maximum(bulge, (off / (chord**2).sum(axis=2)).max(axis=1))
-    return bulge <= _STRAIGHT
+    own = cells_a.corners[pairs.a]
+    low, extent = own.min(axis=1)[:, None], np.ptp(own, axis=1)[:, None]
+    outline = (outline - low) / extent
+    edges = outline.reshape(len(outline), -1, 4, 2)
+    edges = np.concatenate([edges, np.roll(edges[:, :, :1], -1, axis=1)], axis=2)
+    chord = edges[:, :, -1:] - edges[:, :, :1]
+    arm = edges[:, :, 1:-1] - edges[:, :, :1]
+    off = np.abs(chord[..., 0] * arm[..., 1] - chord[..., 1] * arm[..., 0]).max(axis=2)
+    straight = off <= _STRAIGHT * np.linalg.norm(chord[:, :, 0], axis=2)
+    room = 0.5 * np.abs(np.diff(edges, 2, axis=2)).max(axis=(2, 3))[:, :, None]
+    least, most = edges.min(axis=2) - room, edges.max(axis=2) + room
+    touching = ((least < 1) & (most > 0)).all(axis=2)
+    near = ((least.min(axis=1) < 1) & (most.max(axis=1) > 0)).all(axis=1)
+    return _Pairs(pairs.a[near], pairs.b[near]), (straight | ~touching).all(axis=1)[near]
 
 
-def _clip(cells: Floats, outlines: Floats) -> tuple[Ints, NDArray[np.object_]]:
-    """Overlaps of convex cells with outlines, both in reference coordinates; slivers dropped."""
-    own, other = shapely.polygons(cells), shapely.polygons(outlines)
+def _simplified(outlines: Floats, pieces: int, extent: Floats) -> NDArray[np.object_]:
+    """Outlines (n, m, 2) as polygons, each edge with no more of its pieces than it needs.
+
+    Edge by edge, so that two cells that share one keep the same points of it.
+    """
+    n, m = outlines.shape[:2]
+    count = m // pieces
+    edges = outlines.reshape(n, count, pieces, 2)
+    edges = np.concatenate([edges, np.roll(edges[:, :, :1], -1, axis=1)], axis=2)
+    lines = shapely.simplify(
+        shapely.linestrings(edges.reshape(n * count, pieces + 1, 2)),
+        _STRAIGHT * np.repeat(extent, count),
+        preserve_topology=False,
+    )
+    points, line = shapely.get_coordinates(lines, return_index=True)
+    ends = np.append(line[1:] != line[:-1], True)
+    ring = line // count
+    return shapely.polygons(shapely.linearrings(points[~ends], indices=ring[~ends]))
+
+
+def _clip(cells: Floats, other: NDArray[np.object_]) -> tuple[Ints, NDArray[np.object_]]:
+    """Overlaps of convex cells with polygons, both in reference coordinates; slivers dropped."""
+    own = shapely.polygons(cells)
     broken = ~shapely.is_valid(other)
     other[broken] = shapely.make_valid(other[broken])
     overlap = shapely.intersection(own, other)
@@ -215,16 +290,13 @@ def _boxes(overlaps: NDArray[np.object_]) -> tuple[Floats, NDArray[np.bool_]]:
     return bounds[is_box], is_box
 
 
-def _rule_on_boxes(
-    owner: Ints, bounds: Floats, n: int, cells: SurfaceCells, pairs: _Pairs
-) -> tuple[Ints, Floats, Floats]:
+def _rule_on_boxes(owner: Ints, bounds: Floats, n: int) -> tuple[Ints, Floats, Floats]:
     t, w = _gauss(n)
     unit = np.array(list(product(t, t)))
     low, size = bounds[:, None, :2], (bounds[:, 2:] - bounds[:, :2])[:, None]
     xi = low + size * unit
     weight = size.prod(axis=2) * np.outer(w, w).ravel()
-    element = np.repeat(cells.element[pairs.a[owner]], n * n)
-    return element, xi.reshape(-1, 2), weight.ravel()
+    return np.repeat(owner, n * n), xi.reshape(-1, 2), weight.ravel()
 
 
 def _triangles(owner: Ints, overlaps: NDArray[np.object_]) -> tuple[Ints, Floats]:
@@ -235,9 +307,7 @@ def _triangles(owner: Ints, overlaps: NDArray[np.object_]) -> tuple[Ints, Floats
     return owner[index], corners
 
 
-def _rule_on_triangles(
-    owner: Ints, corners: Floats, n: int, cells: SurfaceCells, pairs: _Pairs
-) -> tuple[Ints, Floats, Floats]:
+def _rule_on_triangles(owner: Ints, corners: Floats, n: int) -> tuple[Ints, Floats, Floats]:
     """Collapsed Gauss rule, n x n points, exact to total degree 2 n - 1."""
     s, ws = roots_jacobi(n, 1, 0)
     s, ws = 0.5 * (s + 1), 0.25 * ws
@@ -248,8 +318,7 @@ def _rule_on_triangles(
     xi = corners[:, :1] + u[:, None] * sides[:, :1] + v[:, None] * sides[:, 1:]
     twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
     weight = twice_area[:, None] * np.outer(ws, wt).ravel()
-    element = np.repeat(cells.element[pairs.a[owner]], n * n)
-    return element, xi.reshape(-1, 2), weight.ravel()
+    return np.repeat(owner, n * n), xi.reshape(-1, 2), weight.ravel()
 
 
 def _gauss(n: int) -> tuple[Floats, Floats]:
