@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dolfinx.mesh import exterior_facet_indices
 
 from cea.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.timing import StageTimer
@@ -17,15 +18,16 @@ from comparisons.figures import cea_case, cea_measures, claim_rules
 from comparisons.figures.both import make_both
 from comparisons.figures.cea_case import CONTACT, CeaCase
 from comparisons.figures.cea_diagram import Measure, Panel, StabilityFigure
-from comparisons.figures.cea_figures import GPTS, LUMPED
+from comparisons.figures.cea_figures import FIGURE_14, GPTS, LUMPED
 from comparisons.figures.cea_lumping import false_shifts, rotation_ratio
 from comparisons.figures.cea_runs import Runs, compare_spectra
 from comparisons.figures.cea_shapes import SHAPES
 from comparisons.figures.claim_list import CLAIMS
 from comparisons.figures.claims import Claim, Judgement, judged, write_claims
+from comparisons.figures.divided import divided_bodies
 from comparisons.figures.normal_compliance import NORMAL_COMPLIANCE, NormalCompliance
 from comparisons.figures.registry import FIGURES
-from comparisons.figures.store import make_figure
+from comparisons.figures.store import STORED, make_figure, read_data
 from comparisons.scene import load_scene
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
@@ -79,6 +81,17 @@ def test_coinciding_modes_are_counted_with_those_alone():
     assert cea_measures.largest_growth_difference(match) == pytest.approx(30)
 
 
+def test_growth_of_a_mode_that_the_other_run_does_not_have_is_lost():
+    match = matched((100, 5000, 110, 5000))
+    match["unstable"][0]["modes"] = [[1], [0]]
+    reference = {"unstable": [{"growth": 110.0}]}
+    case = {"unstable": [{"growth": 30.0}, {"growth": 100.0}]}
+    assert cea_measures.growth_difference(reference, case, match) == pytest.approx(30)
+    case["unstable"].pop(0)
+    match["unstable"][0]["modes"] = [[0], [0]]
+    assert cea_measures.growth_difference(reference, case, match) == pytest.approx(10)
+
+
 def test_sums_and_shifts_keep_to_their_band():
     case = {"unstable": [{"frequency": f, "growth": g} for f, g in ((2e3, 5.0), (12e3, 7.0))]}
     assert cea_measures.growth_sum(case) == 12.0
@@ -127,6 +140,63 @@ def test_cases_on_other_meshes():
     ignored = CeaCase(GaussPointToSurface(5), 1e9, boundary="ignored").scene("hexahedra")
     assert ignored.bodies["disc"].mesh.fe.through == {}
     assert GPTS.scene("NURBS").contacts[CONTACT].mu == 0.7
+
+
+def test_higher_degrees_take_larger_elements():
+    def elements(degree, family):
+        mesh = CeaCase(GaussPointToSurface(5), 1e9, degree=degree).scene(family).bodies["disc"].mesh
+        return mesh.iga.elements if family == "NURBS" else mesh.fe.elements
+
+    assert [elements(p, "NURBS") for p in (2, 3, 4, 5)] == [
+        *2 * [(16, 80, 2)],
+        (12, 60, 2),
+        (10, 48, 1),
+    ]
+    assert [elements(p, "hexahedra")[:2] for p in (2, 3, 4)] == [(9, 60), (6, 40), (4, 30)]
+
+
+def test_degrees_that_lagrange_elements_do_not_have_are_no_cases():
+    cases = FIGURE_14.panels[0].on("hexahedra").values()
+    assert [case.degree for case in cases] == [2, 2, 3, 4]
+    assert [case.degree for case in FIGURE_14.panels[0].on("NURBS").values()] == [2, 2, 3, 4, 5]
+    data = read_data(STORED / "figure_14_fe.json.gz")
+    assert FIGURE_14.measure(data, "hexahedra", Measure("", 0, 4, cea_measures.shift())) is None
+    assert FIGURE_14.measure(data, "hexahedra", Measure("", 0, 3, cea_measures.shift())) > 0
+
+
+def test_divided_hexahedra_fill_the_same_bodies(coarse):
+    scene = CeaCase(GaussPointToSurface(5), 1e9, divided=True).scene("tetrahedra")
+    hexahedra = build_bodies(scene, StageTimer())
+    for name, body in divided_bodies(scene).items():
+        whole = hexahedra[name]
+        assert body._mesh.topology.cell_name() == "tetrahedron"
+        assert body.num_scalar_dofs == whole.num_scalar_dofs
+        for surface, side in body.surfaces.items():
+            assert side.num_elements == 2 * whole.surfaces[surface].num_elements
+            assert side.area == pytest.approx(whole.surfaces[surface].area, rel=1e-12)
+        # A face divided one way on one side and another way on the other would be outside twice.
+        body._mesh.topology.create_connectivity(2, 3)
+        outside = exterior_facet_indices(body._mesh.topology)
+        assert len(outside) == sum(side.num_elements for side in body.surfaces.values())
+
+
+def test_tetrahedra_trace_the_pad_where_hexahedra_are_divided(coarse):
+    case = CeaCase(GaussPointToSurface(5), 1e9, divided=True)
+    assert case.on("hexahedra") == CeaCase(GaussPointToSurface(5), 1e9).on("hexahedra")
+    assert case.on("tetrahedra").boundary == "traced"
+    assert CeaCase(GaussPointToSurface(5), 1e9).on("tetrahedra").boundary == "ignored"
+    runs = Runs()
+    tetrahedra = runs.spectrum(case, "tetrahedra")
+    hexahedra = runs.spectrum(case, "hexahedra")
+    assert tetrahedra.data["dofs"] == hexahedra.data["dofs"]
+    assert tetrahedra.label == f"divided hexahedra, {hexahedra.label}"
+    # Fewer functions of the same nodes: quadratic tetrahedra are the stiffer ones.
+    shifts = [
+        g["lambda"][0][1] / g["lambda"][1][1] - 1
+        for g in compare_spectra(tetrahedra, hexahedra)["groups"]
+    ]
+    assert len(shifts) > 4
+    assert 0 < np.median(shifts) < 0.1
 
 
 def test_pad_has_as_many_greville_points_as_the_paper_says():
@@ -207,7 +277,8 @@ def test_shapes_and_lines_of_a_mode(coarse, tmp_path):
     made = make_figure(shapes, "iga", tmp_path, QUIET)
     assert made.pictures[0].stat().st_size > 20_000
     made = make_figure(line, "iga", tmp_path, QUIET)
-    found = json.loads(made.data_file.read_text())["families"]["NURBS"]["plain"]
+    assert "bodies" not in read_data(made.data_file)["families"]["NURBS"]["plain"]
+    found = read_data(tmp_path / "figure_4_iga.json.gz")["families"]["NURBS"]["plain"]
     arc, disc, pad = (np.array(found["line"][n], dtype=float) for n in ("arc", "disc", "pad"))
     assert np.abs(disc).max() == pytest.approx(1)
     # The line is a chord: the pad's radial ends cut it at 0.115 tan 20 degrees.
@@ -216,6 +287,9 @@ def test_shapes_and_lines_of_a_mode(coarse, tmp_path):
     for body in found["bodies"].values():
         assert len(body["points"]) == len(body["displacement"])
         assert np.array(body["cells"]).max() == len(body["points"]) - 1
+    table = np.genfromtxt(tmp_path / "figure_4_iga_shapes.csv.gz", delimiter=",", skip_header=1)
+    points = [body["points"] for body in found["bodies"].values()]
+    assert table[len(table) // 2 :, 3:6].tolist() == np.concatenate(points).tolist()
 
 
 def lumped_evidence(growth, hertz):
@@ -242,13 +316,29 @@ def test_verdict_on_lumped_spectra_follows_the_data(growth, hertz, verdict):
 
 def test_claims_are_written_with_every_mesh(tmp_path):
     claim = Claim("name", "It is so", "3", "a number", (), lambda e, f: Judgement("holds", 2.0))
-    some = replace(claim, families=("NURBS",))
-    every = [judged(each, {"iga": {}, "fe": {}}) for each in (claim, some)]
+    endless = replace(claim, decide=lambda e, f: Judgement("does not", np.inf))
+    every = [judged(each, {"iga": {}, "fe": {}}) for each in (claim, endless)]
     assert "NURBS: holds, 2" in every[0].told()
     table, file = write_claims(every, tmp_path)
     rows = list(csv.DictReader(table.open()))
-    assert [row["tetrahedra_verdict"] for row in rows] == ["holds", "not tried"]
+    assert [row["tetrahedra_verdict"] for row in rows] == ["holds", "does not"]
     assert json.loads(file.read_text())["claims"][1]["hexahedra_value"] is None
+
+
+def test_every_claim_has_the_number_of_the_stored_data_on_every_mesh():
+    names = {name for claim in CLAIMS for name in claim.figures}
+    evidence = {
+        backend: {name: read_data(STORED / f"figure_{name}_{backend}.json.gz") for name in names}
+        for backend in ("iga", "fe")
+    }
+    rows = {row["name"]: row for row in csv.DictReader((STORED / "claims.csv").open())}
+    assert list(rows) == [claim.name for claim in CLAIMS]
+    for claim in CLAIMS:
+        for family, judgement in judged(claim, evidence).judgements.items():
+            assert np.isfinite(judgement.value)
+            stored = float(rows[claim.name][f"{family}_value"])
+            assert stored == pytest.approx(judgement.value, rel=1e-12, abs=0)
+            assert rows[claim.name][f"{family}_verdict"] == judgement.verdict
 
 
 def test_claims_rest_on_figures_that_exist():

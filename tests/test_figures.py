@@ -1,9 +1,11 @@
 """Figures of the paper: their numbers, the stresses they show, and what is stored of them."""
 
-import json
+import csv
+import gzip
 import subprocess
 import sys
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,11 +15,12 @@ import pytest
 from cea.errors import InputError
 from cea.formulations import GaussPointToSurface, Greville, NodeToSurface
 from comparisons.compare import Progress
-from comparisons.figures.figure import Number
-from comparisons.figures.patch_case import PatchCase, run_case
+from comparisons.figures.figure import Number, numbers_table
+from comparisons.figures.patch_case import PatchCase, run_case, shown
 from comparisons.figures.quadrature import QUADRATURE, fitted_slope
 from comparisons.figures.registry import FIGURES, chosen
-from comparisons.figures.store import make_figure
+from comparisons.figures.store import STORED, fingerprint, make_figure, read_data
+from comparisons.report.tabular import Column, Table
 from comparisons.run import run_scene
 from comparisons.scene import load_scene
 from comparisons.stresses import pressure_along, stress_map
@@ -42,7 +45,15 @@ EXPECTED = {
 def made(tmp_path_factory):
     """Figures 3 and 12 as made, with the folder of their files."""
     out = tmp_path_factory.mktemp("figures")
-    return out, {name: make_figure(FIGURES[name], "iga", out, QUIET) for name in EXPECTED}
+    return out, {
+        name: make_figure(FIGURES[name], "iga", out, QUIET, recompute=True) for name in EXPECTED
+    }
+
+
+@pytest.fixture
+def nothing_stored(monkeypatch, tmp_path):
+    """No data come with the project."""
+    monkeypatch.setattr("comparisons.figures.store.STORED", tmp_path / "nothing")
 
 
 @pytest.mark.parametrize("name", EXPECTED)
@@ -67,18 +78,37 @@ def test_paper_numbers_stand_beside_ours(made):
 
 def test_files_hold_what_was_computed(made):
     out, figures = made
-    data = json.loads((out / "figure_12_iga.json").read_text())
+    data = read_data(out / "figure_12_iga.json.gz")
     case = data["cases"]["D2C1, Greville, P = 10⁶"]
     stress = {side: np.array(case["map"][side]) for side in "ab"}
     # The map is coarser than the samples of the oscillation.
     for side, found in stress.items():
         assert np.ptp(found) == pytest.approx(case["oscillation"][side], rel=0.01)
-    rows = (out / "figure_12_iga_map.csv").read_text().splitlines()
-    assert rows[0] == "case,x,y,sigma_n_a,sigma_n_b"
-    assert len(rows) == 1 + 4 * 61**2
+    with gzip.open(out / "figure_12_iga_map.csv.gz", "rt") as stream:
+        assert stream.readline().startswith("case,side,y,x = 0,x = 0.15,x = 0.3,")
+    # A label in quotes holds two commas.
+    table = np.genfromtxt(out / "figure_12_iga_map.csv.gz", delimiter=",", skip_header=1)[:, 4:]
+    assert table.shape == (4 * 2 * 61, 1 + 61)
+    np.testing.assert_allclose(table[:61, 0], np.linspace(0, 9, 61), atol=1e-9)
+    np.testing.assert_array_equal(table[:61, 1:], stress["a"])
+    np.testing.assert_array_equal(table[61:122, 1:], stress["b"])
     assert all(p.stat().st_size > 20_000 for figure in figures.values() for p in figure.pictures)
 
 
+def test_maps_keep_three_digits_of_what_they_show():
+    for extent in (3000.0, 0.034, 4e-9):
+        stress = -1000.0 + extent * np.array([[0.0, 0.123456789], [np.nan, 1.0]])
+        kept = shown(stress)
+        assert np.isnan(kept[1, 0])
+        error = np.nanmax(np.abs(kept - stress))
+        assert error <= 0.5e-3 * extent
+        if extent > 1e-8:
+            assert error > 0
+    flat = np.full((2, 2), -1000.0)
+    np.testing.assert_array_equal(shown(flat), flat)
+
+
+@pytest.mark.usefixtures("nothing_stored")
 def test_stored_figures_are_drawn_without_computing(made, monkeypatch):
     out, figures = made
     picture = figures["12"].pictures[0]
@@ -111,6 +141,7 @@ def counted(P):
     )
 
 
+@pytest.mark.usefixtures("nothing_stored")
 def test_stored_data_are_reused_only_for_equal_inputs(tmp_path):
     def make(P, **options):
         figure = counted(P)
@@ -122,15 +153,95 @@ def test_stored_data_are_reused_only_for_equal_inputs(tmp_path):
     assert make(1.0) == 0
     assert make(1.0, recompute=True) == 1
     assert make(2.0) == 1
-    (tmp_path / "figure_counted_iga.json").write_text("{ broken")
-    assert make(2.0) == 1
+    file = tmp_path / "figure_counted_iga.json.gz"
+    whole = file.read_bytes()
+    for broken in (b"{ broken", whole[:40], gzip.compress(b"{ broken")):
+        file.write_bytes(broken)
+        assert make(2.0) == 1
+    assert make(2.0) == 0
+
+
+def test_compressed_tables_bear_no_time(tmp_path, monkeypatch):
+    columns = (Column("a", "a"), Column("b", "b"))
+    table = Table("numbers", "", columns, [(1.5, 2), (3, 4.25)], compressed=True)
+    file = table.write_csv(tmp_path)
+    first = file.read_bytes()
+    monkeypatch.setattr("time.time", lambda: 4e9)
+    assert table.write_csv(tmp_path).read_bytes() == first
+    assert file.name == "numbers.csv.gz"
+    np.testing.assert_array_equal(
+        np.loadtxt(file, delimiter=",", skiprows=1), [[1.5, 2], [3, 4.25]]
+    )
+
+
+def backends(figure):
+    """Backends that have a part in a figure."""
+    return ("iga",) if figure.inputs("iga") == figure.inputs("fe") else ("iga", "fe")
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_every_figure_comes_with_its_data_and_tables(name, tmp_path):
+    """Equal inputs, so that nothing is computed, and CSV files made of the very data."""
+    figure = FIGURES[name]
+    for backend in backends(figure):
+        stem = f"figure_{name}_{backend}"
+        data = read_data(STORED / f"{stem}.json.gz")
+        assert data["fingerprint"] == fingerprint(figure.inputs(backend))
+        for table in (
+            numbers_table(figure.numbers(data), stem, ""),
+            *figure.tables(data, stem),
+        ):
+            file = table.write_csv(tmp_path)
+            assert same_cells(file, STORED / file.name), file.name
+
+
+def same_cells(*files):
+    """Whether tables hold the same texts and, but for the last digits of sums, the same numbers."""
+
+    def rows(file):
+        content = file.read_bytes()
+        content = gzip.decompress(content) if file.suffix == ".gz" else content
+        return list(csv.reader(StringIO(content.decode(), newline="")))
+
+    def same(one, other):
+        try:
+            return float(one) == pytest.approx(float(other), rel=1e-12, nan_ok=True)
+        except ValueError:
+            return False
+
+    first, second = map(rows, files)
+    return [len(row) for row in first] == [len(row) for row in second] and all(
+        one == other or same(one, other)
+        for row, its in zip(first, second, strict=True)
+        for one, other in zip(row, its, strict=True)
+    )
+
+
+def test_a_figure_is_drawn_from_the_data_that_come_with_the_project(tmp_path, monkeypatch):
+    monkeypatch.setattr("comparisons.figures.cea_diagram.RUNS", None)
+    made = make_figure(FIGURES["6"], "iga", tmp_path, QUIET)
+    assert made.reused
+    assert made.data_file == STORED / "figure_6_iga.json.gz"
+    assert made.pictures[0].parent == tmp_path
+    assert made.pictures[0].stat().st_size > 20_000
+
+
+def test_what_is_stored_is_small():
+    assert sum(file.stat().st_size for file in STORED.iterdir()) < 7e6
 
 
 def test_lagrange_elements_have_the_cases_that_differ_for_them():
     cases = FIGURES["7"].on("fe")
-    assert list(cases) == ["D2C0, GPTS 3 × 3, P = 10⁶", "D4C0, GPTS 5 × 5, P = 10⁶"]
-    assert PatchCase(Greville(), 1e6).on("fe").formulation == NodeToSurface()
-    assert PatchCase(Greville(), 1e6).on("iga") == PatchCase(Greville(), 1e6)
+    hexahedra = ["D2C0, GPTS 3 × 3, P = 10⁶", "D4C0, GPTS 5 × 5, P = 10⁶"]
+    assert list(cases) == [*hexahedra, *(f"tetrahedra, {label}" for label in hexahedra)]
+    case = PatchCase(Greville(), 1e6, elements=(5, 3))
+    assert [each.formulation for each in case.on("fe")] == 2 * [NodeToSurface()]
+    assert case.on("iga") == (case,)
+    upper, lower = case.on("fe")[1].scene("fe").bodies.values()
+    assert {(m.mesh.fe.cell, m.mesh.fe.size) for m in (upper, lower)} == {
+        ("tetrahedron", 9 / 5),
+        ("tetrahedron", 9 / 3),
+    }
 
 
 def test_spaces_of_one_continuity_agree_over_backends():
@@ -203,8 +314,10 @@ def test_error_falls_with_gauss_points_in_every_space(backend):
 
 @pytest.mark.parametrize("name", ["2", "11"])
 def test_settings_show_the_meshes_of_both_backends(name, tmp_path):
-    made = {b: make_figure(FIGURES[name], b, tmp_path, QUIET) for b in ("fe", "iga")}
-    faces = {b: json.loads(m.data_file.read_text())["faces"] for b, m in made.items()}
+    made = {
+        b: make_figure(FIGURES[name], b, tmp_path, QUIET, recompute=True) for b in ("fe", "iga")
+    }
+    faces = {b: read_data(m.data_file)["faces"] for b, m in made.items()}
     for body, surfaces in faces["iga"].items():
         for surface, cells in surfaces.items():
             mesh = [np.array(each).mean(axis=1) for each in (cells, faces["fe"][body][surface])]
@@ -218,7 +331,7 @@ def test_settings_show_the_meshes_of_both_backends(name, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["3", "7", "8", "9", "10", "12"])
 def test_every_figure_can_be_made_on_both_backends(name, backend, tmp_path):
-    made = make_figure(FIGURES[name], backend, tmp_path, QUIET)
+    made = make_figure(FIGURES[name], backend, tmp_path, QUIET, recompute=True)
     below = [row for row in made.numbers.rows if row[1] == "below 1"]
     if backend == "iga":
         assert all(row[2] < 1 for row in below)
@@ -241,7 +354,7 @@ def test_command_line_draws_stored_figures(tmp_path):
         command = [Path(sys.executable).with_name("cea"), "figure", *arguments]
         return subprocess.run(command, capture_output=True, text=True)
 
-    first, again = (cea("2", "--out", str(tmp_path)) for _ in range(2))
+    first, again = (cea("2", "--out", str(tmp_path), *more) for more in (["--recompute"], []))
     assert first.returncode == 0, first.stderr
     assert "drawn from stored data" not in first.stdout
     assert "drawn from stored data" in again.stdout

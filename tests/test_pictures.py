@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import pyvista
 from conftest import two_blocks
 from matplotlib.image import imread
 from PIL import Image
@@ -13,9 +14,11 @@ from scipy.sparse import eye_array
 
 from cea.body import VolumeSample
 from cea.errors import InputError
+from comparisons.paraview import write_paraview
 from comparisons.report import write_report
 from comparisons.report.drawing import Drawing, largest_deflection
 from comparisons.report.pictures import chosen_modes, draw_modes
+from comparisons.report.vtu_pictures import draw_files
 from comparisons.run import run_scene
 from comparisons.scene import read_scene
 
@@ -63,6 +66,10 @@ def test_modes_are_drawn_and_put_on_the_page(result, backend, tmp_path):
     (name,) = json.loads((tmp_path / "result.json").read_text())["pictures"]
     assert name == f"mode_{backend}_2.png"
     assert name in page.read_text(encoding="utf-8")
+    (drawn_from_files,) = json.loads((tmp_path / "result.json").read_text())["pictures_from_files"]
+    assert drawn_from_files == f"paraview_{backend}.png"
+    assert f"<code>{drawn_from_files}</code>" in page.read_text(encoding="utf-8")
+    assert (tmp_path / drawn_from_files).exists()
     image = imread(tmp_path / name)[..., :3]
     drawn = np.ptp(image, axis=2) > 0.05
     rows, columns = (np.flatnonzero(drawn[:780].any(axis=axis)) for axis in (1, 0))
@@ -71,6 +78,36 @@ def test_modes_are_drawn_and_put_on_the_page(result, backend, tmp_path):
     assert rows.min() > 0
     assert columns.min() > 0
     assert columns.max() < image.shape[1] - 1
+
+
+def colours(file):
+    """Saturated pixels of the left and of the right half of a picture, without its bars."""
+    image = np.asarray(Image.open(file).convert("RGB"), dtype=int)[80:640]
+    halves = image[:, :900], image[:, 900:]
+    return [half[np.ptp(half, axis=2) > 30] for half in halves]
+
+
+def test_files_for_paraview_are_drawn_by_themselves(result, backend, tmp_path):
+    modes, contacts = write_paraview(with_growth(result, [0.0, 0.7]), 1, tmp_path)
+    draw_files(modes, contacts, tmp_path / "files.png")
+    bodies, pressure = colours(tmp_path / "files.png")
+    assert len(bodies) > 20_000
+    assert len(pressure) > 1000
+    # The colours of the displacement lead from yellow to blue.
+    assert (bodies[:, 2] - bodies[:, 0]).max() > 50
+    assert (bodies[:, 2] - bodies[:, 0]).min() < -15
+
+    # What is drawn is what the files hold: with no other pressure at one of the points, all the
+    # rest of them lose their colour.
+    (file,) = (tmp_path / "contacts").iterdir()
+    points = pyvista.read(file)
+    for end in ("real", "imag"):
+        points.point_data[f"pressure_{end}"][0] *= 1e6
+    points.save(file)
+    draw_files(modes, contacts, tmp_path / "changed.png")
+    bodies_again, pressure = colours(tmp_path / "changed.png")
+    assert len(bodies_again) == len(bodies)
+    assert 0 < len(pressure) < 1000
 
 
 def test_images_follow_the_phase():

@@ -1,19 +1,16 @@
 """A figure on both backends: overlaid where it can be, else its pictures side by side."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
-from matplotlib.image import imread
 from mpi4py import MPI
+from PIL import Image
 
 from comparisons.compare import Progress
 from comparisons.figures.figure import Data, PaperFigure
-from comparisons.figures.store import MadeFigure, make_figure
-from comparisons.figures.style import drawing
-from comparisons.report.figures import DPI
+from comparisons.figures.store import MadeFigure, make_figure, read_data
 from comparisons.scene import Backend
 
 BACKENDS: tuple[Backend, ...] = ("iga", "fe")
@@ -70,8 +67,7 @@ def make_both(
     stem = out / f"figure_{figure.name}_both"
     if isinstance(figure, Overlaid):
         data: dict[Backend, Data] = {
-            backend: json.loads(each.data_file.read_text(encoding="utf-8"))
-            for backend, each in made.items()
+            backend: read_data(each.data_file) for backend, each in made.items()
         }
         return BothMade(made, figure.draw_both(data, stem))
     pictures = [each.pictures[0] for each in made.values()]
@@ -80,16 +76,12 @@ def make_both(
 
 def side_by_side(pictures: list[Path], file: Path) -> Path:
     """Join pictures into one, next to each other, pixel by pixel."""
-    images = [imread(picture) for picture in pictures]
-    widths = [image.shape[1] / DPI for image in images]
-    height = max(image.shape[0] for image in images) / DPI
-    with drawing(file, (sum(widths), height)) as figure:
-        figure.set_layout_engine("none")
-        left = 0.0
-        for image, width in zip(images, widths, strict=True):
-            part = image.shape[0] / DPI / height
-            axes = figure.add_axes((left / sum(widths), 1 - part, width / sum(widths), part))
-            axes.imshow(image, aspect="auto")
-            axes.set_axis_off()
-            left += width
+    images = [Image.open(picture).convert("RGB") for picture in pictures]
+    size = sum(image.width for image in images), max(image.height for image in images)
+    joined = Image.new("RGB", size, "white")
+    left = 0
+    for image in images:
+        joined.paste(image, (left, 0))
+        left += image.width
+    joined.save(file)
     return file

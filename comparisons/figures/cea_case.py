@@ -40,6 +40,11 @@ _BACKENDS: dict[Family, Backend] = {f: b for b, families in FAMILIES.items() for
 _TOP = 15.5e3
 """Upper end of the modes (Hz): the paper shows 15 kHz, where modes of some formulations lie on
 either side; here none is near."""
+DIVIDED = "Each hexahedron is divided into six tetrahedra."
+"""What tells scenes on divided hexahedra, whose meshes a scene cannot say."""
+_HIGHEST_LAGRANGE = 4
+_SPANS_KEPT_TO = 3
+"""Degree up to which NURBS keep their spans; at degree 5 those would take 9 GB and more."""
 _FE_GRID = 4
 _SIZES = {DISC: 0.010, PAD: 0.0075}
 """Edge lengths of quadratic tetrahedra (m): about as many dofs as the NURBS."""
@@ -60,12 +65,15 @@ class CeaCase:
     form
         Contact forces eliminated or unknowns.
     degree
-        Of both bodies in every direction. NURBS keep their spans; Lagrange elements grow with the
-        degree, so that dofs stay about the same.
+        Of both bodies in every direction. NURBS keep their spans up to degree 3, then spans grow
+        with the degree; Lagrange elements always do, so that dofs stay about the same.
     full_pass
         Whether points lie on the disc too.
     boundary
-        How the mesh of the disc regards the boundary of the pad; tetrahedra cannot trace it.
+        How the mesh of the disc regards the boundary of the pad; unstructured tetrahedra cannot
+        trace it.
+    divided
+        Whether tetrahedra are hexahedra each divided into six, which can.
     """
 
     formulation: Formulation
@@ -74,18 +82,25 @@ class CeaCase:
     degree: int = 2
     full_pass: bool = False
     boundary: Boundary = "traced"
+    divided: bool = False
 
     def on(self, family: Family) -> "CeaCase":
         """The case as a kind of mesh has it: nodes for Greville points, a grid on every facet."""
         if family == "NURBS":
-            return self
+            return replace(self, divided=False)
         formulation = self.formulation
         if isinstance(formulation, Greville):
             formulation = NodeToSurface()
         elif isinstance(formulation, Grid):
             formulation = Grid(_FE_GRID)
-        boundary = "ignored" if family == "tetrahedra" else self.boundary
-        return replace(self, formulation=formulation, boundary=boundary)
+        divided = self.divided and family == "tetrahedra"
+        traces = divided or family == "hexahedra"
+        boundary = self.boundary if traces else "ignored"
+        return replace(self, formulation=formulation, boundary=boundary, divided=divided)
+
+    def exists_on(self, family: Family) -> bool:
+        """Whether a kind of mesh has elements of the degree."""
+        return family == "NURBS" or self.degree <= _HIGHEST_LAGRANGE
 
     @property
     def rule(self) -> str:
@@ -105,7 +120,8 @@ class CeaCase:
     def label(self) -> str:
         """What tells it from other cases."""
         boundary = "" if self.boundary == "traced" else f", pad boundary {self.boundary}"
-        return f"degree {self.degree}, {self.rule}{boundary}, P = {number(self.P, 1)}"
+        mesh = "divided hexahedra, " if self.divided else ""
+        return f"{mesh}degree {self.degree}, {self.rule}{boundary}, P = {number(self.P, 1)}"
 
     def scene(self, family: Family) -> Scene:
         """The scene of the case on a kind of mesh."""
@@ -124,7 +140,13 @@ class CeaCase:
             full_pass=case.full_pass,
         )
         analysis = replace(scene.analysis, max_frequency=_TOP)
-        return replace(scene, bodies=bodies, contacts={CONTACT: contact}, analysis=analysis)
+        return replace(
+            scene,
+            bodies=bodies,
+            contacts={CONTACT: contact},
+            analysis=analysis,
+            description=scene.description + (f" {DIVIDED}" if case.divided else ""),
+        )
 
 
 def _mesh(scene: Scene, name: str, family: Family, case: CeaCase) -> MeshSpec:
@@ -132,7 +154,7 @@ def _mesh(scene: Scene, name: str, family: Family, case: CeaCase) -> MeshSpec:
     assert spec.iga is not None
     assert spec.fe is not None
     assert spec.fe.elements is not None
-    if family == "tetrahedra":
+    if family == "tetrahedra" and not case.divided:
         size = _SIZES[name] * case.degree / 2
         return MeshSpec(fe=FeMesh("tetrahedron", case.degree, size=size))
     through = {} if case.boundary == "ignored" else spec.iga.through
@@ -145,7 +167,10 @@ def _mesh(scene: Scene, name: str, family: Family, case: CeaCase) -> MeshSpec:
         added = 4
     extra = (added, added, 0)
     if family == "NURBS":
-        spans = tuple(n + more for n, more in zip(spec.iga.elements, extra, strict=True))
+        kept = min(1.0, _SPANS_KEPT_TO / case.degree)
+        spans = tuple(
+            max(1, round(kept * n)) + more for n, more in zip(spec.iga.elements, extra, strict=True)
+        )
         return MeshSpec(iga=IgaMesh((case.degree,) * 3, spans, through=through))
     elements = tuple(
         max(1, round(2 * n / case.degree)) + more

@@ -31,7 +31,8 @@ class Panel:
 
     def on(self, family: Family) -> dict[str, CeaCase]:
         """Cases by label as a kind of mesh has them; those that become equal there are one."""
-        return {case.label: case for case in (case.on(family) for case in self.cases)}
+        cases = (case.on(family) for case in self.cases if case.exists_on(family))
+        return {case.label: case for case in cases}
 
 
 @dataclass(frozen=True)
@@ -124,10 +125,11 @@ class StabilityFigure:
         return {"families": families}
 
     def measure(self, data: Data, family: Family, measure: Measure) -> float | None:
-        """Value of a measure on a kind of mesh; None where its case is not told from another."""
+        """Value of a measure on a kind of mesh; None where its case is an earlier one, or none."""
         stored = data["families"][family][measure.panel]
-        label = self.panels[measure.panel].cases[measure.case].on(family).label
-        if label == stored["reference"]:
+        labels = [case.on(family).label for case in self.panels[measure.panel].cases]
+        label = labels[measure.case]
+        if label in labels[: measure.case] or label not in stored["matches"]:
             return None
         cases = stored["cases"]
         return measure.of(cases[stored["reference"]], cases[label], stored["matches"][label])

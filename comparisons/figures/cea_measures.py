@@ -127,8 +127,15 @@ def distance(reference: Data, case: Data, match: Data) -> float:
 
 
 def growth_difference(reference: Data, case: Data, match: Data) -> float:
-    """Largest difference of growth rates (1/s)."""
-    return largest_growth_difference(match)
+    """Largest difference of growth rates (1/s); unstable modes without a partner lose theirs."""
+    alone = _growth_alone(case, match, 0) + _growth_alone(reference, match, 1)
+    return max([largest_growth_difference(match), *alone])
+
+
+def _growth_alone(run: Data, match: Data, side: int) -> list[float]:
+    """Growth rates (1/s) of the unstable modes of the first or second run without a partner."""
+    paired = {i for group in match["unstable"] for i in group["modes"][side]}
+    return [mode["growth"] for i, mode in enumerate(run["unstable"]) if i not in paired]
 
 
 def motion(what: str) -> Callable[[Data, Data, Data], float]:

@@ -12,6 +12,7 @@ from cea.matrices import destroy
 from cea.modes import Complexes
 from comparisons.assurance import NEAR, GroupMatch, ModeSet, match_modes
 from comparisons.figures.cea_case import DISC, PAD, CeaCase, Family
+from comparisons.figures.divided import divided_bodies
 from comparisons.figures.figure import Data
 from comparisons.figures.store import fingerprint
 from comparisons.match import complex_displacement
@@ -71,9 +72,13 @@ class Runs:
     def result(self, case: CeaCase, family: Family) -> SceneResult:
         """Run a case; its spectrum is kept."""
         scene = case.scene(family)
-        mesh = fingerprint({name: asdict(body) for name, body in scene.bodies.items()})
+        divided = case.on(family).divided
+        described: Data = {name: asdict(body) for name, body in scene.bodies.items()}
+        mesh = fingerprint({"bodies": described, "divided": divided})
         known = self._bodies[1] if self._bodies and self._bodies[0] == mesh else None
         self._bodies = None
+        if known is None and divided:
+            known = divided_bodies(scene)
         result = run_scene(scene, bodies=known)
         self._bodies = mesh, result.system.bodies
         self._spectra[fingerprint(asdict(scene))] = _spectrum(case.on(family).label, result)

@@ -45,6 +45,9 @@ _SAMPLES = 281
 _ALIKE = 0.5
 """Modal assurance of modes that have the same characteristics."""
 _DIGITS = 6
+"""Decimals (m) by which points of the bodies are told apart."""
+_SHAPE_DIGITS = 4
+"""Decimals of displacements relative to the largest."""
 
 _COMPUTED: dict[Backend, Data] = {}
 """What both figures show, kept while the program runs."""
@@ -82,7 +85,14 @@ class ShapeFigure:
                 progress.step(f"figures 4 and 5, {family}")
                 families[family] = _compute(family)
             _COMPUTED[backend] = {"families": families}
-        return _COMPUTED[backend]
+        if self.kind == "shapes":
+            return _COMPUTED[backend]
+        return {
+            "families": {
+                family: found | {name: _without_bodies(found[name]) for name in CASES}
+                for family, found in _COMPUTED[backend]["families"].items()
+            }
+        }
 
     def draw(self, data: Data, stem: Path) -> list[Path]:
         """Draw the shapes or the lines."""
@@ -126,15 +136,38 @@ class ShapeFigure:
         )
 
     def tables(self, data: Data, stem: str) -> list[Table]:
-        """The lines."""
-        names = ("mesh", "case", "arc", "disc", "pad")
-        rows = [
-            (family, name, *row)
+        """The lines; of the shapes, where the points of both bodies are and move too."""
+        every = [
+            (family, name, found[name])
             for family, found in data["families"].items()
             for name in CASES
-            for row in zip(*(found[name]["line"][c] for c in names[2:]), strict=True)
         ]
-        return [Table(f"{stem}_line", self.title, tuple(Column(c, c) for c in names), rows)]
+        lines = [
+            (family, name, *row)
+            for family, name, mode in every
+            for row in zip(*(mode["line"][c] for c in ("arc", "disc", "pad")), strict=True)
+        ]
+        tables = [_table(f"{stem}_line", self.title, "mesh case arc disc pad", lines)]
+        if self.kind == "shapes":
+            points = [
+                (family, name, body, *point, *u)
+                for family, name, mode in every
+                for body, shape in mode["bodies"].items()
+                for point, u in zip(shape["points"], shape["displacement"], strict=True)
+            ]
+            columns = "mesh case body x y z u_x u_y u_z"
+            tables.append(_table(f"{stem}_shapes", self.title, columns, points, compressed=True))
+        return tables
+
+
+def _table(
+    name: str, title: str, columns: str, rows: list[tuple[Any, ...]], *, compressed: bool = False
+) -> Table:
+    return Table(name, title, tuple(Column(c, c) for c in columns.split()), rows, compressed)
+
+
+def _without_bodies(mode: Data) -> Data:
+    return {key: value for key, value in mode.items() if key != "bodies"}
 
 
 def _compute(family: Family) -> Data:
@@ -224,7 +257,7 @@ def _bodies(result: SceneResult, mode: int) -> Data:
             name: {
                 "points": points[name].tolist(),
                 "cells": cells[name].tolist(),
-                "displacement": np.round(real[name], _DIGITS).tolist(),
+                "displacement": np.round(real[name], _SHAPE_DIGITS).tolist(),
             }
             for name in points
         }

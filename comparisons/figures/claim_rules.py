@@ -63,9 +63,14 @@ def _verdict(holds: bool, *, depends: bool = False) -> Verdict:
     return "holds" if holds else "depends" if depends else "does not"
 
 
+def _patch_cases(evidence: Evidence, name: str, family: Family) -> list[Data]:
+    """Cases of a figure of the patch test on a kind of mesh."""
+    return [case for case in evidence[name]["cases"].values() if case["mesh"] == family]
+
+
 def lumped_patch(evidence: Evidence, family: Family) -> Judgement:
     """Oscillation of lumped contact at P = 10¹⁴ against rounding."""
-    cases = evidence["3"]["cases"].values()
+    cases = _patch_cases(evidence, "3", family)
     (lumped,) = (c for c in cases if "lumped" in c["rule"] and c["P"] == 1e14)
     relative = max(lumped["oscillation"].values()) / 1000.0
     return Judgement(_verdict(relative < _ROUNDING), relative)
@@ -76,7 +81,7 @@ def side_b(evidence: Evidence, family: Family) -> Judgement:
     ratios = [
         case["oscillation"]["b"] / case["oscillation"]["a"]
         for name in ("7", "12")
-        for case in evidence[name]["cases"].values()
+        for case in _patch_cases(evidence, name, family)
         if case["P"] == 1e6
     ]
     low, high = min(ratios), max(ratios)
@@ -146,25 +151,50 @@ def over_constraint(evidence: Evidence, family: Family) -> Judgement:
     return Judgement(_verdict(high[3] > 3 * middle[3]), high[3], why)
 
 
-def insensitive(case: int) -> Callable[[Evidence, Family], Judgement]:
-    """Rule for the shifts and growth of a case of Figure 14."""
+def more_points(evidence: Evidence, family: Family) -> Judgement:
+    """Shifts and growth by more Gauss points."""
+    return _insensitive(evidence, family, 1)
 
-    def decide(evidence: Evidence, family: Family) -> Judgement:
-        below = _measured(evidence, FIGURE_14, family, (0, case), shift(BELOW_13_KHZ))
-        growth = _measured(evidence, FIGURE_14, family, (0, case), _part_of_growth)
-        verdict = _verdict(below < 0.01 and growth < _CONSIDERABLE, depends=below < 0.01)
-        return Judgement(verdict, below, f"growth differs by {number(growth)} of the largest")
 
-    return decide
+def higher_degree(evidence: Evidence, family: Family) -> Judgement:
+    """Shifts and growth by the degree that changes growth most; those by every degree."""
+    found = {
+        degree: _insensitive(evidence, family, case) for degree, case in _higher_degrees(family)
+    }
+    worst = max(found.values(), key=lambda judged: (_RANK[judged.verdict], judged.value))
+    why = "; ".join(f"degree {d}: {number(j.value)}, {j.why}" for d, j in found.items())
+    return Judgement(worst.verdict, worst.value, why)
+
+
+_RANK: dict[Verdict, int] = {"holds": 0, "depends": 1, "does not": 2}
+
+
+def _insensitive(evidence: Evidence, family: Family, case: int) -> Judgement:
+    """Shifts and growth of a case of Figure 14."""
+    below = _measured(evidence, FIGURE_14, family, (0, case), shift(BELOW_13_KHZ))
+    growth = _measured(evidence, FIGURE_14, family, (0, case), _part_of_growth)
+    verdict = _verdict(below < 0.01 and growth < _CONSIDERABLE, depends=below < 0.01)
+    return Judgement(verdict, below, f"growth differs by {number(growth)} of the largest")
+
+
+def _higher_degrees(family: Family) -> list[tuple[int, int]]:
+    """Degrees above 2 that a kind of mesh has, with their places in Figure 14."""
+    cases = enumerate(FIGURE_14.panels[0].cases)
+    return [(c.degree, place) for place, c in cases if c.degree > 2 and c.exists_on(family)]
 
 
 def above_13(evidence: Evidence, family: Family) -> Judgement:
-    """Shifts by a higher degree above 13 kHz over those below."""
-    below, above = (
-        _measured(evidence, FIGURE_14, family, (0, 2), shift(band))
-        for band in (BELOW_13_KHZ, ABOVE_13_KHZ)
-    )
-    return Judgement(_verdict(above > below), above / below)
+    """Shifts by higher degrees above 13 kHz over those below, least of all degrees."""
+    ratios = {}
+    for degree, case in _higher_degrees(family):
+        below, above = (
+            _measured(evidence, FIGURE_14, family, (0, case), shift(band))
+            for band in (BELOW_13_KHZ, ABOVE_13_KHZ)
+        )
+        ratios[degree] = above / below
+    low, high = min(ratios.values()), max(ratios.values())
+    why = ", ".join(f"degree {degree}: {number(ratio)}" for degree, ratio in ratios.items())
+    return Judgement(_verdict(low > 1, depends=high > 1), low, why)
 
 
 def places(evidence: Evidence, family: Family) -> Judgement:
@@ -191,7 +221,8 @@ def boundary(evidence: Evidence, family: Family) -> Judgement:
         _measured(evidence, BOUNDARY, family, (0, case), _part_of_growth) for case in (1, 2)
     )
     verdict = _verdict(ignored > max(1.5 * traced, 0.01), depends=ignored > traced)
-    return Judgement(verdict, ignored, f"{number(traced)} where traced")
+    mesh = "; hexahedra divided into six" if family == "tetrahedra" else ""
+    return Judgement(verdict, ignored, f"{number(traced)} where traced{mesh}")
 
 
 def full_pass(evidence: Evidence, family: Family) -> Judgement:

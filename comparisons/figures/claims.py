@@ -1,6 +1,5 @@
 """The paper's claims judged by the data of the figures, for every kind of mesh."""
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
@@ -15,7 +14,7 @@ from comparisons.report.tabular import Column, Table
 from comparisons.result import write_json
 from comparisons.scene import Backend
 
-Verdict = Literal["holds", "does not", "depends", "not tried"]
+Verdict = Literal["holds", "does not", "depends"]
 
 Evidence = Mapping[str, Data]
 """Stored data of figures by name, all of one backend."""
@@ -30,13 +29,13 @@ class Judgement:
     verdict
         Whether it holds.
     value
-        The number that decides; None where it was not tried.
+        The number that decides.
     why
         What else a reader must know, in a few words.
     """
 
     verdict: Verdict
-    value: float | None = None
+    value: float
     why: str = ""
 
 
@@ -58,8 +57,6 @@ class Claim:
         Figures whose data decide.
     decide
         Judges by these data on a kind of mesh.
-    families
-        Kinds of meshes it was tried on.
     """
 
     name: str
@@ -68,7 +65,6 @@ class Claim:
     measure: str
     figures: tuple[str, ...]
     decide: Callable[[Evidence, Family], Judgement]
-    families: tuple[Family, ...] = ("NURBS", "hexahedra", "tetrahedra")
 
 
 @dataclass(frozen=True)
@@ -81,8 +77,7 @@ class JudgedClaim:
     def told(self) -> str:
         """The claim and its verdicts as a paragraph."""
         verdicts = [
-            f"  {family}: {judged.verdict}"
-            + (f", {number(judged.value)}" if judged.value is not None else "")
+            f"  {family}: {judged.verdict}, {number(judged.value)}"
             + (f" ({judged.why})" if judged.why else "")
             for family, judged in self.judgements.items()
         ]
@@ -102,16 +97,13 @@ def judge(out: Path, progress: Progress) -> list[JudgedClaim]:
     """
     from comparisons.figures.claim_list import CLAIMS
     from comparisons.figures.registry import FIGURES
-    from comparisons.figures.store import make_figure
+    from comparisons.figures.store import make_figure, read_data
 
     needed = [name for name in FIGURES if any(name in claim.figures for claim in CLAIMS)]
     evidence: dict[Backend, Evidence] = {}
     for backend in FAMILIES:
         made = {name: make_figure(FIGURES[name], backend, out, progress) for name in needed}
-        evidence[backend] = {
-            name: json.loads(each.data_file.read_text(encoding="utf-8"))
-            for name, each in made.items()
-        }
+        evidence[backend] = {name: read_data(each.data_file) for name, each in made.items()}
     return [judged(claim, evidence) for claim in CLAIMS]
 
 
@@ -121,8 +113,6 @@ def judged(claim: Claim, evidence: Mapping[Backend, Evidence]) -> JudgedClaim:
         claim,
         {
             family: claim.decide(evidence[backend], family)
-            if family in claim.families
-            else Judgement("not tried")
             for backend, families in FAMILIES.items()
             for family in families
         },
@@ -148,5 +138,5 @@ def write_claims(every: list[JudgedClaim], out: Path) -> list[Path]:
     return [table.write_csv(out), file]
 
 
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and isfinite(value) else None
+def _finite(value: float) -> float | None:
+    return value if isfinite(value) else None

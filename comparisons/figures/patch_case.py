@@ -7,14 +7,16 @@ normal stress: its largest minus its smallest value over the interface.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from math import floor, log10
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cea.body import Body
+from cea.body import Body, Floats
 from cea.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
 from comparisons.compare import on_backend, with_contact
+from comparisons.figures.cea_case import FAMILIES, Family
 from comparisons.figures.figure import Data
 from comparisons.report.numbers import number
 from comparisons.run import run_scene
@@ -27,7 +29,12 @@ INTERFACE = "interface"
 """Name of the contact in the scene."""
 
 _MAP_SAMPLES = 61
+_MAP_DIGITS = 3
+"""Digits kept of what a map shows, the oscillation of the normal stress."""
 _FE_GRID = 4
+_HIGHEST_LAGRANGE = 4
+_WIDTH = 9.0
+"""Width of the interface (m), along which tetrahedra have as many edges as others elements."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +51,8 @@ class PatchCase:
         Of both bodies in every direction.
     elements
         Elements along each side of the interface, of a and of b.
+    mesh
+        Kind of mesh.
     quoted
         Oscillation in the paper (N/m^2), in words where it has only those; None where it says
         nothing.
@@ -56,23 +65,28 @@ class PatchCase:
     degree: int = 2
     continuity: int = 1
     elements: tuple[int, int] = (3, 5)
+    mesh: Family = "NURBS"
     quoted: float | str | None = field(default=None, compare=False)
     remark: str = field(default="", compare=False)
 
-    def on(self, backend: Backend) -> "PatchCase":
-        """The case as a backend has it.
+    def on(self, backend: Backend) -> tuple["PatchCase", ...]:
+        """The case on every kind of mesh that a backend has."""
+        return tuple(self.on_mesh(mesh) for mesh in FAMILIES[backend])
+
+    def on_mesh(self, mesh: Family) -> "PatchCase":
+        """The case on a kind of mesh.
 
         Lagrange elements are continuous and no more, have nodes for Greville abscissae, and a grid
         on every facet: 10 x 10 points over 3 x 3 facets for the paper's 9 x 9.
         """
-        if backend == "iga":
+        if mesh == "NURBS":
             return self
         formulation = self.formulation
         if isinstance(formulation, Greville):
             formulation = NodeToSurface()
         elif isinstance(formulation, Grid):
             formulation = Grid(_FE_GRID)
-        return replace(self, continuity=0, formulation=formulation)
+        return replace(self, continuity=0, formulation=formulation, mesh=mesh)
 
     @property
     def space(self) -> str:
@@ -95,23 +109,27 @@ class PatchCase:
     @property
     def label(self) -> str:
         """What tells it from other cases."""
-        return f"{self.space}, {self.rule}, P = {number(self.P, 1)}"
+        unstructured = "tetrahedra, " if self.mesh == "tetrahedra" else ""
+        return f"{unstructured}{self.space}, {self.rule}, P = {number(self.P, 1)}"
 
     def scene(self, backend: Backend) -> Scene:
         """The scene of the case."""
         scene = on_backend(load_scene(Path("patch_test")), backend)
         bodies = {
-            name: replace(scene.bodies[name], mesh=self._mesh(n))
+            name: replace(scene.bodies[name], mesh=self._mesh_spec(n))
             for name, n in zip(("upper", "lower"), self.elements, strict=True)
         }
         scene = replace(scene, bodies=bodies)
         return with_contact(scene, formulation=self.formulation, P=self.P)
 
-    def _mesh(self, n: int) -> MeshSpec:
+    def _mesh_spec(self, n: int) -> MeshSpec:
         """Both meshes of a body; the one that its backend does not use says nothing."""
         elements = (n, n, 1)
+        degree = min(self.degree, _HIGHEST_LAGRANGE)
         return MeshSpec(
-            fe=FeMesh("hexahedron", min(self.degree, 4), elements=elements),
+            fe=FeMesh("tetrahedron", degree, size=_WIDTH / n)
+            if self.mesh == "tetrahedra"
+            else FeMesh("hexahedron", degree, elements=elements),
             iga=IgaMesh((self.degree,) * 3, elements, (self.continuity,) * 3),
         )
 
@@ -148,6 +166,7 @@ def run_case(
     plane = stress_map(system, INTERFACE, x, _MAP_SAMPLES)
     along = pressure_along(system, INTERFACE, x, case.P / area, scene.analysis.samples)
     data = {
+        "mesh": case.mesh,
         "space": case.space,
         "rule": case.rule,
         "P": case.P,
@@ -159,9 +178,15 @@ def run_case(
         "line": {"arc": plain(sides["a"].arc), "p_gap": plain(along)}
         | {side: plain(stress.sigma_n_along) for side, stress in sides.items()},
         "map": {"x": plain(plane.u), "y": plain(plane.v)}
-        | {side: plain(stress) for side, stress in plane.sigma_n.items()},
+        | {side: plain(shown(stress)) for side, stress in plane.sigma_n.items()},
     }
     return data, system.bodies
+
+
+def shown(stress: Floats) -> Floats:
+    """A map rounded to the digits kept of its range, so that it is small when compressed."""
+    extent = float(np.ptp(stress[np.isfinite(stress)]))
+    return np.round(stress, _MAP_DIGITS - floor(log10(extent))) if extent else stress
 
 
 def plain(values: Any) -> list[Any]:

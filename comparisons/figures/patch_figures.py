@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import numpy as np
+
 from cea.body import Body
 from cea.formulations import GaussPointToSurface, Greville, Grid
 from comparisons.compare import Progress
@@ -14,8 +16,13 @@ from comparisons.report.tabular import Column, Table
 from comparisons.scene import Backend
 
 _OSCILLATION = "Oscillation (N/m²): largest less smallest σₙ over the interface, worse side."
-_NURBS = "The paper's numbers are those of NURBS."
+_NURBS = (
+    "The paper's numbers are those of NURBS. Tetrahedra are unstructured, with as many edges along "
+    "a side of the interface as there are hexahedra."
+)
 _STRESS = "N/m²"
+_GRID_DECIMALS = 9
+"""Decimals of the coordinates of a map (m)."""
 
 
 @dataclass(frozen=True)
@@ -61,8 +68,12 @@ class PatchFigure:
     remark: str = ""
 
     def on(self, backend: Backend) -> dict[str, PatchCase]:
-        """Cases by label as a backend has them; those that become equal there are one."""
-        return {case.label: case for case in (case.on(backend) for case in self.cases)}
+        """Cases by label as a backend has them; those that become equal there are the first."""
+        cases: dict[str, PatchCase] = {}
+        for every in zip(*(case.on(backend) for case in self.cases), strict=True):
+            for case in every:
+                cases.setdefault(case.label, case)
+        return cases
 
     def inputs(self, backend: Backend) -> Data:
         """Scenes of all cases."""
@@ -90,20 +101,17 @@ class PatchFigure:
         return [*self._oscillations(data), *self._comparisons(data)]
 
     def _oscillations(self, data: Data) -> Iterator[Number]:
-        shown = set[str]()
-        for case in self.cases:
-            label = case.on(data["backend"]).label
-            if label not in shown:
-                shown.add(label)
-                ours = worse(data["cases"][label])
-                yield Number(label, case.quoted, ours, _STRESS, case.remark)
+        for label, case in self.on(data["backend"]).items():
+            ours = worse(data["cases"][label])
+            yield Number(label, case.quoted, ours, _STRESS, case.remark)
 
     def _comparisons(self, data: Data) -> Iterator[Number]:
         for ratio in self.ratios:
-            over, under = (c.on(data["backend"]).label for c in (ratio.over, ratio.under))
-            if over != under:
-                ours = worse(data["cases"][over]) / worse(data["cases"][under])
-                yield Number(f"{over} over {under}", ratio.paper, ours)
+            pairs = zip(*(c.on(data["backend"]) for c in (ratio.over, ratio.under)), strict=True)
+            for over, under in ((over.label, under.label) for over, under in pairs):
+                if over != under:
+                    ours = worse(data["cases"][over]) / worse(data["cases"][under])
+                    yield Number(f"{over} over {under}", ratio.paper, ours)
         if self.side_ratios:
             for label, case in data["cases"].items():
                 sides = case["oscillation"]
@@ -150,18 +158,21 @@ class PatchFigure:
                     )
                 ],
             ),
-            Table(
-                f"{stem}_map",
-                self.title,
-                _columns("case", "x", "y", "sigma_n_a", "sigma_n_b"),
-                [
-                    (label, x, y, case["map"]["a"][j][i], case["map"]["b"][j][i])
-                    for label, case in cases
-                    for j, y in enumerate(case["map"]["y"])
-                    for i, x in enumerate(case["map"]["x"])
-                ],
-            ),
+            self._maps(data, f"{stem}_map"),
         ]
+
+    def _maps(self, data: Data, name: str) -> Table:
+        """Maps by rows of equal y, a column for each x; the grid is that of every case."""
+        grid = next(iter(data["cases"].values()))["map"]
+        x, y = (np.round(grid[axis], _GRID_DECIMALS) + 0.0 for axis in "xy")
+        rows = [
+            (label, side, at, *row)
+            for label, case in data["cases"].items()
+            for side in "ab"
+            for at, row in zip(y, case["map"][side], strict=True)
+        ]
+        columns = _columns("case", "side", "y", *(f"x = {at:g}" for at in x))
+        return Table(name, self.title, columns, rows, compressed=True)
 
 
 def _columns(*names: str) -> tuple[Column, ...]:

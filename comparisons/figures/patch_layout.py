@@ -61,7 +61,8 @@ def _draw_case(place: SubFigure, case: Data) -> None:
     # Where P is large p g is noise, far beyond the panel: all but vertical lines across it.
     pressure[(pressure < low) | (pressure > high)] = np.nan
     line.plot(case["line"]["arc"], pressure, ":", color=GREY, linewidth=0.9)
-    line.set_title(f"{case['space']}, {case['rule']}\nP = {number(case['P'], 1)} N/m")
+    contact = f"{case['rule']}, P = {number(case['P'], 1)} N/m"
+    line.set_title(f"{case['mesh']}, {case['space']}\n{contact}")
     line.set_xlabel("along the diagonal (m)")
     line.set_ylabel(r"$\sigma_n + 1000$ (N/m²)")
     line.grid(visible=True)

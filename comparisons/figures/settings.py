@@ -58,12 +58,12 @@ class SettingFigure:
 
     def inputs(self, backend: Backend) -> Data:
         """The scene."""
-        return {"scene": asdict(self.case.on(backend).scene(backend))}
+        return {"scene": asdict(self.case.on(backend)[0].scene(backend))}
 
     def compute(self, backend: Backend, progress: Progress) -> Data:
         """Mesh both bodies; corners of the cells of every face, and the points of side a."""
         progress.step(f"figure {self.name}, {backend}")
-        scene = self.case.on(backend).scene(backend)
+        scene = self.case.on(backend)[0].scene(backend)
         bodies = build_bodies(scene, StageTimer(progress.stage))
         faces = {
             name: {surface: _cells(body.surfaces[surface]) for surface in sorted(body.surfaces)}
@@ -71,7 +71,7 @@ class SettingFigure:
         }
         points = {}
         for formulation in (Greville(), Grid(9)):
-            case = replace(self.case, formulation=formulation).on(backend)
+            case = replace(self.case, formulation=formulation).on(backend)[0]
             counted = with_contact(scene, formulation=case.formulation)
             interface = build_interfaces(counted, bodies, StageTimer(progress.stage))[INTERFACE]
             points[formulation.method] = len(interface.points)

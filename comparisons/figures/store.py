@@ -1,6 +1,12 @@
-"""Computed figures kept as JSON and CSV: drawing anew computes nothing while inputs are equal."""
+"""Computed figures kept as JSON and CSV: drawing anew computes nothing while inputs are equal.
 
+Data are looked for in the folder that is written to, then among those that come with the project.
+"""
+
+import gzip
 import json
+import zlib
+from collections.abc import Iterable
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -9,9 +15,12 @@ from mpi4py import MPI
 
 from comparisons.compare import Progress
 from comparisons.figures.figure import Data, PaperFigure, numbers_table
-from comparisons.report.tabular import Table
-from comparisons.result import machine, versions, write_json
+from comparisons.report.tabular import Table, compressed
+from comparisons.result import machine, versions
 from comparisons.scene import Backend
+
+STORED = Path(__file__).parent / "results"
+"""Data that come with the project."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +34,7 @@ class MadeFigure:
     note
         What a reader must know to compare them.
     data_file
-        What was computed, JSON.
+        What was computed, compressed JSON.
     pictures
         What was drawn.
     reused
@@ -56,7 +65,7 @@ def make_figure(
     backend
         Backend of every body.
     out
-        Folder for ``figure_<name>_<backend>`` with endings .json, .csv and .png; rank 0 writes.
+        Folder for ``figure_<name>_<backend>`` with endings .json.gz, .csv and .png; rank 0 writes.
     progress
         Where progress is shown.
     recompute
@@ -64,14 +73,16 @@ def make_figure(
     """
     comm = MPI.COMM_WORLD
     stem = f"figure_{figure.name}_{backend}"
-    file = out / f"{stem}.json"
+    file = out / f"{stem}.json.gz"
     mark = fingerprint(figure.inputs(backend))
-    stored = None
+    found: tuple[Path, Data] | None = None
     if comm.rank == 0 and not recompute:
-        stored = _stored(file, mark)
-    data: Data | None = comm.bcast(stored)
-    reused = data is not None
-    if data is None:
+        found = _found((file, STORED / file.name), mark)
+    found = comm.bcast(found)
+    reused = found is not None
+    if found is not None:
+        file, data = found
+    else:
         data = {
             "figure": figure.name,
             "title": figure.title,
@@ -82,11 +93,12 @@ def make_figure(
             "machine": machine(),
         } | figure.compute(backend, progress)
         if comm.rank == 0:
-            write_json(data, file)
+            write_data(data, file)
     numbers = numbers_table(figure.numbers(data), stem, f"{figure.title}, {backend}")
     pictures: list[Path] = []
     if comm.rank == 0:
         progress.stage("drawing")
+        out.mkdir(parents=True, exist_ok=True)
         for table in (numbers, *figure.tables(data, stem)):
             table.write_csv(out)
         pictures = figure.draw(data, out / stem)
@@ -99,10 +111,25 @@ def fingerprint(inputs: Data) -> str:
     return sha256(text.encode()).hexdigest()
 
 
-def _stored(file: Path, mark: str) -> Data | None:
-    """Stored data, None where there are none or other inputs made them."""
-    try:
-        data = json.loads(file.read_text(encoding="utf-8"))
-    except (FileNotFoundError, json.JSONDecodeError):
-        return None
-    return data if isinstance(data, dict) and data.get("fingerprint") == mark else None
+def write_data(data: Data, file: Path) -> None:
+    """Write computed data, making their folder."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    file.write_bytes(compressed(text.encode()))
+
+
+def read_data(file: Path) -> Data:
+    """Read computed data."""
+    return json.loads(gzip.decompress(file.read_bytes()))
+
+
+def _found(files: Iterable[Path], mark: str) -> tuple[Path, Data] | None:
+    """The first file with data that equal inputs made, and the data."""
+    for file in files:
+        try:
+            data = read_data(file)
+        except (OSError, EOFError, zlib.error, ValueError):
+            continue  # there is none, or it is broken
+        if isinstance(data, dict) and data.get("fingerprint") == mark:
+            return file, data
+    return None

@@ -13,11 +13,13 @@ from cea.modes import Complexes
 from comparisons.vtu import in_space
 
 _WINDOW = (1500, 900)
-_DEFLECTION = 0.05
+DEFLECTION = 0.05
 """Largest deflection drawn, relative to the diagonal of the scene."""
 _MERGED = 1e-6
 """Sample points nearer than this, relative to the diagonal, are one point."""
 _FEATURE_ANGLE = 30.0
+_STEEP = 0.999
+"""Upward part of a view from which z no longer tells what is upright."""
 _CELL_TYPES = {
     (2, 3): pyvista.CellType.TRIANGLE,
     (2, 4): pyvista.CellType.QUAD,
@@ -79,12 +81,12 @@ class Drawing:
         points = np.concatenate([in_space(sample.points) for sample in samples.values()])
         size = float(np.linalg.norm(np.ptp(points, axis=0)))
         ends = np.cumsum([len(shape) for shape in shapes.values()])[:-1]
-        drawn = np.split(_DEFLECTION * size * turned / largest, ends)
+        drawn = np.split(DEFLECTION * size * turned / largest, ends)
         skins = [
             _Skin.of(sample, shape, size)
             for sample, shape in zip(samples.values(), drawn, strict=True)
         ]
-        return cls(skins, _view(samples, points), title)
+        return cls(skins, view_of([s.points for s in samples.values()]), title)
 
     def images(self, phases: Sequence[float], reduction: int = 1) -> list[Image.Image]:
         """Images at some phases, from one point of view; at phase 0 the deflection is largest.
@@ -116,7 +118,7 @@ class Drawing:
             meshes = [mesh for skin in self.skins for mesh in _add_body(plotter, skin)]
             text = plotter.add_title(self.title, font_size=15, color="#222222")
             text.SetPosition(0.5, 0.93)
-            _aim(plotter.camera, self.view, seen)
+            aim(plotter.camera, self.view, seen, _WINDOW)
             for phase in phases:
                 for mesh in meshes:
                     _deform(mesh, phase, largest)
@@ -201,12 +203,19 @@ def _add_body(plotter: Any, skin: _Skin) -> list[Any]:
     return [actor.mapper.dataset for actor in (*edges, coloured)]
 
 
-def _view(samples: Mapping[str, VolumeSample], points: Floats) -> Floats:
-    """Unit vector towards the camera: above the side of the scene where its smallest body sits."""
-    smallest = min(samples.values(), key=lambda s: float(np.prod(np.ptp(s.points, axis=0))))
-    if smallest.points.shape[1] == 2:
+def view_of(bodies: Sequence[Floats]) -> Floats:
+    """Unit vector towards the camera: above the side of the scene where its smallest body sits.
+
+    Parameters
+    ----------
+    bodies
+        Points (m) of each body, shape (n, dim).
+    """
+    smallest = min(bodies, key=lambda points: float(np.prod(np.ptp(points, axis=0))))
+    if smallest.shape[1] == 2:
         return np.array([0.0, 0.0, 1.0])
-    offset = smallest.points.mean(axis=0) - (points.min(axis=0) + points.max(axis=0)) / 2
+    points = np.concatenate(list(bodies))
+    offset = smallest.mean(axis=0) - (points.min(axis=0) + points.max(axis=0)) / 2
     beside = np.hypot(offset[0], offset[1]) > 0.05 * np.linalg.norm(np.ptp(points, axis=0))
     azimuth = np.arctan2(offset[1], offset[0]) - np.pi / 6 if beside else -np.pi / 3
     elevation = np.copysign(np.radians(38.0), offset[2])
@@ -214,9 +223,21 @@ def _view(samples: Mapping[str, VolumeSample], points: Floats) -> Floats:
     return np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
 
 
-def _aim(camera: Any, view: Floats, points: Floats) -> None:
-    """Fill the middle of the window with some points, seen along a direction from far away."""
-    upright = np.array([0.0, 1.0, 0.0]) if view[2] == 1 else np.array([0.0, 0.0, 1.0])
+def aim(camera: Any, view: Floats, points: Floats, window: tuple[int, int]) -> None:
+    """Fill the middle of a window with points, seen along a direction from far away.
+
+    Parameters
+    ----------
+    camera
+        Camera of a pyvista plotter.
+    view
+        Unit vector towards it.
+    points
+        What must be seen (m), shape (n, 3).
+    window
+        Width and height of the window (pixels).
+    """
+    upright = np.array([0.0, 1.0, 0.0]) if abs(view[2]) > _STEEP else np.array([0.0, 0.0, 1.0])
     right = np.cross(upright, view)
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(view, right), view])
@@ -224,11 +245,12 @@ def _aim(camera: Any, view: Floats, points: Floats) -> None:
     low, high = seen.min(axis=0), seen.max(axis=0)
     width, height, depth = high - low
     # Room above for the title and below for the bar of colours.
-    scale = 0.5 * max(height / 0.72, width * _WINDOW[1] / _WINDOW[0] / 0.9)
+    scale = 0.5 * max(height / 0.72, width * window[1] / window[0] / 0.9)
     focus = axes.T @ ((low + high) / 2 - [0.0, 0.06 * scale, 0.0])
     camera.enable_parallel_projection()
     camera.focal_point = focus
-    camera.position = focus + 2 * depth * view
+    far = max(depth, scale)  # flat parts have no depth
+    camera.position = focus + 2 * far * view
     camera.up = axes[1]
     camera.parallel_scale = scale
-    camera.clipping_range = (0.5 * depth, 4 * depth)
+    camera.clipping_range = (0.5 * far, 4 * far)

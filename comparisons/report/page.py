@@ -45,7 +45,8 @@ def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: 
     results
         Results whose most unstable mode is drawn.
     out
-        Folder for ``result.json``, CSV files, PNG files and ``report.html``.
+        Folder for ``result.json``, CSV files, PNG files and ``report.html``; files for ParaView
+        of the modes drawn are in its folders ``paraview_<name of the result>``.
 
     Returns
     -------
@@ -53,14 +54,17 @@ def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: 
         The page: one file that needs no other.
     """
     pictures = _pictures(results, out)
+    from_files = _pictures_from_files(results, out)
     page = out / "report.html"
     if MPI.COMM_WORLD.rank == 0:
-        _write(data, [Image.of(file) for file in pictures], page)
+        _write(data, _images(pictures), _images(from_files), page)
     MPI.COMM_WORLD.Barrier()
     return page
 
 
-def _write(data: dict[str, Any], pictures: list[Image], page: Path) -> None:
+def _write(
+    data: dict[str, Any], pictures: list[Image], from_files: list[Image], page: Path
+) -> None:
     """Write tables, figures, ``result.json`` and the page."""
     out = page.parent
     out.mkdir(parents=True, exist_ok=True)
@@ -77,15 +81,26 @@ def _write(data: dict[str, Any], pictures: list[Image], page: Path) -> None:
             "tables": [f"{name}.csv" for name in written],
             "figures": [image.file for image in images.values()],
             "pictures": [image.file for image in pictures],
+            "pictures_from_files": [image.file for image in from_files],
         },
         out / "result.json",
     )
     page.write_text(
         render(
-            "page.html", data=data, tables=written, images=images, pictures=pictures, words=words
+            "page.html",
+            data=data,
+            tables=written,
+            images=images,
+            pictures=pictures,
+            from_files=from_files,
+            words=words,
         ),
         encoding="utf-8",
     )
+
+
+def _images(files: list[Path]) -> list[Image]:
+    return [Image.of(file) for file in files]
 
 
 def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
@@ -94,3 +109,19 @@ def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
     from comparisons.report.pictures import draw_modes
 
     return [file for result in results.values() for file in draw_modes(result, _PICTURES, out)]
+
+
+def _pictures_from_files(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
+    """Write the modes drawn for ParaView, and draw what these files hold."""
+    if not results:
+        return []
+    from comparisons.paraview import write_paraview
+    from comparisons.report.vtu_pictures import draw_files
+
+    drawn = []
+    for name, result in results.items():
+        modes, contacts = write_paraview(result, _PICTURES, out / f"paraview_{name}")
+        drawn.append(out / f"paraview_{name}.png")
+        if MPI.COMM_WORLD.rank == 0:
+            draw_files(modes, contacts, drawn[-1])
+    return drawn

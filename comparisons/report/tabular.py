@@ -1,12 +1,17 @@
 """A table: raw values for a CSV file, formatted cells for a page."""
 
 import csv
+import gzip
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from comparisons.report.numbers import MISSING
+
+_LEVEL = 6
+"""Level of compression: the highest takes three times as long and saves a few per cent."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +56,15 @@ class Table:
         Its columns.
     rows
         Raw values, one for each column; None where there is none.
+    compressed
+        Whether its CSV file is compressed, as maps are.
     """
 
     name: str
     caption: str
     columns: tuple[Column, ...]
     rows: Sequence[tuple[Any, ...]]
+    compressed: bool = False
 
     def cells(self) -> list[list[str]]:
         """Formatted rows."""
@@ -65,10 +73,17 @@ class Table:
         ]
 
     def write_csv(self, folder: Path) -> Path:
-        """Write the raw values to ``folder/name.csv``."""
-        file = folder / f"{self.name}.csv"
-        with file.open("w", newline="", encoding="utf-8") as stream:
-            writer = csv.writer(stream)
-            writer.writerow(column.name for column in self.columns)
-            writer.writerows(self.rows)
+        """Write the raw values to ``folder/name.csv``, ``.csv.gz`` where they are compressed."""
+        stream = StringIO(newline="")
+        writer = csv.writer(stream)
+        writer.writerow(column.name for column in self.columns)
+        writer.writerows(self.rows)
+        content = stream.getvalue().encode()
+        file = folder / (f"{self.name}.csv.gz" if self.compressed else f"{self.name}.csv")
+        file.write_bytes(compressed(content) if self.compressed else content)
         return file
+
+
+def compressed(content: bytes) -> bytes:
+    """Content as a gzip file that bears no time: equal contents give equal files."""
+    return gzip.compress(content, _LEVEL, mtime=0)
