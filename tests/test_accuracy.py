@@ -356,6 +356,7 @@ def test_the_page_tells_of_finest_meshes_and_of_what_grew(data, tmp_path):
         **{
             "highest": None,
             "bound": 1e-10,
+            "formulation": "mortar",
             "p": 1.0,
             "mu": 0.3,
             "dofs": 100,
@@ -376,12 +377,15 @@ def test_the_page_tells_of_finest_meshes_and_of_what_grew(data, tmp_path):
         finest | {"problem": "blocks", "highest": 3.0},
     ]
     text = page.write(data | {"finest": runs, "still": [still, grown]}, tmp_path).read_text()
-    assert "**drum, NURBS 8** (p = 1): 10 eigenvalues, worst error 3.0 · 10⁻¹⁰, not within" in text
+    assert (
+        "**drum, NURBS 8, mortar** (p = 1): 10 eigenvalues, worst error 3.0 · 10⁻¹⁰, not within"
+        in text
+    )
     assert "some not found in 1 run" in text
     assert "5 eigenvalues with Im lambda up to 3, worst error 2.0 · 10⁻¹², within" in text
     assert "In 1 of 2 runs" in text
     assert "Exception: NURBS 2, mortar (layers) lets 3 modes of 20 grow" in text
-    assert "| drum | NURBS 8 | outer 16, 48 |" in text
+    assert "| drum | NURBS 8, mortar | outer 16, 48 |" in text
 
 
 def test_a_compressed_result_is_read(data, tmp_path):

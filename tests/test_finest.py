@@ -36,9 +36,6 @@ def every_case():
         for p, mu in product(compared.stiffnesses, compared.frictions):
             quick = finest.problem == "blocks" and mu == 0.7 and p <= 10
             marks = [] if quick else [pytest.mark.slow]
-            if (finest.problem, finest.backend) == ("ring", "fe"):
-                reason = "7e-6 on the finest mesh that time and memory allowed"
-                marks.append(pytest.mark.xfail(reason=reason, raises=AssertionError, strict=True))
             name = f"{finest.problem}-{finest.backend}-{p:g}-{mu:g}"
             yield pytest.param(finest, p, mu, id=name, marks=marks)
 

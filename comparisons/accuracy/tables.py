@@ -203,7 +203,7 @@ def finest_meshes(data: Data) -> Table:
     rows = [
         (
             run["problem"],
-            Method(run["backend"], run["degree"], "mortar").discretisation,
+            Method(run["backend"], run["degree"], run["formulation"]).label,
             "; ".join(f"{name} {plain(n)}" for name, n in run["elements"].items()),
             run["p"],
             run["mu"],
@@ -223,7 +223,7 @@ def finest_meshes(data: Data) -> Table:
         "Worst relative error of every listed eigenvalue on the finest meshes.",
         (
             Column("problem", "problem"),
-            Column("bodies", "bodies"),
+            Column("method", "method"),
             Column("elements", "elements"),
             Column("p", "p", shown(3), "N/m³"),
             Column("mu", "mu", shown(2)),

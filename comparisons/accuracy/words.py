@@ -149,20 +149,19 @@ def verdict_rule() -> str:
 
 
 def finest(data: Data) -> list[str]:
-    """For each problem and backend on its finest meshes, the error that none exceeds."""
+    """For each problem and method on its finest meshes, the error that none exceeds."""
     runs = sorted(data.get("finest", []), key=_finest_key)
     return [_digits(*key, list(group)) for key, group in groupby(runs, _finest_key)]
 
 
 def _finest_key(run: Data) -> tuple[str, str]:
-    bodies = Method(run["backend"], run["degree"], "mortar").discretisation
-    return run["problem"], bodies
+    return run["problem"], Method(run["backend"], run["degree"], run["formulation"]).label
 
 
-def _digits(problem: str, bodies: str, runs: list[Data]) -> str:
+def _digits(problem: str, method: str, runs: list[Data]) -> str:
     p = listed(dict.fromkeys(f"{run['p']:g}" for run in runs))
     compared = counted(sum(run["compared"] for run in runs), "eigenvalue")
-    text = f"**{problem}, {bodies}** (p = {p}): {compared}"
+    text = f"**{problem}, {method}** (p = {p}): {compared}"
     if runs[0]["highest"] is not None:
         text += f" with Im lambda up to {runs[0]['highest']:g}"
     errors = [run["worst"] for run in runs if run["worst"] is not None]
