@@ -162,8 +162,6 @@ def _digits(problem: str, method: str, runs: list[Data]) -> str:
     p = listed(dict.fromkeys(f"{run['p']:g}" for run in runs))
     compared = counted(sum(run["compared"] for run in runs), "eigenvalue")
     text = f"**{problem}, {method}** (p = {p}): {compared}"
-    if runs[0]["highest"] is not None:
-        text += f" with Im lambda up to {runs[0]['highest']:g}"
     errors = [run["worst"] for run in runs if run["worst"] is not None]
     if len(errors) < len(runs):
         return f"{text}, some not found in {counted(len(runs) - len(errors), 'run')}."
