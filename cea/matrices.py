@@ -101,8 +101,8 @@ def symmetric_product(gap: Any, weight: Any) -> Any:
 def symmetrised(matrix: Any) -> Any:
     """Mean of a PETSc AIJ matrix and its transpose, in place: a + b = b + a to the last bit."""
     transpose = matrix.transpose(PETSc.Mat())
-    # Of one pattern, but on several ranks each may store columns of others that it does not use.
-    matrix.axpy(1.0, transpose, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+    # An entry of rounding may have been kept and its mirror image, zero, dropped.
+    matrix.axpy(1.0, transpose, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     matrix.scale(0.5)
     transpose.destroy()
     return matrix

@@ -3,7 +3,7 @@
 import gzip
 import json
 from dataclasses import replace
-from itertools import product
+from itertools import groupby, product
 from pathlib import Path
 
 import numpy as np
@@ -242,6 +242,24 @@ def test_every_case_is_a_run_or_an_omission(data):
     listed = data["problems"]["drum"]["exact"]
     assert [part["stiffness"] for part in listed] == [1.0, 0.1]
     assert all(len(part["lambda"]) > 5 for part in listed)
+
+
+def test_time_that_one_problem_leaves_is_given_to_the_others(monkeypatch):
+    class Slow(Invented):
+        def measure(self, case, *others, **times):
+            clock[0] += 1.0 if case.problem == "drum" else 0.0
+            return super().measure(case, *others, **times)
+
+    clock, worker = [0.0], Slow()
+    monkeypatch.setattr("comparisons.accuracy.runner.perf_counter", lambda: clock[0])
+    found = run_study(replace(TINY, minutes=0.5), ["drum", "blocks"], worker=worker)
+    turns = [name for name, _ in groupby(case.problem for case in worker.measured)]
+    assert turns == ["drum", "blocks", "drum"]
+    assert found["seconds"] == pytest.approx(31.0)
+    told = {o["problem"] for o in found["omissions"] if "time" in o["reason"]}
+    assert told == {"drum"}
+    runs = len(found["runs"]) + len(found["omissions"])
+    assert runs == sum(len(cases(TINY, problem(n))) for n in ("drum", "blocks"))
 
 
 def test_what_the_time_does_not_allow_is_told(tmp_path):

@@ -67,25 +67,24 @@ def run_study(
     start = perf_counter()
     problems = [problem(name) for name in names]
     own = Worker() if worker is None else None
-    runs: list[Data] = []
-    omissions: list[Data] = []
+    every = [_Problem(study, chosen.name, own or worker, progress) for chosen in problems]
+    end = start + 60 * study.minutes
     try:
-        for i, chosen in enumerate(problems):
-            spent = perf_counter() - start
-            share = (60 * study.minutes - spent) / (len(problems) - i)
-            line = _Problem(study, chosen.name, perf_counter() + share, own or worker, progress)
-            line.run(cases(study, chosen))
-            runs += line.runs
-            omissions += line.omissions
+        for i, (chosen, part) in enumerate(zip(problems, every, strict=True)):
+            now = perf_counter()
+            part.run(cases(study, chosen), now + (end - now) / (len(problems) - i))
+        for part in every:  # what others left of their time
+            part.run(part.postponed, end)
     finally:
         if own is not None:
             own.end()
+    runs = [run for part in every for run in part.runs]
     return {
         "command": "accuracy",
         "study": asdict(study),
         "problems": {p.name: _described(p.name, runs) for p in problems},
         "runs": runs,
-        "omissions": omissions,
+        "omissions": [omission for part in every for omission in part.told_omissions()],
         "seconds": perf_counter() - start,
         "versions": versions(),
         "machine": machine() | {"load": os.getloadavg()[0]},
@@ -93,24 +92,24 @@ def run_study(
 
 
 class _Problem:
-    """The cases of one problem, until its share of the time is up."""
+    """The cases of one problem."""
 
     def __init__(
-        self,
-        study: Study,
-        name: str,
-        deadline: float,
-        worker: Any,
-        progress: Callable[[str], None],
+        self, study: Study, name: str, worker: Any, progress: Callable[[str], None]
     ) -> None:
-        self._study, self._name, self._deadline = study, name, deadline
+        self._study, self._name = study, name
         self._worker, self._progress = worker, progress
         self.runs: list[Data] = []
         self.omissions: list[Data] = []
+        self.postponed: list[Case] = []
 
-    def run(self, chosen: list[Case]) -> None:
-        """Run cases in their order; each ends among the runs or among the omissions."""
+    def run(self, chosen: list[Case], deadline: float) -> None:
+        """Run cases in their order; each ends among the runs, the omissions or those postponed."""
+        self.postponed = []
         for case in chosen:
+            if perf_counter() > deadline:
+                self.postponed.append(case)
+                continue
             reason = self._reason_to_leave_out(case)
             if reason is None:
                 self._progress(case.label)
@@ -121,6 +120,11 @@ class _Problem:
                     reason = str(failure)
             self.omissions.append(case.described() | {"reason": reason})
 
+    def told_omissions(self) -> list[Data]:
+        """Cases that gave no numbers, those for which there was no time among them."""
+        reason = {"reason": "the time of the study was up"}
+        return self.omissions + [case.described() | reason for case in self.postponed]
+
     def _measure(self, case: Case) -> Data:
         values = exact(self._name, case.stiffness)
         measured = self._worker.measure(
@@ -129,8 +133,6 @@ class _Problem:
         return _rounded(measured)
 
     def _reason_to_leave_out(self, case: Case) -> str | None:
-        if perf_counter() > self._deadline:
-            return "the time of the study was up"
         failed = [o for o in self.omissions if _line(o) == _line(case.described())]
         if any(o["refinement"] < case.refinement for o in failed):
             return f"a coarser mesh was left out: {failed[0]['reason']}"

@@ -1,0 +1,24 @@
+"""Products and sums of PETSc matrices."""
+
+import numpy as np
+import pytest
+from petsc4py import PETSc
+from scipy.sparse import csr_array
+
+from cea.matrices import symmetrised
+
+
+@pytest.mark.parametrize("mirrored", [True, False])
+def test_entries_whose_mirror_image_is_not_stored_are_symmetrised(mirrored):
+    entries = np.array([[2.0, 1.0, 0.0], [3.0 if mirrored else 0.0, 4.0, 0.0], [0.0, 5.0, 6.0]])
+    stored = csr_array(entries)
+    matrix = PETSc.Mat().createAIJ(
+        stored.shape,
+        csr=(
+            stored.indptr.astype(PETSc.IntType),
+            stored.indices.astype(PETSc.IntType),
+            stored.data,
+        ),
+    )
+    found = symmetrised(matrix).convert("dense").getDenseArray()
+    assert np.array_equal(found, 0.5 * (entries + entries.T))
