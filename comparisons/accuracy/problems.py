@@ -68,6 +68,9 @@ class Problem:
     geometry_degree
         Of Lagrange elements, where the rims of both bodies must meet on coarse meshes; None takes
         that of the displacements, 2 at least on curved bodies.
+    most_dofs
+        Of a case in a thorough study, where fewer do not resolve the band on several meshes; None
+        takes those of the study.
     highest_order
         Order of convergence in lambda that a singularity caps; None where there is none.
     contact
@@ -83,6 +86,7 @@ class Problem:
     profile: str = "{mu}"
     depth: float | None = None
     geometry_degree: int | None = None
+    most_dofs: int | None = None
     highest_order: float | None = None
     contact: str = "interface"
 
@@ -206,6 +210,7 @@ PROBLEMS = {
             mu=0.3,
             solver="ring",
             geometry_degree=4,
+            most_dofs=13_000,
         ),
     )
 }

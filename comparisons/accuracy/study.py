@@ -237,6 +237,8 @@ def methods() -> list[Method]:
 def refinements(study: Study, problem: Problem, method: Method) -> list[int]:
     """Refinements of a line, spread over the range of dofs that the study allows."""
     fewest, most = study.dofs[problem.dim]
+    if study.thorough and problem.most_dofs is not None:
+        most = problem.most_dofs
     fitting = [n for n in _REFINEMENTS if fewest <= estimated_dofs(problem, method, n) <= most]
     if len(fitting) <= study.levels:
         return fitting
