@@ -129,11 +129,10 @@ def test_the_study_holds_every_degree_and_rule():
         assert {case.method.rule for case in listed} == set(RULES)
         assert {case.stiffness for case in listed} == {0.1, 1.0, 10.0, 1000.0}
         fewest, most = study.dofs[chosen.dim]
-        if study is FULL and chosen.most_dofs is not None:
-            assert most < chosen.most_dofs
-            most = chosen.most_dofs
+        wide = chosen.most_dofs or most if study is FULL else most
         for case in listed:
-            assert fewest <= estimated_dofs(chosen, case.method, case.refinement) <= most
+            limit = wide if case.stiffness == study.stiffnesses[0] else most
+            assert fewest <= estimated_dofs(chosen, case.method, case.refinement) <= limit
     thorough = {case.method for case in cases(FULL, problem("drum"))}
     assert thorough == set(methods())
     line = refinements(FULL, problem("blocks"), Method("fe", 1, "mortar"))

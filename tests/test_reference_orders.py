@@ -54,7 +54,7 @@ def slow(*values):
         slow("blocks", "fe", 4, (1, 2, 3), 1e-9),
         ("blocks", "iga", 2, (3, 4, 5), 2e-5),
         ("blocks", "iga", 3, (3, 4, 5), 6e-8),
-        slow("blocks", "iga", 4, (4, 5, 6), 6e-11),
+        slow("blocks", "iga", 4, (5, 6, 7), 2e-11),
     ],
 )
 def test_order_is_twice_the_degree(scene, backend, degree, refinements, bound):

@@ -69,8 +69,8 @@ class Problem:
         Of Lagrange elements, where the rims of both bodies must meet on coarse meshes; None takes
         that of the displacements, 2 at least on curved bodies.
     most_dofs
-        Of a case in a thorough study, where fewer do not resolve the band on several meshes; None
-        takes those of the study.
+        Of a case at the first stiffness of a thorough study, where fewer do not resolve the band on
+        several meshes; None takes those of the study.
     highest_order
         Order of convergence in lambda that a singularity caps; None where there is none.
     contact

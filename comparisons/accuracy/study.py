@@ -200,7 +200,9 @@ def cases(study: Study, problem: Problem) -> list[Case]:
             for method in methods()
             if method in chosen
             for level, refinement in enumerate(
-                refinements(study, problem, method)[0 if p == first else -study.levels_elsewhere :]
+                refinements(study, problem, method)
+                if p == first
+                else refinements(study, problem, method, wide=False)[-study.levels_elsewhere :]
             )
         ]
         ordered |= dict.fromkeys(case for _, case in sorted(level_cases, key=lambda item: item[0]))
@@ -234,10 +236,13 @@ def methods() -> list[Method]:
     ]
 
 
-def refinements(study: Study, problem: Problem, method: Method) -> list[int]:
-    """Refinements of a line, spread over the range of dofs that the study allows."""
+def refinements(study: Study, problem: Problem, method: Method, *, wide: bool = True) -> list[int]:
+    """Refinements of a line, spread over the range of dofs that the study allows.
+
+    Wide is the range of the first stiffness, which the problem may widen in a thorough study.
+    """
     fewest, most = study.dofs[problem.dim]
-    if study.thorough and problem.most_dofs is not None:
+    if wide and study.thorough and problem.most_dofs is not None:
         most = problem.most_dofs
     fitting = [n for n in _REFINEMENTS if fewest <= estimated_dofs(problem, method, n) <= most]
     if len(fitting) <= study.levels:
