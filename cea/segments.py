@@ -116,7 +116,7 @@ def _facing(
     edge = np.roll(corners, -1, axis=1) - corners
     arm = xi - corners
     turn = edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0]
-    facing = (np.abs(np.sign(turn).sum(axis=1)) == turn.shape[1]).astype(bool)
+    facing = np.abs(np.sign(turn).sum(axis=1)) == turn.shape[1]
     facing[~facing] = ~b.locate(points.x[~facing], points.normal[~facing], reach).missed
     return facing
 

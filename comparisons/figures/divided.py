@@ -9,12 +9,11 @@ from itertools import permutations
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from cea.body import Body, Floats, Ints
-from comparisons.scene import BodySpec, Scene
-from meshes.breaks import breaks_of
+from comparisons.build import fe_body
+from comparisons.scene import Scene
 
 _FAMILIES = {3: ("Hexahedron", "Tetrahedron"), 2: ("Quadrangle", "Triangle")}
 """What is divided and into what, by dimension, in gmsh's names."""
@@ -22,36 +21,11 @@ _FAMILIES = {3: ("Hexahedron", "Tetrahedron"), 2: ("Quadrangle", "Triangle")}
 
 def divided_bodies(scene: Scene) -> Mapping[str, Body]:
     """Bodies of a scene whose meshes are hexahedra, on tetrahedra."""
-    return {name: _divided_body(name, spec) for name, spec in scene.bodies.items()}
-
-
-def _divided_body(name: str, spec: BodySpec) -> Body:
-    from fe_cea import FEBody
-    from meshes.gmsh_shapes import gmsh_mesh
-
-    mesh = spec.mesh.fe
-    assert mesh is not None
-    assert mesh.elements is not None
-    breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
-    comm = MPI.COMM_WORLD
-    with gmsh_mesh(
-        spec.geometry,
-        mesh.cell,
-        mesh.degree,
-        breaks=breaks,
-        placement=spec.placement,
-        comm=comm,
-    ) as model:
-        if comm.rank == 0:
-            _divide(model, mesh.degree)
-        return FEBody.from_gmsh(
-            name,
-            model,
-            degree=mesh.degree,
-            material=spec.material,
-            supports=[s.support() for s in spec.supports],
-            springs=spec.springs,
-        )
+    bodies = {}
+    for name, spec in scene.bodies.items():
+        assert spec.mesh.fe is not None
+        bodies[name] = fe_body(name, spec, spec.mesh.fe, change=_divide)
+    return bodies
 
 
 def _divide(model: Any, order: int) -> None:
