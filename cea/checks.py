@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from cea.body import Floats
-from cea.boundary import Pressure, Spring, Support
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
+from cea.supports.boundary import Pressure, Spring, Support
 
 _FLAT = 1e-10
 """Smallest Jacobian of a cell, relative to its largest, that is not called inverted."""

@@ -11,13 +11,13 @@ from petsc4py import PETSc
 from scipy.sparse import csr_array
 
 from cea.body import VolumeCells, VolumeSample
-from cea.boundary import Pressure, Spring, Support
 from cea.checks import check_boundary, check_density, check_jacobians
-from cea.constraints import Constraints
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import symmetrised
 from cea.ranks import agreed
+from cea.supports.boundary import Pressure, Spring, Support
+from cea.supports.constraints import Constraints
 from fe_cea.cells import lagrange_cells
 from fe_cea.facets import gather_facets
 from fe_cea.forms import mass_form, pressure_form, stiffness_form

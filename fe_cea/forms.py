@@ -11,8 +11,8 @@ import ufl
 from dolfinx import default_scalar_type
 from dolfinx.fem import Constant, Form, form
 
-from cea.boundary import Pressure, Spring
 from cea.material import IsotropicMaterial
+from cea.supports.boundary import Pressure, Spring
 
 JIT_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 

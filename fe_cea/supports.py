@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from cea.body import Floats, Ints, SurfaceCoordinates
-from cea.boundary import Support
-from cea.constraints import Constraints, constrain
-from cea.directions import Directions, merged
-from cea.frames import SurfaceNormal
+from cea.supports.boundary import Support
+from cea.supports.constraints import Constraints, constrain
+from cea.supports.directions import Directions, merged
+from cea.supports.frames import SurfaceNormal
 from fe_cea.facets import FacetBasis
 from fe_cea.surface import FESurface
 

@@ -11,20 +11,15 @@ from petsc4py import PETSc
 from scipy.sparse import csr_array, diags_array, kron, vstack
 
 from cea.body import Floats, VolumeCells, VolumeSample
-from cea.boundary import Pressure, Spring, Support
 from cea.checks import check_boundary, check_density
-from cea.constraints import Constraints
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import symmetrised
+from cea.supports.boundary import Pressure, Spring, Support
+from cea.supports.constraints import Constraints
 from iga_cea import assembly
 from iga_cea.cells import bezier_cells
-from iga_cea.inputs import (
-    check_faces,
-    check_patches,
-    checked_continuity,
-    checked_degree,
-)
+from iga_cea.inputs import check_faces, check_patches, checked_continuity, checked_degree
 from iga_cea.multipatch import End, Multipatch, join
 from iga_cea.patch import PatchGeometry, outward, refine, subdivided, tensor_cells
 from iga_cea.pattern import Pattern

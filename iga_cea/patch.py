@@ -13,12 +13,7 @@ from cea.body import Floats, Ints
 from cea.checks import check_knots, check_weights
 from cea.errors import InputError
 from iga_cea.collapse import COLLAPSED, Lines, collapsed_lines
-from iga_cea.splines import (
-    basis_matrix,
-    elevation_matrix,
-    insertion_matrix,
-    knots_with_breaks,
-)
+from iga_cea.splines import basis_matrix, elevation_matrix, insertion_matrix, knots_with_breaks
 
 _MAP_SAMPLES = 4
 """Pieces of each span of the geometry between samples of its Jacobian."""

@@ -27,10 +27,10 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from cea.body import Floats, Ints, SurfaceCoordinates
-from cea.boundary import Support
-from cea.constraints import Constraints, ProjectedConstraints, constrain
-from cea.directions import Directions, merged
-from cea.interface import along
+from cea.contact.interface import along
+from cea.supports.boundary import Support
+from cea.supports.constraints import Constraints, ProjectedConstraints, constrain
+from cea.supports.directions import Directions, merged
 from iga_cea.face import grid_points
 from iga_cea.surface import NurbsSurface
 

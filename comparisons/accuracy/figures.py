@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from comparisons.accuracy.analysis import Line, lines, seconds_of, uses
 from comparisons.accuracy.study import RULES
-from comparisons.report.numbers import number
+from comparisons.kit.numbers import number
 
 Data = dict[str, Any]
 

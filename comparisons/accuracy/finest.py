@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from cea.modes import Complexes, Modes
-from comparisons.exact.reference import exact_eigenvalues
-from comparisons.run import run_scene
-from comparisons.scene import Backend, load_scene
-from comparisons.spectra import match_spectrum
+from cea.eigen.eigenvalue_matching import match_spectrum
+from cea.eigen.modes import Complexes, Modes
+from exact_cea.reference import exact_eigenvalues
+from scenes.run import run_scene
+from scenes.spec import Backend, load_scene
 
 Data = dict[str, Any]
 
@@ -82,7 +82,7 @@ class Compared:
     Parameters
     ----------
     solver
-        Name of the problem of :mod:`comparisons.exact.reference`.
+        Name of the problem of :mod:`exact_cea.reference`.
     orders
         Circumferential orders; None stands for the one harmonic of the blocks.
     stiffnesses

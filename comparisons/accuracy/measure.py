@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from cea.body import Floats
-from cea.modes import Complexes
+from cea.eigen.eigenvalue_matching import match_spectrum
+from cea.eigen.modes import Complexes
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, overrides
-from comparisons.run import SceneResult, run_scene
-from comparisons.scene import load_scene
-from comparisons.spectra import match_spectrum
+from scenes.run import SceneResult, run_scene
+from scenes.spec import load_scene
 
 REACH = 0.25
 """Relative distance at which a computed eigenvalue no longer stands for an exact one."""

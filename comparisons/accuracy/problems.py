@@ -5,9 +5,9 @@ from math import pi
 
 import numpy as np
 
+from cea.eigen.modes import Complexes
 from cea.errors import InputError
-from cea.modes import Complexes
-from comparisons.exact.reference import whole_spectrum
+from exact_cea.reference import whole_spectrum
 
 _BEYOND = 1.1
 """Upper end of the search relative to that of the listed band: edge modes keep their partners."""
@@ -58,7 +58,7 @@ class Problem:
     mu
         Friction coefficient, or its amplitude.
     solver
-        Name of the problem of :mod:`comparisons.exact.reference` that it is.
+        Name of the problem of :mod:`exact_cea.reference` that it is.
     unit
         Unit of the contact stiffness p (N/m^3).
     profile

@@ -9,11 +9,11 @@ from typing import Any, Protocol
 from mpi4py import MPI
 
 from cea.errors import InputError
-from comparisons.accuracy.lists import exact
+from comparisons.accuracy.exact_lists import exact
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, Study, cases
 from comparisons.accuracy.worker import CaseError, Worker
-from comparisons.result import machine, versions
+from scenes.results import machine, versions
 
 Data = dict[str, Any]
 

@@ -6,7 +6,7 @@ from math import prod
 from typing import Any
 
 from comparisons.accuracy.problems import BodyMesh, Problem
-from comparisons.scene import Backend
+from scenes.spec import Backend
 
 
 @dataclass(frozen=True)

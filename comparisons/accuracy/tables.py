@@ -13,8 +13,8 @@ from comparisons.accuracy.analysis import (
     uses,
 )
 from comparisons.accuracy.study import RULES, Method
-from comparisons.report.numbers import counted, number, plain, shown
-from comparisons.report.tabular import Column, Table
+from comparisons.kit.numbers import counted, number, plain, shown
+from comparisons.kit.tabular import Column, Table
 
 Data = dict[str, Any]
 

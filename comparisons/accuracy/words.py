@@ -4,16 +4,9 @@ from collections.abc import Iterator
 from itertools import groupby
 from typing import Any
 
-from comparisons.accuracy.analysis import (
-    TOLERABLE,
-    Use,
-    method_of,
-    pareto,
-    seconds_of,
-    uses,
-)
+from comparisons.accuracy.analysis import TOLERABLE, Use, method_of, pareto, seconds_of, uses
 from comparisons.accuracy.study import RULES, Method
-from comparisons.report.numbers import counted, listed, number, shown
+from comparisons.kit.numbers import counted, listed, number, shown
 
 Data = dict[str, Any]
 

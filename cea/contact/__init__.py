@@ -1,0 +1,1 @@
+"""From points to operators: interfaces, formulations, laws, and the matrices they make."""

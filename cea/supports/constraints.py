@@ -1,0 +1,250 @@
+"""Supports as linear constraints, and the expansion from what they leave free.
+
+A point constraint holds a direction d at one scalar dof i (a node, or a control point):
+d . u_i = 0. A projected constraint is a row of coefficients over many dofs, C u = 0, anchored at
+the dof and the direction it is to be solved for. At each dof an orthonormal frame is split into
+free directions B, directions T solved for, and held ones, so that u = B v + T s and
+
+    C T s + C B v = 0,    u = (B - T (C T)^-1 C B) v = Z v.
+
+Every rank holds all constraints: there are as many as a surface has dofs.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.sparse import coo_array, csr_array, hstack
+from scipy.sparse.linalg import splu
+
+from cea.body import Floats, Ints
+from cea.errors import InputError
+from cea.matrices import distributed
+from cea.supports.directions import Directions, complement, orthonormal
+
+_NEGLIGIBLE = 1e-14
+"""Coefficients dropped; those of dependent dofs fall exponentially with distance."""
+
+_LARGEST = 1e6
+"""Coefficient of a dependent dof beyond which its constraints contradict each other."""
+
+_CHUNK_BYTES = 64 * 2**20
+
+
+@dataclass(frozen=True)
+class ProjectedConstraints:
+    """Rows of C u = 0, each with the dof and direction it is to be solved for.
+
+    Parameters
+    ----------
+    anchor
+        One dof and direction for each row. A row whose direction is held there already is dropped.
+    rows
+        Coefficients, shape (rows, dim * num_scalar_dofs); they touch anchored dofs only.
+    """
+
+    anchor: Directions
+    rows: csr_array
+
+
+@dataclass(frozen=True)
+class Constraints:
+    """What the supports of a body leave free.
+
+    Parameters
+    ----------
+    dim
+        Dimension of space.
+    num_scalar_dofs
+        Scalar dofs of the body.
+    dofs
+        Scalar dofs with a constraint, rising, shape (m,).
+    removed
+        Unknowns lost at each of them, shape (m,).
+    rows
+        Their displacement components from the free unknowns, shape (dim * m, free unknowns).
+    """
+
+    dim: int
+    num_scalar_dofs: int
+    dofs: Ints
+    removed: Ints
+    rows: csr_array
+
+    @property
+    def any(self) -> bool:
+        """True when something is held."""
+        return len(self.dofs) > 0
+
+    @cached_property
+    def selects(self) -> bool:
+        """True when free unknowns are plain displacement components: Z picks some of them."""
+        alone = len(np.unique(self.rows.indices)) == self.rows.nnz
+        return bool(alone and np.all(self.rows.data == 1.0))
+
+    def first_free(self, dofs: Ints) -> Ints:
+        """Number of the first free unknown at each scalar dof, or of the next one."""
+        return _first_free(self.dim, self.dofs, self.removed, dofs)
+
+    def expansion(self, first: int, last: int, comm: Any) -> Any:
+        """Z, PETSc AIJ (full x free).
+
+        Parameters
+        ----------
+        first, last
+            Scalar dofs of this rank; its free unknowns are those at them.
+        comm
+            MPI communicator.
+        """
+        dim = self.dim
+        starts, stops = self.first_free(np.array([first, last]))
+        held = slice(*np.searchsorted(self.dofs, [first, last]))
+        plain = np.setdiff1d(np.arange(first, last), self.dofs[held], assume_unique=True)
+        component = np.arange(dim)
+        free = coo_array(self.rows[dim * held.start : dim * held.stop])
+        of_held = _components(self.dofs[held] - first, dim)
+        entries = (
+            np.concatenate([np.ones(dim * len(plain)), free.data]),
+            (
+                np.concatenate([_components(plain - first, dim), of_held[free.row]]),
+                np.concatenate(
+                    [(self.first_free(plain)[:, None] + component).ravel(), free.col],
+                ),
+            ),
+        )
+        size = dim * (last - first)
+        local = csr_array(coo_array(entries, shape=(size, self.rows.shape[1])))
+        return distributed(local, (int(stops - starts), self.rows.shape[1]), comm)
+
+    def restrict(self, matrix: Any, expansion: Any) -> Any:
+        """Z^T A Z of a symmetric matrix, symmetric as far as rounding goes.
+
+        Plain components are picked from the matrix; the product is formed only for others.
+
+        Parameters
+        ----------
+        matrix
+            A, PETSc AIJ (full x full).
+        expansion
+            Z, PETSc AIJ (full x free).
+        """
+        if not self.any:
+            return matrix
+        if not self.selects:
+            # Ten times faster than PtAP of serial AIJ where dependent dofs have long rows.
+            half = matrix.matMult(expansion)
+            product = expansion.transposeMatMult(half)
+            half.destroy()
+            return product
+        first, last = expansion.getOwnershipRange()
+        held = slice(*np.searchsorted(self.dofs, np.array([first, last]) // self.dim))
+        kept = np.ones(last - first, dtype=bool)
+        part = self.rows[self.dim * held.start : self.dim * held.stop]
+        kept[_components(self.dofs[held], self.dim) - first] = np.diff(part.indptr) > 0
+        chosen = (first + np.flatnonzero(kept)).astype(PETSc.IntType)
+        free = PETSc.IS().createGeneral(chosen, comm=matrix.comm)
+        return matrix.createSubMatrix(free, free)
+
+
+def constrain(
+    num_scalar_dofs: int,
+    held: Directions,
+    projected: ProjectedConstraints | None = None,
+    *,
+    field: str = "supports",
+) -> Constraints:
+    """Eliminate the constraints of a body.
+
+    Parameters
+    ----------
+    num_scalar_dofs
+        Scalar dofs of the body.
+    held
+        Directions held at single dofs.
+    projected
+        Constraints over many dofs.
+    field
+        Name of the supports in messages.
+
+    Raises
+    ------
+    InputError
+        When projected constraints contradict the held directions around them.
+    """
+    dim = held.direction.shape[1]
+    anchor = projected.anchor if projected else Directions.joined([], dim)
+    every = Directions.joined([held, anchor], dim)
+    dofs, owner = np.unique(every.dof, return_inverse=True)
+    taken, removed, slot = orthonormal(owner, every.direction, len(dofs))
+    first = _first_free(dim, dofs, removed, dofs)
+    total = dim * num_scalar_dofs - int(removed.sum())
+    free = _free_rows(complement(taken), removed, first, total)
+    solved = np.flatnonzero(slot[len(held) :] >= 0)
+    if projected and len(solved):
+        at, place = owner[len(held) :][solved], slot[len(held) :][solved]
+        dependent = _dependent_columns(taken[at, place], at, len(dofs))
+        C = projected.rows[solved][:, _components(dofs, dim)]
+        free = csr_array(free + dependent @ _elimination(C @ dependent, C @ free, field))
+    free.data[np.abs(free.data) < _NEGLIGIBLE] = 0.0
+    free.eliminate_zeros()
+    return Constraints(dim, num_scalar_dofs, dofs, removed, free)
+
+
+def _first_free(dim: int, held: Ints, removed: Ints, dofs: Ints) -> Ints:
+    before = np.concatenate([[0], np.cumsum(removed)])
+    return dim * dofs - before[np.searchsorted(held, dofs)]
+
+
+def _components(dofs: Ints, dim: int) -> Ints:
+    """Full dofs of scalar dofs."""
+    return (dim * dofs[:, None] + np.arange(dim)).ravel()
+
+
+def _free_rows(frame: Floats, removed: Ints, first: Ints, total: int) -> csr_array:
+    """Displacement of each dof from its own free unknowns, shape (dim * dofs, total)."""
+    count, dim, _ = frame.shape
+    dof, row, component = np.nonzero(frame * (np.arange(dim) >= removed[:, None])[:, :, None])
+    column = first[dof] + row - removed[dof]
+    entries = (frame[dof, row, component], (dim * dof + component, column))
+    return csr_array(coo_array(entries, shape=(dim * count, total)))
+
+
+def _dependent_columns(vectors: Floats, at: Ints, count: int) -> csr_array:
+    """Displacement of each dof from the amounts along vectors, shape (dim * count, vectors)."""
+    dim = vectors.shape[1]
+    columns = np.repeat(np.arange(len(at)), dim)
+    entries = (vectors.ravel(), (_components(at, dim), columns))
+    return csr_array(coo_array(entries, shape=(dim * count, len(at))))
+
+
+def _elimination(solved: csr_array, free: csr_array, field: str) -> csr_array:
+    """-(C T)^-1 C B with negligible coefficients dropped, a chunk of columns at a time."""
+    used = np.unique(free.indices)
+    right = free.tocsc()[:, used]
+    try:
+        factors = splu(solved.tocsc())
+    except RuntimeError:
+        raise _contradiction(field) from None
+    step = max(1, _CHUNK_BYTES // (8 * solved.shape[0]))
+    parts = []
+    for start in range(0, len(used), step):
+        part = -factors.solve(right[:, start : start + step].toarray())
+        if not np.abs(part).max(initial=0.0) < _LARGEST:
+            raise _contradiction(field)
+        part[np.abs(part) < _NEGLIGIBLE] = 0.0  # before the dense part becomes sparse
+        parts.append(coo_array(part))
+    if not parts:
+        return csr_array((solved.shape[0], free.shape[1]))
+    packed = coo_array(hstack(parts))
+    entries = (packed.data, (packed.row, used[packed.col]))
+    return csr_array(coo_array(entries, shape=(solved.shape[0], free.shape[1])))
+
+
+def _contradiction(field: str) -> InputError:
+    return InputError(
+        field,
+        "directions that turn along a surface, beside others held at its edge",
+        "at such an edge, directions that differ everywhere or agree everywhere",
+    )

@@ -1,0 +1,1 @@
+"""Bodies and contacts coupled: matrices of the whole, stresses over its contacts."""

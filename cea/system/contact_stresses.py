@@ -1,0 +1,238 @@
+"""Normal stresses of both sides of a contact: over the surfaces, along a line and as maps.
+
+Beside them the pressure p g that the penalty makes of the gap g: the same thing where the gap is
+large against round-off, and nothing but round-off where p is large.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cea.body import Body, Floats, Surface
+from cea.contact.operators import Contact
+from cea.errors import InputError
+from cea.stress import normal_stress
+from cea.system.coupled import CoupledSystem
+
+_TIED = 1e-9
+"""Relative difference of distances that counts as none."""
+
+
+@dataclass(frozen=True)
+class SideStress:
+    """Normal stress of one side of a contact; compression is negative.
+
+    Parameters
+    ----------
+    x
+        Sample points over the whole surface (m), shape (n, dim).
+    sigma_n
+        Normal stress there (N/m^2), shape (n,).
+    arc
+        Distances (m) along the diagonal of side a from its first corner, shape (m,).
+    sigma_n_along
+        Normal stress on that line (N/m^2), shape (m,); NaN where the line leaves the surface.
+    """
+
+    x: Floats
+    sigma_n: Floats
+    arc: Floats
+    sigma_n_along: Floats
+
+    @property
+    def oscillation(self) -> float:
+        """Largest minus smallest normal stress over the surface (N/m^2)."""
+        return float(np.ptp(self.sigma_n))
+
+
+@dataclass(frozen=True)
+class StressMap:
+    """Normal stress of both sides of a flat contact at the same points of its plane.
+
+    Parameters
+    ----------
+    u, v
+        Coordinates in the plane (m), shapes (n,) and (n,), along :attr:`axes`.
+    axes
+        Unit vectors of u and v, shape (2, 3).
+    sigma_n
+        Normal stress (N/m^2) of sides "a" and "b", each (n, n), v by rows; NaN beside a surface.
+    """
+
+    u: Floats
+    v: Floats
+    axes: Floats
+    sigma_n: Mapping[str, Floats]
+
+
+def contact_stresses(
+    system: CoupledSystem, contact_name: str, x: Any, samples: int
+) -> dict[str, SideStress]:
+    """Stresses of sides "a" and "b" of a contact.
+
+    Parameters
+    ----------
+    system
+        The coupled system.
+    contact_name
+        Name of the contact.
+    x
+        Unknowns, PETSc vector.
+    samples
+        Points across a surface, and along the line.
+    """
+    contact = _contact(system, contact_name)
+    line, arc, direction = _diagonal(contact, 2 * samples - 1)
+    stresses = {}
+    for side, surface, body, displacement in _sides(system, contact, x):
+        points = surface.grid(max(2, round(samples / np.sqrt(surface.num_elements))))
+        stresses[side] = SideStress(
+            points.x,
+            normal_stress(surface, points.at, displacement, body.material),
+            arc,
+            _stress_at(surface, body, displacement, line, direction),
+        )
+    return stresses
+
+
+def stress_map(system: CoupledSystem, contact_name: str, x: Any, samples: int) -> StressMap:
+    """Stresses of both sides of a flat contact on one grid over side a.
+
+    Parameters
+    ----------
+    system
+        The coupled system.
+    contact_name
+        Name of the contact.
+    x
+        Unknowns, PETSc vector.
+    samples
+        Points along each direction.
+
+    Raises
+    ------
+    InputError
+        In the plane, where a contact is a curve.
+    """
+    contact = _contact(system, contact_name)
+    a = contact.interface.a
+    if a.dim != 3:
+        raise InputError("dim", a.dim, "3: the contact of bodies in the plane is a curve")
+    corners, normal = _corners(contact)
+    axes = _plane_axes(normal)
+    centre = corners.mean(axis=0)
+    low, high = (bound((corners - centre) @ axes.T, axis=0) for bound in (np.min, np.max))
+    u, v = (np.linspace(start, stop, samples) for start, stop in zip(low, high, strict=True))
+    grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    points = centre + grid @ axes
+    direction = np.broadcast_to(normal, points.shape)
+    offset = centre @ axes.T
+    return StressMap(
+        u + offset[0],
+        v + offset[1],
+        axes,
+        {
+            side: _stress_at(surface, body, displacement, points, direction).reshape(len(v), len(u))
+            for side, surface, body, displacement in _sides(system, contact, x)
+        },
+    )
+
+
+def pressure_along(
+    system: CoupledSystem, contact_name: str, x: Any, stiffness: float, samples: int
+) -> Floats:
+    """Pressure p g (N/m^2) along the line of :func:`contact_stresses`, positive in compression.
+
+    Parameters
+    ----------
+    system
+        The coupled system.
+    contact_name
+        Name of the contact.
+    x
+        Unknowns, PETSc vector.
+    stiffness
+        Contact stiffness p (N/m^3).
+    samples
+        As there.
+
+    Returns
+    -------
+    ndarray
+        Shape (2 * samples - 1,); NaN where the line leaves a side.
+    """
+    contact = _contact(system, contact_name)
+    line, _, direction = _diagonal(contact, 2 * samples - 1)
+    gap = np.zeros(len(line))
+    for side, surface, _, displacement in _sides(system, contact, x):
+        found = surface.locate(line, direction, reach=surface.mesh_size)
+        hit = ~found.missed
+        u = surface.trace(found.at[hit]) @ displacement.reshape(-1, surface.dim)
+        gap[~hit] = np.nan
+        gap[hit] += (1 if side == "a" else -1) * np.einsum("ij,ij->i", u, direction[hit])
+    return stiffness * gap
+
+
+def _contact(system: CoupledSystem, name: str) -> Contact:
+    return next(c for c in system.contacts if c.name == name)
+
+
+def _sides(
+    system: CoupledSystem, contact: Contact, x: Any
+) -> Iterator[tuple[str, Surface, Body, Floats]]:
+    """Name, surface, body and full displacement of both sides."""
+    for side, name, surface in (
+        ("a", contact.body_a, contact.interface.a),
+        ("b", contact.body_b, contact.interface.b),
+    ):
+        yield side, surface, system.bodies[name], system.displacement(x, name)
+
+
+def _stress_at(
+    surface: Surface, body: Body, displacement: Floats, x: Floats, direction: Floats
+) -> Floats:
+    """Normal stress where points lie on a surface along given directions, NaN where they do not."""
+    found = surface.locate(x, direction, reach=surface.mesh_size)
+    stress = np.full(len(x), np.nan)
+    hit = ~found.missed
+    stress[hit] = normal_stress(surface, found.at[hit], displacement, body.material)
+    return stress
+
+
+def _corners(contact: Contact) -> tuple[Floats, Floats]:
+    """Corners (m) of the elements of side a, shape (n, dim), and its mean unit normal."""
+    points = contact.interface.a.grid(2)
+    normal = points.normal.mean(axis=0)
+    return points.x, normal / np.linalg.norm(normal)
+
+
+def _plane_axes(normal: Floats) -> Floats:
+    """Two unit vectors across a normal, near the coordinate axes least along it, shape (2, 3)."""
+    across = np.delete(np.eye(3), np.argmax(np.abs(normal)), axis=0)
+    first = across[0] - (across[0] @ normal) * normal
+    first /= np.linalg.norm(first)
+    second = np.cross(normal, first)
+    return np.stack([first, second * np.sign(second @ across[1])])
+
+
+def _diagonal(contact: Contact, samples: int) -> tuple[Floats, Floats, Floats]:
+    """Line between corners of side a farthest apart, its arc length and the normals to search."""
+    corners, normal = _corners(contact)
+    first = _farthest(corners, corners.mean(axis=0))
+    last = _farthest(corners, first)
+    share = np.linspace(0.0, 1.0, samples)[:, None]
+    line = first + share * (last - first)
+    return line, share[:, 0] * np.linalg.norm(last - first), np.broadcast_to(normal, line.shape)
+
+
+def _farthest(x: Floats, origin: Floats) -> Floats:
+    """Point farthest from an origin; of equally far ones, that of the least coordinates.
+
+    Points come in an order, and with rounding, that depend on how meshes are shared out.
+    """
+    distance = np.linalg.norm(x - origin, axis=1)
+    tied = x[distance >= (1 - _TIED) * distance.max()]
+    rounded = np.round((tied - origin) / (distance.max() or 1.0), 6)
+    return tied[np.lexsort(rounded.T[::-1])[0]]

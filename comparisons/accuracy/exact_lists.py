@@ -1,0 +1,73 @@
+"""Exact lists of the study, stored beside it: they cost more than what is measured with them.
+
+python -m comparisons.accuracy.exact_lists     # computes all of them anew
+"""
+
+import json
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cea.eigen.modes import Complexes
+from comparisons.accuracy.problems import PROBLEMS, Problem, problem
+from comparisons.accuracy.study import FULL
+
+FILE = Path(__file__).with_name("exact.json")
+
+
+@cache
+def exact(name: str, stiffness: float) -> Complexes:
+    """Exact eigenvalues of a problem: as stored, or computed where that list is not stored.
+
+    Parameters
+    ----------
+    name
+        Name of the problem.
+    stiffness
+        Contact stiffness relative to the problem's unit.
+    """
+    chosen = problem(name)
+    entry = _stored().get(name, {})
+    found = entry.get("lists", {}).get(f"{stiffness:g}")
+    if found is None or entry["parameters"] != _parameters(chosen):
+        return chosen.exact(stiffness)
+    return np.array([complex(re, im) for re, im in found])
+
+
+def computed(
+    problems: Iterable[Problem] = PROBLEMS.values(),
+    stiffnesses: Iterable[float] = FULL.stiffnesses,
+) -> dict[str, Any]:
+    """Exact lists as plain data, all computed."""
+    ordered = sorted(stiffnesses)
+    return {
+        chosen.name: {
+            "parameters": _parameters(chosen),
+            "lists": {f"{p:g}": [[v.real, v.imag] for v in chosen.exact(p)] for p in ordered},
+        }
+        for chosen in problems
+    }
+
+
+def _parameters(chosen: Problem) -> dict[str, float]:
+    """What a list depends on, beside the materials and sizes of the reference problems."""
+    return {"unit": chosen.unit, "mu": chosen.mu, "highest": chosen.highest_exact}
+
+
+@cache
+def _stored() -> dict[str, Any]:
+    return json.loads(FILE.read_text()) if FILE.is_file() else {}
+
+
+def main() -> None:
+    """Compute and store every list."""
+    text = json.dumps(computed())
+    # A line for each list: changes can be read.
+    FILE.write_text(text.replace('": [[', '":\n[[').replace("]], ", "]],\n") + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,76 @@
+"""One voice for many ranks: rank 0 speaks, and a fault on any rank ends them all."""
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout
+from time import monotonic, sleep
+from traceback import format_exception
+from typing import Any
+
+from cea.errors import ConvergenceError, InputError
+from meshes.errors import ShapeError
+from scenes.spec import SceneError
+
+_EXPECTED = (SceneError, InputError, ShapeError, ConvergenceError)
+"""Faults told in a line each; any other is told with its traceback."""
+
+_PATIENCE = 5.0
+"""Seconds that a rank with a fault gives the others to meet the same one."""
+
+
+@contextmanager
+def one_voice(comm: Any) -> Iterator[None]:
+    """Let rank 0 print; a fault inside ends the program on every rank, told once.
+
+    A fault that all ranks meet is told by rank 0. Where others run on, they may wait for this rank
+    for ever: then it tells its fault itself and aborts them.
+
+    Parameters
+    ----------
+    comm
+        MPI communicator (mpi4py); entering is collective.
+
+    Raises
+    ------
+    SystemExit
+        With code 1, when every rank met a fault.
+    """
+    meeting = comm.Dup()  # a meeting of ranks must not match messages of their work
+    try:
+        with ExitStack() as silence:
+            if comm.rank > 0:
+                nothing = silence.enter_context(open(os.devnull, "w"))
+                silence.enter_context(redirect_stdout(nothing))
+                silence.enter_context(redirect_stderr(nothing))
+            yield
+    except Exception as error:
+        _end(meeting, _told(error))
+
+
+def _told(error: Exception) -> str:
+    if isinstance(error, _EXPECTED):
+        return "".join(f"error: {line}\n" for line in str(error).splitlines())
+    return "".join(format_exception(error))
+
+
+def _end(comm: Any, fault: str) -> None:
+    everyone = _all_arrive(comm)
+    if comm.rank == 0 or not everyone:
+        sys.stdout.flush()
+        sys.stderr.write(fault)
+        sys.stderr.flush()
+    if not everyone:
+        comm.Abort(1)
+    sys.exit(1)
+
+
+def _all_arrive(comm: Any) -> bool:
+    """Whether all ranks come here before patience runs out."""
+    arrived = comm.Ibarrier()
+    deadline = monotonic() + _PATIENCE
+    while not arrived.Test():
+        if monotonic() > deadline:
+            return False
+        sleep(0.01)
+    return True

@@ -1,0 +1,1 @@
+"""Every contact formulation put to the test: patch tests, locking, momentum, pairings."""

@@ -1,0 +1,75 @@
+"""Momentum that contact forces lose: their resultants on both bodies together."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import spsolve
+
+from cea.body import Body, Floats
+from cea.system.coupled import CoupledSystem
+
+
+def rigid_motions(body: Body) -> Floats:
+    """Full displacements of the rigid motions of a body, shape (motions, full dofs).
+
+    Translations along each coordinate, then rotations about the origin. Coefficients that
+    reproduce the coordinates are found by least squares from a sample of the body.
+    """
+    comm, dim = body.comm, body.dim
+    sample = body.volume_sample(4)
+    x = None
+    if comm.rank == 0:
+        values = csr_array(sample.values)
+        x = spsolve((values.T @ values).tocsc(), values.T @ sample.points)
+    x = comm.bcast(x)
+    spins = [(i, j) for i in range(dim) for j in range(i)]
+    motions = np.zeros((dim + len(spins), len(x), dim))
+    for i in range(dim):
+        motions[i, :, i] = 1
+    for motion, (i, j) in zip(motions[dim:], spins, strict=True):
+        motion[:, i], motion[:, j] = -x[:, j], x[:, i]
+    return motions.reshape(len(motions), -1)
+
+
+def momentum_defects(
+    system: CoupledSystem, motions: Mapping[str, Floats]
+) -> dict[str, dict[str, float]]:
+    """Resultant force and moment of contact forces on both bodies together, relative.
+
+    For a rigid motion r of both bodies, r^T K x is the resultant of the forces K x along it: it
+    vanishes for every x where K^T r does. The largest entry of K^T r is related to the largest
+    column sum of abs(K) times the largest entry of r.
+
+    Parameters
+    ----------
+    system
+        Bodies without supports, whose free dofs are the full ones.
+    motions
+        Rigid motions of each body (:func:`rigid_motions`).
+    """
+    dim = next(iter(system.bodies.values())).dim
+    kinds = {
+        "normal": [c.stiffness for c in system.contacts if c.stiffness is not None],
+        "friction": [c.friction for c in system.contacts if c.friction is not None],
+    }
+    r, y = (system.stiffness.createVecRight() for _ in range(2))
+    defects: dict[str, dict[str, float]] = {}
+    for kind, matrices in kinds.items():
+        scale = sum(matrix.norm(PETSc.NormType.NORM_1) for matrix in matrices)
+        worst = {"linear": 0.0, "angular": 0.0}
+        for number in range(len(next(iter(motions.values())))):
+            for name, motion in motions.items():
+                part = r.getSubVector(system.index_sets[name])
+                part.array[:] = motion[number, slice(*part.owner_range)]
+                r.restoreSubVector(system.index_sets[name], part)
+            y.set(0.0)
+            for matrix in matrices:
+                matrix.multTransposeAdd(r, y, y)
+            size = r.norm(PETSc.NormType.NORM_INFINITY)
+            defect = y.norm(PETSc.NormType.NORM_INFINITY) / (scale * size)
+            key = "linear" if number < dim else "angular"
+            worst[key] = max(worst[key], float(defect))
+        defects[kind] = worst
+    return defects

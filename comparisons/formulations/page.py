@@ -1,0 +1,102 @@
+"""The page of formulations: result.json, CSV files, figures, and one page that holds them all."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+from cea.errors import InputError
+from comparisons.agreement.tables import Data
+from comparisons.formulations import run_tables as formulations_tables
+from comparisons.formulations import words as formulations_words
+from comparisons.formulations.figures import draw_locking, draw_pairings, draw_patch_errors
+from comparisons.formulations.study import COMMAND
+from comparisons.formulations.tables import (
+    locking_table,
+    momentum_table,
+    passes_table,
+    patch_tests_table,
+)
+from comparisons.kit import provenance
+from comparisons.kit.page import Image, render
+from comparisons.kit.tabular import Table
+from scenes.results import write_json
+
+RESULT = "result.json"
+"""Everything computed; the rest is drawn from it."""
+
+_FIGURES: dict[str, tuple[str, Callable[[Data, Path], Path]]] = {
+    "patch_errors": ("patch_tests", draw_patch_errors),
+    "locking": ("locking", draw_locking),
+    "pairings": ("pairings", draw_pairings),
+}
+"""Figures by the stem of their file: the part of the data they show, and how it is drawn."""
+
+
+def read_formulations(out: Path) -> dict[str, Any]:
+    """Data that :func:`write_formulations` wrote.
+
+    Raises
+    ------
+    InputError
+        When the folder holds none.
+    """
+    file = out / RESULT
+    data = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    if data.get("command") != COMMAND:
+        raise InputError("out", str(out), f"a folder with the {RESULT} of `cea {COMMAND}`")
+    return data
+
+
+def write_formulations(data: dict[str, Any], out: Path) -> Path:
+    """Write data, tables, figures and the page, on rank 0; the others wait until it is written.
+
+    Collective.
+
+    Parameters
+    ----------
+    data
+        What :func:`comparisons.formulations.study.run_formulations` found.
+    out
+        Folder for ``result.json``, CSV files, PNG files and ``report.html``.
+
+    Returns
+    -------
+    Path
+        The page: one file that needs no other.
+    """
+    page = out / "report.html"
+    MPI.COMM_WORLD.Barrier()  # ranks may still read what is written here
+    if MPI.COMM_WORLD.rank == 0:
+        out.mkdir(parents=True, exist_ok=True)
+        write_json(data, out / RESULT)
+        tables = {table.name: table for table in tables_of(data)}
+        for table in tables.values():
+            table.write_csv(out)
+        images = {
+            name: Image.of(draw(data[part], out / f"{name}.png"))
+            for name, (part, draw) in _FIGURES.items()
+        }
+        text = render(
+            "formulations.html", data=data, tables=tables, images=images, words=formulations_words
+        )
+        page.write_text(text, encoding="utf-8")
+    MPI.COMM_WORLD.Barrier()
+    return page
+
+
+def tables_of(data: Data) -> list[Table]:
+    """Every table of the page."""
+    return [
+        *(passes_table(data["patch_tests"], name) for name in formulations_words.interfaces(data)),
+        patch_tests_table(data["patch_tests"]),
+        momentum_table(data["patch_tests"]),
+        locking_table(data["locking"]),
+        formulations_tables.paper_numbers(data),
+        formulations_tables.pairing_runs(data),
+        formulations_tables.pairing_differences(data),
+        formulations_tables.times(data),
+        provenance.machine(data),
+    ]

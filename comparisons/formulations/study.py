@@ -1,0 +1,85 @@
+"""Every contact formulation put to the test: what the page of formulations is made of."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any
+
+from comparisons.agreement.comparison import Progress
+from comparisons.formulations.locking import LockingStudy, run_locking
+from comparisons.formulations.pairings import PairingsStudy, run_pairings
+from comparisons.formulations.paper_numbers import PATCH_FIGURES, run_paper_numbers
+from comparisons.formulations.patch_tests import PatchTestStudy, run_patch_tests
+from scenes.results import machine, versions
+
+COMMAND = "formulations"
+"""Command that a result is marked with."""
+
+
+@dataclass(frozen=True)
+class FormulationsStudy:
+    """What is run.
+
+    Parameters
+    ----------
+    patch_tests, locking, pairings
+        The studies.
+    figures
+        Figures of the paper whose numbers are computed.
+    """
+
+    patch_tests: PatchTestStudy = field(default_factory=PatchTestStudy)
+    locking: LockingStudy = field(default_factory=LockingStudy)
+    figures: tuple[str, ...] = PATCH_FIGURES
+    pairings: PairingsStudy = field(default_factory=PairingsStudy)
+
+
+DEFAULT = FormulationsStudy()
+
+
+def run_formulations(
+    progress: Progress,
+    begin: Callable[[str], None],
+    study: FormulationsStudy = DEFAULT,
+) -> dict[str, Any]:
+    """Run all studies.
+
+    Parameters
+    ----------
+    progress
+        Where progress within a part is shown.
+    begin
+        Called with the name of each part as it begins.
+    study
+        What is run.
+
+    Returns
+    -------
+    dict
+        Plain data for ``result.json``: ``command``, ``versions``, ``machine``; the parts
+        ``patch_tests``, ``locking``, ``paper`` and ``pairings``, each with its ``seconds``; and
+        ``seconds`` of all.
+    """
+    parts: dict[str, tuple[str, Callable[[], dict[str, Any]]]] = {
+        "patch_tests": (
+            "patch tests and momentum",
+            lambda: run_patch_tests(progress, study.patch_tests),
+        ),
+        "locking": ("locking", lambda: run_locking(progress, study.locking)),
+        "paper": (
+            "numbers of the paper",
+            lambda: run_paper_numbers(progress, study.figures),
+        ),
+        "pairings": (
+            "pairings of backends",
+            lambda: run_pairings(progress, study.pairings),
+        ),
+    }
+    begun = perf_counter()
+    data: dict[str, Any] = {"command": COMMAND, "versions": versions(), "machine": machine()}
+    for key, (name, run) in parts.items():
+        begin(name)
+        start = perf_counter()
+        data[key] = run()
+        data[key]["seconds"] = perf_counter() - start
+    return data | {"seconds": perf_counter() - begun}

@@ -1,0 +1,100 @@
+"""Every contact formulation in its variants, as changes of a scene's contacts."""
+
+from dataclasses import dataclass, replace
+from math import inf
+
+from cea.contact.formulations import (
+    Botella,
+    Formulation,
+    GaussPointToSurface,
+    Greville,
+    Grid,
+    Mortar,
+    NodeToSurface,
+    Segments,
+)
+from scenes.spec import Backend, Scene
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A formulation with its options.
+
+    Parameters
+    ----------
+    label
+        Name in tables and figures: the formulation, then its option behind a comma.
+    formulation
+        Points and weights.
+    full_pass
+        Whether points lie on both sides.
+    """
+
+    label: str
+    formulation: Formulation
+    full_pass: bool = False
+
+    @property
+    def has_saddle_form(self) -> bool:
+        """Whether it can be tied (p = infinity): lumped matrices have no multipliers."""
+        return not (isinstance(self.formulation, GaussPointToSurface) and self.formulation.lumped)
+
+    def of(self, scene: Scene, *, P: float | None = None, p: float | None = None) -> Scene:
+        """The scene with this variant at every contact, and P (N/m) or p (N/m^3).
+
+        An infinite stiffness takes the saddle form.
+        """
+        contacts = {
+            name: replace(
+                contact,
+                formulation=self.formulation,
+                full_pass=self.full_pass,
+                P=P,
+                p=p,
+                form="saddle" if inf in (P, p) else "penalty",
+            )
+            for name, contact in scene.contacts.items()
+        }
+        return replace(scene, contacts=contacts)
+
+
+def variants(
+    backends: tuple[Backend, Backend], *, gauss: tuple[int, ...], grid: int
+) -> tuple[Variant, ...]:
+    """Every formulation that two sides can bear.
+
+    Parameters
+    ----------
+    backends
+        Backends of sides a and b.
+    gauss
+        Numbers of Gauss points per direction in each cell of side a.
+    grid
+        Equally spaced points per direction over a face (NURBS), or over a facet (mesh).
+    """
+    a, b = backends
+    collocation = {
+        "fe": (
+            Variant("node-to-surface", NodeToSurface()),
+            Variant("node-to-surface, tributary", NodeToSurface("tributary")),
+        ),
+        "iga": (
+            Variant("Greville", Greville()),
+            Variant("Greville, area", Greville("area")),
+            Variant("Botella", Botella()),
+            Variant("Botella, area", Botella("area")),
+        ),
+    }[a]
+    gpts = [Variant(f"GPTS {n}", GaussPointToSurface(n)) for n in gauss]
+    lumped = [Variant(f"GPTS {n}, lumped", GaussPointToSurface(n, lumped=True)) for n in gauss]
+    # Collocation at both sides' own abscissae needs these to be of one kind.
+    both_ways = [collocation[0], gpts[0]] if a == b else [gpts[0]]
+    return (
+        *collocation,
+        Variant("grid", Grid(grid)),
+        *gpts,
+        *lumped,
+        *(Variant(f"{v.label}, full pass", v.formulation, True) for v in both_ways),
+        Variant("segments", Segments()),
+        Variant("mortar", Mortar()),
+    )

@@ -1,0 +1,1 @@
+"""What the pages of every application are made of: tables, numbers, plots, layout."""

@@ -1,0 +1,1 @@
+"""The paper's claims, and what decides each of them."""

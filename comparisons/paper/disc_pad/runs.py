@@ -1,0 +1,239 @@
+"""Runs of disc and pad, made once, and what is kept of them: modes seen at common points."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cea.body import Body, Floats
+from cea.eigen.mode_matching import NEAR, GroupMatch, ModeSet, match_modes
+from cea.eigen.modes import Complexes
+from cea.errors import InputError
+from cea.matrices import destroy
+from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase, Family
+from comparisons.paper.disc_pad.divided import divided_bodies
+from comparisons.paper.figure import Data
+from comparisons.paper.store import fingerprint
+from meshes.shapes import Annulus, Sector
+from scenes.results import describe_modes
+from scenes.run import SceneResult, run_scene
+from scenes.run_matching import complex_displacement
+from scenes.spec import ComplexEigenvalueAnalysis
+
+_SHAPE_GRID = (7, 12)
+"""Points across and along the contact at which shapes are compared."""
+_CIRCLES = ((0.2, 0.5, 0.8, 0.98), 36)
+"""Circles on the disc, by the part of its width, and points on each."""
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """What is kept of a run.
+
+    Parameters
+    ----------
+    label
+        Label of the case.
+    data
+        Plain data: dofs, points, seconds, eigenvalues, unstable modes.
+    modes
+        Eigenvalues, and shapes at points that do not depend on the mesh.
+    """
+
+    label: str
+    data: Data
+    modes: ModeSet
+
+    @property
+    def unstable(self) -> ModeSet:
+        """Its unstable modes."""
+        chosen = [mode["mode"] for mode in self.data["unstable"]]
+        return ModeSet(self.modes.eigenvalues[chosen], self.modes.shapes[:, chosen])
+
+
+@dataclass
+class Runs:
+    """Runs already made, so that figures which share a case compute it once.
+
+    Bodies of the last discretisation only are kept, spectra of all.
+    """
+
+    _spectra: dict[str, Spectrum] = field(default_factory=dict)
+    _bodies: tuple[str, Mapping[str, Body]] | None = None
+
+    def spectrum(self, case: CeaCase, family: Family) -> Spectrum:
+        """Modes of a case, computed where they are not known."""
+        mark = fingerprint(asdict(case.scene(family)))
+        if mark not in self._spectra:
+            self.result(case, family)
+        return self._spectra[mark]
+
+    def result(self, case: CeaCase, family: Family) -> SceneResult:
+        """Run a case; its spectrum is kept."""
+        scene = case.scene(family)
+        divided = case.on(family).divided
+        described: Data = {name: asdict(body) for name, body in scene.bodies.items()}
+        mesh = fingerprint({"bodies": described, "divided": divided})
+        known = self._bodies[1] if self._bodies and self._bodies[0] == mesh else None
+        self._bodies = None
+        if known is None and divided:
+            known = divided_bodies(scene)
+        result = run_scene(scene, bodies=known)
+        self._bodies = mesh, result.system.bodies
+        self._spectra[fingerprint(asdict(scene))] = _spectrum(case.on(family).label, result)
+        return result
+
+
+RUNS = Runs()
+"""Runs of this process."""
+
+
+def _spectrum(label: str, result: SceneResult) -> Spectrum:
+    modes, analysis = result.modes, result.scene.analysis
+    assert modes is not None
+    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    described = describe_modes(modes, analysis.growth_threshold)
+    data = {
+        "dofs": result.system.size,
+        "points": sum(len(interface.points) for interface in result.interfaces.values()),
+        "seconds": result.timer.total,
+        "timings": dict(result.timer.seconds),
+        "eigenvalues": described["eigenvalues"],
+        "unstable": described["unstable"],
+        "growth_uncertainty": float(modes.growth_uncertainties.max(initial=0.0)),
+    }
+    shapes, data["contact_motion"], data["contact_gap"] = _shapes(result)
+    return Spectrum(label, data, ModeSet(modes.eigenvalues, shapes))
+
+
+def _shapes(result: SceneResult) -> tuple[Complexes, list[float], list[float]]:
+    """What all modes look like at points that do not depend on the mesh.
+
+    Returns
+    -------
+    ndarray
+        Displacements on both sides of the contact and on circles of the disc, (rows, modes).
+    list
+        Normal motion of the disc in the contact relative to that on the rest of the circles.
+    list
+        Gap in the contact relative to the normal motion of the disc there.
+    """
+    disc, pad = (result.scene.bodies[name].geometry for name in (DISC, PAD))
+    assert isinstance(disc, Annulus)
+    assert isinstance(pad, Sector)
+    r, theta = (
+        _inside(*ends, n)
+        for ends, n in zip(
+            ((pad.inner_radius, pad.outer_radius), (pad.start, pad.end)), _SHAPE_GRID, strict=True
+        )
+    )
+    contact = _polar(r, theta, disc.top)
+    parts, angles = _CIRCLES
+    width = disc.outer_radius - disc.inner_radius
+    radii = disc.inner_radius + width * np.array(parts)
+    around = np.linspace(0.0, 360.0, angles, endpoint=False)
+    circles = _polar(radii, around, disc.top)
+    side_b = displacements(result, DISC, "top", contact)[0]
+    rest = displacements(result, DISC, "top", circles)[0]
+    side_a = displacements(result, PAD, "bottom", contact)[0]
+    radius, angle = np.hypot(*circles[:, :2].T), np.degrees(np.arctan2(*circles[:, 1::-1].T))
+    outside = (
+        (radius < pad.inner_radius)
+        | (radius > pad.outer_radius)
+        | ((angle - pad.start) % 360 > pad.end - pad.start)
+    )
+    disc_motion = _rms(side_b[2::3])
+    motion = disc_motion / _rms(rest[2::3][outside])
+    gap = _rms(side_b[2::3] - side_a[2::3]) / disc_motion
+    return np.concatenate([side_b, rest, side_a]), motion.tolist(), gap.tolist()
+
+
+def _rms(values: Complexes) -> Floats:
+    """Root mean square over the rows, shape (modes,)."""
+    return np.sqrt((np.abs(values) ** 2).mean(axis=0))
+
+
+def _inside(start: float, end: float, n: int) -> Floats:
+    """Midpoints of n equal parts."""
+    return start + (end - start) * (np.arange(n) + 0.5) / n
+
+
+def _polar(r: Floats, theta: Floats, z: float) -> Floats:
+    """Points at all radii (m) and angles (degrees), shape (n, 3)."""
+    radius, angle = (part.ravel() for part in np.meshgrid(r, np.radians(theta)))
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(len(angle), z)])
+
+
+def displacements(
+    result: SceneResult, body: str, surface: str, x: Floats, *, axis: int = 2
+) -> tuple[Complexes, Any]:
+    """Displacements of all modes at points of a surface that an axis meets.
+
+    Parameters
+    ----------
+    result
+        A run with modes.
+    body, surface
+        The surface.
+    x
+        Points (m), shape (n, 3).
+    axis
+        Axis along which they are looked for.
+
+    Returns
+    -------
+    ndarray
+        Components of the points that were found, point by point, shape (3 found, modes).
+    ndarray
+        Which points were found, shape (n,).
+
+    Raises
+    ------
+    InputError
+        When none was.
+    """
+    assert result.modes is not None
+    side = result.system.bodies[body].surfaces[surface]
+    found = side.locate(x, np.tile(np.eye(3)[axis], (len(x), 1)), side.mesh_size)
+    hit = ~found.missed
+    if not hit.any():
+        raise InputError("x", f"{len(x)} points", f"points on {body}.{surface}")
+    trace = side.trace(found.at[hit])
+    columns = []
+    for mode in range(len(result.modes.eigenvalues)):
+        vector = result.modes.vector(mode)
+        columns.append((trace @ complex_displacement(result.system, body, *vector)).ravel())
+        destroy(*vector)
+    return np.stack(columns, axis=1), hit
+
+
+def compare_spectra(first: Spectrum, second: Spectrum) -> Data:
+    """Pair the modes of two runs.
+
+    Returns
+    -------
+    dict
+        Plain data: ``groups``, all modes that stand for one another with mean eigenvalues
+        [re, im] of both and the assurance; ``unstable``, the unstable ones mode by mode, all
+        that can be paired; ``only_first`` and ``only_second``, unstable modes without a partner.
+    """
+    every = match_modes(first.modes, second.modes, NEAR)
+    alone = match_modes(first.unstable, second.unstable, near=0.0, limit=None)
+    return {
+        "first": first.label,
+        "second": second.label,
+        "groups": [_group(group) for group in every.groups],
+        "unpaired": [len(every.only_first), len(every.only_second)],
+        "unstable": [_group(group) for group in alone.groups],
+        "only_first": len(alone.only_first),
+        "only_second": len(alone.only_second),
+    }
+
+
+def _group(match: GroupMatch) -> Data:
+    return {
+        "modes": [match.first.tolist(), match.second.tolist()],
+        "lambda": [[value.real, value.imag] for value in match.means],
+        "assurance": match.assurance,
+    }

@@ -1,0 +1,135 @@
+"""Computed figures kept as JSON and CSV: drawing anew computes nothing while inputs are equal.
+
+Data are looked for in the folder that is written to, then among those that come with the project.
+"""
+
+import gzip
+import json
+import zlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+
+from mpi4py import MPI
+
+from comparisons.agreement.comparison import Progress
+from comparisons.kit.tabular import Table, compressed
+from comparisons.paper.figure import Data, PaperFigure, numbers_table
+from scenes.results import machine, versions
+from scenes.spec import Backend
+
+STORED = Path(__file__).parent / "results"
+"""Data that come with the project."""
+
+
+@dataclass(frozen=True)
+class MadeFigure:
+    """A figure that was made.
+
+    Parameters
+    ----------
+    numbers
+        Numbers of the paper beside ours.
+    note
+        What a reader must know to compare them.
+    data_file
+        What was computed, compressed JSON.
+    pictures
+        What was drawn.
+    reused
+        Whether stored data were drawn rather than computed.
+    """
+
+    numbers: Table
+    note: str
+    data_file: Path
+    pictures: list[Path]
+    reused: bool
+
+
+def make_figure(
+    figure: PaperFigure,
+    backend: Backend,
+    out: Path,
+    progress: Progress,
+    *,
+    recompute: bool = False,
+) -> MadeFigure:
+    """Compute a figure, or take its stored data when their inputs are equal, and draw it.
+
+    Parameters
+    ----------
+    figure
+        The figure.
+    backend
+        Backend of every body.
+    out
+        Folder for ``figure_<name>_<backend>`` with endings .json.gz, .csv and .png; rank 0 writes.
+    progress
+        Where progress is shown.
+    recompute
+        Whether stored data are left aside.
+    """
+    comm = MPI.COMM_WORLD
+    stem = f"figure_{figure.name}_{backend}"
+    file = out / f"{stem}.json.gz"
+    mark = fingerprint(figure.inputs(backend))
+    found: tuple[Path, Data] | None = None
+    if comm.rank == 0 and not recompute:
+        found = _found((file, STORED / file.name), mark)
+    found = comm.bcast(found)
+    reused = found is not None
+    if found is not None:
+        file, data = found
+    else:
+        data = {
+            "figure": figure.name,
+            "title": figure.title,
+            "backend": backend,
+            "fingerprint": mark,
+            "inputs": figure.inputs(backend),
+            "versions": versions(),
+            "machine": machine(),
+        } | figure.compute(backend, progress)
+        if comm.rank == 0:
+            write_data(data, file)
+    numbers = numbers_table(figure.numbers(data), stem, f"{figure.title}, {backend}")
+    pictures: list[Path] = []
+    if comm.rank == 0:
+        progress.stage("drawing")
+        out.mkdir(parents=True, exist_ok=True)
+        for table in (numbers, *figure.tables(data, stem)):
+            table.write_csv(out)
+        pictures = figure.draw(data, out / stem)
+    return MadeFigure(numbers, figure.note(data), file, pictures, reused)
+
+
+def fingerprint(inputs: Data) -> str:
+    """Digest of plain data, whatever the order of their fields."""
+    text = json.dumps(inputs, sort_keys=True, allow_nan=False)
+    return sha256(text.encode()).hexdigest()
+
+
+def write_data(data: Data, file: Path) -> None:
+    """Write computed data, making their folder."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    file.write_bytes(compressed(text.encode()))
+
+
+def read_data(file: Path) -> Data:
+    """Read computed data."""
+    return json.loads(gzip.decompress(file.read_bytes()))
+
+
+def _found(files: Iterable[Path], mark: str) -> tuple[Path, Data] | None:
+    """The first file with data that equal inputs made, and the data."""
+    for file in files:
+        try:
+            data = read_data(file)
+        except (OSError, EOFError, zlib.error, ValueError):
+            continue  # there is none, or it is broken
+        if isinstance(data, dict) and data.get("fingerprint") == mark:
+            return file, data
+    return None

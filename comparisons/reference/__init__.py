@@ -1,0 +1,1 @@
+"""Converged modes of the disc and pad, on which both backends agree."""

@@ -1,0 +1,171 @@
+"""Two clamped layers between roller walls, sliding with friction ``mu0 sin(pi x / length)``.
+
+Body a is ``0 < y < height_a``, body b ``-height_b < y < 0``, both on ``0 < x < length``. Rollers
+make every field a series in ``cos(n pi x / length)`` or the sine; the friction couples the
+normal stress of harmonic n to the shear of n - 1 and n + 1,
+
+    mu s = mu0 / 2 sum_n s_n [sin((n + 1) pi x / length) - sin((n - 1) pi x / length)],
+
+so the gap conditions of all harmonics are a tridiagonal system. Its determinant, over n < N,
+converges faster than geometrically for finite p, geometrically for p = infinity.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+from flint import acb, arb
+
+from exact_cea.layer import layer_response, mirrored
+from exact_cea.material import SOFT, STIFF, Material, compliance, join
+from exact_cea.numbers import Exact, not_negative, positive
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Blocks with sinusoidal friction, in plane strain or for one wave number in z.
+
+    Parameters
+    ----------
+    p
+        Contact stiffness per area, may be infinite.
+    mu0
+        Amplitude of the friction coefficient.
+    kz
+        None: plane strain. Else the family ``u_x, u_y ~ cos(kz z)``, ``u_z ~ sin(kz z)``, which
+        rollers at both ends of a block of length pi / kz admit.
+    a, b
+        Materials.
+    height_a, height_b, length
+        Sizes.
+    harmonics
+        Truncation N; None chooses one by the highest frequency asked for.
+    """
+
+    p: Exact
+    mu0: Exact
+    kz: Exact | None
+    a: Material
+    b: Material
+    height_a: Exact
+    height_b: Exact
+    length: Exact
+    harmonics: int = 24
+
+    @classmethod
+    def of(
+        cls,
+        p: str | float = "1",
+        mu0: str | float = "0.3",
+        kz: str | float | None = None,
+        a: Material = SOFT,
+        b: Material = STIFF,
+        height_a: str | float = "0.5",
+        height_b: str | float = "1",
+        length: str | float = "2",
+    ) -> "Blocks":
+        """Blocks of numbers or their texts.
+
+        Raises
+        ------
+        InputError
+            For a number out of range.
+        """
+        return cls(
+            positive("p", p, infinite=True),
+            not_negative("mu0", mu0),
+            None if kz is None else positive("kz", kz),
+            a,
+            b,
+            positive("height_a", height_a),
+            positive("height_b", height_b),
+            positive("length", length),
+        )
+
+    @property
+    def real(self) -> bool:
+        """The characteristic function is real for real ``lambda^2``."""
+        return True
+
+    def scale(self) -> float:
+        """A frequency below or near the lowest: shear waves across the slower layer."""
+        return min(
+            material.wave_speeds[1] * math.pi / (2 * float(height))
+            for material, height in ((self.a, self.height_a), (self.b, self.height_b))
+        )
+
+    def turning(self, frequency: float) -> float:
+        """Two waves through each layer in every harmonic that propagates."""
+        slowest = min(self.a.wave_speeds[1], self.b.wave_speeds[1])
+        propagating = 2 + frequency * float(self.length) / (math.pi * slowest)
+        return propagating * sum(
+            float(height) / speed
+            for material, height in ((self.a, self.height_a), (self.b, self.height_b))
+            for speed in material.wave_speeds
+        )
+
+    def for_frequency(self, frequency: float) -> "Blocks":
+        """The same blocks with harmonics enough that those left out are evanescent."""
+        slowest = min(self.a.wave_speeds[1], self.b.wave_speeds[1])
+        return replace(
+            self, harmonics=math.ceil(frequency * float(self.length) / (math.pi * slowest)) + 6
+        )
+
+    def refined(self) -> "Blocks":
+        """The same blocks with more harmonics, until they are 200."""
+        return self if self.harmonics > 200 else replace(self, harmonics=self.harmonics * 3 // 2)
+
+    def __call__(self, kappa: acb) -> acb:
+        """Characteristic function of ``kappa = lambda^2``."""
+        return BlocksAt(self, self.mu0.arb)(kappa)
+
+    def gap_condition(self, n: int, kappa: acb) -> tuple[acb, acb]:
+        """Coefficients of s_n and of the shear t_n in the gap condition of harmonic n."""
+        kx = n * arb.pi() / self.length.arb
+        k = kx if self.kz is None else (kx * kx + self.kz.arb**2).sqrt()
+        normal, tangential = join(
+            mirrored(layer_response(self.a, self.height_a.arb, k, kappa)),
+            layer_response(self.b, self.height_b.arb, k, kappa),
+            compliance(self.p),
+        )
+        # Only the part of the friction along the wave vector (kx, kz) moves the interface.
+        return normal, tangential * kx / k if n else acb(0)
+
+    def closed_form(self, frequency: float) -> list[acb]:
+        """Eigenvalues that never feel the contact, up to a frequency.
+
+        With kz, horizontally polarised shear waves leave the gap alone:
+        ``lambda^2 = -c^2 (kx^2 + kz^2 + ((j + 1/2) pi / height)^2)`` in either body.
+        """
+        if self.kz is None:
+            return []
+        found = []
+        for material, height in ((self.a, self.height_a), (self.b, self.height_b)):
+            speed2 = material.lame[1] / material.rho.arb
+            reach = frequency / material.wave_speeds[1] / math.pi
+            for n in range(1, math.floor(reach * float(self.length)) + 1):
+                for j in range(math.floor(reach * float(height) + 0.5) + 1):
+                    kx = n * arb.pi() / self.length.arb
+                    ky = (j + arb("0.5")) * arb.pi() / height.arb
+                    omega = (speed2 * (kx * kx + ky * ky + self.kz.arb**2)).sqrt()
+                    if float(omega) <= frequency:
+                        found.append(acb(0, omega))
+        return found
+
+
+@dataclass(frozen=True)
+class BlocksAt:
+    """Determinant of the tridiagonal gap conditions for one value of mu0."""
+
+    blocks: Blocks
+    mu0: arb | acb
+
+    def __call__(self, kappa: acb) -> acb:
+        """Continuant: row n reads ``d_n s_n + mu0 / 2 f_n (s_{n-1} - s_{n+1}) = 0``, f_0 = 0."""
+        quarter = self.mu0 * self.mu0 / 4
+        before, now = acb(0), acb(1)
+        coupling_before = acb(0)
+        for n in range(self.blocks.harmonics):
+            diagonal, coupling = self.blocks.gap_condition(n, kappa)
+            before, now = now, diagonal * now + quarter * coupling_before * coupling * before
+            coupling_before = coupling
+        return now

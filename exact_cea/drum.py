@@ -1,0 +1,229 @@
+"""Two annuli pressed together along a circle, one harmonic ``e^{i m theta}`` at a time.
+
+Displacements come from potentials of Bessel functions (J. D. Achenbach, Wave Propagation in
+Elastic Solids, chapter 6): ``u = grad(phi) + curl(chi e_z)`` and, in 3D, ``+ curl curl(psi e_z)``
+with ``phi ~ Z_m(alpha r)`` and ``chi, psi ~ Z_m(beta r)``, Z = J or Y,
+
+    alpha^2 = -rho kappa / (L + 2G) - kz^2,    beta^2 = -rho kappa / G - kz^2.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+from flint import acb, acb_mat, arb
+
+from cea.errors import InputError
+from exact_cea.material import SOFT, STIFF, Material, Response, compliance, join
+from exact_cea.numbers import Exact, not_negative, order, positive
+
+Column = list[acb]
+
+
+@dataclass(frozen=True)
+class Drum:
+    """Annulus a outside annulus b, clamped at the outermost and innermost circles.
+
+    ``n = -e_r``, ``k = +e_theta``: at the interface ``sigma_rtheta = mu sigma_rr`` and
+    ``sigma_rr / p = u_r^a - u_r^b``.
+
+    Parameters
+    ----------
+    m
+        Circumferential order.
+    p, mu
+        Contact stiffness per area, may be infinite; coefficient of friction.
+    kz
+        None: plane strain. Else the family ``u_r, u_theta ~ cos(kz z)``, ``u_z ~ sin(kz z)``.
+    a, b
+        Materials.
+    inner, interface, outer
+        Radii.
+    """
+
+    m: int
+    p: Exact
+    mu: Exact
+    kz: Exact | None
+    a: Material
+    b: Material
+    inner: Exact
+    interface: Exact
+    outer: Exact
+
+    @classmethod
+    def of(
+        cls,
+        m: int,
+        p: str | float = "1",
+        mu: str | float = "0.3",
+        kz: str | float | None = None,
+        a: Material = SOFT,
+        b: Material = STIFF,
+        inner: str | float = "0.5",
+        interface: str | float = "1",
+        outer: str | float = "1.5",
+    ) -> "Drum":
+        """Drum of numbers or their texts.
+
+        Raises
+        ------
+        InputError
+            For a number out of range.
+        """
+        radii = positive("inner", inner), positive("interface", interface), positive("outer", outer)
+        if not float(radii[0]) < float(radii[1]) < float(radii[2]):
+            raise InputError(
+                "inner, interface, outer", f"{inner}, {interface}, {outer}", "increasing"
+            )
+        return cls(
+            order("m", m),
+            positive("p", p, infinite=True),
+            not_negative("mu", mu),
+            None if kz is None else positive("kz", kz),
+            a,
+            b,
+            *radii,
+        )
+
+    @property
+    def real(self) -> bool:
+        """The characteristic function is real for real ``lambda^2``: without a harmonic only."""
+        return self.m == 0
+
+    def scale(self) -> float:
+        """A frequency below or near the lowest: shear waves across the slower annulus."""
+        return min(speeds[1] * math.pi / (2 * width) for speeds, width in self._walls())
+
+    def turning(self, frequency: float) -> float:
+        """Pressure waves once, shear waves once (twice in 3D) through either annulus."""
+        del frequency
+        shear = 1 if self.kz is None else 2
+        return sum(width / speeds[0] + shear * width / speeds[1] for speeds, width in self._walls())
+
+    def for_frequency(self, frequency: float) -> Self:
+        """The drum itself: nothing is truncated."""
+        del frequency
+        return self
+
+    def refined(self) -> Self:
+        """The drum itself: nothing is truncated."""
+        return self
+
+    def closed_form(self, frequency: float) -> list[acb]:
+        """None: every eigenvalue is a root."""
+        del frequency
+        return []
+
+    def __call__(self, kappa: acb) -> acb:
+        """Characteristic function of ``kappa = lambda^2``."""
+        normal, tangential = join(
+            self.response(self.a, self.outer.arb, kappa),
+            self.response(self.b, self.inner.arb, kappa),
+            compliance(self.p),
+        )
+        return normal + self.mu.arb * tangential
+
+    def response(self, material: Material, clamp: arb, kappa: acb) -> Response:
+        """Response of an annulus to ``sigma_rr`` and ``sigma_rtheta`` at the interface."""
+        at_clamp = self._columns(material, clamp, kappa)
+        here = self._columns(material, self.interface.arb, kappa)
+        size = 2 if self.kz is None else 3
+        fixed = [[column[i] for column in at_clamp] for i in range(size)]
+        u_r, rr, rt, *rz = ([column[i] for column in here] for i in (0, *range(size, len(here[0]))))
+        # The potentials of J and of Y are dependent where kappa, or in 3D beta, vanishes.
+        dependence = kappa * kappa
+        if self.kz is not None:
+            dependence *= (material.rho.arb * kappa / material.lame[1] + self.kz.arb**2) ** 2
+        # Without a harmonic torsion stands apart: the last determinant is zero, and LU
+        # decomposition in ball arithmetic cannot tell.
+        shear = acb(0) if self.m == 0 else -acb_mat([*fixed, *rz, rr, u_r]).det() / dependence
+        return Response(
+            free=acb_mat([*fixed, *rz, rt, rr]).det() / dependence,
+            normal=acb_mat([*fixed, *rz, rt, u_r]).det() / dependence,
+            tangential=shear,
+        )
+
+    def _walls(self) -> list[tuple[tuple[float, float], float]]:
+        return [
+            (self.a.wave_speeds, float(self.outer) - float(self.interface)),
+            (self.b.wave_speeds, float(self.interface) - float(self.inner)),
+        ]
+
+    def _columns(self, material: Material, r: arb, kappa: acb) -> list[Column]:
+        """(u_r, u_theta[, u_z], sigma_rr, sigma_rtheta[, sigma_rz]) of every potential at r."""
+        L, G = material.lame
+        rho = material.rho.arb
+        kz = arb(0) if self.kz is None else self.kz.arb
+        alpha2 = -rho * kappa / (L + 2 * G) - kz * kz
+        beta2 = -rho * kappa / G - kz * kz
+        columns = [
+            _pressure(L, G, self.m, kz, r, alpha2, z, dz) for z, dz in _bessel(self.m, alpha2, r)
+        ]
+        shear = _bessel(self.m, beta2, r)
+        columns += [_horizontal_shear(G, self.m, kz, r, beta2, z, dz) for z, dz in shear]
+        if self.kz is None:
+            return [[c[0], c[1], c[3], c[4]] for c in columns]
+        return columns + [_vertical_shear(G, self.m, kz, r, beta2, z, dz) for z, dz in shear]
+
+
+def _bessel(m: int, square: acb, r: arb) -> list[tuple[acb, acb]]:
+    """(Z, dZ/dr) of ``Z = J_m, Y_m`` of ``sqrt(square) r``.
+
+    Determinants hold both in pairs, so the branch of the root does not matter. One of Y_m and
+    Y_{m+1} follows from the other by ``J_{m+1} Y_m - J_m Y_{m+1} = 2 / (pi x)``, divided by the
+    larger of the two J, which have no common zero.
+    """
+    a = square.sqrt()
+    x = a * r
+    j, j_next = x.bessel_j(m), x.bessel_j(m + 1)
+    wronskian = 2 / (arb.pi() * x)
+    if abs(complex(j)) > abs(complex(j_next)):
+        y = x.bessel_y(m)
+        y_next = (j_next * y - wronskian) / j
+    else:
+        y_next = x.bessel_y(m + 1)
+        y = (j * y_next + wronskian) / j_next
+    return [(j, m / r * j - a * j_next), (y, m / r * y - a * y_next)]
+
+
+def _pressure(L: arb, G: arb, m: int, kz: arb, r: arb, alpha2: acb, z: acb, dz: acb) -> Column:
+    """``u = grad(Z e^{i m theta} cos(kz z))``."""
+    im = acb(0, m)
+    second = -dz / r + (m * m / r**2 - alpha2) * z
+    return [
+        dz,
+        im * z / r,
+        -kz * z,
+        2 * G * second - L * (alpha2 + kz * kz) * z,
+        2 * G * im * (dz / r - z / r**2),
+        -2 * G * kz * dz,
+    ]
+
+
+def _horizontal_shear(G: arb, m: int, kz: arb, r: arb, beta2: acb, z: acb, dz: acb) -> Column:
+    """``u = curl(Z e^{i m theta} cos(kz z) e_z)``."""
+    im = acb(0, m)
+    second = -dz / r + (m * m / r**2 - beta2) * z
+    return [
+        im * z / r,
+        -dz,
+        acb(0),
+        2 * G * im * (dz / r - z / r**2),
+        G * (-(m * m) * z / r**2 - second + dz / r),
+        -G * kz * im * z / r,
+    ]
+
+
+def _vertical_shear(G: arb, m: int, kz: arb, r: arb, beta2: acb, z: acb, dz: acb) -> Column:
+    """``u = curl curl(Z e^{i m theta} sin(kz z) e_z) / kz``."""
+    im = acb(0, m)
+    second = -dz / r + (m * m / r**2 - beta2) * z
+    return [
+        dz,
+        im * z / r,
+        beta2 * z / kz,
+        2 * G * second,
+        2 * G * im * (dz / r - z / r**2),
+        G * (beta2 / kz - kz) * dz,
+    ]

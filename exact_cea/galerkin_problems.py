@@ -1,0 +1,255 @@
+"""Drum, blocks and ring as Galerkin problems of high degree."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.errors import InputError
+from exact_cea.blocks import Blocks
+from exact_cea.drum import Drum
+from exact_cea.galerkin import GalerkinBody, GalerkinContact, Strain, lowest
+from exact_cea.material import Material
+from exact_cea.numbers import Exact, not_negative, order, positive
+from exact_cea.solve import Guess
+from exact_cea.spectral import Axis, Single, graded
+
+V, D, R = "value", "slope", "over_r"
+
+
+def cylindrical(m: int) -> Strain:
+    """Strains rr, tt, zz, rt, rz, tz of ``(u_r, u_theta, u_z) e^{i m theta}`` on axes r, z."""
+    im = 1j * m
+    return [
+        [(1, 0, D, V)],
+        [(1, 0, R, V), (im, 1, R, V)],
+        [(1, 2, V, D)],
+        [(im, 0, R, V), (1, 1, D, V), (-1, 1, R, V)],
+        [(1, 0, V, D), (1, 2, D, V)],
+        [(1, 1, V, D), (im, 2, R, V)],
+    ]
+
+
+def cylindrical_family(m: int, kz: float | None) -> Strain:
+    """Strains of ``u_r, u_theta ~ cos(kz z)``, ``u_z ~ sin(kz z)``; plane strain for None."""
+    im = 1j * m
+    plane: Strain = [
+        [(1, 0, D, V)],
+        [(1, 0, R, V), (im, 1, R, V)],
+        [],
+        [(im, 0, R, V), (1, 1, D, V), (-1, 1, R, V)],
+        [],
+        [],
+    ]
+    if kz is None:
+        return plane
+    return [
+        *plane[:2],
+        [(kz, 2, V, V)],
+        plane[3],
+        [(-kz, 0, V, V), (1, 2, D, V)],
+        [(-kz, 1, V, V), (im, 2, R, V)],
+    ]
+
+
+def cartesian_family(kz: float | None) -> Strain:
+    """Strains of ``u_x, u_y ~ cos(kz z)``, ``u_z ~ sin(kz z)`` on axes x, y."""
+    plane: Strain = [
+        [(1, 0, D, V)],
+        [(1, 1, V, D)],
+        [],
+        [(1, 0, V, D), (1, 1, D, V)],
+        [],
+        [],
+    ]
+    if kz is None:
+        return plane
+    return [
+        *plane[:2],
+        [(kz, 2, V, V)],
+        plane[3],
+        [(-kz, 0, V, V), (1, 2, D, V)],
+        [(-kz, 1, V, V), (1, 2, V, D)],
+    ]
+
+
+def drum(problem: Drum, degree: int = 30) -> GalerkinContact:
+    """The drum with one element through each wall."""
+    kz = None if problem.kz is None else float(problem.kz)
+    components = 2 if kz is None else 3
+
+    def annulus(material: Material, start: Exact, end: Exact, clamp: int) -> GalerkinBody:
+        axes = Axis((float(start), float(end)), (degree,), radial=True), Single()
+        held = _at(axes, (0, clamp))
+        return GalerkinBody(
+            material,
+            axes,
+            components,
+            cylindrical_family(problem.m, kz),
+            dict.fromkeys(range(components), held),
+            (0, -1 - clamp),
+        )
+
+    return GalerkinContact(
+        annulus(problem.a, problem.interface, problem.outer, -1),
+        annulus(problem.b, problem.inner, problem.interface, 0),
+        normal=(0, -1.0),
+        tangent=(1, 1.0),
+        p=float(problem.p) * float(problem.interface),
+        mu=float(problem.mu),
+    )
+
+
+def blocks(problem: Blocks, degree: int, layers: int, constant: bool) -> GalerkinContact:
+    """The blocks, with friction mu0 throughout or ``mu0 sin(pi x / length)``.
+
+    Parameters
+    ----------
+    problem
+        Sizes, materials, contact.
+    degree
+        Polynomial degree in x and y.
+    layers
+        Elements that shrink towards the ends of the interface; 0 for smooth solutions.
+    constant
+        Whether the friction coefficient is constant.
+    """
+    length, mu0 = float(problem.length), float(problem.mu0)
+    kz = None if problem.kz is None else float(problem.kz)
+    components = 2 if kz is None else 3
+    along = graded(0, length, degree, layers, (True, True))
+
+    def layer(material: Material, start: float, end: float, clamp: int) -> GalerkinBody:
+        axes = along, graded(start, end, degree, layers, (clamp == -1, clamp == 0))
+        held = dict.fromkeys(range(components), _at(axes, (1, clamp)))
+        held[0] = held[0] | _at(axes, (0, 0)) | _at(axes, (0, -1))
+        return GalerkinBody(material, axes, components, cartesian_family(kz), held, (1, -1 - clamp))
+
+    def sine(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return mu0 * np.sin(math.pi * x / length)
+
+    return GalerkinContact(
+        layer(problem.a, 0, float(problem.height_a), -1),
+        layer(problem.b, -float(problem.height_b), 0, 0),
+        normal=(1, -1.0),
+        tangent=(0, 1.0),
+        p=float(problem.p),
+        mu=mu0 if constant else sine,
+    )
+
+
+def guess(problem: Drum | Blocks) -> Guess:
+    """Lowest eigenvalues of drum or blocks (sinusoidal friction), to start a polish from."""
+
+    def lowest_of(count: int) -> NDArray[np.complex128]:
+        contact = (
+            drum(problem, max(30, count))
+            if isinstance(problem, Drum)
+            else blocks(problem, max(16, count // 2), 0, constant=False)
+        )
+        return lowest(contact, count, problem.scale())
+
+    return lowest_of
+
+
+DISC = Material.of("2.1e11", "0.3", "7800", "b")
+PAD = Material.of("1e10", "0.25", "2500", "a")
+
+
+@dataclass(frozen=True)
+class Ring:
+    """Ring pad a on disc b, both ``inner < r < outer``, for one harmonic ``e^{i m theta}``.
+
+    Rims roll (u_r = 0, no shear), the top of the pad is clamped, the bottom of the disc free;
+    ``n = -e_z``, ``k = +e_theta``.
+
+    Parameters
+    ----------
+    m
+        Circumferential order.
+    p, mu
+        Contact stiffness per area, may be infinite; coefficient of friction.
+    a, b
+        Materials.
+    inner, outer, height_a, height_b
+        Radii and thicknesses.
+    """
+
+    m: int
+    p: Exact
+    mu: Exact
+    a: Material
+    b: Material
+    inner: Exact
+    outer: Exact
+    height_a: Exact
+    height_b: Exact
+
+    @classmethod
+    def of(
+        cls,
+        m: int,
+        p: str | float = "1e12",
+        mu: str | float = "0.3",
+        a: Material = PAD,
+        b: Material = DISC,
+        inner: str | float = "0.08",
+        outer: str | float = "0.16",
+        height_a: str | float = "0.01",
+        height_b: str | float = "0.02",
+    ) -> "Ring":
+        """Ring of numbers or their texts.
+
+        Raises
+        ------
+        InputError
+            For a number out of range.
+        """
+        radii = positive("inner", inner), positive("outer", outer)
+        if not float(radii[0]) < float(radii[1]):
+            raise InputError("inner, outer", f"{inner}, {outer}", "increasing")
+        return cls(
+            order("m", m),
+            positive("p", p, infinite=True),
+            not_negative("mu", mu),
+            a,
+            b,
+            *radii,
+            positive("height_a", height_a),
+            positive("height_b", height_b),
+        )
+
+    def scale(self) -> float:
+        """A frequency near the lowest: shear waves around the mean circumference of the disc."""
+        mean = (float(self.inner) + float(self.outer)) / 2
+        return self.b.wave_speeds[1] / mean
+
+
+def ring(problem: Ring, degree: int = 14, layers: int = 1) -> GalerkinContact:
+    """The ring; elements shrink towards the rims and the interface."""
+    rims = float(problem.inner), float(problem.outer)
+    along = graded(*rims, degree, layers, (True, True), radial=True)
+
+    def plate(material: Material, start: float, end: float, top: bool) -> GalerkinBody:
+        axes = along, graded(start, end, degree, layers, (top, not top))
+        rolling = _at(axes, (0, 0)) | _at(axes, (0, -1))
+        clamp = _at(axes, (1, -1)) if top else np.zeros_like(rolling)
+        held = {0: rolling | clamp, 1: clamp, 2: clamp}
+        return GalerkinBody(material, axes, 3, cylindrical(problem.m), held, (1, 0 if top else -1))
+
+    return GalerkinContact(
+        plate(problem.a, 0, float(problem.height_a), True),
+        plate(problem.b, -float(problem.height_b), 0, False),
+        normal=(2, -1.0),
+        tangent=(1, 1.0),
+        p=float(problem.p),
+        mu=float(problem.mu),
+    )
+
+
+def _at(axes: tuple[Axis, Axis | Single], end: tuple[int, int]) -> NDArray[np.bool_]:
+    """Functions that do not vanish at one end, ``(axis, 0 or -1)``."""
+    held = np.zeros((axes[0].size, axes[1].size), bool)
+    np.moveaxis(held, end[0], 0)[end[1]] = True
+    return held

@@ -1,0 +1,187 @@
+"""Lumped systems of two degrees of freedom: the Hoffmann and Hulten models, by exact polynomials.
+
+References: N. Hoffmann et al., European Journal of Mechanics A 21 (2002) 91-104;
+J. Hulten, SAE paper 932965 (1993).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import cast
+
+from flint import acb, arb, ctx, fmpq, fmpq_mat, fmpq_poly
+
+from cea.errors import InputError
+from exact_cea.numbers import Exact
+
+Matrix = Sequence[Sequence[Fraction]]
+
+
+@dataclass(frozen=True)
+class LumpedSystem:
+    """``(lambda^2 M + lambda C + K) x = 0`` with rational matrices.
+
+    Parameters
+    ----------
+    name
+        Title.
+    M, C, K
+        Mass, damping with gyroscopic part, stiffness; square, of one size.
+    """
+
+    name: str
+    M: Matrix
+    C: Matrix
+    K: Matrix
+
+
+def rational(field: str, value: str | float | Exact) -> Fraction:
+    """Rational number as written.
+
+    Raises
+    ------
+    InputError
+        If it is infinite or holds pi.
+    """
+    number = Exact(value, field)
+    if number.infinite or number.pi_power:
+        raise InputError(field, str(value), "a finite decimal number or fraction")
+    return number.rational
+
+
+def hoffmann(
+    mu: str | float,
+    k11: str | float = "2.5",
+    k12: str | float = "0.5",
+    k22: str | float = "2",
+    k3: str | float = "4/3",
+) -> LumpedSystem:
+    """Minimal model of mode coupling: unit masses, ``K = [[k11, k12 - mu k3], [k12, k22]]``."""
+    m, a, b, c, d = (
+        rational(name, value)
+        for name, value in zip(
+            ("mu", "k11", "k12", "k22", "k3"), (mu, k11, k12, k22, k3), strict=True
+        )
+    )
+    one, nil = Fraction(1), Fraction(0)
+    return LumpedSystem(
+        f"Hoffmann mu={mu}",
+        [[one, nil], [nil, one]],
+        [[nil, nil], [nil, nil]],
+        [[a, b - m * d], [b, c]],
+    )
+
+
+def hoffmann_threshold(
+    k11: str | float = "2.5",
+    k12: str | float = "0.5",
+    k22: str | float = "2",
+    k3: str | float = "4/3",
+) -> Fraction:
+    """Friction coefficient of coalescence: ``(k11 - k22)^2 + 4 k12 (k12 - mu k3) = 0``."""
+    a, b, c, d = (
+        rational(name, value)
+        for name, value in zip(("k11", "k12", "k22", "k3"), (k11, k12, k22, k3), strict=True)
+    )
+    if b * d == 0:
+        raise InputError("k12, k3", f"{k12}, {k3}", "both nonzero: else friction couples nothing")
+    return ((a - c) ** 2 + 4 * b * b) / (4 * b * d)
+
+
+def hulten(
+    mu: str | float,
+    k1: str | float = "1",
+    k2: str | float = "1.44",
+    c1: str | float = "0",
+    c2: str | float = "0",
+    rotation: str | float = "0",
+) -> LumpedSystem:
+    """Two orthogonal contacts on one unit mass, damped, in a frame turning at ``rotation``.
+
+    ``K = [[k1, -mu k2], [mu k1, k2]]``, ``C = [[c1, -2 W], [2 W, c2]]``; k = omega^2.
+    """
+    m, a, b, d1, d2, turn = (
+        rational(name, value)
+        for name, value in zip(
+            ("mu", "k1", "k2", "c1", "c2", "rotation"), (mu, k1, k2, c1, c2, rotation), strict=True
+        )
+    )
+    one, nil = Fraction(1), Fraction(0)
+    title = f"Hulten mu={mu} c=({c1},{c2})" + (f" Om={rotation}" if turn else "")
+    return LumpedSystem(
+        title,
+        [[one, nil], [nil, one]],
+        [[d1, -2 * turn], [2 * turn, d2]],
+        [[a, -m * b], [m * a, b]],
+    )
+
+
+def hulten_threshold(
+    k1: str | float = "1",
+    k2: str | float = "1.44",
+    c1: str | float = "0",
+    c2: str | float = "0",
+    digits: int = 30,
+) -> tuple[arb, arb]:
+    """Threshold of the Hulten model without rotation, in closed form.
+
+    Undamped: ``mu_c = |k2 - k1| / (2 sqrt(k1 k2))``, the pair meeting at ``(k1 + k2) / 2``.
+    Damped: Hurwitz, ``a3 a2 a1 = a1^2 + a3^2 a0`` of the characteristic polynomial, at the
+    squared frequency ``a1 / a3``.
+
+    Returns
+    -------
+    tuple
+        mu_c and the squared frequency there.
+    """
+    a, b, d1, d2 = (
+        rational(name, value)
+        for name, value in zip(("k1", "k2", "c1", "c2"), (k1, k2, c1, c2), strict=True)
+    )
+    if a <= 0 or b <= 0 or d1 < 0 or d2 < 0:
+        raise InputError("k1, k2, c1, c2", (k1, k2, c1, c2), "k positive, c zero or positive")
+    a3, a2, a1 = d1 + d2, a + b + d1 * d2, d1 * b + d2 * a
+    if a3 == 0:
+        square, omega2 = (b - a) ** 2 / (4 * a * b), (a + b) / 2
+    else:
+        square, omega2 = (a2 * a1 / a3 - (a1 / a3) ** 2) / (a * b) - 1, a1 / a3
+    with ctx.workdps(digits + 10):
+        return Exact(str(square)).arb.sqrt(), Exact(str(omega2)).arb
+
+
+def eigenvalues(system: LumpedSystem, digits: int = 30) -> list[acb]:
+    """All eigenvalues, each as often as its multiplicity.
+
+    The characteristic polynomial is exact (interpolated at 2n + 1 integers) and its roots come
+    as balls from its square-free factors, so that exceptional points lose no digits.
+
+    Returns
+    -------
+    list of acb
+        Sorted by imaginary, then real part.
+    """
+    n = len(system.M)
+    nodes = range(-n, n + 1)
+    values = [fmpq_mat(_pencil(system, x)).det() for x in nodes]
+    polynomial = fmpq_poly([0])
+    for x, value in zip(nodes, values, strict=True):
+        term = fmpq_poly([value])
+        for y in nodes:
+            if y != x:
+                term *= fmpq_poly([fmpq(-y, x - y), fmpq(1, x - y)])
+        polynomial += term
+    with ctx.workdps(digits + 10):
+        factors = cast("list[tuple[acb, int]]", polynomial.numer().complex_roots())
+    roots = [root for root, multiplicity in factors for _ in range(multiplicity)]
+    return sorted(roots, key=lambda z: (float(z.imag.mid()), float(z.real.mid())))
+
+
+def _pencil(system: LumpedSystem, x: int) -> list[list[fmpq]]:
+    rows = zip(system.M, system.C, system.K, strict=True)
+    return [
+        [
+            fmpq(value.numerator, value.denominator)
+            for value in (x * x * m + x * c + k for m, c, k in zip(*row, strict=True))
+        ]
+        for row in rows
+    ]

@@ -1,0 +1,270 @@
+"""Exact eigenvalues as arrays, for tests and studies: one call by the name of a problem.
+
+    exact_eigenvalues("drum", m=2, p=1, mu=0.3, count=3)
+    exact_eigenvalues("blocks", p="inf", mu=0.7, kz="pi/2", max_frequency=3.0)
+    whole_spectrum("drum", p=1, mu=0.3, max_frequency=3.0).orders
+
+Materials are ``Material.of(E, nu, rho)``, sizes the keywords of ``Drum.of``, ``Blocks.of`` and
+``Ring.of``. Results are computed once in a process and are read-only.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache
+from itertools import count as count_from
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.errors import InputError
+from exact_cea import galerkin_problems as layouts
+from exact_cea.blocks import Blocks
+from exact_cea.drum import Drum
+from exact_cea.galerkin import GalerkinContact, lowest, lowest_below
+from exact_cea.galerkin_problems import Ring
+from exact_cea.material import Material
+from exact_cea.numbers import Exact, check_window, positive
+from exact_cea.solve import spectrum
+
+Problem = Drum | Blocks | Ring
+Number = str | float
+Values = NDArray[np.complex128]
+
+_DIGITS = 16
+
+_SIZES = {
+    "drum": {"inner", "interface", "outer"},
+    "blocks": {"height_a", "height_b", "length"},
+    "blocks_constant": {"height_a", "height_b", "length"},
+    "ring": {"inner", "outer", "height_a", "height_b"},
+}
+
+
+@dataclass(frozen=True)
+class WholeSpectrum:
+    """Eigenvalues of whole bodies by rising frequency, each with the harmonic it belongs to.
+
+    Parameters
+    ----------
+    values
+        Lambda with Im >= 0, shape (n,).
+    orders
+        Circumferential order m of each, of either sign; 0 in blocks, shape (n,).
+    families
+        Number j of the family ``kz = j pi / depth``; 0 is plane strain, shape (n,).
+    """
+
+    values: Values
+    orders: NDArray[np.int64]
+    families: NDArray[np.int64]
+
+
+def exact_eigenvalues(
+    problem: str,
+    *,
+    max_frequency: float | None = None,
+    count: int | None = None,
+    m: int | None = None,
+    kz: Number | None = None,
+    p: Number | None = None,
+    mu: Number = "0.3",
+    a: Material | None = None,
+    b: Material | None = None,
+    **sizes: Number,
+) -> Values:
+    """Eigenvalues lambda with Im >= 0 of one harmonic of a reference problem.
+
+    Drum and blocks with sinusoidal friction hold the digits of a double and, by the argument
+    principle, every eigenvalue with ``abs(Re)`` up to half of the highest frequency; blocks with
+    constant friction and the ring hold 10 digits.
+
+    Parameters
+    ----------
+    problem
+        "drum", "blocks" (friction ``mu sin(pi x / length)``), "blocks_constant" (friction mu
+        throughout) or "ring".
+    max_frequency, count
+        Upper end of Im lambda, or number of eigenvalues, lowest first: exactly one of both.
+    m
+        Circumferential order of drum and ring; a negative one turns the sign of Re lambda.
+    kz
+        Wave number in z of drum and blocks; None is plane strain.
+    p, mu
+        Contact stiffness per area (None: 1, of the ring 1e12), may be "inf"; friction.
+    a, b
+        Materials; None: those of the reference files.
+    sizes
+        ``inner``, ``interface``, ``outer`` (drum); ``height_a``, ``height_b``, ``length``
+        (blocks); ``inner``, ``outer``, ``height_a``, ``height_b`` (ring).
+
+    Returns
+    -------
+    ndarray
+        Sorted by frequency, then growth, shape (n,); read-only.
+
+    Raises
+    ------
+    InputError
+        For an unknown problem, a parameter that it does not have, or a value out of range.
+    """
+    check_window(max_frequency, count)
+    chosen = make_problem(problem, m=m, kz=kz, p=p, mu=mu, a=a, b=b, **sizes)
+    values = _eigenvalues(chosen, problem == "blocks_constant", max_frequency, count)
+    return values if m is None or m >= 0 else _mirrored(values)
+
+
+def whole_spectrum(
+    problem: str,
+    *,
+    max_frequency: float,
+    depth: Number | None = None,
+    p: Number | None = None,
+    mu: Number = "0.3",
+    a: Material | None = None,
+    b: Material | None = None,
+    **sizes: Number,
+) -> WholeSpectrum:
+    """All eigenvalues up to a frequency: orders m of both signs, and all families in z.
+
+    This is what a discretisation of the whole bodies finds. Orders, and families, end with two
+    in a row that hold nothing, beyond the wave number at which shear waves along the interface
+    pass the frequency.
+
+    Parameters
+    ----------
+    problem
+        As in ``exact_eigenvalues``.
+    max_frequency
+        Upper end of Im lambda.
+    depth
+        Length in z between rollers (u_z = 0) of drum or blocks; None is plane strain.
+    p, mu, a, b, sizes
+        As in ``exact_eigenvalues``.
+
+    Raises
+    ------
+    InputError
+        As in ``exact_eigenvalues``.
+    """
+    check_window(max_frequency, None)
+    m = None if problem.startswith("blocks") else 0
+    base = make_problem(problem, m=m, p=p, mu=mu, a=a, b=b, **sizes)
+    if depth is not None and isinstance(base, Ring):
+        raise InputError("depth", depth, "none: the ring is three-dimensional as it is")
+    highest_k = max_frequency / min(base.a.wave_speeds[1], base.b.wave_speeds[1])
+    parts: list[tuple[Values, int, int]] = []
+
+    def harmonic(member: Problem, order: int, j: int) -> int:
+        values = _eigenvalues(member, problem == "blocks_constant", max_frequency, None)
+        parts.append((values, order, j))
+        if order:
+            parts.append((_mirrored(values), -order, j))
+        return values.size
+
+    def family(j: int) -> int:
+        member = _family(base, j, depth)
+        if isinstance(member, Blocks):
+            return harmonic(member, 0, j)
+        radius = float(member.interface if isinstance(member, Drum) else member.outer)
+        return _series(lambda m: harmonic(replace(member, m=m), m, j), highest_k * radius)
+
+    if depth is None:
+        family(0)
+    else:
+        _series(family, highest_k * float(positive("depth", depth)) / pi)
+    values = np.concatenate([values for values, _, _ in parts])
+    orders = np.concatenate([np.full(values.size, m) for values, m, _ in parts])
+    families = np.concatenate([np.full(values.size, j) for values, _, j in parts])
+    rising = np.lexsort((orders, values.real, values.imag))
+    return WholeSpectrum(values[rising], orders[rising], families[rising])
+
+
+def make_problem(
+    problem: str,
+    *,
+    m: int | None = None,
+    kz: Number | None = None,
+    p: Number | None = None,
+    mu: Number = "0.3",
+    a: Material | None = None,
+    b: Material | None = None,
+    **sizes: Number,
+) -> Problem:
+    """The problem of a name; parameters as in ``exact_eigenvalues``, the sign of m dropped.
+
+    Raises
+    ------
+    InputError
+        For an unknown problem, a parameter that it does not have, or a value out of range.
+    """
+    if problem not in _SIZES:
+        raise InputError("problem", problem, " or ".join(_SIZES))
+    for name, value in sizes.items():
+        if name not in _SIZES[problem]:
+            raise InputError(name, value, f"one of {', '.join(sorted(_SIZES[problem]))}")
+    if (m is None) != problem.startswith("blocks"):
+        raise InputError("m", m, "a circumferential order for drum and ring, none for blocks")
+    given: dict[str, Any] = {"p": p, "kz": kz, "a": a, "b": b, **sizes}
+    given = {name: value for name, value in given.items() if value is not None}
+    if m is None:
+        return Blocks.of(mu0=mu, **given)
+    if problem == "drum":
+        return Drum.of(abs(m), mu=mu, **given)
+    if kz is not None:
+        raise InputError("kz", kz, "none: the ring is three-dimensional as it is")
+    return Ring.of(abs(m), mu=mu, **given)
+
+
+@cache
+def _eigenvalues(
+    problem: Problem, constant: bool, max_frequency: float | None, count: int | None
+) -> Values:
+    if isinstance(problem, Ring):
+        return _approximate(layouts.ring(problem, 12, 1), problem.scale(), max_frequency, count)
+    if isinstance(problem, Blocks) and constant:
+        contact = layouts.blocks(problem, 12, 4, constant=True)
+        return _approximate(contact, problem.scale(), max_frequency, count)
+    found = spectrum(problem, max_frequency, count, digits=_DIGITS, guess=layouts.guess(problem))
+    values = found.values + [complex(value) for value in found.contact_free]
+    return _ordered(np.array(values, complex))[:count]
+
+
+def _approximate(
+    contact: GalerkinContact, scale: float, max_frequency: float | None, count: int | None
+) -> Values:
+    if max_frequency is None:
+        return _ordered(lowest(contact, count or 1, scale))
+    return _ordered(lowest_below(contact, max_frequency, scale))
+
+
+def _family(base: Problem, j: int, depth: Number | None) -> Problem:
+    """Member j of the families ``kz = j pi / depth``; 0 is plane strain."""
+    if j == 0 or depth is None or isinstance(base, Ring):
+        return base
+    length = Exact(depth)
+    pis = "*pi" if length.pi_power == 0 else "/pi" * (length.pi_power - 1)
+    return replace(base, kz=Exact(f"{Fraction(j) / length.rational}{pis}"))
+
+
+def _series(found: Callable[[int], int], reach: float) -> int:
+    """Visit 0, 1, 2, ... until two in a row beyond the reach hold nothing; sum of the numbers."""
+    numbers: list[int] = []
+    for i in count_from():
+        numbers.append(found(i))
+        if i > reach and not any(numbers[-2:]):
+            break
+    return sum(numbers)
+
+
+def _mirrored(values: Values) -> Values:
+    return _ordered(-values.conj())
+
+
+def _ordered(values: Values) -> Values:
+    """By frequency, then growth (frequencies of a pair may differ by round-off); read-only."""
+    values = values[np.lexsort((values.real, np.round(values.imag, 12)))]
+    values.flags.writeable = False
+    return values

@@ -1,0 +1,215 @@
+"""Complete lists of eigenvalues of a characteristic function, with the digits they hold."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Protocol, Self
+
+import numpy as np
+from flint import acb, arb, ctx
+from numpy.typing import NDArray
+
+from cea.errors import ConvergenceError, InputError
+from exact_cea.numbers import check_window
+from exact_cea.roots import Box, EdgeTooClose, Root, RootFinder, polish
+
+DIGITS = 25
+
+Guess = Callable[[int], NDArray[np.complex128]]
+"""The lowest eigenvalues by another method, as many as asked for."""
+
+
+class Characteristic(Protocol):
+    """A problem whose eigenvalues are the roots of an entire function of ``lambda^2``."""
+
+    @property
+    def real(self) -> bool:
+        """Whether the function is real for real arguments."""
+
+    def scale(self) -> float:
+        """A frequency near the lowest."""
+
+    def turning(self, frequency: float) -> float:
+        """Turning of the function's phase with lambda: its travel times, up to a frequency."""
+
+    def for_frequency(self, frequency: float) -> Self:
+        """The problem truncated finely enough for eigenvalues up to a frequency."""
+
+    def refined(self) -> Self:
+        """The problem truncated later; itself where nothing is, or far beyond all need."""
+
+    def closed_form(self, frequency: float) -> list[acb]:
+        """Eigenvalues beside the roots, of modes that never feel the contact."""
+
+    def __call__(self, kappa: acb) -> acb:
+        """Characteristic function at ``kappa = lambda^2``."""
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Eigenvalues with Im >= 0 in a window, sorted by frequency.
+
+    Parameters
+    ----------
+    roots
+        Roots of the characteristic function and the digits they hold.
+    contact_free
+        Imaginary eigenvalues of closed form, of modes that never feel the contact.
+    box
+        The window: complete in it, by the argument principle.
+    """
+
+    roots: list[Root]
+    contact_free: list[acb]
+    box: Box
+
+    @property
+    def values(self) -> list[complex]:
+        """Roots in double precision."""
+        return [complex(root.value) for root in self.roots]
+
+
+def spectrum(
+    problem: Characteristic,
+    max_frequency: float | None = None,
+    count: int | None = None,
+    max_growth: float | None = None,
+    digits: int = DIGITS,
+    guess: Guess | None = None,
+) -> Spectrum:
+    """All eigenvalues of a window, or the lowest few.
+
+    Parameters
+    ----------
+    problem
+        Characteristic function.
+    max_frequency
+        Upper end of Im lambda.
+    count
+        Instead: number of roots; the window grows until it holds them.
+    max_growth
+        Bound of abs(Re lambda); half of the frequency by default.
+    digits
+        Digits aimed at.
+    guess
+        Lowest eigenvalues by another method, of the number asked for. They save the search where
+        they polish to as many different roots as the window holds; else they are dropped.
+
+    Raises
+    ------
+    InputError
+        Unless exactly one of ``max_frequency`` and ``count`` is given, positive.
+    """
+    check_window(max_frequency, count)
+    if max_growth is not None and not 0 < max_growth < math.inf:
+        raise InputError("max_growth", max_growth, "a positive number")
+    if max_frequency is not None:
+        frequency = max_frequency
+    elif count is not None and guess is not None:
+        frequency = 1.01 * float(guess(count)[-1].imag)
+    else:
+        frequency = 2 * problem.scale()
+    while True:
+        window = _Window.open(problem.for_frequency(frequency), frequency, max_growth)
+        if count is None or window.size >= count:
+            found = window.spectrum(digits, guess)
+            if count is None:
+                return found
+            if len(found.roots) >= count:
+                return _lowest(found, count)
+        frequency *= 1.5 if guess is None else 1.15
+
+
+def _lowest(found: Spectrum, count: int) -> Spectrum:
+    last = float(found.roots[count - 1].value.imag)
+    free = [value for value in found.contact_free if float(value.imag) <= last]
+    return Spectrum(found.roots[:count], free, replace(found.box, top=last))
+
+
+@dataclass(frozen=True)
+class _Window:
+    """A box that no root is near the edge of, and the number of roots in it."""
+
+    problem: Characteristic
+    finder: RootFinder
+    box: Box
+    frequency: float
+    size: int
+
+    @classmethod
+    def open(cls, problem: Characteristic, frequency: float, max_growth: float | None) -> "_Window":
+        """Count the roots, widening the box by fractions of a per cent where its edge is near one.
+
+        Raises
+        ------
+        ConvergenceError
+            If every box tried has a root at its edge.
+        """
+        growth = max_growth or frequency / 2
+        finder = RootFinder(problem, problem.turning(frequency), problem.real)
+        for widening in (1.0, 1.0017, 1.0041, 1.0073):
+            box = Box(-growth * widening, growth * widening, 0, frequency * widening)
+            try:
+                return cls(problem, finder, box, frequency, finder.count(box))
+            except EdgeTooClose:
+                continue
+        raise ConvergenceError(f"roots crowd the edge of the window up to {frequency}")
+
+    def spectrum(self, digits: int, guess: Guess | None) -> Spectrum:
+        """All roots up to the frequency asked for, polished and sorted."""
+        with ctx.workdps(2 * digits):
+            free = sorted(
+                self.problem.closed_form(self.frequency), key=lambda value: float(value.imag)
+            )
+        roots = self._from_guess(guess, free, digits) if guess and self.size else None
+        if roots is None:
+            starts = self.finder.roots(self.box, self.size)
+            roots = [_finish(self.problem, start, digits) for start in starts]
+        kept = [root for root in roots if float(root.value.imag) <= self.frequency]
+        kept.sort(key=lambda root: (float(root.value.imag), float(root.value.real)))
+        return Spectrum(kept, free, replace(self.box, top=self.frequency))
+
+    def _from_guess(self, guess: Guess, free: list[acb], digits: int) -> list[Root] | None:
+        """Roots that guesses polish to: all, as their number tells, or None."""
+        known = [complex(value) for value in free]
+        starts = [
+            complex(value)
+            for value in guess(self.size + len(free) + 2)
+            if value in self.box and all(abs(value - z) > 1e-6 * abs(z) for z in known)
+        ]
+        if len(starts) != self.size:
+            return None
+        roots = [_finish(self.problem, start, digits) for start in starts]
+        values = [complex(root.value) for root in roots]
+        different = all(abs(y - z) > 1e-8 * abs(z) for y, z in combinations(values, 2))
+        return roots if different and all(value in self.box for value in values) else None
+
+
+def _finish(problem: Characteristic, start: complex, digits: int) -> Root:
+    """Polish, check the truncation, and put on the axis what a real function must have there."""
+    root = polish(problem, start, digits)
+    while (refined := problem.refined()) is not problem:
+        again = polish(refined, complex(root.value), digits)
+        agreed = agreement(root.value, again.value, digits)
+        problem, root = refined, Root(again.value, min(again.digits, agreed))
+        if agreed >= digits:
+            break
+    real, imaginary = root.value.real, root.value.imag
+    with ctx.workdps(2 * digits):
+        # The mirror image of a simple root is a root: one within the error is the root itself.
+        small = abs(root.value) * 10 ** acb(-min(root.digits, digits) + 2).real
+        if problem.real and abs(real) < small:
+            return Root(acb(0, imaginary), root.digits)
+        if problem.real and abs(imaginary) < small:
+            return Root(acb(abs(real), 0), root.digits)
+    return root
+
+
+def agreement(x: acb, y: acb, digits: int) -> int:
+    """Digits two numbers share."""
+    with ctx.workdps(2 * digits):
+        apart = abs(x - y) / abs(y)
+        if apart.abs_upper() < arb(10) ** (-2 * digits):
+            return 2 * digits
+        return math.floor(-float(apart.abs_upper().log()) / math.log(10))

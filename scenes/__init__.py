@@ -1,0 +1,1 @@
+"""Scenes: files that describe bodies in contact, and what turns one into a result."""

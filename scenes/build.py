@@ -1,0 +1,212 @@
+"""Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+
+from cea.body import Body, Floats
+from cea.contact.formulations import coupling_of
+from cea.contact.friction import FrictionDirection, Reversed
+from cea.contact.interface import Interface, default_reach, pair
+from cea.contact.operators import ContactLaw
+from cea.errors import InputError
+from cea.fields import Expression, evaluate
+from cea.supports.boundary import Pressure
+from cea.system.coupled import CoupledSystem, HalfPass, couple
+from cea.timing import StageTimer
+from meshes.breaks import breaks_of
+from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh, Scene
+
+_ROUNDING = 1e-14
+"""Values of a field below this part of the largest count as zero."""
+
+
+def build_bodies(scene: Scene, timer: StageTimer) -> dict[str, Body]:
+    """Bodies of a scene by name."""
+    loads = {name: [] for name in scene.bodies}  # type: dict[str, list[Pressure]]
+    for load in scene.loads:
+        body, surface = load.surface.split(".")
+        loads[body].append(Pressure(surface, load.pressure))
+    with timer("meshing"):
+        return {
+            name: build_body(name, spec, tuple(loads[name])) for name, spec in scene.bodies.items()
+        }
+
+
+def build_body(name: str, spec: BodySpec, pressures: tuple[Pressure, ...] = ()) -> Body:
+    """One body of a scene on its backend."""
+    if spec.backend == "fe" and spec.mesh.fe is not None:
+        return fe_body(name, spec, spec.mesh.fe, pressures)
+    if spec.backend == "iga" and spec.mesh.iga is not None:
+        return _iga_body(name, spec, spec.mesh.iga, pressures)
+    raise InputError(f"bodies.{name}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
+
+
+def fe_body(
+    name: str,
+    spec: BodySpec,
+    mesh: FeMesh,
+    pressures: tuple[Pressure, ...] = (),
+    change: Callable[[Any, int], None] | None = None,
+) -> Body:
+    """Build one body of Lagrange elements.
+
+    Parameters
+    ----------
+    name, spec
+        Its name and the section of the scene.
+    mesh
+        Its mesh.
+    pressures
+        Loads on its surfaces.
+    change
+        Called on rank 0 with the gmsh model and the degree of its cells, to change the mesh.
+    """
+    from fe_cea import FEBody
+    from meshes.gmsh_shapes import gmsh_mesh
+
+    breaks, order = None, mesh.geometry_degree or mesh.degree
+    if mesh.elements is not None:
+        breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
+    with gmsh_mesh(
+        spec.geometry,
+        mesh.cell,
+        order,
+        breaks=breaks,
+        size=mesh.size,
+        placement=spec.placement,
+        comm=MPI.COMM_WORLD,
+    ) as model:
+        if change is not None and MPI.COMM_WORLD.rank == 0:
+            change(model, order)
+        return FEBody.from_gmsh(
+            name,
+            model,
+            degree=mesh.degree,
+            material=spec.material,
+            supports=[s.support() for s in spec.supports],
+            springs=spec.springs,
+            pressures=pressures,
+        )
+
+
+def _iga_body(name: str, spec: BodySpec, mesh: IgaMesh, pressures: tuple[Pressure, ...]) -> Body:
+    from iga_cea import NurbsBody
+    from meshes.nurbs_shapes import nurbs_shape
+
+    breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
+    shape = nurbs_shape(spec.geometry, breaks, spec.placement)
+    return NurbsBody(
+        name,
+        shape.patches,
+        shape.faces,
+        degree=mesh.degree,
+        continuity=mesh.continuity,
+        material=spec.material,
+        supports=[s.support() for s in spec.supports],
+        springs=spec.springs,
+        pressures=pressures,
+    )
+
+
+@dataclass(frozen=True)
+class _Half:
+    """One half of a contact: its points lie on ``a``; ``share`` of the stiffness is its own."""
+
+    name: str
+    pair: str
+    spec: ContactSpec
+    a: str
+    b: str
+    direction: FrictionDirection | Reversed | None
+    share: float
+
+
+def _halves(contacts: Mapping[str, ContactSpec]) -> Iterator[_Half]:
+    """The one half of each half pass, both halves of each full pass."""
+    for name, spec in contacts.items():
+        direction, share = spec.friction_direction_on_a, 0.5 if spec.full_pass else 1.0
+        yield _Half(name, name, spec, spec.a, spec.b, direction, share)
+        if spec.full_pass:
+            opposite = Reversed(direction) if direction is not None else None
+            yield _Half(f"{name}, b on a", name, spec, spec.b, spec.a, opposite, share)
+
+
+def build_interfaces(
+    scene: Scene, bodies: Mapping[str, Body], timer: StageTimer
+) -> dict[str, Interface]:
+    """Contact points of a scene, located on their opposite sides, by name of the half pass."""
+    interfaces = {}
+    with timer("search"):
+        for half in _halves(scene.contacts):
+            (body_a, a), (body_b, b) = half.a.split("."), half.b.split(".")
+            side_a, side_b = bodies[body_a].surfaces[a], bodies[body_b].surfaces[b]
+            reach = half.spec.reach or default_reach(side_a, side_b)
+            larger = half.spec.full_pass and side_a.area > side_b.area
+            interfaces[half.name] = pair(
+                side_a,
+                side_b,
+                half.spec.formulation.points_on(side_a, side_b, reach),
+                field=f"contacts.{half.pair}",
+                reach=reach,
+                max_missed=1.0 if larger else half.spec.max_missed,
+            )
+    return interfaces
+
+
+def _contact_law(half: _Half, interface: Interface) -> ContactLaw:
+    """Stiffness and friction at the points; P is spread evenly over those that touch."""
+    spec, x = half.spec, interface.points.x
+    if spec.p is None:
+        stiffness = np.full(len(x), _required(spec.P) / interface.points.weight.sum())
+    else:
+        stiffness = _values(spec.p, x)
+    return ContactLaw(
+        stiffness=half.share * stiffness,
+        mu=_values(spec.mu, x),
+        direction=half.direction,
+        coupling=coupling_of(spec.formulation),
+        form=spec.form,
+    )
+
+
+def _values(field: float | str, x: Floats) -> Floats:
+    """Values of a field; what rounding leaves where an expression vanishes counts as zero."""
+    values = evaluate(Expression(field) if isinstance(field, str) else field, x)
+    negligible = _ROUNDING * np.abs(values).max(initial=0.0)
+    return (
+        np.where(np.abs(values) <= negligible, 0.0, values) if np.isfinite(negligible) else values
+    )
+
+
+def _required(value: float | None) -> float:
+    if value is None:
+        raise InputError("P", None, "either P or p is given")
+    return value
+
+
+def build_system(
+    scene: Scene,
+    bodies: Mapping[str, Body],
+    interfaces: Mapping[str, Interface],
+    timer: StageTimer,
+    *,
+    leave_out: bool = True,
+) -> CoupledSystem:
+    """Coupled matrices of a scene: mass only for eigenvalues, loads only for statics."""
+    halves = {
+        half.name: HalfPass(
+            half.a.split(".")[0],
+            half.b.split(".")[0],
+            interfaces[half.name],
+            _contact_law(half, interfaces[half.name]),
+            half.pair,
+        )
+        for half in _halves(scene.contacts)
+    }
+    static = scene.analysis.kind == "static"
+    with timer("assembly"):
+        return couple(bodies, halves, with_mass=not static, with_load=static, leave_out=leave_out)

@@ -1,0 +1,133 @@
+"""What is wrong with a scene: pydantic's faults in the user's words, and checks between fields."""
+
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from cea.checks import check_density, check_surface
+from cea.errors import InputError
+from meshes.errors import ShapeError
+
+if TYPE_CHECKING:
+    from scenes.spec import BodySpec, ContactSpec, Scene
+
+
+def faults_told_by(error: ValidationError) -> list[InputError]:
+    """Faults that pydantic found, each under its own field."""
+    faults: dict[str, InputError] = {}
+    for detail in error.errors(include_url=False):
+        cause = detail.get("ctx", {}).get("error")
+        place = _place(detail["loc"])
+        allowed = detail["msg"][0].lower() + detail["msg"][1:]
+        if detail["type"] in ("unexpected_keyword_argument", "extra_forbidden"):
+            allowed = "no such field; remove it or mend its name"
+        if isinstance(cause, InputError | ShapeError):
+            place, value, allowed = (
+                f"{place}.{cause.field.split('.')[-1]}",
+                cause.value,
+                cause.allowed,
+            )
+        elif isinstance(cause, ValueError):
+            value, allowed = detail["input"], str(cause)
+        else:
+            value = detail["input"] if detail["type"] != "missing" else None
+        if place in faults:  # one of several forms the field may take
+            allowed = f"{faults[place].allowed}, or {allowed}"
+        faults[place] = InputError(place, value, allowed)
+    return list(faults.values())
+
+
+_CHOICES = ("geometry", "formulation", "analysis", "friction_direction_on_a", "p", "mu")
+"""Fields of several forms: pydantic adds the name of the form to the path behind them."""
+
+
+def _place(path: Sequence[str | int]) -> str:
+    """Path of a field as the user wrote it."""
+    written = [p for before, p in pairwise(("", *path)) if before not in _CHOICES]
+    return ".".join(map(str, written))
+
+
+def cross_checks(scene: "Scene") -> Iterable[InputError]:
+    """Faults between fields, each of which is right by itself."""
+    if not scene.bodies:
+        yield InputError("bodies", {}, "at least one body")
+    for name, body in scene.bodies.items():
+        yield from _body_checks(f"bodies.{name}", body)
+        if scene.analysis.kind == "cea":
+            yield from _fault(check_density, body.material, f"bodies.{name}.material")
+    known = sorted(f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces)
+    for name, contact in scene.contacts.items():
+        for side in ("a", "b"):
+            yield from _known(f"contacts.{name}.{side}", getattr(contact, side), known)
+        if contact.a.split(".")[0] == contact.b.split(".")[0]:
+            yield InputError(f"contacts.{name}.b", contact.b, f"another body than {contact.a}")
+        yield from _formulation_checks(scene, name, contact)
+    if scene.analysis.kind == "static" and scene.output.pictures:
+        yield InputError("output.pictures", scene.output.pictures, "0 in a static analysis")
+    for i, load in enumerate(scene.loads):
+        yield from _known(f"loads.{i}.surface", load.surface, known)
+
+
+_CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
+
+
+def _mesh_checks(place: str, body: "BodySpec") -> Iterable[InputError]:
+    """Meshes that do not suit the dimension of the shape."""
+    directions = body.geometry.directions
+    dim, names = len(directions), ", ".join(directions)
+    if body.geometry.shape == "patches" and body.backend == "fe":
+        yield InputError(f"{place}.backend", "fe", "'iga' for a geometry of patches")
+    fe, iga = body.mesh.fe, body.mesh.iga
+    if fe is not None and fe.cell not in _CELLS[dim]:
+        yield InputError(f"{place}.mesh.fe.cell", fe.cell, " or ".join(_CELLS[dim]))
+    numbers: dict[str, tuple[int, ...] | None] = {}
+    if fe is not None:
+        numbers |= {"fe.elements": fe.elements}
+    if iga is not None:
+        numbers |= {"iga.degree": iga.degree, "iga.elements": iga.elements}
+        numbers |= {"iga.continuity": iga.continuity}
+    for name, values in numbers.items():
+        if values is not None and len(values) != dim:
+            yield InputError(f"{place}.mesh.{name}", values, f"one number for each of {names}")
+
+
+def _body_checks(place: str, body: "BodySpec") -> Iterable[InputError]:
+    yield from _mesh_checks(place, body)
+    if getattr(body.mesh, body.backend) is None:
+        yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
+    for kind in ("supports", "springs"):
+        for i, item in enumerate(getattr(body, kind)):
+            yield from _known(f"{place}.{kind}.{i}.surface", item.surface, body.geometry.surfaces)
+
+
+_ONE_BACKEND = {"greville": "iga", "botella": "iga", "node_to_surface": "fe"}
+"""Formulations whose points are abscissae of one backend's traces."""
+
+
+def _formulation_checks(scene: "Scene", name: str, contact: "ContactSpec") -> Iterable[InputError]:
+    """Abscissae that the side they are asked of does not have."""
+    method = contact.formulation.method
+    for side in ("a", "b") if contact.full_pass else ("a",):
+        body = scene.bodies.get(getattr(contact, side).split(".")[0])
+        if body is not None and _ONE_BACKEND.get(method, body.backend) != body.backend:
+            own = [m for m, backend in _ONE_BACKEND.items() if backend == body.backend]
+            allowed = ", ".join([*own, "grid", "gpts", "segments", "mortar"])
+            yield InputError(
+                f"contacts.{name}.formulation.method",
+                method,
+                f"one of {allowed} where side {side} has backend {body.backend!r}",
+            )
+
+
+def _known(place: str, name: str, known: Iterable[str]) -> Iterable[InputError]:
+    yield from _fault(check_surface, name, known, place)
+
+
+def _fault(check: Callable[..., Any], *arguments: Any) -> Iterable[InputError]:
+    """Fault that a shared check finds, collected with the others rather than raised."""
+    try:
+        check(*arguments)
+    except InputError as error:
+        yield error

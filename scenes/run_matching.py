@@ -1,0 +1,221 @@
+"""Matching modes of two runs of one scene on points that both can locate."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.body import Floats, Surface
+from cea.eigen.mode_matching import (
+    NEAR,
+    CircumferentialContent,
+    ModeMatch,
+    ModeSet,
+    circumferential_content,
+    match_modes,
+    modal_assurance,
+)
+from cea.eigen.modes import Complexes, Modes
+from cea.errors import InputError
+from cea.system.coupled import CoupledSystem
+from scenes.run import SceneResult
+from scenes.spec import ComplexEigenvalueAnalysis
+
+_SAMPLES = 15
+
+
+def match_runs(
+    first: SceneResult,
+    second: SceneResult,
+    first_modes: NDArray[np.int64] | None = None,
+    second_modes: NDArray[np.int64] | None = None,
+    *,
+    near: float = NEAR,
+) -> ModeMatch:
+    """Pair modes of two runs of one scene by shape on the contact surfaces and by eigenvalue.
+
+    Parameters
+    ----------
+    first, second
+        The runs.
+    first_modes, second_modes
+        Numbers of the modes to pair; None takes all. The answer counts within them.
+    near
+        Relative distance of eigenvalues of one run that are compared as a group.
+    """
+    return match_modes(*_mode_sets(first, second, first_modes, second_modes), near)
+
+
+def match_unstable(first: SceneResult, second: SceneResult) -> dict[str, Any]:
+    """Pair the unstable modes of two runs of one scene.
+
+    Modes are paired so that shape and eigenvalue agree best over all pairs together; nothing is
+    left out of the answer.
+
+    Returns
+    -------
+    dict
+        ``pairs``: each with frequency and growth of both, relative differences and modal
+        assurance; ``only_first``, ``only_second``: modes without a partner.
+    """
+    sets = _mode_sets(first, second, _unstable(first), _unstable(second))
+    match = match_modes(*sets, near=0.0, limit=None)
+    assurance = modal_assurance(sets[0].shapes, sets[1].shapes)
+    values = [s.eigenvalues for s in sets]
+    pairs = []
+    # A group of one run is one mode here: groups are pairs, but for exact copies.
+    for i, j in ((i, j) for g in match.groups for i, j in zip(g.first, g.second, strict=True)):
+        x, y = values[0][i], values[1][j]
+        pairs.append(
+            {
+                "frequency": [float(v.imag / (2 * np.pi)) for v in (x, y)],
+                "growth": [float(x.real), float(y.real)],
+                "frequency_difference": float(x.imag / y.imag - 1),
+                "growth_difference": float(x.real / y.real - 1),
+                "modal_assurance": float(assurance[i, j]),
+            }
+        )
+    return {
+        "pairs": pairs,
+        "only_first": _alone(values[0][match.only_first]),
+        "only_second": _alone(values[1][match.only_second]),
+    }
+
+
+def circumferential_orders(
+    result: SceneResult, surfaces: Sequence[str] = (), *, angles: int = 64, circles: int = 3
+) -> CircumferentialContent:
+    """Circumferential content of every mode of a run on surfaces of revolution about the z axis.
+
+    Parameters
+    ----------
+    result
+        A run with modes.
+    surfaces
+        Surfaces as "body.surface"; by default both sides of every contact. A mode that leaves
+        them all at rest has no order.
+    angles
+        Points around the axis; orders to (angles - 1) // 2 are told apart.
+    circles
+        Circles at most on each, through points of the surface.
+
+    Raises
+    ------
+    InputError
+        When a surface is not closed around the axis.
+    """
+    contacts = result.scene.contacts.values()
+    chosen = surfaces or [side for contact in contacts for side in (contact.a, contact.b)]
+    u = [_on_circles(result, surface, angles, circles) for surface in dict.fromkeys(chosen)]
+    return circumferential_content(np.concatenate(u))
+
+
+def _on_circles(result: SceneResult, surface: str, angles: int, circles: int) -> Complexes:
+    """Displacements of every mode in cylindrical components, (circles, angles, dim, modes)."""
+    body, name = surface.split(".")
+    side = result.system.bodies[body].surfaces[name]
+    x, normal = _around(side, angles, circles)
+    found = side.locate(x, normal, side.mesh_size)
+    if found.missed.any():
+        raise InputError("surfaces", surface, "surfaces of revolution about the z axis")
+    u = _shapes(result, body, side.trace(found.at), _all(result))
+    turns = _turns(2 * np.pi * np.arange(angles) / angles, side.dim)
+    # Turned back by its angle, each point's components are radial and circumferential.
+    return np.einsum("aji,cajm->caim", turns, u.reshape(-1, angles, side.dim, u.shape[1]))
+
+
+def complex_displacement(
+    system: CoupledSystem, body: str, real: Any, imaginary: Any, *, everywhere: bool = True
+) -> Complexes:
+    """Complex displacement (m) of the scalar dofs of a body, shape (num_scalar_dofs, dim).
+
+    On every rank, or on rank 0 only and empty on others.
+    """
+    u = system.displacement(real, body, everywhere=everywhere).astype(complex)
+    u += 1j * system.displacement(imaginary, body, everywhere=everywhere)
+    return u.reshape(-1, system.bodies[body].dim)
+
+
+def _around(side: Surface, angles: int, circles: int) -> tuple[Floats, Floats]:
+    """Points and normals on circles about z through Gauss points, (circles * angles, dim)."""
+    points = side.gauss_points(2)
+    radius = np.hypot(points.x[:, 0], points.x[:, 1])
+    profile = np.column_stack([radius, points.x[:, 2:]])
+    _, distinct = np.unique(np.round(profile / profile.max(), 6), axis=0, return_index=True)
+    chosen = distinct[np.linspace(0, len(distinct) - 1, circles).round().astype(int)]
+    chosen = np.unique(chosen)
+    start = -np.arctan2(points.x[chosen, 1], points.x[chosen, 0])
+    at_zero = _turns(start, side.dim)
+    turns = _turns(2 * np.pi * np.arange(angles) / angles, side.dim)
+    x, normal = (
+        np.einsum("aij,cjk,ck->cai", turns, at_zero, vectors[chosen]).reshape(-1, side.dim)
+        for vectors in (points.x, points.normal)
+    )
+    return x, normal
+
+
+def _turns(theta: Floats, dim: int) -> Floats:
+    """Rotations about the z axis, shape (n, dim, dim)."""
+    turns = np.broadcast_to(np.eye(dim), (len(theta), dim, dim)).copy()
+    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(theta)
+    turns[:, 1, 0] = np.sin(theta)
+    turns[:, 0, 1] = -turns[:, 1, 0]
+    return turns
+
+
+def _mode_sets(
+    first: SceneResult,
+    second: SceneResult,
+    first_modes: NDArray[np.int64] | None,
+    second_modes: NDArray[np.int64] | None,
+) -> tuple[ModeSet, ModeSet]:
+    """Eigenvalues, and displacements at points of the contact surfaces that both can locate."""
+    chosen = (
+        _all(first) if first_modes is None else first_modes,
+        _all(second) if second_modes is None else second_modes,
+    )
+    left, right = [], []
+    for spec in first.scene.contacts.values():
+        for place in (spec.a, spec.b):
+            body, name = place.split(".")
+            surface = first.system.bodies[body].surfaces[name]
+            other = second.system.bodies[body].surfaces[name]
+            points = surface.grid(max(2, round(_SAMPLES / np.sqrt(surface.num_elements))))
+            found = other.locate(points.x, points.normal, other.mesh_size)
+            hit = ~found.missed
+            left.append(_shapes(first, body, surface.trace(points.at[hit]), chosen[0]))
+            right.append(_shapes(second, body, other.trace(found.at[hit]), chosen[1]))
+    return (
+        ModeSet(_modes(first).eigenvalues[chosen[0]], np.concatenate(left)),
+        ModeSet(_modes(second).eigenvalues[chosen[1]], np.concatenate(right)),
+    )
+
+
+def _modes(result: SceneResult) -> Modes:
+    if result.modes is None:
+        raise InputError("analysis.kind", result.scene.analysis.kind, "'cea', which gives modes")
+    return result.modes
+
+
+def _all(result: SceneResult) -> NDArray[np.int64]:
+    return np.arange(len(_modes(result).eigenvalues))
+
+
+def _unstable(result: SceneResult) -> NDArray[np.int64]:
+    assert isinstance(result.scene.analysis, ComplexEigenvalueAnalysis)
+    return np.flatnonzero(_modes(result).unstable(result.scene.analysis.growth_threshold))
+
+
+def _alone(values: Complexes) -> list[dict[str, float]]:
+    return [{"frequency": float(v.imag / (2 * np.pi)), "growth": float(v.real)} for v in values]
+
+
+def _shapes(result: SceneResult, body: str, trace: Any, modes: NDArray[np.int64]) -> Complexes:
+    """Displacements at the points of a trace, one row for each component, shape (rows, modes)."""
+    columns = []
+    for mode in modes:
+        u = complex_displacement(result.system, body, *_modes(result).vector(int(mode)))
+        columns.append((trace @ u).ravel())
+    rows = trace.shape[0] * result.system.bodies[body].dim
+    return np.stack(columns, axis=1) if columns else np.empty((rows, 0), complex)

@@ -1,0 +1,366 @@
+"""Scenes: TOML files read into frozen dataclasses, refused before work begins when wrong."""
+
+import json
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+
+from cea.contact.formulations import Bonded, Formulation, GaussPointToSurface
+from cea.contact.friction import FrictionDirection
+from cea.contact.operators import Form
+from cea.errors import InputError
+from cea.fields import Expression
+from cea.material import IsotropicMaterial
+from cea.supports.boundary import Spring, Support
+from cea.supports.frames import Cartesian, Cylindrical, SurfaceNormal
+from meshes.placement import Placement
+from meshes.shapes import Shape
+from scenes.checks import cross_checks, faults_told_by
+
+Backend = Literal["fe", "iga"]
+SCENES = Path(__file__).parent / "catalogue"
+"""Folder of the scenes that come with the project."""
+
+Component = Literal["x", "y", "z", "radial", "circumferential", "axial", "normal"]
+_CARTESIAN: tuple[Component, ...] = ("x", "y", "z")
+_CYLINDRICAL: tuple[Component, ...] = ("radial", "circumferential", "axial")
+_NORMAL: tuple[Component, ...] = ("normal",)
+_COMPONENTS = (_CARTESIAN, _CYLINDRICAL, _NORMAL)
+"""Components of each frame; a support names those of one."""
+
+
+class SceneError(ValueError):
+    """A scene that is refused: one :class:`cea.errors.InputError` for each fault."""
+
+    def __init__(self, faults: Iterable[InputError]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+@dataclass(frozen=True)
+class FeMesh:
+    """Lagrange mesh of a body.
+
+    Parameters
+    ----------
+    cell
+        Kind of cell.
+    degree
+        Degree of the elements.
+    geometry_degree
+        Degree of the geometry; by default that of the elements. 1 gives straight facets.
+    elements
+        Hexahedra or quadrilaterals along each direction of the shape; of closed shapes, all the
+        way round.
+    size
+        Target edge length of tetrahedra or triangles (m).
+    through
+        Coordinates that must be element boundaries of a structured mesh, by direction.
+    """
+
+    cell: Literal["hexahedron", "tetrahedron", "quadrilateral", "triangle"] = "hexahedron"
+    degree: Annotated[int, Field(ge=1, le=4)] = 2
+    geometry_degree: Annotated[int, Field(ge=1, le=4)] | None = None
+    elements: tuple[int, ...] | None = None
+    size: Annotated[float, Field(gt=0)] | None = None
+    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        structured = self.cell in ("hexahedron", "quadrilateral")
+        needed, other = ("elements", "size")[:: 1 if structured else -1]
+        if getattr(self, needed) is None:
+            raise InputError(needed, None, f"needed for cell = {self.cell!r}")
+        if getattr(self, other) is not None:
+            raise InputError(other, getattr(self, other), f"left out for cell = {self.cell!r}")
+
+
+@dataclass(frozen=True)
+class IgaMesh:
+    """NURBS discretisation of a body.
+
+    Parameters
+    ----------
+    degree
+        Degree along each direction.
+    elements
+        Knot spans along each direction of the shape; of closed shapes, all the way
+        round.
+    continuity
+        Continuity at inner knots; by default one less than the degree.
+    through
+        Coordinates that must be knots, by direction.
+    """
+
+    degree: tuple[int, ...]
+    elements: tuple[int, ...]
+    continuity: tuple[int, ...] | None = None
+    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MeshSpec:
+    """Discretisations of a body, one for each backend it can be run on."""
+
+    fe: FeMesh | None = None
+    iga: IgaMesh | None = None
+
+
+@dataclass(frozen=True)
+class SupportSpec:
+    """Displacement components held on a surface; every one when none is named.
+
+    Parameters
+    ----------
+    surface
+        Name of the surface.
+    components
+        Some of x, y, z; or of radial, circumferential, axial; or normal, a roller.
+    axis
+        Direction of the axis of radial, circumferential, axial; left out in 2D.
+    origin
+        A point of it (m), by default the origin.
+    """
+
+    surface: str
+    components: tuple[Component, ...] = ()
+    axis: tuple[float, float, float] | None = None
+    origin: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if not any(set(self.components) <= set(names) for names in _COMPONENTS):
+            allowed = "of one frame: " + ", or ".join(", ".join(names) for names in _COMPONENTS)
+            raise InputError("components", list(self.components), allowed)
+        for name, value in (("axis", self.axis), ("origin", self.origin)):
+            if value is not None and not self._cylindrical:
+                allowed = "left out beside components other than radial, circumferential, axial"
+                raise InputError(name, list(value), allowed)
+        self.support()
+
+    @property
+    def _cylindrical(self) -> bool:
+        return bool(set(self.components) & set(_CYLINDRICAL))
+
+    def support(self) -> Support:
+        """The support as backends take it."""
+        if not self.components:
+            return Support(self.surface)
+        names = next(names for names in _COMPONENTS if self.components[0] in names)
+        numbers = tuple(names.index(component) for component in self.components)
+        if self._cylindrical:
+            return Support(self.surface, numbers, Cylindrical(self.origin or (), self.axis or ()))
+        return Support(self.surface, numbers, SurfaceNormal() if names == _NORMAL else Cartesian())
+
+
+@dataclass(frozen=True)
+class BodySpec:
+    """A body: backend, geometry, meshes, material, supports."""
+
+    backend: Backend
+    geometry: Annotated[Shape, Field(discriminator="shape")]
+    material: IsotropicMaterial
+    mesh: MeshSpec
+    supports: tuple[SupportSpec, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    placement: Placement = field(default_factory=Placement)
+
+
+@dataclass(frozen=True)
+class ContactSpec:
+    """A contact between side a, where the points lie, and side b.
+
+    Parameters
+    ----------
+    a, b
+        Sides as "body.surface".
+    formulation
+        Points and weights.
+    P
+        Global contact stiffness, the integral of p over the interface (N/m).
+    p
+        Contact stiffness (N/m^3), a number or an expression in the coordinates
+        (:class:`cea.fields.Expression`); either P or p is given.
+    mu
+        Friction coefficient, likewise.
+    friction_direction_on_a
+        Direction of the friction traction on side a: {vector = [...]} or
+        {circumferential_about = [...], origin = [...]}, or {field = [...]} with an expression for
+        each component.
+    full_pass
+        Whether points lie on both sides, each half with half the stiffness; P and mu as in a half
+        pass. Of the larger side, points that find nothing opposite are dropped.
+    form
+        ``penalty``, or ``saddle``: contact forces as unknowns, which takes P = inf too.
+    reach
+        Largest distance (m) between the sides.
+    max_missed
+        Largest fraction of side a that may find nothing on side b.
+    """
+
+    a: str
+    b: str
+    formulation: Annotated[Formulation, Field(discriminator="method")]
+    P: Annotated[float, Field(gt=0, allow_inf_nan=True)] | None = None
+    p: Annotated[float, Field(allow_inf_nan=True)] | str | None = None
+    mu: float | str = 0.0
+    friction_direction_on_a: FrictionDirection | None = None
+    full_pass: bool = False
+    form: Form = "penalty"
+    reach: Annotated[float, Field(gt=0)] | None = None
+    max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
+
+    def __post_init__(self) -> None:
+        if isinstance(self.p, float) and not self.p > 0:
+            raise InputError("p", self.p, "greater than 0")
+        if isinstance(self.mu, float) and not self.mu >= 0:
+            raise InputError("mu", self.mu, "greater than or equal to 0")
+        for name, value in (("p", self.p), ("mu", self.mu)):
+            if isinstance(value, str):
+                Expression(value).check(name)
+        if (self.P is None) == (self.p is None):
+            raise InputError("P", self.P, f"either P or p is given, not both (p = {self.p})")
+        if self.mu != 0 and self.friction_direction_on_a is None:
+            raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
+        for name, stiffness in (("P", self.P), ("p", self.p)):
+            if stiffness == float("inf") and self.form == "penalty":
+                raise InputError(name, stiffness, "finite, or form = 'saddle'")
+        lumped = isinstance(self.formulation, GaussPointToSurface) and self.formulation.lumped
+        if lumped and self.form == "saddle":
+            raise InputError("form", "saddle", "penalty where lumped")
+        if isinstance(self.formulation, Bonded) and (self.mu != 0 or self.full_pass):
+            raise InputError("formulation.method", "bonded", "a half pass with mu = 0")
+
+
+@dataclass(frozen=True)
+class LoadSpec:
+    """Uniform pressure (N/m^2) on a surface "body.surface", positive pushes on the body."""
+
+    surface: str
+    pressure: float
+
+
+@dataclass(frozen=True)
+class StaticAnalysis:
+    """Displacements under the loads; reports stresses over the contacts."""
+
+    kind: Literal["static"]
+    samples: Annotated[int, Field(ge=2)] = 91
+
+
+@dataclass(frozen=True)
+class ComplexEigenvalueAnalysis:
+    """All modes up to a frequency (Hz)."""
+
+    kind: Literal["cea"]
+    max_frequency: Annotated[float, Field(gt=0)]
+    growth_threshold: Annotated[float, Field(ge=0)] = 10.0
+
+
+Analysis = StaticAnalysis | ComplexEigenvalueAnalysis
+
+
+@dataclass(frozen=True)
+class OutputSpec:
+    """What is made beside numbers.
+
+    Parameters
+    ----------
+    pictures
+        Modes to draw and animate, the most unstable first.
+    paraview
+        Modes to write for ParaView, the most unstable first; of a static analysis, whether to
+        write its displacement.
+    """
+
+    pictures: Annotated[int, Field(ge=0)] = 0
+    paraview: Annotated[int, Field(ge=0)] = 0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Bodies, contacts, loads and the analysis to be made of them."""
+
+    name: str
+    bodies: dict[str, BodySpec]
+    analysis: Annotated[Analysis, Field(discriminator="kind")]
+    contacts: dict[str, ContactSpec] = field(default_factory=dict)
+    loads: tuple[LoadSpec, ...] = ()
+    output: OutputSpec = field(default_factory=OutputSpec)
+    description: str = ""
+
+    # Nested dataclasses, those of other rooms too, are checked under the same configuration.
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
+        extra="forbid", strict=True, allow_inf_nan=False
+    )
+
+
+@cache
+def _adapter() -> TypeAdapter[Scene]:
+    return TypeAdapter(Scene)
+
+
+def load_scene(path: Path, overrides: Iterable[str] = (), backend: Backend | None = None) -> Scene:
+    """Read a scene.
+
+    Parameters
+    ----------
+    path
+        TOML file, or the name of a scene that comes with the project.
+    overrides
+        Fields to set, each as "path.to.field=value" with a TOML value.
+    backend
+        Backend for every body; None leaves what the scene says.
+
+    Raises
+    ------
+    SceneError
+        With one line for each fault.
+    """
+    file = path if path.exists() else SCENES / f"{path}.toml"
+    if not file.is_file():
+        names = ", ".join(sorted(p.stem for p in SCENES.glob("*.toml")))
+        raise SceneError([InputError("scene", str(path), f"a TOML file, or one of {names}")])
+    try:
+        data = tomllib.loads(file.read_text())
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError([InputError("scene", str(path), f"valid TOML: {error}")]) from error
+    for override in overrides:
+        _set(data, override)
+    if backend is not None and isinstance(data.get("bodies"), dict):
+        for body in data["bodies"].values():
+            if isinstance(body, dict):
+                body["backend"] = backend
+    return read_scene(data)
+
+
+def read_scene(data: Mapping[str, Any]) -> Scene:
+    """Check a scene given as nested dictionaries and make it a :class:`Scene`."""
+    try:
+        scene = _adapter().validate_json(json.dumps(data))
+    except ValidationError as error:
+        raise SceneError(faults_told_by(error)) from error
+    faults = list(cross_checks(scene))
+    if faults:
+        raise SceneError(faults)
+    return scene
+
+
+def _set(data: dict[str, Any], override: str) -> None:
+    path, equals, text = override.partition("=")
+    if not equals:
+        raise SceneError([InputError("--set", override, "path.to.field=value")])
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text
+    *parents, last = path.strip().split(".")
+    table = data
+    for name in parents:
+        table = table.setdefault(name, {})
+        if not isinstance(table, dict):
+            raise SceneError([InputError("--set", override, f"{name} is not a table")])
+    table[last] = value

@@ -1,0 +1,136 @@
+"""Segments of coarse curved meshes, whose cells continued far beyond their edges turn back."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference_data import plane_meshes
+
+from cea.contact.cell_coordinates import continued_coordinates
+from cea.contact.segments import segment_points
+from cea.errors import ConvergenceError
+from cea.timing import StageTimer
+from scenes.build import build_bodies
+from scenes.spec import load_scene
+
+
+def sides(scene, overrides, backend):
+    loaded = load_scene(Path(scene), overrides, backend)
+    bodies = build_bodies(loaded, StageTimer())
+    contact = loaded.contacts["interface"]
+    return [bodies[b].surfaces[s] for b, s in (contact.a.split("."), contact.b.split("."))]
+
+
+# Splines of degree 1 hold no circle; quarters of low degree leave gaps beyond any reach.
+DEGREES = {"fe": {8: (1, 2, 3, 4), 4: (3, 4)}, "iga": {8: (2, 3, 4), 4: (2, 3, 4)}}
+
+
+@pytest.mark.parametrize(("around_a", "around_b"), [(12, 8), (8, 12), (4, 4), (4, 40), (40, 4)])
+def test_segments_of_coarse_rings_cover_side_a_once(backend, around_a, around_b):
+    for degree in DEGREES[backend][min(around_a, around_b)]:
+        covered_once(backend, degree, around_a, around_b)
+
+
+def covered_once(backend, degree, around_a, around_b):
+    elements = {"outer": [1, around_a], "inner": [1, around_b]}
+    a, b = sides("drum", plane_meshes(backend, degree, elements), backend)
+    points = segment_points(a, b, 6, 0.5)
+    assert points.weight.sum() == pytest.approx(a.area, rel=2e-3)
+    # Each break of either side appears once: segments follow each other around the circle.
+    angle = np.sort(np.arctan2(points.x[:, 1], points.x[:, 0]))
+    assert np.diff(angle).min() > 1e-6
+
+
+@pytest.mark.parametrize("elements", [{"pad": [2, 16, 1], "disc": [3, 12, 1]},
+                                      {"pad": [2, 4, 1], "disc": [1, 20, 1]}])  # fmt: skip
+@pytest.mark.parametrize("degree", [2, 3])
+def test_segments_of_coarse_annuli_cover_side_a_once(degree, elements):
+    overrides = [
+        f"bodies.{body}.mesh.iga={{degree=[2, {degree}, 2], elements={numbers}}}"
+        for body, numbers in elements.items()
+    ]
+    a, b = sides("ring", overrides, "iga")
+    points = segment_points(a, b, None, 0.01)
+    assert points.weight.sum() == pytest.approx(a.area, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("backend", "degree", "elements"),
+    [
+        ("iga", 2, [9, 4]),
+        ("iga", 3, [2, 12]),
+        ("fe", 1, [4, 8]),
+        ("fe", 2, [9, 8]),
+        ("fe", 4, [5, 8]),
+    ],
+)
+def test_points_of_a_ring_lie_in_their_own_cell_alone(backend, degree, elements):
+    """Among others in thin cells, which the tangent plane at the centre of a cell leaves."""
+    mesh = (
+        f"degree=[2, {degree}, 1]"
+        if backend == "iga"
+        else f"cell='hexahedron', degree=1, geometry_degree={degree}"
+    )
+    overrides = [f"bodies.pad.mesh.{backend}={{{mesh}, elements={[*elements, 1]}}}"]
+    surface, _ = sides("ring", overrides, backend)
+    cells, points = surface.cells(), surface.gauss_points(3)
+    count = len(cells.element)
+    everywhere = np.broadcast_to(points.x, (count, *points.x.shape))
+    xi = continued_coordinates(surface, cells.element, cells.corners, everywhere)
+    low, high = (np.expand_dims(f(axis=1), 1) for f in (cells.corners.min, cells.corners.max))
+    inside = ((low < xi) & (xi < high)).all(axis=2)
+    own = (points.at.element == cells.element[:, None]) & (
+        (low < points.at.xi) & (points.at.xi < high)
+    ).all(axis=2)
+    assert (inside == own).all()
+    assert own.sum() == len(points)
+    owner, point = np.nonzero(own)
+    assert np.abs(xi[owner, point] - points.at.xi[point]).max() < 1e-12
+
+
+@pytest.mark.parametrize("angle", [40, 80, -80])
+def test_parameter_lines_go_on_straight_to_a_right_angle(angle):
+    surface, _ = sides("ring", ["bodies.pad.mesh.iga={degree=[2,2,2],elements=[9,40,1]}"], "iga")
+    cells = surface.cells()
+    xi = cells.corners.mean(axis=1)
+    xi[:, 0] += 0.3 * np.ptp(cells.corners[:, :, 0])
+    here, _ = surface.tangents(cells.element, xi)
+    turn = np.radians(angle)
+    rotation = [[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]]
+    found = continued_coordinates(
+        surface, cells.element, cells.corners, (here @ np.transpose(rotation))[:, None]
+    )
+    assert np.abs(found[:, 0, 0] - xi[:, 0]).max() < 1e-11
+    assert (np.sign(found[:, 0, 1] - xi[:, 1]) == np.sign(found[0, 0, 1] - xi[0, 1])).all()
+
+
+class Arc:
+    """Part of the unit circle as a single cell."""
+
+    name, dim = "arc", 2
+
+    def __init__(self, half):
+        self.half = half
+
+    def tangents(self, element, xi):
+        """Positions and tangents."""
+        turn = self.half * (2 * xi[:, 0] - 1)
+        x = np.column_stack([np.sin(turn), np.cos(turn)])
+        return x, 2 * self.half * np.column_stack([x[:, 1], -x[:, 0]])[:, :, None]
+
+    def normal(self, at):
+        """Unit normals."""
+        return self.tangents(at.element, at.xi)[0]
+
+    def coordinates(self, turn, radius=1.0):
+        """Coordinates of points at angles from the middle."""
+        x = radius * np.column_stack([np.sin(turn), np.cos(turn)])
+        return continued_coordinates(self, np.array([0]), np.array([[[0.0], [1.0]]]), x[None])
+
+
+def test_cells_bent_by_more_than_a_right_angle_are_refused():
+    turn = np.radians([-84.0, 30.0, 84.0])
+    xi = Arc(np.radians(85)).coordinates(turn)[0, :, 0]
+    assert xi == pytest.approx(0.5 + turn / np.radians(170), abs=1e-12)
+    with pytest.raises(ConvergenceError, match=r"1 of 3 points .* cells of arc.*refine"):
+        Arc(np.radians(100)).coordinates(np.radians([-30.0, 30.0, 90.0]), 1.01)

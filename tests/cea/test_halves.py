@@ -1,0 +1,210 @@
+"""Lumped contact, full passes, bonded joints: what each conserves, and the patch test."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from blocks import ROTATED, assemble, block, two_blocks
+from motions import control_points, dense, product, resultant, rotation_of, unknowns
+
+from cea.eigen.krylov_schur import solve_modes
+from cea.matrices import gather
+from scenes.run import run_scene
+from scenes.spec import SceneError, load_scene
+
+P, MU, CLOSURE = 3.0, 0.4, 1e-6
+GPTS = {"method": "gpts", "points": 4}
+LUMPED = GPTS | {"lumped": True}
+
+
+def full_pass(backend, formulation, placement=None, **options):
+    data = two_blocks(backend, formulation, placement, mu=MU, P=P, **options)
+    data["contacts"]["interface"]["full_pass"] = True
+    return data
+
+
+def test_lumped_matrices_are_sums_over_columns_of_a_loop(backend, placement):
+    """Paper eq. 41: in a-a and b-b scalar row i is summed over scalar columns j onto i."""
+    contact = assemble(two_blocks(backend, LUMPED, placement, mu=MU, P=P)).contacts[0]
+    interface = contact.interface
+    normal, p = interface.points.normal, P / 0.3
+    k = contact.law.direction.at(interface.points.x, normal)
+    traces = [interface.trace_a.toarray(), interface.trace_b.toarray()]
+    sizes = [t.shape[1] for t in traces]
+    for matrix, left, factor in ((contact.stiffness, normal, 1.0), (contact.friction, k, MU)):
+        blocks = [[np.zeros((3 * m, 3 * n)) for n in sizes] for m in sizes]
+        for i, weight in enumerate(interface.points.weight):
+            direction = factor * weight * p * np.outer(left[i], normal[i])
+            for s, t in np.ndindex(2, 2):
+                sign = 1 if s == t else -1
+                scalar = np.outer(traces[s][i], traces[t][i])
+                if s == t:
+                    scalar = np.diag(scalar.sum(axis=1))
+                blocks[s][t] += sign * np.kron(scalar, direction)
+        expected = np.block(blocks)
+        assert np.abs(dense(matrix) - expected).max() <= 1e-13 * np.abs(expected).max()
+
+
+def test_lumped_contact_conserves_linear_momentum_and_not_angular(backend):
+    system = assemble(two_blocks(backend, LUMPED, mu=MU, P=P))
+    rng = np.random.default_rng(3)
+    x = unknowns(system, dict.fromkeys(system.bodies, lambda X: rng.normal(size=X.shape)))
+    contact = system.contacts[0]
+    constant = unknowns(system, dict.fromkeys(system.bodies, lambda X: np.ones(X.shape)))
+    turn = np.array([[0, -0.3, 0.2], [0.3, 0, -0.7], [-0.2, 0.7, 0]])
+    turned = unknowns(system, dict.fromkeys(system.bodies, lambda X: X @ turn.T))
+    for matrix in (contact.stiffness, contact.friction):
+        force = product(matrix, x)
+        (total_a, scale), (total_b, _) = (resultant(system, force, b) for b in system.bodies)
+        assert np.abs(total_a + total_b).max() <= 1e-13 * scale
+        largest = np.abs(dense(matrix)).max()
+        assert np.abs(gather(product(matrix, constant))).max() <= 1e-13 * largest
+        assert np.abs(gather(product(matrix, turned))).max() > 1e-3 * largest
+
+
+def test_lumped_stiffness_is_exactly_symmetric(backend, placement):
+    stiffness = dense(assemble(two_blocks(backend, LUMPED, placement)).contacts[0].stiffness)
+    assert (stiffness == stiffness.T).all()
+
+
+@pytest.mark.parametrize("points", [15, 25])
+def test_lumped_nurbs_pass_the_patch_test_at_high_stiffness(points):
+    formulation = f"contacts.interface.formulation={{method='gpts', points={points}, lumped=true}}"
+    overrides = ["contacts.interface.P=1e14", formulation]
+    sides = run_scene(load_scene(Path("patch_test"), overrides, "iga")).stresses["interface"]
+    assert max(side.oscillation for side in sides.values()) < 1e-11 * 1000
+
+
+@pytest.mark.parametrize("method", ["collocation", "gpts", "segments", "mortar"])
+def test_friction_of_a_full_pass_pushes_a_along_k_and_b_against_it(backend, method, placement):
+    names = {"fe": "node_to_surface", "iga": "greville"}
+    formulation = {
+        "collocation": {"method": names[backend]},
+        "gpts": GPTS,
+        "segments": {"method": "segments"},
+        "mortar": {"method": "mortar"},
+    }[method]
+    system = assemble(full_pass(backend, formulation, placement))
+    first, second = system.contacts
+    normal = first.interface.points.normal[0]
+    assert second.interface.points.normal[0] == pytest.approx(-normal, abs=1e-12)
+    x = unknowns(system, {"upper": lambda X: CLOSURE * np.ones((len(X), 1)) * normal})
+    k = rotation_of(system) @ np.array([1.0, 0.5, 0.0]) / np.linalg.norm([1.0, 0.5])
+    for contact in (first, second):
+        half = 0.5 * P * CLOSURE
+        for body, sign in (("upper", 1), ("lower", -1)):
+            friction, scale = resultant(system, product(contact.friction, x), body)
+            assert friction == pytest.approx(sign * MU * half * k, abs=1e-13 * scale)
+            pressure, scale = resultant(system, product(contact.stiffness, x), body)
+            assert -pressure == pytest.approx(-sign * half * normal, abs=1e-13 * scale)
+
+
+def test_a_full_pass_is_the_mean_of_its_halves(backend):
+    """The second half by itself: sides exchanged, direction of friction reversed."""
+    both = assemble(full_pass(backend, GPTS))
+    forward = assemble(two_blocks(backend, GPTS, mu=MU, P=P))
+    data = two_blocks(backend, GPTS, mu=MU, P=P)
+    contact = data["contacts"]["interface"]
+    contact |= {"a": contact["b"], "b": contact["a"], "max_missed": 0.99}
+    contact["friction_direction_on_a"] = {"vector": [-1.0, -0.5, 0.0]}
+    backward = assemble(data)
+    for part in ("symmetric_stiffness", "friction"):
+        mean = 0.5 * (dense(getattr(forward, part)()) + dense(getattr(backward, part)()))
+        found = dense(getattr(both, part)())
+        assert np.abs(found - mean).max() <= 1e-13 * np.abs(mean).max()
+
+
+def test_abscissae_of_a_full_pass_are_asked_of_both_sides():
+    overrides = [
+        "contacts.interface.formulation={method='greville'}",
+        "contacts.interface.full_pass=true",
+        "bodies.lower.backend='fe'",
+    ]
+    with pytest.raises(SceneError, match="side b has backend 'fe'"):
+        load_scene(Path("patch_test"), overrides)
+
+
+def split_beam(upper, lower, P, form):
+    """A bar of 1 x 0.6 x 0.8, split at half its height into meshes that do not match."""
+    bodies = {
+        "upper": block(upper, [1.0, 0.6, 0.4], [0.0, 0.0, 0.4], [5, 3, 2]),
+        "lower": block(
+            lower, [1.0, 0.6, 0.4], [0.0, 0.0, 0.0], [4, 4, 3], supports=[{"surface": "z_min"}]
+        ),
+    }
+    contact = {
+        "a": "upper.z_min",
+        "b": "lower.z_max",
+        "formulation": {"method": "bonded"},
+        "P": P,
+        "form": form,
+    }
+    return {
+        "name": "split bar",
+        "bodies": bodies,
+        "contacts": {"joint": contact},
+        "analysis": {"kind": "cea", "max_frequency": 0.7},
+    }
+
+
+def whole_bar(backend):
+    bar = block(
+        backend, [1.0, 0.6, 0.8], [0.0, 0.0, 0.0], [5, 4, 5], supports=[{"surface": "z_min"}]
+    )
+    return {
+        "name": "bar",
+        "bodies": {"bar": bar},
+        "analysis": {"kind": "cea", "max_frequency": 0.7},
+    }
+
+
+def frequencies(data):
+    system = assemble(data)
+    return solve_modes(
+        system.symmetric_stiffness(),
+        system.mass,
+        None,
+        max_frequency=0.7,
+        multipliers=system.multipliers(),
+    ).frequencies
+
+
+@pytest.mark.parametrize("sides", [("fe", "fe"), ("iga", "iga"), ("fe", "iga"), ("iga", "fe")])
+def test_a_bonded_joint_makes_one_body_of_two(sides):
+    joined = frequencies(split_beam(*sides, P=float("inf"), form="saddle"))
+    whole = frequencies(whole_bar(sides[0]))
+    assert len(whole) >= 8
+    assert joined == pytest.approx(whole, rel=4e-3)
+
+
+def test_a_stiff_bonded_joint_is_near_the_tied_one(backend):
+    tied = frequencies(split_beam(backend, backend, P=float("inf"), form="saddle"))
+    stiff = frequencies(split_beam(backend, backend, P=1e5, form="penalty"))
+    assert stiff == pytest.approx(tied, rel=1e-4)
+
+
+def test_a_bonded_joint_closes_no_gap_under_common_rigid_motion(backend):
+    for placement in ({}, ROTATED):
+        data = split_beam(backend, backend, P=3.0, form="penalty")
+        for body in data["bodies"].values():
+            body |= {"placement": placement, "supports": []}
+        system = assemble(data)
+        turn = np.array([[0, -0.3, 0.2], [0.3, 0, -0.7], [-0.2, 0.7, 0]])
+        motion = dict.fromkeys(system.bodies, lambda X: X @ turn.T + [1.0, -2.0, 0.5])  # noqa: B023
+        x = unknowns(system, motion)
+        assert np.abs(gather(product(system.contacts[0].gap, x))).max() <= 1e-12
+
+
+def test_a_bonded_joint_has_no_friction():
+    data = split_beam("iga", "iga", P=3.0, form="penalty")
+    data["contacts"]["joint"] |= {"mu": 0.1, "friction_direction_on_a": {"vector": [1.0, 0, 0]}}
+    with pytest.raises(SceneError, match="half pass with mu = 0"):
+        assemble(data)
+
+
+def test_control_points_reproduce_positions(backend):
+    """What the motions above rest on."""
+    system = assemble(two_blocks(backend, GPTS))
+    for body in system.bodies.values():
+        sample = body.volume_sample(2)
+        assert sample.values @ control_points(body) == pytest.approx(sample.points, abs=1e-12)

@@ -1,0 +1,243 @@
+"""Matching of eigenvalues and of modes: multiplicities, groups, orders, what is left alone."""
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+from blocks import two_blocks
+
+from cea.eigen.eigenvalue_matching import assign, group, match_spectrum
+from cea.eigen.mode_matching import (
+    ModeSet,
+    circumferential_content,
+    match_modes,
+    modal_assurance,
+    subspace_assurance,
+)
+from cea.errors import InputError
+from scenes.run import run_scene
+from scenes.run_matching import circumferential_orders, match_runs, match_unstable
+from scenes.spec import read_scene
+
+RNG = np.random.default_rng(7)
+
+
+def random_shapes(rows, modes):
+    return RNG.standard_normal((rows, modes)) + 1j * RNG.standard_normal((rows, modes))
+
+
+def test_assignment_is_optimal():
+    cost = RNG.random((5, 5))
+    rows, columns = assign(cost)
+    best = min(sum(cost[i, j] for i, j in enumerate(order)) for order in permutations(range(5)))
+    assert cost[rows, columns].sum() == pytest.approx(best)
+
+
+def test_assignment_leaves_alone_what_costs_more_than_the_limit():
+    rows, columns = assign(np.array([[0.1, 5.0, 9.0], [4.0, 3.0, 8.0]]), limit=1.0)
+    assert (rows.tolist(), columns.tolist()) == ([0], [0])
+
+
+def test_groups_are_chains_of_neighbours():
+    values = np.array([1j, 1.0005j, 2j, 1.001j, 3j + 1e-4, 3j - 1e-4])
+    assert [g.tolist() for g in group(values, 6e-4)] == [[0, 1, 3], [2], [4, 5]]
+    assert [g.tolist() for g in group(values, 0.0)] == [[i] for i in range(6)]
+    with pytest.raises(InputError, match="tolerance"):
+        group(values, -1.0)
+
+
+def test_spectrum_respects_multiplicities():
+    exact = np.array([1j, 2j, 2j, 3j])
+    match = match_spectrum(np.array([1.001j, 2.01j, 3.003j]), exact)
+    assert match.missing.tolist() == [2j]
+    assert not len(match.spurious)
+    assert not match.complete
+    assert np.isinf(match.errors).sum() == 2  # both copies: their mean is not known
+    whole = match_spectrum(np.array([1.001j, 2.01j, 3.003j, 1.99j]), exact)
+    assert whole.complete
+    assert whole.errors == pytest.approx([0.001, 0, 0, 0.001])
+
+
+def test_spectrum_compares_a_coalescence_by_its_mean():
+    epsilon = 1e-6
+    exact = np.array([2j - epsilon, 2j + epsilon])
+    computed = np.array([2.001j - 0.1, 2.001j + 0.1])
+    apart = match_spectrum(computed, exact)
+    together = match_spectrum(computed, exact, tolerance=1e-3)
+    assert apart.errors == pytest.approx([0.05, 0.05], rel=1e-3)
+    assert together.errors == pytest.approx([0.0005, 0.0005])
+
+
+def test_spectrum_reports_all_that_has_no_partner_in_the_band():
+    exact = np.array([0, 1j, 2j, 3j, 4j])
+    computed = np.array([1e-9j, 1.01j, 2.4j, 2.99j, 3.05j, 4.2j])
+    match = match_spectrum(computed, exact, (0.5, 3.5), reach=0.1)
+    assert match.missing.tolist() == [2j]
+    assert match.spurious.tolist() == [2.4j, 3.05j]
+    assert match.found[[0, 2]].tolist() == [1.01j, 2.99j]
+
+
+def test_spectrum_errors_of_frequency_and_growth_apart():
+    match = match_spectrum(np.array([0.11 + 1.02j, -0.2 + 4j]), np.array([0.1 + 1j, -0.2 + 4j]))
+    size = abs(0.1 + 1j)
+    assert match.frequency_errors == pytest.approx([0.02 / size, 0])
+    assert match.growth_errors == pytest.approx([0.01 / 0.2, 0])
+    still = match_spectrum(np.array([0.01 + 2j]), np.array([2j]))
+    assert still.growth_errors == pytest.approx([0.005])
+
+
+@pytest.mark.parametrize(("band", "reach"), [((2.0, 1.0), 0.1), ((0.0, 1.0), 0.0)])
+def test_spectrum_refuses_wrong_input(band, reach):
+    with pytest.raises(InputError):
+        match_spectrum(np.array([1j]), np.array([1j]), band, reach=reach)
+
+
+def test_modal_assurance_ignores_scale_and_phase():
+    shapes = random_shapes(30, 3)
+    mac = modal_assurance(shapes, shapes * np.array([2.0, 1j, 0.3 - 0.4j]))
+    assert np.diag(mac) == pytest.approx(np.ones(3))
+    expected = abs(np.vdot(shapes[:, 0], shapes[:, 1])) ** 2
+    expected /= np.linalg.norm(shapes[:, 0]) ** 2 * np.linalg.norm(shapes[:, 1]) ** 2
+    assert mac[0, 1] == pytest.approx(expected)
+
+
+def test_subspace_assurance_of_a_mixed_pair():
+    shapes = random_shapes(30, 3)
+    mixed = shapes[:, :2] @ np.array([[0.6, 1.0], [1.5j, -0.2]])
+    right = np.column_stack([mixed, shapes[:, 2]])
+    part = subspace_assurance(shapes, right, [np.array([0, 1]), np.array([2])])
+    assert part[:2, :2] == pytest.approx(np.ones((2, 2)))
+    assert part[:, 2] == pytest.approx(modal_assurance(shapes, right)[:, 2])
+
+
+def test_modes_that_nearly_coalesce_are_matched_as_a_group():
+    shapes = random_shapes(40, 4)
+    first = ModeSet(np.array([1j, 2j - 1e-4, 2j + 1e-4, 3j]), shapes)
+    mixed = shapes[:, 1:3] @ np.array([[1.0, 1.0], [0.9j, -0.8]])
+    second = ModeSet(
+        np.array([2.0001j, 1.001j, 2.0003j, 7j]),
+        np.column_stack([mixed[:, 0], shapes[:, 0], mixed[:, 1], shapes[:, 3]]),
+    )
+    match = match_modes(first, second)
+    pairs = {tuple(g.first.tolist()): g for g in match.groups}
+    assert pairs[0,].second.tolist() == [1]
+    assert pairs[1, 2].second.tolist() == [0, 2]
+    assert pairs[1, 2].assurance == pytest.approx(1, abs=1e-8)
+    assert pairs[1, 2].distance == pytest.approx(1e-4, rel=1e-3)
+    # The same shape far away in frequency is not the same mode.
+    assert match.only_first.tolist() == match.only_second.tolist() == [3]
+
+
+def test_orders_part_modes_of_equal_frequency():
+    shapes = random_shapes(10, 1).repeat(2, axis=1) + 1e-3 * random_shapes(10, 2)
+    values = np.array([1j, 1.01j])
+    first = ModeSet(values, shapes, np.array([2, 3]))
+    second = ModeSet(values, shapes, np.array([3, 2]))
+    pairs = [(g.first.tolist(), g.second.tolist()) for g in match_modes(first, second).groups]
+    assert sorted(pairs) == [([0], [1]), ([1], [0])]
+
+
+def test_mode_sets_refuse_a_wrong_number_of_shapes():
+    with pytest.raises(InputError, match="shapes"):
+        ModeSet(np.array([1j, 2j]), random_shapes(5, 3))
+
+
+def test_circumferential_content_tells_order_share_and_sense():
+    theta = 2 * np.pi * np.arange(16) / 16
+    waves = [
+        np.exp(3j * theta),
+        np.exp(-3j * theta),
+        np.cos(2 * theta) + 0.5 * np.cos(5 * theta),
+        np.ones(16),
+    ]
+    u = np.stack(waves, axis=-1)[None, :, None, :] * np.array([1.0, 2j])[:, None]
+    content = circumferential_content(u.reshape(1, 16, 2, 4))
+    assert content.orders.tolist() == [3, 3, 2, 0]
+    assert content.shares == pytest.approx([1, 1, 0.8, 1])
+    assert content.travelling == pytest.approx([1, -1, 0, 0], abs=1e-12)
+    with pytest.raises(InputError, match="angles"):
+        circumferential_content(u[:, :2].reshape(1, 2, 2, 4))
+
+
+def drum(backend, elements):
+    def ring(inner, outer, support):
+        return {
+            "backend": backend,
+            "geometry": {"shape": "ring", "inner_radius": inner, "outer_radius": outer},
+            "material": {
+                "E": 1.0 if inner < 1 else 0.1,
+                "nu": 0.3,
+                "rho": 1.0 if inner < 1 else 0.35,
+            },
+            "supports": [{"surface": support}],
+            "mesh": {
+                "fe": {"cell": "quadrilateral", "degree": 2, "elements": elements},
+                "iga": {"degree": [3, 3], "elements": elements},
+            },
+        }
+
+    return read_scene(
+        {
+            "name": "drum",
+            "bodies": {"outer": ring(1.0, 1.5, "outer"), "inner": ring(0.5, 1.0, "inner")},
+            "contacts": {
+                "interface": {
+                    "a": "outer.inner",
+                    "b": "inner.outer",
+                    "formulation": {"method": "gpts", "points": 4},
+                    "p": 1.0,
+                    "mu": 0.3,
+                    "friction_direction_on_a": {"circumferential_about": [0.0, 0.0, 1.0]},
+                }
+            },
+            "analysis": {"kind": "cea", "max_frequency": 0.33, "growth_threshold": 1e-4},
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def drums():
+    """Runs of a drum on both backends."""
+    return run_scene(drum("fe", [3, 28])), run_scene(drum("iga", [3, 24]))
+
+
+def test_drum_modes_have_their_exact_orders(drums):
+    # One axisymmetric pair and a doublet of every order; friction sends each of the doublet's
+    # members round one way.
+    for result in drums:
+        content = circumferential_orders(result)
+        orders = content.orders.tolist()
+        assert {m: orders.count(m) for m in sorted(set(orders))} == {0: 2, 1: 4, 2: 2, 3: 2}
+        assert (content.shares > 0.99).all()
+        growing = np.abs(result.modes.growth_rates) > 1e-3
+        assert (np.abs(content.travelling[growing]) > 0.99).all()
+        assert (content.orders[~growing] == 0).all()
+        # Exact eigenvalues e^{+i m theta} of these orders grow, and their mirror images decay.
+        first = growing & (content.orders <= 3)
+        sense = np.sign(result.modes.growth_rates[first])
+        assert (np.sign(content.travelling[first]) == sense).all()
+
+
+def test_drum_modes_match_across_backends(drums):
+    match = match_runs(*drums)
+    assert not len(match.only_first)
+    assert not len(match.only_second)
+    assert all(g.assurance > 0.99 and g.distance < 5e-3 for g in match.groups)
+    assert sum(len(g.first) for g in match.groups) == len(drums[0].modes.eigenvalues)
+
+
+def test_unstable_modes_are_all_answered_for(drums):
+    match = match_unstable(*drums)
+    assert len(match["pairs"]) == 4
+    assert match["only_first"] == match["only_second"] == []
+    for pair in match["pairs"]:
+        assert pair["modal_assurance"] > 0.99
+        assert abs(pair["frequency_difference"]) < 5e-3
+        assert abs(pair["growth_difference"]) < 0.05
+
+
+def test_orders_need_a_surface_of_revolution():
+    data = two_blocks("iga", {"method": "gpts", "points": 2}, held=True)
+    data["analysis"]["max_frequency"] = 0.6
+    with pytest.raises(InputError, match="surfaces of revolution"):
+        circumferential_orders(run_scene(read_scene(data)), ["lower.z_max"])

@@ -1,0 +1,126 @@
+"""Contact forces as unknowns: the same as the penalty form, and beyond where that loses digits."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from blocks import assemble, two_blocks
+from motions import dense
+
+from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.pencil import Pencil
+from cea.errors import InputError
+from scenes.run import run_scene
+from scenes.spec import SceneError, load_scene
+
+MAX_FREQUENCY = 1.0
+
+
+def modes_of(data):
+    system = assemble(data)
+    return solve_modes(
+        system.symmetric_stiffness(),
+        system.mass,
+        system.friction(),
+        max_frequency=MAX_FREQUENCY,
+        multipliers=system.multipliers(),
+    )
+
+
+def with_form(data, form, **changes):
+    data["contacts"]["interface"] |= {"form": form} | changes
+    return data
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.4])
+def test_the_eigenvalues_are_those_of_the_penalty_form(backend, formulation, mu):
+    both = [
+        modes_of(with_form(two_blocks(backend, formulation, mu=mu, held=True), form))
+        for form in ("penalty", "saddle")
+    ]
+    assert len(both[0].eigenvalues) > 3
+    assert both[1].eigenvalues == pytest.approx(both[0].eigenvalues, rel=1e-9, abs=1e-9)
+    assert both[1].residuals.max() < 1e-9
+
+
+def test_multipliers_eliminated_give_the_penalty_matrices(backend, formulation):
+    penalty = assemble(with_form(two_blocks(backend, formulation), "penalty"))
+    multipliers = assemble(with_form(two_blocks(backend, formulation), "saddle")).multipliers()
+    closure, reaction = (dense(m) for m in (multipliers.closure, multipliers.reaction))
+    stiffness = reaction.T @ (closure / multipliers.compliance.array[:, None])
+    expected = dense(penalty.symmetric_stiffness()) - dense(penalty.stiffness)
+    expected -= dense(penalty.friction())
+    assert stiffness == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
+
+
+def test_infinite_stiffness_is_the_limit_of_finite_ones(backend):
+    mortar = {"method": "mortar"}
+    kappa = {
+        P: -(
+            modes_of(with_form(two_blocks(backend, mortar, held=True), "saddle", P=P)).eigenvalues
+            ** 2
+        )
+        for P in (1e5, 1e6, float("inf"))
+    }
+    near, nearer = (np.abs(kappa[P] - kappa[np.inf]).max() for P in (1e5, 1e6))
+    assert nearer < 1e-4 * np.abs(kappa[np.inf]).max()
+    assert near / nearer == pytest.approx(10, rel=0.05)  # first order in the compliance
+
+
+def test_inertia_counts_modes_beside_multipliers(backend):
+    data = with_form(two_blocks(backend, {"method": "mortar"}, mu=0.0, held=True), "saddle")
+    system = assemble(data)
+    pencil = Pencil(
+        system.symmetric_stiffness(), system.mass, None, multipliers=system.multipliers()
+    )
+    found = modes_of(data).eigenvalues.imag ** 2
+    middle = 0.5 * (found[3] + found[4])
+    assert pencil.count_below(middle) == 4
+
+
+@pytest.mark.parametrize("P", ["1e2", "1e6", "1e14", "1e20", "inf"])
+@pytest.mark.parametrize("method", ["mortar", "segments"])
+def test_the_patch_test_passes_at_any_stiffness(backend, method, P):
+    overrides = [f"contacts.interface.P={P}", "contacts.interface.form='saddle'"]
+    overrides.append(f"contacts.interface.formulation={{method='{method}'}}")
+    stresses = run_scene(load_scene(Path("patch_test"), overrides, backend)).stresses["interface"]
+    worst = max(np.abs(side.sigma_n / -1000 - 1).max() for side in stresses.values())
+    assert worst < 1e-8
+
+
+def test_a_full_pass_in_both_forms_is_the_same(backend):
+    both = [
+        modes_of(
+            with_form(
+                two_blocks(backend, {"method": "gpts", "points": 4}, held=True),
+                form,
+                full_pass=True,
+            )
+        )
+        for form in ("penalty", "saddle")
+    ]
+    assert both[1].eigenvalues == pytest.approx(both[0].eigenvalues, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "field"),
+    [
+        (["contacts.interface.P=inf"], "P"),
+        (
+            [
+                "contacts.interface.form='saddle'",
+                "contacts.interface.formulation.lumped=true",
+            ],
+            "form",
+        ),
+    ],
+)
+def test_what_has_no_such_form_is_refused(overrides, field):
+    with pytest.raises(SceneError, match=rf"contacts\.interface\.{field} = "):
+        load_scene(Path("patch_test"), overrides)
+
+
+def test_pressure_of_gaps_is_refused_where_forces_are_unknowns(backend):
+    system = assemble(with_form(two_blocks(backend, {"method": "mortar"}), "saddle"))
+    with pytest.raises(InputError, match="penalty"):
+        system.contacts[0].pressure(system.stiffness.createVecRight())

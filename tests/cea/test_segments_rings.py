@@ -1,0 +1,162 @@
+"""Segments between flat rings: thin curved cells, unlike meshes, rims that miss each other.
+
+Area and moments of the common surface are held against numbers that no segment went into.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from cea.body import SurfaceCoordinates
+from cea.contact.segments import segment_points
+from cea.timing import StageTimer
+from scenes.build import build_bodies
+from scenes.spec import load_scene
+
+INNER, OUTER = 0.08, 0.16
+REACH = 0.02
+
+# Rings of the pad and the disc, each elements along r and theta and coordinates to pass through.
+GRADED = ((4, 8, "r=[0.081, 0.083], theta=[2.0]"), (2, 8, "theta=[2.0]"))
+MATCHING_RIMS = [((9, 8), (2, 8)), ((2, 8), (9, 8)), GRADED]
+RINGS = [
+    *MATCHING_RIMS,
+    ((13, 12), (5, 12)),
+    ((9, 4), (2, 8)),
+    ((2, 8), (9, 4)),
+    ((9, 8), (3, 12)),
+    ((2, 8, "r=[0.081], theta=[89.0]"), (5, 4)),
+]
+
+
+def sides(backend, degree, rings, geometry_degree=None):
+    meshes = []
+    for body, (radial, around, *through) in zip(("pad", "disc"), rings, strict=True):
+        kind = (
+            f"degree=[{degree}, {degree}, 1]"
+            if backend == "iga"
+            else f"cell='hexahedron', degree={degree}, geometry_degree={geometry_degree}"
+        )
+        numbers = f"elements=[{radial}, {around}, 1], through={{{''.join(through)}}}"
+        meshes.append(f"bodies.{body}.mesh.{backend}={{{kind}, {numbers}}}")
+    bodies = build_bodies(load_scene(Path("ring"), meshes, backend), StageTimer())
+    return bodies["pad"].surfaces["bottom"], bodies["disc"].surfaces["top"]
+
+
+def moments(points):
+    """Moments 1, x, y, xx, xy, yy over powers of the outer radius."""
+    x, y = points.x[:, :2].T / OUTER
+    return np.array([np.ones(len(x)), x, y, x * x, x * y, y * y]) @ points.weight
+
+
+def ring_moments():
+    area = np.pi * (OUTER**2 - INNER**2)
+    second = area * (1 + (INNER / OUTER) ** 2) / 4
+    return np.array([area, 0, 0, second, 0, second])
+
+
+def polygon_moments(shape):
+    """Moments of polygons by Green's theorem."""
+    total = np.zeros(6)
+    for polygon in shapely.get_parts(shapely.orient_polygons(shape)):
+        for ring in (polygon.exterior, *polygon.interiors):
+            x, y = np.array(ring.coords)[:-1].T / OUTER
+            u, v = np.array(ring.coords)[1:].T / OUTER
+            turn = (x * v - u * y) * OUTER**2
+            total += [
+                turn.sum() / 2,
+                turn @ (x + u) / 6,
+                turn @ (y + v) / 6,
+                turn @ (x * x + x * u + u * u) / 12,
+                turn @ (2 * x * y + x * v + u * y + 2 * u * v) / 24,
+                turn @ (y * y + y * v + v * v) / 12,
+            ]
+    return total
+
+
+def covered(surface, around, pieces=3072):
+    """Polygon of a meshed ring, its rims in so many pieces."""
+    cells = surface.cells()
+    t = np.arange(pieces // around)[:, None] / (pieces // around)
+    corners = cells.corners[0]
+    starts, ends = corners[:, None], np.roll(corners, -1, axis=0)[:, None]
+    xi = (starts + t * (ends - starts)).reshape(-1, 2)
+    shape = (len(cells.element), len(xi))
+    at = SurfaceCoordinates(np.repeat(cells.element, len(xi)), np.tile(xi, (shape[0], 1)))
+    edges = surface.position(at)[:, :2].reshape(-1, len(t), 2)
+    radius = np.hypot(*edges[:, [0, len(t) // 2]].T)
+    rings = []
+    for rim in (OUTER, INNER):
+        points = edges[(np.abs(radius - rim) < 0.05 * rim).all(axis=0)].reshape(-1, 2)
+        rings.append(points[np.argsort(np.arctan2(points[:, 1], points[:, 0]))])
+    return shapely.Polygon(rings[0], rings[1:])
+
+
+@pytest.mark.parametrize(
+    ("degree", "rings"), [(k % 2 + 2, rings) for k, rings in enumerate(RINGS)], ids=str
+)
+def test_boxes_of_splines_fill_the_ring(rings, degree):
+    a, b = sides("iga", degree, rings)
+    points = segment_points(a, b, 10, REACH)
+    assert np.abs(moments(points) - ring_moments()).max() <= 1e-12 * a.area
+    assert len(points) == 100 * common_boxes(a, b)
+    assert not b.locate(points.x[::7], points.normal[::7], REACH).missed.any()
+
+
+def common_boxes(a, b):
+    """Boxes between the circles and spokes through knots of either side."""
+    lines = []
+    for surface in (a, b):
+        cells = surface.cells()
+        element = np.repeat(cells.element, 4)
+        x, y = surface.position(SurfaceCoordinates(element, cells.corners.reshape(-1, 2)))[:, :2].T
+        lines.append((np.hypot(x, y).round(9), np.degrees(np.arctan2(y, x)).round(6) % 360))
+    circles, spokes = (np.unique(np.concatenate(c)) for c in zip(*lines, strict=True))
+    return (len(circles) - 1) * len(spokes)
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4])
+@pytest.mark.parametrize("rings", MATCHING_RIMS, ids=str)
+def test_segments_of_elements_fill_rings_whose_rims_match(rings, degree):
+    a, b = sides("fe", 1, rings, degree)
+    points = segment_points(a, b, 8, REACH)
+    assert np.abs(moments(points) - moments(a.gauss_points(8))).max() <= 1e-12 * a.area
+    assert not b.locate(points.x[::7], points.normal[::7], REACH).missed.any()
+
+
+@pytest.mark.parametrize("degree", [1, 2, 4])
+@pytest.mark.parametrize("rings", [((1, 12), (2, 16)), ((2, 24), (2, 12))], ids=str)
+def test_rims_that_miss_each_other_leave_what_both_cover(rings, degree):
+    a, b = sides("fe", 1, rings, degree)
+    points = segment_points(a, b, 4, REACH)
+    lost = shapely.difference(*(covered(s, n[1]) for s, n in zip((a, b), rings, strict=True)))
+    exact = moments(a.gauss_points(8)) - polygon_moments(lost)
+    # Polylines in sixteen pieces follow the rim of b to part of what the rims differ by.
+    assert np.abs(moments(points) - exact).max() <= min(1e-5 * a.area, 0.1 * lost.area)
+    assert not b.locate(points.x, points.normal, REACH).missed.any()
+
+
+@pytest.mark.parametrize("backend", ["fe", "iga"])
+def test_a_pad_over_the_hole_touches_no_further_than_the_rim(backend):
+    """The rim is hollow: polylines along it leave the disc."""
+    pad = [
+        "bodies.pad.geometry={shape='box', size=[0.03, 0.04, 0.01], origin=[0.06, -0.02, 0.0]}",
+        "bodies.pad.supports=[{surface='z_max'}]",
+        "bodies.pad.mesh.fe={cell='hexahedron', degree=1, geometry_degree=1, elements=[3, 2, 1]}",
+        "bodies.pad.mesh.iga={degree=[2, 2, 1], elements=[3, 2, 1]}",
+        "bodies.disc.mesh.fe={cell='hexahedron', degree=1, geometry_degree=4, elements=[2, 24, 1]}",
+        "bodies.disc.mesh.iga={degree=[2, 2, 1], elements=[2, 24, 1]}",
+        "contacts.interface.a='pad.z_min'",
+    ]
+    bodies = build_bodies(load_scene(Path("ring"), pad, backend), StageTimer())
+    a, b = bodies["pad"].surfaces["z_min"], bodies["disc"].surfaces["top"]
+    points = segment_points(a, b, 9, REACH)
+    half = 0.02
+    hole = half * np.sqrt(INNER**2 - half**2) + INNER**2 * np.arcsin(half / INNER)
+    excess = points.weight.sum() - (2 * half * 0.09 - hole)
+    piece = np.radians(360 / 24 / 16)
+    between_chords_and_rim = INNER**2 * np.arcsin(half / INNER) * piece**2 / 6
+    assert 0 < excess < between_chords_and_rim
+    assert not b.locate(points.x, points.normal, REACH).missed.any()

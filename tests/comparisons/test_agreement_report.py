@@ -1,0 +1,238 @@
+"""The report: what it says, shows and writes is what the data say."""
+
+import csv
+import json
+from copy import deepcopy
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from report_data import EXACT, Page, small_comparison
+
+from cea.timing import STAGES
+from comparisons.agreement import figures, tables, words
+from comparisons.agreement.page import write_report
+from comparisons.kit.numbers import listed, number, per_cent, plain
+
+_KINDS = ("worst", "median")
+
+
+@pytest.fixture
+def data():
+    return small_comparison()
+
+
+@pytest.fixture
+def report(data, tmp_path):
+    return write_report(data, {}, tmp_path / "new" / "folder")
+
+
+@pytest.fixture
+def page(report):
+    return Page(report.read_text(encoding="utf-8"))
+
+
+def rows_of(file):
+    with file.open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_page_needs_no_other_file(report, page):
+    assert report.name == "report.html"
+    assert not page.tags & {"script", "link", "iframe", "object"}
+    assert len([a for a in page.addresses if a.startswith("data:image/png;base64,")]) == 4
+    assert all(a.startswith(("data:", "#")) for a in page.addresses)
+    source = report.read_text(encoding="utf-8")
+    assert "url(" not in source
+    assert "@import" not in source
+    assert report.stat().st_size < 4e6
+
+
+def test_result_json_holds_the_data_and_names_the_files(report, data):
+    result = json.loads((report.parent / "result.json").read_text())
+    assert {key: result[key] for key in data} == json.loads(json.dumps(data))
+    assert len(result["figures"]) == 4
+    assert len(result["tables"]) == 14
+    assert result["pictures"] == []
+    for file in (*result["figures"], *result["tables"]):
+        assert (report.parent / file).stat().st_size > 0
+
+
+def test_tables_of_the_page_hold_the_numbers(page):
+    patch = page.tables["patch_test"]
+    assert patch[3] == [
+        *("NURBS", "Greville", "25", "10⁶", "1\u202f778", "3\u202f556", "3\u202f556"),
+        *("3\u202f233", "1.100"),
+    ]
+    assert patch[1][-2:] == ["–", "–"]
+    assert ["finite elements", "GPTS 5 x 5", "2", "6\u202f246.92", "+363.88"] in [
+        row[:5] for row in page.tables["unstable_modes"]
+    ]
+    assert len(page.tables["unstable_modes"]) == 1 + 4
+    paired, alone, gpts = page.tables["agreement"][1:]
+    assert paired[1:] == gpts[1:]
+    assert gpts == [
+        *("GPTS", "both", "6\u202f246.92", "6\u202f240.74", "+0.099", "+363.88", "+364.04"),
+        *("−0.044", "0.9987"),
+    ]
+    assert alone == [
+        *("collocation", "NURBS only", "–", "14\u202f990.00", "–", "–", "+84.25", "–", "–")
+    ]
+    assert page.tables["disc_alone"][1][-2:] == ["0.020", "0.030"]
+    assert page.tables["windows"][1][6:9] == ["41", "40", "17\u202f567"]
+    assert ["total", "2.10", "4.20", "2.10"] in page.tables["time_saved"]
+    assert ["gmsh", "none", "2 of 3"] in page.tables["skipped"]
+    assert ["analysis.max_frequency", "15000 Hz"] in page.tables["parameters"]
+    assert ["python", "3.12.0"] in page.tables["machine"]
+
+
+def test_csv_files_agree_with_result_json(report):
+    folder = report.parent
+    result = json.loads((folder / "result.json").read_text())
+    runs = result["disc_pad"]["runs"]
+    values = [(run, value) for run in runs for value in run["eigenvalues"]]
+    written = rows_of(folder / "eigenvalues.csv")
+    assert len(written) == len(values)
+    for row, (run, value) in zip(written, values, strict=True):
+        assert (row["backend"], row["formulation"]) == (run["backend"], run["formulation"])
+        assert float(row["frequency"]) == pytest.approx(value["im"] / (2 * np.pi), rel=1e-15)
+        assert float(row["growth"]) == value["re"]
+    patch = rows_of(folder / "patch_test.csv")
+    assert [float(row["oscillation"]) for row in patch] == [
+        run["oscillation"] for run in result["patch_test"]["runs"]
+    ]
+    assert patch[0]["ratio"] == ""
+    stresses = rows_of(folder / "patch_stresses.csv")
+    assert [stresses[i]["sigma_n"] for i in (1, 2)] == [str(EXACT + 38.7), ""]
+    times = rows_of(folder / "stage_times.csv")
+    assert len(times) == 4 + 3 + 4 + 2
+    for row in times:
+        assert sum(float(row[stage]) for stage in STAGES) == pytest.approx(float(row["total"]))
+
+
+def test_summary_follows_the_data(data):
+    text = words.summary(data)
+    assert "have 1 unstable mode up to 15 kHz on finite elements and 1 on NURBS" in text
+    assert "0.099 % in frequency and 0.044 % in growth rate" in text
+    assert "the worst is 1.100 times what was expected" in text
+    assert "0.0030 in 4.2 s (hexahedra, 5 x 40 x 1)" in text
+    assert "2.10 s instead of 4.20 s, 50 % less" in text
+    data["disc_pad"]["agreement"]["gpts"] = {
+        "pairs": [],
+        "only_first": [{"frequency": 6000.4, "growth": 20.0}],
+        "only_second": [],
+    }
+    text = words.summary(data)
+    assert "1 unstable mode up to 15 kHz on finite elements and 0 on NURBS" in text
+    assert "Finite elements alone find one at 6000 Hz." in text
+    assert "modal assurance" not in text
+
+
+def test_lone_modes_are_explained_only_near_the_end_of_the_window(data):
+    (sentence,) = words.lone_modes(data)
+    assert "NURBS alone find with collocation at 14990 Hz" in sentence
+    data["disc_pad"]["agreement"]["collocation"]["only_second"][0]["frequency"] = 9000.0
+    assert words.lone_modes(data) == []
+
+
+def test_words_count_what_was_missed_and_kept(data):
+    assert words.missed_points(data).startswith("0 of 1\u202f225 contact points")
+    assert words.kept_bodies(data).startswith("0 runs of 11")
+    changed = deepcopy(data)
+    changed["disc_pad"]["runs"][0]["contacts"]["c"]["status"]["missed"] = 7
+    changed["patch_test"]["runs"][0]["timings"]["meshing"] = 0.0
+    assert words.missed_points(changed).startswith("7 of 1\u202f232")
+    assert words.kept_bodies(changed).startswith("1 run of 11")
+    assert "4.0 · 10⁻¹² (NURBS, Greville)" in words.errors_of_modes(data)
+
+
+def test_a_comparison_without_unstable_modes_is_reported(data, tmp_path):
+    for run in data["disc_pad"]["runs"]:
+        run["unstable"] = []
+    nothing = {"pairs": [], "only_first": [], "only_second": []}
+    data["disc_pad"]["agreement"] = dict.fromkeys(("collocation", "grid", "gpts"), nothing)
+    page = Page(write_report(data, {}, tmp_path).read_text(encoding="utf-8"))
+    assert "have 0 unstable modes up to 15 kHz on finite elements and 0 on NURBS" in page.text
+    assert "unstable_modes" not in page.tables
+
+
+def test_stability_diagram_holds_every_eigenvalue(data):
+    (axes,) = figures.stability(data).axes
+    zero, *lines = axes.lines
+    assert list(zero.get_ydata()) == [0, 0]
+    for line, run in zip(lines, data["disc_pad"]["runs"], strict=True):
+        expected = [(v["im"] / (2000 * np.pi), v["re"]) for v in run["eigenvalues"]]
+        np.testing.assert_allclose(line.get_xydata(), expected)
+        assert line.get_marker() == figures.MARKERS[run["backend"]]
+        assert to_hex(line.get_markeredgecolor()).upper() == figures.COLOURS[run["method"]]
+    bottom, top = axes.get_ylim()
+    assert bottom == -top
+
+
+def test_patch_panels_hold_both_sides_of_the_least_P(data):
+    panels = [axes for axes in figures.patch_stresses(data).axes if axes.axison]
+    titles = [axes.get_title() for axes in panels]
+    assert titles == ["finite elements, GPTS 15 x 15", "NURBS, Greville", "NURBS, GPTS 15 x 15"]
+    runs = [run for run in data["patch_test"]["runs"] if run["P"] == 1e6]
+    for axes, run in zip(panels, runs, strict=True):
+        lines = {line.get_label(): line for line in axes.lines}
+        assert lines["side b"].get_linestyle() == "-"
+        assert lines["side a"].get_linestyle() == "--"
+        assert set(lines["exact"].get_ydata()) == {EXACT}
+        x, y = lines["side a"].get_data()
+        np.testing.assert_allclose(x, [0.0, 4.5, 9.0])
+        np.testing.assert_allclose(y, [EXACT, EXACT + run["oscillation"], np.nan])
+
+
+def test_error_figure_holds_each_line_against_time_and_dofs(data):
+    time, dofs = figures.disc_errors(data).axes
+    runs = data["disc_alone"]["runs"]
+    for axes, abscissa in ((time, lambda r: r["seconds"]), (dofs, lambda r: r["dofs"]["free"])):
+        assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+        found = {line.get_label(): line.get_xydata() for line in axes.lines}
+        assert set(found) == {f"{n}, {k}" for n in ("hexahedra", "NURBS") for k in _KINDS}
+        for kind in _KINDS:
+            expected = [(abscissa(run), run[f"{kind}_error"]) for run in runs[:2]]
+            np.testing.assert_allclose(found[f"hexahedra, {kind}"], expected)
+
+
+def test_bars_stack_to_the_run_time(data):
+    figure = figures.stage_bars(data)
+    assert [len(axes.get_yticks()) for axes in figure.axes] == [4, 3, 4, 2]
+    disc_and_pad = figure.axes[1]
+    assert len(disc_and_pad.containers) == len(STAGES)
+    for j, run in enumerate(data["disc_pad"]["runs"]):
+        bars = [container[j] for container in disc_and_pad.containers]
+        assert [bar.get_width() for bar in bars] == pytest.approx(list(run["timings"].values()))
+        ends = np.cumsum(list(run["timings"].values()))
+        assert [bar.get_x() + bar.get_width() for bar in bars] == pytest.approx(ends.tolist())
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (None, 3, "–"),
+        (0.0, 3, "0"),
+        (41400, 3, "41\u202f400"),
+        (3233.4, 3, "3\u202f233"),
+        (-0.04496, 2, "−0.045"),
+        (0.9996, 3, "1.00"),
+        (1e14, 1, "10¹⁴"),
+        (2.5e-9, 2, "2.5 · 10⁻⁹"),
+        (9.996e-9, 3, "1.00 · 10⁻⁸"),
+    ],
+)
+def test_numbers_are_shown_with_their_digits(value, digits, text):
+    assert number(value, digits) == text
+
+
+def test_parameters_and_lists_are_shown_plainly():
+    assert plain([25.0, 2.1e11, 1e9, 3, -0.5]) == "25, 2.1 · 10¹¹, 10⁹, 3, −0.5"
+    assert per_cent(0.0123) == "+1.2"
+    assert [listed("a"), listed("ab"), listed("abc")] == ["a", "a and b", "a, b and c"]
+
+
+def test_every_run_has_its_label(data):
+    labels = [(section, label) for section, label, _ in tables.runs(data)]
+    assert len(labels) == len(set(labels)) == 11
+    assert ("disc alone", "reference, 9 x 64 x 2") in labels

@@ -1,0 +1,328 @@
+"""Exact eigenvalues: stored facts, two methods against each other, completeness, refusals."""
+
+import json
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flint import acb, arb, ctx
+from typer.testing import CliRunner
+
+from cea.errors import InputError
+from comparisons.cli.exact import app
+from exact_cea import entries, lumped
+from exact_cea import galerkin_problems as layouts
+from exact_cea.blocks import Blocks
+from exact_cea.drum import Drum
+from exact_cea.exceptional_points import exceptional_points
+from exact_cea.galerkin import lowest
+from exact_cea.galerkin_problems import Ring
+from exact_cea.layer import layer_response
+from exact_cea.material import SOFT, Material
+from exact_cea.numbers import Exact
+from exact_cea.roots import Box, RootFinder, polish
+from exact_cea.solve import spectrum
+
+DATA = Path(__file__).parents[1] / "data"
+
+
+def stored(name):
+    return json.loads((DATA / f"{name}.json").read_text())
+
+
+def apart(found, reference):
+    """Largest relative distance of two lists in one order, in the digits of their texts."""
+    assert len(found) == len(reference)
+    worst = Decimal(0)
+    for x, y in zip(found, reference, strict=True):
+        re, im = (Decimal(a) - Decimal(b) for a, b in zip(x, y, strict=True))
+        size = abs(complex(float(y[0]), float(y[1])))
+        worst = max(worst, (abs(re) + abs(im)) / Decimal(size))
+    return float(worst)
+
+
+def by_frequency(pairs):
+    return sorted(pairs, key=lambda z: (round(float(z[1]), 9), float(z[0])))
+
+
+def just_above(entry):
+    return float(entry["lam"][-1][1]) * (1 + 1e-6)
+
+
+def same_set(values, reference, tolerance):
+    """Both lists hold the same values, whatever their order."""
+    assert distance_to(values, reference).max() < tolerance
+    assert distance_to(reference, values).max() < tolerance
+
+
+def distance_to(values, reference):
+    """Relative distance of each value to the nearest reference."""
+    values, reference = np.asarray(values), np.asarray(reference)
+    return (abs(values[:, None] - reference) / abs(reference)).min(axis=1)
+
+
+DRUMS = stored("drum_2d") + stored("drum_3d")
+QUICK_DRUMS = [13, 37]
+
+
+def reproduces_drum(entry):
+    problem = Drum.of(entry["m"], entry["p"], entry["mu"], entry.get("kz"))
+    found = entries.drum(problem, max_frequency=just_above(entry))
+    assert found["digits"] >= 20
+    assert {key: found[key] for key in entry if key not in ("lam",)} == {
+        key: entry[key] for key in entry if key != "lam"
+    }
+    assert apart(found["lam"], entry["lam"]) < 1e-19
+
+
+@pytest.mark.parametrize("i", QUICK_DRUMS)
+def test_the_drum_in_2d_and_3d_to_19_digits_and_nothing_missing(i):
+    reproduces_drum(DRUMS[i])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("i", sorted(set(range(len(DRUMS))) - set(QUICK_DRUMS)))
+def test_every_stored_drum(i):
+    reproduces_drum(DRUMS[i])
+
+
+@pytest.mark.parametrize(
+    "i", [2, 6, *(pytest.param(i, marks=pytest.mark.slow) for i in (0, 1, 3, 4, 5))]
+)
+def test_blocks_with_sinusoidal_friction_to_16_digits(i):
+    entry = stored("blocks_sine_mu")[i]
+    problem = Blocks.of(entry["p"], entry["mu0"], entry["kz"])
+    found = entries.blocks_sine(problem, max_frequency=just_above(entry))
+    assert apart(by_frequency(found["lam"]), by_frequency(entry["lam"])) < 1e-16
+
+
+@pytest.mark.parametrize("p", ["1", "10"])
+def test_thresholds_of_the_blocks_to_19_digits(p):
+    found = {
+        point["omega"][:12]: point
+        for point in entries.thresholds(Blocks.of(p), 1.0, max_frequency=3.5)
+    }
+    for entry in stored("blocks_sine_mu_thresholds"):
+        if entry["p"] == p:
+            point = found[entry["omega"][:12]]
+            for name in ("mu_c", "lam2", "omega"):
+                assert abs(Decimal(point[name]) / Decimal(entry[name]) - 1) < Decimal("1e-19")
+
+
+def test_two_real_modes_turn_into_a_growing_and_a_decaying_one_at_a_threshold():
+    (point,) = exceptional_points(Blocks.of("1"), 0.1, 3.0)
+    mu_c = float(point.mu_c)
+    for factor, growing in ((0.99, 0), (1.01, 1)):
+        blocks = Blocks.of("1", mu_c * factor)
+        values = np.array(spectrum(blocks, max_frequency=2.95, max_growth=0.3).values)
+        assert (values.real > 0).sum() == growing
+        near = values[abs(values.imag - float(point.omega)) < 2e-3]
+        assert len(near) == 2
+
+
+@pytest.mark.parametrize("i", range(10))
+def test_lumped_systems(i):
+    entry = stored("lumped")[i]
+    exact = [[[Exact(x).rational for x in row] for row in entry[name]] for name in "MCK"]
+    found = entries.lumped_system(lumped.LumpedSystem(entry["name"], *exact), {})
+    # Doubles stand for thirds in some entries: the closed forms below keep their digits.
+    assert apart(by_frequency(found["lam"]), by_frequency(entry["lam"])) < 3e-16
+
+
+def test_lumped_models_hold_20_digits_and_their_closed_form_thresholds():
+    table = {entry["name"]: entry for entry in stored("lumped")}
+    for mu in ("0.4", "0.46875", "0.7"):
+        found = entries.lumped_system(lumped.hoffmann(mu), {})
+        reference = table[f"Hoffmann mu={mu}"]
+        assert apart(by_frequency(found["lam"]), by_frequency(reference["lam"])) < 1e-20
+    assert lumped.hoffmann_threshold() == Exact("0.46875").rational
+    for c1, c2, mu in (("0.0", "0.0", "0.3"), ("0.02", "0.1", "0.3"), ("0.002", "0.02", "0.1")):
+        info = table[f"Hulten mu={mu} c=({c1},{c2})"]["info"]
+        mu_c, omega2 = lumped.hulten_threshold(c1=c1, c2=c2)
+        assert abs(float(mu_c) / float(info["mu_c"]) - 1) < 1e-15
+        assert abs(float(omega2) / float(info["omega_c2"]) - 1) < 1e-15
+
+
+def test_constant_friction_with_corner_singularities_to_9_digits_on_a_coarse_grid():
+    entry = stored("blocks_constant_mu")[2]
+    problem = Blocks.of(entry["p"], entry["mu"])
+    values = lowest(layouts.blocks(problem, 12, 3, constant=True), 18, problem.scale())
+    same_set(values, [complex(float(x), float(y)) for x, y in entry["lam"]], 2e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("i", range(3))
+def test_constant_friction_to_the_digits_stored(i):
+    entry = stored("blocks_constant_mu")[i]
+    found = entries.blocks_constant(Blocks.of(entry["p"], entry["mu"]), count=18)
+    assert found["digits"] >= 10
+    values = [complex(float(x), float(y)) for x, y in found["lam"]]
+    same_set(values, [complex(float(x), float(y)) for x, y in entry["lam"]], 3e-11)
+
+
+def test_the_ring_to_8_digits_on_a_coarse_grid():
+    entry = stored("ring_rollers")[0]
+    problem = Ring.of(entry["m"], entry["p"], entry["mu"])
+    values = lowest(layouts.ring(problem, 18, 0), 20, problem.scale())
+    same_set(values[:17], [complex(float(x), float(y)) for x, y in entry["lam"][:17]], 3e-9)
+
+
+def ring_of(entry):
+    return Ring.of(entry["m"], entry["p"], entry["mu"])
+
+
+def far_from(values, entry):
+    """Largest distance to the 17 stored values that hold their digits, relative to them.
+
+    The rigid rotation of order 0 is stored as its round-off: there relative to a frequency.
+    """
+    stored_values = np.array([complex(float(x), float(y)) for x, y in entry["lam"][:17]])
+    size = np.maximum(abs(stored_values), ring_of(entry).scale())
+    return (abs(np.asarray(values)[:17] - stored_values) / size).max()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("i", range(18))
+def test_every_stored_ring_to_10_digits(i):
+    entry = stored("ring_rollers")[i]
+    problem = ring_of(entry)
+    values = lowest(layouts.ring(problem, 13, 1), 20, problem.scale())
+    assert far_from(values, entry) < 1e-10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("i", [15, 16])
+def test_the_ring_claims_the_digits_it_holds(i):
+    entry = stored("ring_rollers")[i]
+    found = entries.ring(ring_of(entry), count=20)
+    assert found["digits"] >= 10
+    assert far_from([complex(float(x), float(y)) for x, y in found["lam"]], entry) < 1e-10
+    if entry["m"] == 0:
+        assert found["lam"][0] == ["0", "0"]
+
+
+def random_materials(rng):
+    return [
+        Material.of(f"{rng.uniform(*E):.3f}", f"{rng.uniform(0.05, 0.42):.3f}", f"{rho:.3f}")
+        for E, rho in (((0.05, 0.5), rng.uniform(0.2, 1)), ((0.5, 2), rng.uniform(0.5, 2)))
+    ]
+
+
+def methods_agree(seed, degree=18):
+    """Determinant against Galerkin for one random drum and one random pair of blocks."""
+    rng = np.random.default_rng(seed)
+    p = rng.choice(["0.2", "3", "150", "inf"])
+    kz = rng.choice([None, "pi/2", "2.1"])
+    mu = f"{rng.uniform(0, 1.2):.3f}"
+    a, b = random_materials(rng)
+    radii = [f"{r:.2f}" for r in np.cumsum(rng.uniform(0.3, 0.7, 3))]
+    drum = Drum.of(int(rng.integers(0, 7)), p, mu, kz, a, b, *radii)
+    exact = spectrum(drum, count=8).values
+    same_set(lowest(layouts.drum(drum, 36), 8, drum.scale()), exact, 1e-10)
+
+    sizes = [f"{s:.2f}" for s in rng.uniform((0.3, 0.5, 1.2), (0.8, 1.2, 2.2))]
+    blocks = Blocks.of(p, mu, kz, a, b, *sizes)
+    found = spectrum(blocks, count=8)
+    exact = found.values + [complex(value) for value in found.contact_free]
+    contact = layouts.blocks(blocks, degree, 0, constant=False)
+    galerkin = lowest(contact, len(exact) + 2, blocks.scale())
+    # The list may end between the two of a pair: the second is then beyond it.
+    inside = galerkin[galerkin.imag < max(value.imag for value in exact) * (1 - 1e-7)]
+    assert distance_to(exact, galerkin).max() < 1e-9
+    assert distance_to(inside, exact).max() < 1e-9
+
+
+@pytest.mark.parametrize("seed", [1])
+def test_determinant_and_galerkin_agree_for_random_parameters(seed):
+    methods_agree(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, *range(2, 20)])
+def test_determinant_and_galerkin_agree_for_more_random_parameters(seed):
+    methods_agree(seed, degree=22)
+
+
+def test_no_harmonic_no_flutter_and_mirror_images_of_each_other_neither():
+    assert all(value.real == 0 for value in spectrum(Drum.of(0, mu="0.9"), count=4).values)
+    twins = Blocks.of("1", "0.9", a=SOFT, b=SOFT, height_a="0.7", height_b="0.7")
+    assert all(value.real == 0 for value in spectrum(twins, count=4).values)
+
+
+def test_roots_of_a_known_function_are_counted_and_found_with_a_close_pair():
+    roots = [1j, 0.3 + 2j, -0.3 + 2.0001j, 0.2 + 2.0002j, 2.5j, 0.1 + 3.9j, 5j]
+
+    def f(kappa):
+        value = acb(1)
+        for root in roots:
+            value *= kappa - acb(root) ** 2
+        return value
+
+    box = Box(-1, 1, 0, 4)
+    finder = RootFinder(f, turning=2.0)
+    count = finder.count(box)
+    assert count == 6
+    same_set(finder.roots(box, count), roots[:6], 1e-9)
+
+
+def test_the_digits_claimed_are_held():
+    def f(kappa):
+        return (-kappa).sqrt().sin() / (-kappa).sqrt()
+
+    with ctx.workdps(60):
+        root = polish(f, 3.1j, 30)
+        assert root.digits >= 30
+        assert abs(root.value - acb(0, arb.pi())) < arb(10) ** -29
+
+
+def test_a_layer_of_long_waves_is_a_column_and_its_static_stiffness_that_of_uniaxial_strain():
+    with ctx.workdps(40):
+        kappa, height = acb("-3.7", "0.4"), arb("0.8")
+        column = layer_response(SOFT, height, arb(0), kappa)
+        long = layer_response(SOFT, height, arb(10) ** -12, kappa)
+        assert abs(long.normal / long.free - column.normal / column.free) < 1e-10
+        assert abs(long.tangential / long.free) < 1e-10
+        still = layer_response(SOFT, height, arb(0), acb("1e-20"))
+        L, G = SOFT.lame
+        assert abs(still.normal / still.free - height / (L + 2 * G)) < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("arguments", "field"),
+    [
+        (["drum", "--m", "-1"], "m"),
+        (["drum", "--m", "1", "--p", "0"], "p"),
+        (["drum", "--m", "1", "--mu", "-0.1"], "mu"),
+        (["drum", "--m", "1", "--inner", "2"], "inner"),
+        (["drum", "--m", "1", "--nu-a", "0.5"], "a.nu"),
+        (["drum", "--m", "1", "--kz", "pie"], "kz"),
+        (["drum", "--m", "1", "--count", "0"], "count"),
+        (["drum", "--m", "1", "--count", "3", "--max-frequency", "3"], "max_frequency"),
+        (["blocks", "--mu", "0.3", "--mu0", "0.3"], "mu"),
+        (["blocks", "--thresholds"], "max_frequency"),
+        (["blocks", "--E-b", "soft"], "b.E"),
+        (["ring", "--m", "1", "--outer", "0.01"], "inner"),
+        (["lumped", "duffing"], "model"),
+        (["drum", "--m", "1", "--p", "1e-999999999"], "p"),
+        (["drum", "--m", "1", "--p", "nan"], "p"),
+        (["drum", "--m", "1", "--max-frequency", "nan"], "max_frequency"),
+        (["blocks", "--mu", ""], "mu"),
+        (["drum", "--m", "1", "--json", "/"], "json"),
+    ],
+)
+def test_wrong_parameters_are_refused_by_name(arguments, field):
+    error = CliRunner().invoke(app, arguments).exception
+    assert isinstance(error, InputError)
+    assert error.field.startswith(field)
+
+
+def test_command_writes_entries_of_the_stored_form(tmp_path):
+    file = tmp_path / "new" / "drum.json"
+    arguments = ["drum", "--m", "1", "--m", "2", "--p", "1", "--count", "3", "--json", str(file)]
+    assert CliRunner().invoke(app, arguments).exit_code == 0
+    first, second = json.loads(file.read_text())
+    stored_first = next(e for e in DRUMS if (e["m"], e["p"], e["mu"]) == (1, "1", "0.3"))
+    assert set(stored_first) <= set(first)
+    assert apart(first["lam"], stored_first["lam"][:3]) < 1e-19
+    assert second["m"] == 2

@@ -1,0 +1,365 @@
+"""Lagrange bodies: matrices against closed forms, patch tests, and slow independent assembly."""
+
+import dolfinx
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from mpi4py import MPI
+from scipy.sparse.linalg import eigsh, spsolve
+
+from cea.errors import InputError
+from cea.material import IsotropicMaterial
+from cea.supports.boundary import Pressure, Spring, Support
+from fe_cea.body import FEBody
+from meshes.breaks import breaks_of
+from meshes.gmsh_shapes import gmsh_mesh
+from meshes.placement import Placement
+from meshes.shapes import Annulus, Box, Sector
+
+MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
+ELEMENTS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
+PLACEMENT = Placement(axis=(1.0, 2.0, -0.5), angle=37.0, translation=(0.3, -0.2, 0.7))
+BOX = Box((2.0, 1.0, 0.5), origin=(0.1, -0.3, 0.2))
+ANNULUS = Annulus(0.5, 1.0, 0.0, 0.3)
+
+every_element = pytest.mark.parametrize(("cell", "degree"), ELEMENTS)
+
+
+def body_of(shape, cell, degree, *, elements=None, size=None, placement=None, **options):
+    mesh = {"size": size} if cell == "tetrahedron" else {"breaks": breaks_of(shape, *elements)}
+    material = options.pop("material", MATERIAL)
+    with gmsh_mesh(shape, cell, degree, placement=placement or Placement(), **mesh) as model:
+        return FEBody.from_gmsh("part", model, degree=degree, material=material, **options)
+
+
+def box(cell, degree, **options):
+    elements = ((3, 2, 2), {"x": [0.6]})
+    return body_of(BOX, cell, degree, elements=elements, size=0.6, **options)
+
+
+def annulus(cell, degree, **options):
+    return body_of(ANNULUS, cell, degree, elements=((2, 12, 1),), size=0.3, **options)
+
+
+def csr(matrix):
+    starts, columns, values = matrix.getValuesCSR()
+    return sp.csr_array((values, columns, starts), shape=matrix.getSize())
+
+
+def coordinates(body, degree):
+    """Positions of the scalar dofs: at the nodes, basis functions are one or zero."""
+    sample = body.volume_sample(degree)
+    rounded = sample.values.copy()
+    rounded.data = np.rint(rounded.data)
+    assert abs(rounded - sample.values).max() < 1e-13
+    return rounded.T @ sample.points
+
+
+def rigid_motions(x):
+    columns = [np.broadcast_to(e, x.shape).ravel() for e in np.eye(3)]
+    return np.column_stack(columns + [np.cross(e, x).ravel() for e in np.eye(3)])
+
+
+def exact_measures(shape):
+    area = np.pi * (shape.outer_radius**2 - shape.inner_radius**2)
+    height = shape.top - shape.bottom
+    return {
+        "volume": area * height,
+        "top": area,
+        "bottom": area,
+        "inner": 2 * np.pi * shape.inner_radius * height,
+        "outer": 2 * np.pi * shape.outer_radius * height,
+    }
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_volume_and_areas_of_a_ring_converge_with_the_order_of_its_geometry(cell):
+    exact = exact_measures(ANNULUS)
+    for degree, rate in ((1, 2), (2, 4)):
+        errors = []
+        for n in (1, 2):
+            body = body_of(ANNULUS, cell, degree, elements=((n, 12 * n, n),), size=0.3 / n)
+            ones = body.expansion.createVecRight()
+            ones.set(1.0)
+            measured = {name: surface.area for name, surface in body.surfaces.items()}
+            measured["volume"] = ones.dot(body.mass() * ones) / 3 / MATERIAL.rho
+            errors.append([abs(measured[name] / exact[name] - 1) for name in ("volume", "outer")])
+            for name in exact:
+                assert measured[name] == pytest.approx(
+                    exact[name], rel={1: 0.05, 2: 5e-4}[degree] / n**rate
+                )
+        if cell == "hexahedron":
+            np.testing.assert_allclose(np.log2(np.divide(*errors)), rate, atol=0.1)
+
+
+def test_a_sector_has_its_volume_and_areas():
+    shape = Sector(0.5, 1.0, -20.0, 70.0, 0.1, 0.4)
+    body = body_of(shape, "hexahedron", 2, elements=((2, 8, 1),))
+    areas = {name: surface.area for name, surface in body.surfaces.items()}
+    quarter = {name: area / 4 for name, area in exact_measures(shape).items()}
+    assert csr(body.mass()).sum() == pytest.approx(3 * MATERIAL.rho * quarter.pop("volume"), 1e-5)
+    assert areas == pytest.approx(quarter | {"start": 0.15, "end": 0.15}, rel=1e-5)
+
+
+@every_element
+def test_rigid_motions_of_a_ring_cost_no_energy(cell, degree):
+    body = annulus(cell, degree, placement=PLACEMENT)
+    K = csr(body.stiffness())
+    R = rigid_motions(coordinates(body, degree))
+    assert np.abs(K @ R).max() < 1e-12 * abs(K).max()
+    # Nothing else is free: a seventh vector in the kernel would be a spurious mode.
+    flattened = K.toarray() + R @ R.T
+    assert np.linalg.eigvalsh(flattened)[0] > 1e-6 * abs(K).max()
+
+
+@every_element
+def test_matrices_are_symmetric_to_the_last_bit(cell, degree):
+    body = annulus(cell, degree, placement=PLACEMENT, springs=[Spring("outer", (1.0, 2.0, 3.0))])
+    for matrix in (csr(body.stiffness()), csr(body.mass())):
+        assert abs(matrix - matrix.T).max() == 0.0
+
+
+@every_element
+def test_a_rotated_body_has_rotated_matrices(cell, degree):
+    here, there = annulus(cell, degree), annulus(cell, degree, placement=PLACEMENT)
+    turn = sp.kron(sp.eye_array(here.num_scalar_dofs), PLACEMENT.rotation).tocsr()
+    for a, b in ((here.stiffness(), there.stiffness()), (here.mass(), there.mass())):
+        a, b = csr(a), csr(b)
+        assert abs(turn @ a @ turn.T - b).max() < 1e-12 * abs(a).max()
+
+
+def test_linear_tetrahedra_agree_with_assembly_by_hand():
+    body = body_of(BOX, "tetrahedron", 1, size=0.7, placement=PLACEMENT)
+    x, cells = coordinates(body, 1), body.volume_sample(1)
+    dofs = np.rint(cells.values @ np.arange(body.num_scalar_dofs)).astype(int)[cells.cells]
+    lam, mu = MATERIAL.lame
+    n = 3 * body.num_scalar_dofs
+    K, M = np.zeros((n, n)), np.zeros((n, n))
+    for dof in dofs:
+        corner = np.column_stack([np.ones(4), x[dof]])
+        volume = abs(np.linalg.det(corner)) / 6
+        gradient = np.linalg.inv(corner)[1:]
+        for i, a in enumerate(dof):
+            for j, b in enumerate(dof):
+                gi, gj = gradient[:, i], gradient[:, j]
+                block = lam * np.outer(gi, gj) + mu * (np.outer(gj, gi) + gi @ gj * np.eye(3))
+                K[3 * a : 3 * a + 3, 3 * b : 3 * b + 3] += volume * block
+                mass = MATERIAL.rho * volume * (1 + (i == j)) / 20
+                M[3 * a : 3 * a + 3, 3 * b : 3 * b + 3] += mass * np.eye(3)
+    np.testing.assert_allclose(csr(body.stiffness()).toarray(), K, atol=1e-13)
+    np.testing.assert_allclose(csr(body.mass()).toarray(), M, atol=1e-15)
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_energies_of_a_quadratic_field_are_exact(cell):
+    """With u = (y z, 0, 0): two shears z, y of strain energy, and kinetic energy of y z."""
+    body = box(cell, 2)
+    x, y, z = coordinates(body, 2).T
+    u = np.column_stack([y * z, 0 * x, 0 * x]).ravel()
+    lx = BOX.size[0]
+    _, (y0, y1), (z0, z1) = BOX.extent
+    y2, z2 = (y1**3 - y0**3) / 3, (z1**3 - z0**3) / 3
+    _, mu = MATERIAL.lame
+    shear = mu * lx * ((y1 - y0) * z2 + (z1 - z0) * y2)
+    assert u @ (csr(body.stiffness()) @ u) == pytest.approx(shear, rel=1e-12)
+    assert u @ (csr(body.mass()) @ u) == pytest.approx(MATERIAL.rho * lx * y2 * z2, rel=1e-12)
+
+
+@every_element
+def test_patch_test_under_pressure(cell, degree):
+    p = 0.07
+    rollers = [Support(f"{axis}_min", (i,)) for i, axis in enumerate("xyz")]
+    body = box(cell, degree, supports=rollers, pressures=[Pressure("z_max", p)])
+    expand = csr(body.expansion)
+    u = expand @ spsolve(csr(body.stiffness()).tocsc(), body.load().getArray())
+    x = coordinates(body, degree) - BOX.origin
+    exact = p / MATERIAL.E * x * [MATERIAL.nu, MATERIAL.nu, -1.0]
+    np.testing.assert_allclose(u.reshape(-1, 3), exact, atol=1e-13)
+
+
+def test_expansion_holds_the_supports_and_nothing_else():
+    body = box("hexahedron", 2, supports=[Support("x_min", (0, 2)), Support("z_max", (1,))])
+    expand = csr(body.expansion)
+    x = coordinates(body, 2)
+    held = np.zeros(x.shape, dtype=bool)
+    held[np.isclose(x[:, 0], BOX.extent[0][0])] |= [True, False, True]
+    held[np.isclose(x[:, 2], BOX.extent[2][1])] |= [False, True, False]
+    assert np.array_equal(expand.sum(axis=1), ~held.ravel())
+    assert abs(expand.T @ expand - sp.eye_array(expand.shape[1])).max() == 0
+    free = box("hexahedron", 2)
+    for part, whole in (
+        (body.stiffness(), free.stiffness()),
+        (body.mass(), free.mass()),
+    ):
+        reduced = expand.T @ csr(whole) @ expand
+        assert part.getSize() == reduced.shape
+        assert abs(csr(part) - reduced).max() == 0
+
+
+@every_element
+def test_springs_resist_a_translation_by_area_times_stiffness(cell, degree):
+    springs = [Spring("outer", (3.0, 5.0, 7.0)), Spring("top", (0.0, 0.0, 2.0))]
+    body = annulus(cell, degree, springs=springs)
+    outer, top = body.surfaces["outer"].area, body.surfaces["top"].area
+    ones = np.ones(body.num_scalar_dofs)
+    K = csr(body.stiffness())
+    response = np.array([[ones @ K[i::3, j::3] @ ones for j in range(3)] for i in range(3)])
+    expected = np.diag([3 * outer, 5 * outer, 7 * outer + 2 * top])
+    np.testing.assert_allclose(response, expected, rtol=1e-5, atol=1e-11)
+
+
+@every_element
+def test_pressure_pushes_along_the_inward_normal(cell, degree):
+    """Resultant on the flat top; on the cylinder none, but a virial p r A."""
+    p = 0.2
+    top = annulus(cell, degree, pressures=[Pressure("top", p)])
+    force = top.load().getArray().reshape(-1, 3).sum(axis=0)
+    np.testing.assert_allclose(force, [0, 0, -p * top.surfaces["top"].area], atol=1e-12)
+    inner = annulus(cell, degree, pressures=[Pressure("inner", p)])
+    force = inner.load().getArray().reshape(-1, 3)
+    np.testing.assert_allclose(force.sum(axis=0), 0, atol=1e-12)
+    virial = (force[:, :2] * coordinates(inner, degree)[:, :2]).sum()
+    exact = p * ANNULUS.inner_radius * exact_measures(ANNULUS)["inner"]
+    assert virial == pytest.approx(exact, rel={1: 0.1, 2: 1e-3}[degree])
+
+
+def test_no_pressure_is_no_load():
+    body = box("hexahedron", 1, supports=[Support("x_min", (0, 1, 2))])
+    assert body.load().getSize() == body.stiffness().getSize()[0]
+    assert body.load().norm() == 0
+
+
+def sliding_box(cell, degree, n):
+    """Flat box n x n x 1 that slides freely along its six walls."""
+    cell_type = dolfinx.mesh.CellType[cell]
+    corners = [[0.0, 0.0, 0.0], [1.0, 1.0, 0.2]]
+    mesh = dolfinx.mesh.create_box(MPI.COMM_WORLD, corners, [n, n, 1], cell_type)
+    mesh.topology.create_connectivity(2, 3)
+    facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
+    middle = dolfinx.mesh.compute_midpoints(mesh, 2, facets)
+    walls = [(i, level) for i in range(3) for level in (0.0, corners[1][i])]
+    values = np.zeros(len(facets), dtype=np.int32)
+    for tag, (i, level) in enumerate(walls, start=1):
+        values[np.isclose(middle[:, i], level)] = tag
+    tags = dolfinx.mesh.meshtags(mesh, 2, facets, values)
+    names = {f"{'xyz'[i]}{level}": tag for tag, (i, level) in enumerate(walls, start=1)}
+    rollers = [Support(name, ("xyz".index(name[0]),)) for name in names]
+    return FEBody("box", mesh, tags, names, degree=degree, material=MATERIAL, supports=rollers)
+
+
+@pytest.mark.parametrize(
+    ("cell", "degree", "divisions"),
+    [
+        ("tetrahedron", 1, (12, 24)),
+        ("tetrahedron", 2, (6, 12)),
+        ("hexahedron", 1, (6, 12)),
+        ("hexahedron", 2, (4, 8)),
+    ],
+)
+def test_first_frequency_converges_like_h_to_2q(cell, degree, divisions):
+    """Lowest mode between sliding walls: the shear wave of wave vector (pi, pi, 0)."""
+    exact = MATERIAL.lame[1] / MATERIAL.rho * 2 * np.pi**2
+    errors = []
+    for n in divisions:
+        body = sliding_box(cell, degree, n)
+        K, M = csr(body.stiffness()), csr(body.mass())
+        lowest = eigsh(K.tocsc(), k=1, M=M.tocsc(), sigma=0, return_eigenvectors=False)[0]
+        errors.append(lowest / exact - 1)
+    assert 0 < errors[1] < {1: 0.02, 2: 2e-4}[degree]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2 * degree, abs=0.2)
+
+
+@every_element
+def test_volume_sample_fills_the_body(cell, degree):
+    body = box(cell, degree)
+    x = coordinates(body, degree)
+    for n in (1, 3):
+        sample = body.volume_sample(n)
+        np.testing.assert_allclose(sample.values @ x, sample.points, atol=1e-13)
+        distinct = np.unique(np.round(sample.points, 9), axis=0)
+        assert len(distinct) == len(sample.points)
+        assert np.array_equal(np.unique(sample.cells), np.arange(len(sample.points)))
+        corners = sample.points[sample.cells]
+        # In VTK order corners 1, 3, 4 of a box and 1, 2, 3 of a tetrahedron are right-handed.
+        along = [1, 3, 4] if cell == "hexahedron" else [1, 2, 3]
+        volume = np.linalg.det(corners[:, along] - corners[:, :1])
+        assert volume.min() > 0
+        whole = volume.sum() / (1 if cell == "hexahedron" else 6)
+        assert whole == pytest.approx(np.prod(BOX.size), rel=1e-12)
+        assert len(sample.cells) == n**3 * len(body.volume_sample(1).cells)
+
+
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+def test_two_dimensions(cell):
+    """Plane strain patch test of a body in the plane."""
+    mesh = dolfinx.mesh.create_rectangle(
+        MPI.COMM_WORLD, [[0.0, 0.0], [2.0, 1.0]], [3, 2], dolfinx.mesh.CellType[cell]
+    )
+    mesh.topology.create_connectivity(1, 2)
+    facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
+    x = dolfinx.mesh.compute_midpoints(mesh, 1, facets)
+    values = np.select([x[:, 0] < 1e-9, x[:, 1] < 1e-9, x[:, 1] > 1 - 1e-9], [1, 2, 3], 4)
+    tags = dolfinx.mesh.meshtags(mesh, 1, facets, values.astype(np.int32))
+    body = FEBody(
+        "plate",
+        mesh,
+        tags,
+        {"left": 1, "bottom": 2, "top": 3},
+        degree=2,
+        material=MATERIAL,
+        supports=[Support("left", (0,)), Support("bottom", (1,))],
+        pressures=[Pressure("top", 0.1)],
+    )
+    u = csr(body.expansion) @ spsolve(csr(body.stiffness()).tocsc(), body.load().getArray())
+    sample = body.volume_sample(1)
+    E, nu = MATERIAL.E / (1 - MATERIAL.nu**2), MATERIAL.nu / (1 - MATERIAL.nu)
+    exact = 0.1 / E * sample.points * [nu, -1.0]
+    np.testing.assert_allclose(sample.values @ u.reshape(-1, 2), exact, atol=1e-13)
+    corners = sample.points[sample.cells]
+    last = 2 if cell == "triangle" else 3
+    areas = np.linalg.det(corners[:, [1, last]] - corners[:, :1])
+    assert areas.min() > 0
+
+
+@pytest.mark.parametrize(
+    ("field", "options"),
+    [
+        ("bodies.part.degree", {"degree": 5}),
+        ("bodies.part.supports[0].surface", {"supports": [Support("lid", (0,))]}),
+        ("bodies.part.springs[0].surface", {"springs": [Spring("lid", (1.0, 1.0, 1.0))]}),
+        ("bodies.part.pressures[0].surface", {"pressures": [Pressure("lid", 1.0)]}),
+        ("bodies.part.springs[0].stiffness", {"springs": [Spring("top", (1.0, 1.0))]}),
+    ],
+)
+def test_wrong_input_is_refused_by_name(field, options):
+    options = {"degree": 1, "material": MATERIAL} | options
+    with (
+        gmsh_mesh(ANNULUS, "tetrahedron", 1, size=0.5) as model,
+        pytest.raises(InputError) as refused,
+    ):
+        FEBody.from_gmsh("part", model, **options)
+    assert refused.value.field == field
+    if field.endswith("surface"):
+        assert all(name in refused.value.allowed for name in ANNULUS.surfaces)
+
+
+def test_a_tag_without_facets_is_refused():
+    mesh = dolfinx.mesh.create_unit_cube(MPI.COMM_WORLD, 1, 1, 1)
+    mesh.topology.create_connectivity(2, 3)
+    facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
+    tags = dolfinx.mesh.meshtags(mesh, 2, facets, np.ones(len(facets), dtype=np.int32))
+    with pytest.raises(InputError, match=r"bodies\.cube\.surfaces\.lid = 2"):
+        FEBody("cube", mesh, tags, {"all": 1, "lid": 2}, degree=1, material=MATERIAL)
+
+
+def test_mass_needs_a_density():
+    body = box("hexahedron", 1, material=IsotropicMaterial(1.0, 0.3))
+    with pytest.raises(InputError, match=r"bodies\.part\.material\.rho = None: a density"):
+        body.mass()
+
+
+def test_matrices_are_made_once():
+    body = box("hexahedron", 1)
+    assert body.stiffness() is body.stiffness()
+    assert body.mass() is body.mass()
+    assert body.surfaces["x_min"] is body.surfaces["x_min"]

@@ -1,0 +1,258 @@
+"""Lagrange bodies of every cell, degree 1 to 4, in space and in the plane, on curved meshes."""
+
+from itertools import permutations, product
+from math import factorial
+
+import basix.ufl
+import dolfinx
+import numpy as np
+import pytest
+from lagrange_bodies import DIMENSION, FLAT, MATERIAL, PLANE, ROUND, SPACE, body_of, csr
+from mpi4py import MPI
+from scipy.sparse.linalg import spsolve
+
+from cea.body import Status, SurfaceCoordinates
+from cea.errors import InputError
+from cea.location import locate_along
+from cea.supports.boundary import Pressure, Support
+from fe_cea.body import FEBody
+from meshes.breaks import breaks_of
+from meshes.gmsh_shapes import gmsh_mesh
+
+every_element = pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSION, (1, 2, 3, 4))))
+
+
+def interpolate(body, degree, field):
+    """Values at all scalar dofs of a field in the space, found from a sample that fixes them."""
+    sample = body.volume_sample(degree)
+    return spsolve(sample.values.tocsc(), field(sample.points))
+
+
+def rigid_motions(x):
+    dim = x.shape[1]
+    motions = [np.broadcast_to(e, x.shape) for e in np.eye(dim)]
+    for i, j in [(0, 1), (1, 2), (2, 0)][: 1 if dim == 2 else 3]:
+        turn = np.zeros((dim, dim))
+        turn[i, j], turn[j, i] = 1.0, -1.0
+        motions.append(x @ turn)
+    return np.column_stack([m.ravel() for m in motions])
+
+
+@every_element
+def test_curved_bodies_have_symmetric_matrices_rigid_motions_and_their_mass(cell, degree):
+    body = body_of(ROUND, cell, degree)
+    K, M = csr(body.stiffness()), csr(body.mass())
+    assert abs(K - K.T).max() == 0
+    assert abs(M - M.T).max() == 0
+    R = rigid_motions(interpolate(body, degree, lambda x: x))
+    assert R.shape[1] == {2: 3, 3: 6}[body.dim]
+    assert np.abs(K @ R).max() < 3e-12 * abs(K).max()
+    shape = ROUND[body.dim]
+    volume = np.pi * (shape.outer_radius**2 - shape.inner_radius**2)
+    volume *= 0.3 if body.dim == 3 else 1
+    rel = {1: 0.25, 2: 3e-3, 3: 3e-4, 4: 3e-5}[degree]
+    assert M.sum() / body.dim == pytest.approx(MATERIAL.rho * volume, rel=rel)
+
+
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+@pytest.mark.parametrize("degree", [1, 2, 3, 4])
+def test_nothing_but_rigid_motions_is_free_in_the_plane(cell, degree):
+    body = body_of(ROUND, cell, degree)
+    K = csr(body.stiffness()).toarray()
+    R = rigid_motions(interpolate(body, degree, lambda x: x))
+    assert np.linalg.eigvalsh(K + R @ R.T)[0] > 1e-5 * abs(K).max()
+
+
+def polynomial(degree, dim):
+    """A scalar polynomial of the full degree that depends on every direction, and its gradient."""
+    slope = np.array([0.7, -0.4, 0.5])[:dim]
+
+    def value(x):
+        return (x @ slope + 0.3) ** degree
+
+    def gradient(x):
+        return degree * (x @ slope + 0.3)[:, None] ** (degree - 1) * slope
+
+    return value, gradient
+
+
+@every_element
+def test_polynomials_of_the_degree_are_exact(cell, degree):
+    """Their energies, values on and gradients at the surface, and values within each cell.
+
+    Dofs that cells put on a shared edge or face in different orders would spoil all of them.
+    """
+    body = body_of(FLAT, cell, degree, order=1, elements=(2, 1, 2))
+    value, gradient = polynomial(degree, body.dim)
+    u = interpolate(body, degree, value)
+    within = body.volume_sample(degree + 3)
+    np.testing.assert_allclose(within.values @ u, value(within.points), atol=1e-12)
+    rng = np.random.default_rng(0)
+    for surface in body.surfaces.values():
+        n = surface.num_elements
+        at = SurfaceCoordinates(rng.integers(0, n, 40), rng.uniform(0.02, 0.48, (40, body.dim - 1)))
+        x = surface.position(at)
+        np.testing.assert_allclose(surface.trace(at) @ u, value(x), atol=1e-12)
+        found = np.column_stack([g @ u for g in surface.gradient(at)])
+        np.testing.assert_allclose(found, gradient(x), atol=1e-11)
+    moved = np.zeros((len(u), body.dim))
+    moved[:, 0] = u
+    lam, mu = MATERIAL.lame
+    # With v = (s.x + c)^q and u = v e0: energy density ((lam + mu) s0^2 + mu s.s) (v'/|s|)^2.
+    slope = np.array([0.7, -0.4, 0.5])[: body.dim]
+    density = ((lam + mu) * slope[0] ** 2 + mu * slope @ slope) / (slope @ slope)
+    gradient_squared = integral(body, lambda x: (gradient(x) ** 2).sum(axis=1), 2 * degree)
+    energy = moved.ravel() @ (csr(body.stiffness()) @ moved.ravel())
+    assert energy == pytest.approx(density * gradient_squared, rel=1e-11)
+    kinetic = moved.ravel() @ (csr(body.mass()) @ moved.ravel())
+    squared = integral(body, lambda x: value(x) ** 2, 2 * degree)
+    assert kinetic == pytest.approx(MATERIAL.rho * squared, rel=1e-11)
+
+
+def integral(body, field, degree):
+    """Integral over a placed block by Gauss points of the block, no mesh involved."""
+    shape, placement = FLAT[body.dim], SPACE if body.dim == 3 else PLANE
+    nodes, weights = np.polynomial.legendre.leggauss(degree // 2 + 1)
+    grid = np.stack(np.meshgrid(*[(nodes + 1) / 2] * body.dim, indexing="ij"), axis=-1)
+    weight = np.prod(np.meshgrid(*[weights / 2] * body.dim, indexing="ij"), axis=0)
+    x = placement.apply(grid.reshape(-1, body.dim) * shape.size)
+    return np.prod(shape.size) * (weight.ravel() @ field(x))
+
+
+@pytest.mark.parametrize("degree", [3, 4])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_cells_that_number_a_shared_facet_differently_agree_on_it(dim, degree):
+    """Two simplices on one facet, the second with its vertices in every order."""
+    corners = np.vstack([np.zeros(dim), np.eye(dim), np.full(dim, 0.9)])
+    name = {2: "triangle", 3: "tetrahedron"}[dim]
+    value, _ = polynomial(degree, dim)
+    for second in permutations(range(1, dim + 2)):
+        mesh = dolfinx.mesh.create_mesh(
+            MPI.COMM_SELF,
+            np.array([list(range(dim + 1)), list(second)]),
+            basix.ufl.element("Lagrange", name, 1, shape=(dim,)),
+            corners,
+        )
+        mesh.topology.create_connectivity(dim - 1, dim)
+        facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
+        tags = dolfinx.mesh.meshtags(mesh, dim - 1, facets, np.ones(len(facets), dtype=np.int32))
+        body = FEBody("pair", mesh, tags, {"all": 1}, degree=degree, material=MATERIAL)
+        shared = factorial(degree + dim - 1) // factorial(degree) // factorial(dim - 1)
+        one = factorial(degree + dim) // factorial(degree) // factorial(dim)
+        assert body.num_scalar_dofs == 2 * one - shared
+        u = interpolate(body, degree, value)
+        within = body.volume_sample(degree + 3)
+        np.testing.assert_allclose(within.values @ u, value(within.points), atol=1e-12)
+
+
+@every_element
+def test_pressure_all_around_has_no_resultant(cell, degree):
+    """Exact quadrature of the normal: the boundary of a curved body is closed to rounding."""
+    pressures = [Pressure(name, 0.7) for name in ROUND[DIMENSION[cell]].surfaces]
+    body = body_of(ROUND, cell, degree, pressures=pressures)
+    force = body.load().getArray().reshape(-1, body.dim)
+    np.testing.assert_allclose(force.sum(axis=0), 0, atol=1e-13)
+    x = interpolate(body, degree, lambda x: x)
+    volume = csr(body.mass()).sum() / body.dim / MATERIAL.rho
+    accuracy = 1e-12 if degree == 1 else 1e-4
+    assert -(force * x).sum() == pytest.approx(0.7 * body.dim * volume, rel=accuracy)
+
+
+@every_element
+def test_patch_test_under_pressure(cell, degree):
+    """Uniform stress, in the plane with the plane-strain moduli, between rollers."""
+    dim = DIMENSION[cell]
+    axes = "xyz"[:dim]
+    shape = FLAT[dim]
+    rollers = [Support(f"{axis}_min", (i,)) for i, axis in enumerate(axes)]
+    mesh = {"size": 0.6}
+    if cell in ("hexahedron", "quadrilateral"):
+        mesh = {"breaks": breaks_of(shape, (2, 1, 2)[:dim])}
+    with gmsh_mesh(shape, cell, degree, **mesh) as model:
+        body = FEBody.from_gmsh(
+            "part",
+            model,
+            degree=degree,
+            material=MATERIAL,
+            supports=rollers,
+            pressures=[Pressure(f"{axes[-1]}_max", 0.07)],
+        )
+    free = spsolve(csr(body.stiffness()).tocsc(), body.load().getArray())
+    u = (csr(body.expansion) @ free).reshape(-1, dim)
+    E, nu = MATERIAL.E, MATERIAL.nu
+    if dim == 2:
+        E, nu = E / (1 - nu**2), nu / (1 - nu)
+    sample = body.volume_sample(2)
+    exact = 0.07 / E * sample.points * ([nu] * (dim - 1) + [-1.0])
+    np.testing.assert_allclose(sample.values @ u, exact, atol=1e-12)
+
+
+class EveryPair:
+    """Chart that tries every facet for every point."""
+
+    def __init__(self, surface):
+        self._surface = surface
+
+    def __getattr__(self, name):
+        return getattr(self._surface, name)
+
+    def candidates(self, x, reach):
+        """Every point with every facet."""
+        count = self._surface.num_elements
+        point = np.repeat(np.arange(len(x)), count)
+        start = np.full((len(point), self._surface.dim - 1), 0.3)
+        return point, np.tile(np.arange(count), len(x)), start
+
+
+@pytest.mark.parametrize(
+    "count", [1000, pytest.param(25_000, marks=pytest.mark.slow)], ids=["quick", "slow"]
+)
+@pytest.mark.parametrize(("cell", "name"), list(product(DIMENSION, ("inner", "outer"))))
+def test_location_agrees_with_brute_force_on_curved_surfaces(cell, name, count):
+    """Points off a turned and shifted surface, some beyond its rim or reach, aims aslant.
+
+    The slow run puts 200 000 points through all cases.
+    """
+    surface = body_of(ROUND, cell, 3).surfaces[name]
+    dim, rng = surface.dim, np.random.default_rng(6)
+    at = SurfaceCoordinates(
+        rng.integers(0, surface.num_elements, count), rng.uniform(0.02, 0.48, (count, dim - 1))
+    )
+    normal = surface.normal(at)
+    x = surface.position(at) + rng.normal(0, 0.08, (count, dim))
+    aim = normal + rng.normal(0, 0.2, (count, dim))
+    aim /= np.linalg.norm(aim, axis=1, keepdims=True)
+    found = surface.locate(x, aim, 0.1)
+    parts = [
+        locate_along(EveryPair(surface), x[i : i + 2000], aim[i : i + 2000], 0.1)
+        for i in range(0, count, 2000)
+    ]
+    status = np.concatenate([part.status for part in parts])
+    distance = np.concatenate([part.distance for part in parts])
+    assert 0.05 * count < found.missed.sum() < 0.9 * count
+    assert np.array_equal(found.status, status)
+    hit = ~found.missed
+    np.testing.assert_allclose(found.distance[hit], distance[hit], atol=1e-8)
+
+
+@pytest.mark.parametrize(("cell", "degree"), [("quadrilateral", 3), ("triangle", 4)])
+def test_rules_of_curves_measure_circles(cell, degree):
+    for name, surface in body_of(ROUND, cell, degree).surfaces.items():
+        length = 2 * np.pi * getattr(ROUND[2], f"{name}_radius")
+        assert surface.area == pytest.approx(length, rel=1e-5)
+        assert surface.gauss_points(6).weight.sum() == pytest.approx(length, rel=1e-5)
+        nodes = surface.abscissae("nodes")
+        assert len(nodes) == degree * surface.num_elements
+        assert len(surface.grid(4)) == 3 * surface.num_elements
+        centre = nodes.x - PLANE.translation[:2]
+        radial = centre / np.linalg.norm(centre, axis=1, keepdims=True)
+        side = 1 if name == "outer" else -1
+        assert (side * nodes.normal * radial).sum(axis=1).min() > 0.999
+        found = surface.locate(nodes.x + 0.01 * nodes.normal, nodes.normal, 0.02)
+        assert (found.status != Status.MISSED).all()
+        np.testing.assert_allclose(found.distance, -0.01, atol=1e-10)
+
+
+def test_spaceless_components_are_refused_in_the_plane():
+    with pytest.raises(InputError, match=r"supports\[0\]"):
+        body_of(ROUND, "triangle", 1, supports=[Support("inner", (2,))])

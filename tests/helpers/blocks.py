@@ -1,0 +1,63 @@
+"""Small scenes of two blocks, as dictionaries and assembled."""
+
+from cea.timing import StageTimer
+from scenes.build import build_bodies, build_interfaces, build_system
+from scenes.spec import read_scene
+
+ROTATED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
+
+
+def block(backend, size, origin, elements, *, placement=None, supports=(), **mesh):
+    """Body section of a scene: a block with soft steel-like numbers."""
+    return {
+        "backend": backend,
+        "geometry": {"shape": "box", "size": size, "origin": origin},
+        "material": {"E": 2.0, "nu": 0.3, "rho": 1.5},
+        "supports": list(supports),
+        "placement": placement or {},
+        "mesh": {
+            "fe": {"cell": "hexahedron", "degree": 2, "elements": elements} | mesh.get("fe", {}),
+            "iga": {"degree": [2, 2, 2], "elements": elements} | mesh.get("iga", {}),
+        },
+    }
+
+
+def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.0):
+    """Scene of a small block (a) on a larger one (b) whose meshes do not match."""
+    direction = [1.0, 0.5, 0.0]
+    if placement:
+        from meshes.placement import Placement
+
+        rotation = Placement(tuple(placement["axis"]), placement["angle"]).rotation
+        direction = (rotation @ direction).tolist()
+    top = [{"surface": "z_max"}] if held else []
+    bottom = [{"surface": "z_min"}] if held else []
+    upper = block(
+        backend, [0.5, 0.6, 0.3], [0.2, 0.3, 0.4], [3, 2, 1], placement=placement, supports=top
+    )
+    lower = block(
+        backend, [1.0, 1.1, 0.4], [0.0, 0.0, 0.0], [4, 5, 1], placement=placement, supports=bottom
+    )
+    return {
+        "name": "two blocks",
+        "bodies": {"upper": upper, "lower": lower},
+        "contacts": {
+            "interface": {
+                "a": "upper.z_min",
+                "b": "lower.z_max",
+                "formulation": formulation,
+                "P": P,
+                "mu": mu,
+                "friction_direction_on_a": {"vector": direction},
+            }
+        },
+        "analysis": {"kind": "cea", "max_frequency": 1.0},
+    }
+
+
+def assemble(data, **options):
+    """Coupled system of a scene given as a dictionary."""
+    scene, timer = read_scene(data), StageTimer()
+    bodies = build_bodies(scene, timer)
+    interfaces = build_interfaces(scene, bodies, timer)
+    return build_system(scene, bodies, interfaces, timer, **options)

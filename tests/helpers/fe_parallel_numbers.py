@@ -1,0 +1,100 @@
+"""Numbers of small Lagrange scenes as JSON on rank 0; run under mpiexec by test_fe_parallel."""
+
+import json
+import sys
+
+from mpi4py import MPI
+
+from cea.contact.friction import AlongVector
+from cea.contact.interface import pair
+from cea.contact.operators import ContactLaw
+from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.static import solve_static
+from cea.material import IsotropicMaterial
+from cea.matrices import gather
+from cea.supports.boundary import Pressure, Spring, Support
+from cea.system.coupled import HalfPass, couple
+from fe_cea.body import FEBody
+from meshes.breaks import breaks_of
+from meshes.gmsh_shapes import gmsh_mesh
+from meshes.shapes import Annulus, Disc, Rectangle, Ring
+
+MATERIAL = IsotropicMaterial(2.0, 0.3, 1.5)
+CASES = {
+    "tetrahedron": (Annulus(0.5, 1.0, 0.0, 0.3), 2, "bottom", "top", 0.35),
+    "hexahedron": (Disc(1.0, 0.0, 0.2), 3, "bottom", "top", 0.7),
+    "triangle": (Ring(0.5, 1.0), 4, "inner", "outer", 0.5),
+    "quadrilateral": (Rectangle((2.0, 1.0)), 3, "x_min", "y_max", 0.7),
+}
+"""Shape, degree, held surface, pressed surface, highest frequency (Hz)."""
+ELEMENTS = {"hexahedron": (2, 8, 1), "quadrilateral": (3, 2)}
+
+
+def body_of(name, cell, shape, degree, **conditions):
+    """A small body on all ranks."""
+    mesh = {"size": 0.5}
+    if cell in ELEMENTS:
+        mesh = {"breaks": breaks_of(shape, ELEMENTS[cell])}
+    with gmsh_mesh(shape, cell, degree, comm=MPI.COMM_WORLD, **mesh) as model:
+        return FEBody.from_gmsh(name, model, degree=degree, material=MATERIAL, **conditions)
+
+
+def numbers(cell):
+    """Eigenvalues, areas, work of a load and volume of samples of one body."""
+    shape, degree, held, pressed, top = CASES[cell]
+    dim = len(shape.directions)
+    body = body_of(
+        "part",
+        cell,
+        shape,
+        degree,
+        supports=[Support(held, (0,))],
+        springs=[Spring(held, (1.0, 2.0, 3.0)[:dim])],
+        pressures=[Pressure(pressed, 0.3)],
+    )
+    modes = solve_modes(body.stiffness(), body.mass(), max_frequency=top)
+    x = solve_static(body.stiffness(), body.load())
+    full = body.expansion.createVecLeft()
+    body.expansion.mult(x, full)
+    sample = body.volume_sample(2)
+    moved = sample.values @ gather(full).reshape(-1, dim)
+    corners = sample.points[sample.cells]
+    surface = body.surfaces[pressed]
+    points = surface.gauss_points(2)
+    traced = surface.trace(points.at) @ gather(full).reshape(-1, dim)
+    return {
+        "frequencies": sorted(modes.frequencies.tolist()),
+        "work": body.load().dot(x),
+        "areas": [s.area for s in body.surfaces.values()],
+        "surface moments": (points.weight @ points.x**2).tolist(),
+        "trace": (points.weight @ traced**2).tolist(),
+        "cells": len(corners),
+        "second moments": (corners**2).mean(axis=(0, 1)).tolist(),
+        "squares": float((moved**2).sum()),
+    }
+
+
+def contact():
+    """Eigenvalues of two blocks in frictional contact."""
+    bodies = {}
+    for name, y, n, held in (("a", 0.0, (3, 2), "y_max"), ("b", -1.0, (4, 1), "y_min")):
+        shape = Rectangle((2.0, 1.0), origin=(0.0, y))
+        breaks = breaks_of(shape, n)
+        with gmsh_mesh(shape, "quadrilateral", 2, breaks=breaks, comm=MPI.COMM_WORLD) as model:
+            bodies[name] = FEBody.from_gmsh(
+                name, model, degree=2, material=MATERIAL, supports=[Support(held, (0, 1))]
+            )
+    a, b = bodies["a"].surfaces["y_min"], bodies["b"].surfaces["y_max"]
+    interface = pair(a, b, a.gauss_points(3))
+    law = ContactLaw(50.0, 0.4, AlongVector((1.0, 0.0)))
+    system = couple(bodies, {"c": HalfPass("a", "b", interface, law)})
+    modes = solve_modes(
+        system.symmetric_stiffness(), system.mass, system.friction(), max_frequency=0.3
+    )
+    return {"frequencies": sorted(modes.frequencies.tolist())}
+
+
+if __name__ == "__main__":
+    result = {name: contact() if name == "contact" else numbers(name) for name in sys.argv[1:]}
+    if MPI.COMM_WORLD.rank == 0:
+        sys.stdout.write(json.dumps(result))

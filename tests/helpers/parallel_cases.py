@@ -1,0 +1,275 @@
+"""Small scenes run on any number of ranks; rank 0 prints what must not depend on that number.
+
+Under mpiexec, ``python parallel_cases.py`` runs every case, ``parallel_cases.py few`` those of few
+messages, ``parallel_cases.py formulations`` every formulation on coarse meshes of two scenes that
+come with the project, ``parallel_cases.py disc_pad`` finds the eigenvalues of a scene on both
+backends.
+"""
+
+import json
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+from blocks import block, two_blocks
+
+from cea.errors import InputError
+from cea.ranks import agreed
+from cea.timing import StageTimer
+from scenes.build import build_bodies
+from scenes.results import describe
+from scenes.run import run_scene
+from scenes.run_matching import complex_displacement
+from scenes.spec import SCENES, load_scene, read_scene
+
+GRID, GPTS = {"method": "grid", "points": 5}, {"method": "gpts", "points": 4}
+
+
+def blocks(backend, formulation, mu=1.0):
+    """Two blocks that flutter, and few modes: each takes messages, slow where ranks share cores."""
+    data = two_blocks(backend, formulation, held=True, mu=mu, P=30.0)
+    return data | {"analysis": {"kind": "cea", "max_frequency": 0.55, "growth_threshold": 1e-3}}
+
+
+def static(data):
+    return data | {
+        "analysis": {"kind": "static", "samples": 7},
+        "loads": [{"surface": "upper.x_min", "pressure": 0.02}],
+    }
+
+
+def overhanging(data):
+    data["bodies"]["upper"]["geometry"]["origin"][0] = 0.75
+    data["contacts"]["interface"]["max_missed"] = 0.6
+    return data
+
+
+def single_point(backend):
+    """Fewer contact points than ranks."""
+    data = blocks(backend, {"method": "gpts", "points": 1})
+    for mesh in data["bodies"]["upper"]["mesh"].values():
+        mesh["elements"] = [1, 1, 1]
+    return data
+
+
+def column(backend):
+    """Square column, whose bending modes come in pairs of one frequency."""
+    body = block(backend, [1.0, 1.0, 2.0], [0, 0, 0], [2, 2, 3], supports=[{"surface": "z_min"}])
+    return {
+        "name": "column",
+        "bodies": {"column": body},
+        "analysis": {"kind": "cea", "max_frequency": 0.3},
+    }
+
+
+def mixed_pairing(a, b):
+    data = blocks(a, GPTS)
+    data["bodies"]["lower"]["backend"] = b
+    return data
+
+
+def collocation(backend):
+    """Collocation in the manner of the backend."""
+    return {"method": {"fe": "node_to_surface", "iga": "greville"}[backend]}
+
+
+def scenes():
+    for backend in ("fe", "iga"):
+        for formulation in (collocation(backend), GRID, GPTS):
+            data = blocks(backend, formulation)
+            yield f"{backend} {formulation['method']}", data
+            yield f"{backend} {formulation['method']} static", static(data)
+        yield f"{backend} without friction", blocks(backend, GPTS, mu=0.0)
+        yield f"{backend} static without friction", static(blocks(backend, GPTS, mu=0.0))
+        yield f"{backend} overhanging", overhanging(blocks(backend, GPTS))
+        yield f"{backend} single point", static(single_point(backend))
+        yield f"{backend} column", column(backend)
+    yield "fewer than counted", two_blocks("fe", GRID, held=True)
+    yield "fe on iga", mixed_pairing("fe", "iga")
+    yield "iga on fe", static(mixed_pairing("iga", "fe"))
+
+
+FEW = (
+    "static", "static without friction", "single point", "fe gpts",
+    "iga column", "fe on iga", "iga on fe",
+)  # fmt: skip
+"""Ends of the names of all static scenes, and of some with modes, one for each path taken."""
+
+
+FORMULATIONS = {
+    "collocation": {},
+    "grid": {"formulation": GRID},
+    "gpts": {"formulation": GPTS},
+    "lumped": {"formulation": GPTS | {"lumped": True}},
+    "full pass": {"formulation": GPTS, "full_pass": True},
+    "segments": {"formulation": {"method": "segments"}},
+    "mortar": {"formulation": {"method": "mortar"}},
+    "tied mortar": {"formulation": {"method": "mortar"}, "form": "saddle", "P": float("inf")},
+}
+"""What each changes in a contact of collocation."""
+COARSE = {
+    "patch_test": {"upper": [3, 3, 1], "lower": [4, 4, 1]},
+    "disc_pad": {"pad": [2, 3, 1], "disc": [3, 24, 1]},
+}
+"""Elements of the bodies of two scenes."""
+
+
+def coarse(name, backend, **analysis):
+    """A scene that comes with the project, on coarse meshes of quadratic elements."""
+    data = tomllib.loads((SCENES / f"{name}.toml").read_text())
+    for body, elements in COARSE[name].items():
+        fe = {"cell": "hexahedron", "degree": 2, "elements": elements}
+        mesh = {"fe": fe, "iga": {"degree": [2, 2, 2], "elements": elements}}
+        data["bodies"][body] |= {"backend": backend, "mesh": mesh}
+    data["analysis"] |= analysis
+    return data
+
+
+def with_every_formulation(data, backend):
+    """Results of a scene with one contact, by formulation; its bodies are built once."""
+    bodies = build_bodies(read_scene(data), StageTimer())
+    ((contact_name, contact),) = data["contacts"].items()
+    contact["formulation"] = collocation(backend)
+    for name, changes in FORMULATIONS.items():
+        scene = read_scene(data | {"contacts": {contact_name: contact | changes}})
+        yield name, run_scene(scene, bodies=bodies)
+
+
+def formulations():
+    """Displacements of the patch test and eigenvalues of the disc and pad."""
+    shown = {}
+    for backend in ("fe", "iga"):
+        patch_test = coarse("patch_test", backend, samples=7)
+        for name, result in with_every_formulation(patch_test, backend):
+            shown[f"{backend} {name} patch test"] = displacements(result)
+        disc_pad = coarse("disc_pad", backend, max_frequency=6000.0)
+        disc_pad["contacts"]["pad_disc"]["mu"] = 2.0  # on coarse meshes the modes flutter late
+        for name, result in with_every_formulation(disc_pad, backend):
+            shown[f"{backend} {name} disc and pad"] = eigenvalues(result)
+    return shown
+
+
+def probes(result):
+    """Trace of each body at fixed points of its side x_max."""
+    traces = {}
+    for name, body in result.system.bodies.items():
+        surface = body.surfaces["x_max"]
+        spec = result.scene.bodies[name].geometry
+        low, size = np.array(spec.origin), np.array(spec.size)
+        inner = np.array([[1.0, y, z] for y in (0.13, 0.57) for z in (0.21, 0.83)])
+        x = low + inner * size
+        found = surface.locate(x, np.tile([1.0, 0.0, 0.0], (len(x), 1)), 1e-3)
+        assert not found.missed.any()
+        traces[name] = surface.trace(found.at)
+    return traces
+
+
+def asymmetry(matrix):
+    difference = matrix.copy()
+    difference.axpy(-1.0, matrix.transpose(type(matrix)()), structure=False)
+    return difference.norm()
+
+
+def facts(scene):
+    result = run_scene(scene)
+    system = result.system
+    data = describe(result)
+    shown = {
+        "contacts": data["contacts"],
+        "dofs": data["dofs"],
+        "stresses": data.get("stresses"),
+        "skipped": data["skipped"],
+        "asymmetry": [
+            asymmetry(matrix)
+            for matrix in (
+                system.symmetric_stiffness(),
+                *(body.stiffness() for body in system.bodies.values()),
+                *(contact.stiffness for contact in system.contacts),
+                *([] if system.mass is None else [system.mass]),
+            )
+        ],
+    }
+    traces = probes(result)
+    if result.modes is not None:
+        modes = result.modes
+        shown |= {
+            "re": modes.growth_rates.tolist(),
+            "im": modes.eigenvalues.imag.tolist(),
+            "worst_residual": modes.residuals.max(),
+            "count": [modes.window.found_below, modes.window.symmetric_count],
+            "unstable": len(data["unstable"]),
+            "shapes": [
+                np.concatenate(
+                    [
+                        np.abs(traces[name] @ complex_displacement(system, name, *modes.vector(i)))
+                        for name in system.bodies
+                    ]
+                ).tolist()
+                for i in range(len(modes.eigenvalues))
+            ],
+        }
+    else:
+        shown["displacements"] = displacements(result)
+        contact = system.contacts[0]
+        weight = contact.interface.points.weight
+        shown["closing force"] = float(weight @ contact.pressure(result.displacement))
+    return shown
+
+
+def displacements(result):
+    """Displacements of each body at its probes."""
+    system = result.system
+    return [
+        (trace @ system.displacement(result.displacement, name).reshape(-1, 3)).tolist()
+        for name, trace in probes(result).items()
+    ]
+
+
+def eigenvalues(result):
+    """Eigenvalues alone."""
+    modes = result.modes
+    return {
+        "re": modes.growth_rates.tolist(),
+        "im": modes.eigenvalues.imag.tolist(),
+        "worst_residual": modes.residuals.max(),
+    }
+
+
+def refusals(comm):
+    """What each rank hears when only the last one refuses its input."""
+    heard = None
+    try:
+        with agreed(comm):
+            if comm.rank == comm.size - 1:
+                raise InputError("mu", -1.0, "zero or positive")
+    except InputError as error:
+        heard = str(error)
+    return comm.allgather(heard)
+
+
+def main():
+    from mpi4py import MPI
+
+    comm = MPI.COMM_WORLD
+    chosen = sys.argv[1] if sys.argv[1:] else "every"
+    if chosen in ("every", "few"):
+        everything = {
+            name: facts(read_scene(data))
+            for name, data in scenes()
+            if chosen == "every" or name.endswith(FEW)
+        }
+        everything["refusals"] = sorted(set(refusals(comm)))
+    elif chosen == "formulations":
+        everything = formulations()
+    else:
+        everything = {
+            backend: eigenvalues(run_scene(load_scene(Path(chosen), backend=backend)))
+            for backend in ("fe", "iga")
+        }
+    if comm.rank == 0:
+        sys.stdout.write(json.dumps(everything))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,232 @@
+"""The same answers on 1, 2 and 3 ranks, and one voice whatever goes wrong."""
+
+import json
+import os
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+from time import monotonic
+
+import numpy as np
+import pytest
+from scipy.optimize import linear_sum_assignment
+
+HELPERS = Path(__file__).parents[1] / "helpers"
+BIN = Path(sys.executable).parent
+# Ranks that wait give up their core at once: there may be fewer cores than ranks.
+ENVIRONMENT = os.environ | {"OMP_NUM_THREADS": "1", "MPIR_CVAR_POLLS_BEFORE_YIELD": "1"}
+
+
+def mpiexec(ranks, *command):
+    return subprocess.run(
+        [BIN / "mpiexec", "-n", str(ranks), *command],
+        capture_output=True,
+        text=True,
+        env=ENVIRONMENT,
+        timeout=300,
+    )
+
+
+@cache
+def cases(ranks, chosen="every"):
+    done = mpiexec(ranks, sys.executable, HELPERS / "parallel_cases.py", chosen)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def assert_same_eigenvalues(found, expected):
+    """Equal to 1e-9 as sets; of a near-coalescence only the mean of the pair is well conditioned.
+
+    lambda = +-w + i w' near a coalescence: rounding e of kappa moves the members by sqrt(e), their
+    mean by e.
+    """
+    left, right = (np.array(v["re"]) + 1j * np.array(v["im"]) for v in (found, expected))
+    assert len(left) == len(right)
+    rows, columns = linear_sum_assignment(np.abs(left[:, None] - right))
+    left, right = left[rows], right[columns]
+    scale = np.abs(right)
+    loose = np.abs(left - right) > 1e-9 * scale
+    for i in np.flatnonzero(loose):
+        others = np.flatnonzero(loose & (np.arange(len(right)) != i))
+        assert len(others), (left[i], right[i])
+        partner = others[np.argmin(np.abs(right[others] - right[i]))]
+        assert abs(right[partner] - right[i]) < 1e-3 * scale[i]
+        assert abs(left[[i, partner]].mean() - right[[i, partner]].mean()) < 1e-9 * scale[i]
+
+
+def assert_same(found, expected, at=""):
+    """Equal structure, equal words, numbers equal to 1e-9 of the largest beside them."""
+    assert type(found) is type(expected), at
+    if isinstance(expected, dict):
+        assert found.keys() == expected.keys(), at
+        for key in expected:
+            assert_same(found[key], expected[key], f"{at}.{key}")
+    elif isinstance(expected, list):
+        same = np.array(found, dtype=float), np.array(expected, dtype=float)
+        scale = np.abs(same[1]).max(initial=0.0, where=np.isfinite(same[1]))
+        np.testing.assert_allclose(*same, rtol=0, atol=1e-9 * scale, err_msg=at)
+    elif isinstance(expected, float):
+        assert found == pytest.approx(expected, rel=1e-9, abs=1e-14), at
+    else:
+        assert found == expected, at
+
+
+@pytest.mark.parametrize(
+    ("ranks", "chosen", "number"),
+    [(2, "every", 25), (3, "few", 14), pytest.param(3, "every", 25, marks=pytest.mark.slow)],
+)
+def test_answers_do_not_depend_on_the_number_of_ranks(ranks, chosen, number):
+    everything, expected = dict(cases(ranks, chosen)), cases(1)
+    assert everything.pop("refusals") == expected["refusals"] == ["mu = -1.0: zero or positive"]
+    assert len(everything) == number
+    for name in everything:
+        found, reference = dict(everything[name]), dict(expected[name])
+        asymmetry = found.pop("asymmetry")
+        assert asymmetry == reference.pop("asymmetry") == [0.0] * len(asymmetry), name
+        if "im" in reference:
+            assert len(reference["im"]) >= 3, name
+            assert found.pop("worst_residual") < 1e-7 > reference.pop("worst_residual"), name
+            assert_same_eigenvalues(found, reference)
+            shapes, expected_shapes = found.pop("shapes"), reference.pop("shapes")
+            if name.split()[-1] != "column":  # copies of one frequency have no shape of their own
+                np.testing.assert_allclose(shapes, expected_shapes, atol=1e-6 * np.max(shapes))
+            for part in ("re", "im"):
+                found.pop(part)
+                reference.pop(part)
+        assert_same(found, reference, name)
+
+
+def test_cases_meet_what_they_are_meant_to_meet():
+    """Missed points, unstable modes, copies of one frequency, a search that is made again."""
+    found, counted = cases(1)["fewer than counted"]["count"]
+    assert found < counted
+    for backend in ("fe", "iga"):
+        assert cases(1)[f"{backend} overhanging"]["contacts"]["interface"]["status"]["missed"] > 0
+        assert cases(1)[f"{backend} single point"]["contacts"]["interface"]["points"] == 1
+        frequencies = np.array(cases(1)[f"{backend} column"]["im"])
+        assert np.diff(frequencies).min() < 1e-9 * frequencies[0]
+        assert cases(1)[f"{backend} gpts"]["unstable"] == 1
+        assert cases(1)[f"{backend} gpts static"]["closing force"] != 0
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_every_formulation(ranks):
+    """Displacements of the patch test and eigenvalues of the disc and pad, on coarse meshes."""
+    found, expected = cases(ranks, "formulations"), cases(1, "formulations")
+    assert found.keys() == expected.keys()
+    assert len(found) == 32
+    for name, here in found.items():
+        if name.endswith("patch test"):
+            assert_same(here, expected[name], name)
+        else:
+            assert len(expected[name]["im"]) >= 5, name
+            assert here["worst_residual"] < 1e-9 > expected[name]["worst_residual"], name
+            assert_same_eigenvalues(here, expected[name])
+    for name in ("fe grid", "iga segments", "iga mortar"):
+        assert max(expected[f"{name} disc and pad"]["re"]) > 100
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_disc_and_pad(ranks):
+    for backend, expected in cases(1, "disc_pad").items():
+        found = cases(ranks, "disc_pad")[backend]
+        assert found["worst_residual"] < 1e-7
+        assert_same_eigenvalues(found, expected)
+
+
+def test_command_line_prints_and_writes_once(tmp_path):
+    cea = [BIN / "cea", "run", "patch_test", "--set", "contacts.interface.formulation.points=3"]
+    done = mpiexec(2, *cea, "--set", "analysis.samples=4", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("result.json") == 1
+    assert done.stdout.count("side b") == 1
+    alone = subprocess.run(
+        [*cea, "--set", "analysis.samples=4", "--out", tmp_path / "alone"], env=ENVIRONMENT
+    )
+    assert alone.returncode == 0
+    together, single = (
+        json.loads((folder / "result.json").read_text())
+        for folder in (tmp_path, tmp_path / "alone")
+    )
+    for result in (together, single):
+        del result["timings"], result["seconds"]
+    assert_same(together["stresses"], single["stresses"])
+    assert_same(together["contacts"], single["contacts"])
+    assert together.keys() == single.keys()
+
+
+REPORT = """
+import sys
+from pathlib import Path
+
+from mpi4py import MPI
+from report_data import small_comparison
+
+from comparisons.agreement import page
+
+write, writers = page._write, []
+page._write = lambda *arguments: (writers.append(MPI.COMM_WORLD.rank), write(*arguments))
+report = page.write_report(small_comparison(), {}, Path(sys.argv[1]))
+there = all(MPI.COMM_WORLD.allgather(report.exists()))
+writers = MPI.COMM_WORLD.allreduce(writers)
+if MPI.COMM_WORLD.rank == 0:
+    print(writers, there)
+"""
+
+
+def test_rank_0_writes_the_report_and_the_others_wait(tmp_path):
+    program = [sys.executable, "-c", REPORT, tmp_path / "new"]
+    done = mpiexec(2, "-env", "PYTHONPATH", HELPERS, *program)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split("\n")[-2] == "[0] True"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["patch_test", "--set", "analysis.foo=3"], "error: analysis.foo = "),
+        (["patch_test", "--set", "contacts.interface.a=upper.x_min"], "error: contacts.interface"),
+        (["patch_test", "--no-such-option"], "No such option"),
+    ],
+)
+def test_faults_of_all_ranks_are_told_once(arguments, told, tmp_path):
+    done = mpiexec(2, BIN / "cea", "run", *arguments, "--out", tmp_path)
+    assert done.returncode not in (0, None)
+    assert done.stderr.count(told) == 1
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "result.json").exists()
+
+
+LONE_FAULT = """
+import sys
+import scenes.run
+from mpi4py import MPI
+
+search = scenes.run.build_interfaces
+faulty = int(sys.argv.pop())
+
+
+def fails_on_one_rank(*arguments):
+    if MPI.COMM_WORLD.rank == faulty:
+        raise RuntimeError("only one rank")
+    return search(*arguments)
+
+
+scenes.run.build_interfaces = fails_on_one_rank
+from comparisons.cli.app import main
+
+main()
+"""
+
+
+@pytest.mark.parametrize("rank", [0, 1])
+def test_a_fault_of_one_rank_ends_all(rank, tmp_path):
+    start = monotonic()
+    arguments = ["run", "patch_test", "--backend", "iga", "--out", tmp_path, str(rank)]
+    done = mpiexec(2, sys.executable, "-c", LONE_FAULT, *arguments)
+    assert done.returncode != 0
+    assert done.stderr.count("RuntimeError: only one rank") == 1
+    assert not (tmp_path / "result.json").exists()
+    assert monotonic() - start < 30

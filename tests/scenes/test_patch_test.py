@@ -1,0 +1,80 @@
+"""The contact patch test: numbers of an independent prototype, and what must hold anywhere."""
+
+from pathlib import Path
+
+import pytest
+
+from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
+from comparisons.agreement.comparison import on_backend, with_contact
+from scenes.run import run_scene
+from scenes.spec import load_scene
+
+
+def stresses(backend, formulation, P):
+    scene = with_contact(
+        on_backend(load_scene(Path("patch_test")), backend), formulation=formulation, P=P
+    )
+    return run_scene(scene).stresses["interface"]
+
+
+@pytest.mark.parametrize(
+    ("formulation", "P", "side", "expected"),
+    [
+        (Greville(), 1e14, None, 1722.0),
+        (Greville(), 1e6, None, 3233.0),
+        (Grid(9), 1e6, None, 1678.0),
+        (GaussPointToSurface(15), 1e6, "b", 0.446),
+        (GaussPointToSurface(15), 1e6, "a", 0.0339),
+        (GaussPointToSurface(25), 1e6, None, 0.116),
+    ],
+)
+def test_nurbs_oscillation_matches_the_prototype(formulation, P, side, expected):
+    sides = stresses("iga", formulation, P)
+    found = sides[side].oscillation if side else max(s.oscillation for s in sides.values())
+    assert found == pytest.approx(expected, rel=0.01)
+
+
+def test_nurbs_gpts_at_high_stiffness_is_round_off_limited():
+    sides = stresses("iga", GaussPointToSurface(25), 1e14)
+    assert max(s.oscillation for s in sides.values()) < 3e-4
+
+
+@pytest.mark.parametrize("P", [1e6, 1e14])
+def test_finite_elements_improve_with_gauss_points(P):
+    few, many = (stresses("fe", GaussPointToSurface(n), P) for n in (5, 25))
+    assert max(s.oscillation for s in many.values()) < 0.2 * max(
+        s.oscillation for s in few.values()
+    )
+
+
+@pytest.mark.parametrize(("backend", "collocation"), [("fe", NodeToSurface()), ("iga", Greville())])
+def test_mean_stress_balances_the_load(backend, collocation):
+    """Whatever the oscillation, the pressure arrives."""
+    for side in stresses(backend, GaussPointToSurface(15), 1e6).values():
+        assert side.sigma_n.mean() == pytest.approx(-1000.0, rel=1e-3)
+    oscillation = max(s.oscillation for s in stresses(backend, collocation, 1e6).values())
+    assert oscillation > 100
+
+
+@pytest.mark.parametrize("method", ["segments", "mortar"])
+@pytest.mark.parametrize("lower", ["fe", "iga", "tetrahedra"])
+@pytest.mark.parametrize("upper", ["fe", "iga", "tetrahedra"])
+def test_yardsticks_pass_in_every_pairing(method, upper, lower):
+    overrides = [f"contacts.interface.formulation={{method='{method}'}}", "analysis.samples=31"]
+    for name, kind in (("upper", upper), ("lower", lower)):
+        overrides.append(f"bodies.{name}.backend={'iga' if kind == 'iga' else 'fe'}")
+        if kind == "tetrahedra":
+            mesh = "{cell='tetrahedron', degree=2, size=2.5}"
+            overrides.append(f"bodies.{name}.mesh.fe={mesh}")
+    sides = run_scene(load_scene(Path("patch_test"), overrides)).stresses["interface"]
+    assert max(s.oscillation for s in sides.values()) < 1000 * 1e-10
+
+
+@pytest.mark.parametrize("backend", ["fe", "iga"])
+def test_mortar_pressure_is_the_load(backend):
+    scene = load_scene(
+        Path("patch_test"), ["contacts.interface.formulation={method='mortar'}"], backend
+    )
+    result = run_scene(scene)
+    pressure = result.system.contacts[0].pressure(result.displacement)
+    assert pressure == pytest.approx(1000.0, rel=1e-9)

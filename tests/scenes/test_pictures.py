@@ -1,0 +1,157 @@
+"""Pictures of modes: which are drawn, at which phase, and that both bodies are in the frame."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import pyvista
+from blocks import two_blocks
+from matplotlib.image import imread
+from PIL import Image
+from report_data import small_comparison
+from scipy.sparse import eye_array
+
+from cea.body import VolumeSample
+from cea.errors import InputError
+from comparisons.agreement.file_pictures import draw_files
+from comparisons.agreement.page import write_report
+from scenes.drawing import Drawing, largest_deflection
+from scenes.paraview import write_paraview
+from scenes.pictures import chosen_modes, draw_modes
+from scenes.run import run_scene
+from scenes.spec import read_scene
+
+
+def test_largest_deflection_beats_every_phase():
+    rng = np.random.default_rng(3)
+    shape = rng.normal(size=(40, 3)) + 1j * rng.normal(size=(40, 3))
+    complex_shape, largest = largest_deflection(shape)
+    real = complex_shape.real
+    np.testing.assert_allclose(np.abs(complex_shape), np.abs(shape), rtol=1e-12)
+    phases = np.exp(1j * np.linspace(0, 2 * np.pi, 3601))
+    swept = np.linalg.norm((shape[:, :, None] * phases).real, axis=1)
+    assert np.linalg.norm(real, axis=1).max() == pytest.approx(largest, rel=1e-12)
+    assert largest == pytest.approx(swept.max(), rel=1e-5)
+    turned, _ = largest_deflection(shape * np.exp(2.1j))
+    np.testing.assert_allclose(turned.real, real, atol=1e-12)
+
+
+@pytest.fixture
+def result(backend):
+    scene = two_blocks(backend, {"method": "gpts", "points": 3}, held=True)
+    return run_scene(read_scene(scene))
+
+
+def with_growth(result, growth):
+    """The result with given growth rates of its first modes."""
+    eigenvalues = result.modes.eigenvalues.imag * 1j
+    eigenvalues[: len(growth)] += growth
+    conditions = np.ones_like(result.modes.conditions)
+    modes = replace(result.modes, eigenvalues=eigenvalues, conditions=conditions)
+    analysis = replace(result.scene.analysis, growth_threshold=0.01)
+    return replace(result, modes=modes, scene=replace(result.scene, analysis=analysis))
+
+
+def test_most_unstable_modes_are_drawn_first(result):
+    assert len(result.modes.eigenvalues) >= 3
+    assert chosen_modes(with_growth(result, [0.5, -0.5, 0.9]), 5) == [2, 0]
+    assert chosen_modes(with_growth(result, [0.5, -0.5, 0.9]), 1) == [2]
+    assert chosen_modes(with_growth(result, [0.0]), 2) == [0, 1]
+
+
+def test_modes_are_drawn_and_put_on_the_page(result, backend, tmp_path):
+    unstable = with_growth(result, [0.0, 0.7])
+    page = write_report(small_comparison(), {backend: unstable}, tmp_path)
+    (name,) = json.loads((tmp_path / "result.json").read_text())["pictures"]
+    assert name == f"mode_{backend}_2.png"
+    assert name in page.read_text(encoding="utf-8")
+    (drawn_from_files,) = json.loads((tmp_path / "result.json").read_text())["pictures_from_files"]
+    assert drawn_from_files == f"paraview_{backend}.png"
+    assert f"<code>{drawn_from_files}</code>" in page.read_text(encoding="utf-8")
+    assert (tmp_path / drawn_from_files).exists()
+    image = imread(tmp_path / name)[..., :3]
+    drawn = np.ptp(image, axis=2) > 0.05
+    rows, columns = (np.flatnonzero(drawn[:780].any(axis=axis)) for axis in (1, 0))
+    assert np.ptp(rows) > 0.6 * len(image)
+    assert drawn.mean() > 0.1
+    assert rows.min() > 0
+    assert columns.min() > 0
+    assert columns.max() < image.shape[1] - 1
+
+
+def colours(file):
+    """Saturated pixels of the left and of the right half of a picture, without its bars."""
+    image = np.asarray(Image.open(file).convert("RGB"), dtype=int)[80:640]
+    halves = image[:, :900], image[:, 900:]
+    return [half[np.ptp(half, axis=2) > 30] for half in halves]
+
+
+def test_files_for_paraview_are_drawn_by_themselves(result, backend, tmp_path):
+    modes, contacts = write_paraview(with_growth(result, [0.0, 0.7]), 1, tmp_path)
+    draw_files(modes, contacts, tmp_path / "files.png")
+    bodies, pressure = colours(tmp_path / "files.png")
+    assert len(bodies) > 20_000
+    assert len(pressure) > 1000
+    # The colours of the displacement lead from yellow to blue.
+    assert (bodies[:, 2] - bodies[:, 0]).max() > 50
+    assert (bodies[:, 2] - bodies[:, 0]).min() < -15
+
+    # What is drawn is what the files hold: with no other pressure at one of the points, all the
+    # rest of them lose their colour.
+    (file,) = (tmp_path / "contacts").iterdir()
+    points = pyvista.read(file)
+    for end in ("real", "imag"):
+        points.point_data[f"pressure_{end}"][0] *= 1e6
+    points.save(file)
+    draw_files(modes, contacts, tmp_path / "changed.png")
+    bodies_again, pressure = colours(tmp_path / "changed.png")
+    assert len(bodies_again) == len(bodies)
+    assert 0 < len(pressure) < 1000
+
+
+def test_images_follow_the_phase():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    sample = VolumeSample(square, np.array([[0, 1, 2, 3]]), eye_array(4, format="csr"))
+    # Re(u e^(i phase)) = (cos phase, sin phase): every point runs around a circle.
+    circling = np.tile([1.0, -1.0j], (4, 1))
+    drawing = Drawing.of({"square": sample}, {"square": circling}, "circling")
+    phases = np.array([0.0, 0.7, 2.0, 3.5, 5.0])
+    centres = []
+    for image in drawing.images(phases.tolist(), 2):
+        pixels = np.asarray(image)[:380]
+        rows, columns = np.nonzero((pixels[..., 2] > 60) & (pixels[..., 0] < 30))
+        centres.append(complex(columns.mean(), -rows.mean()))
+    # centre = c + r e^(i phase) with one c and r for all phases
+    fit, residual, *_ = np.linalg.lstsq(
+        np.stack([np.ones(len(phases)), np.exp(1j * phases)], axis=1), np.array(centres), rcond=None
+    )
+    assert fit[1].real > 10
+    assert abs(fit[1].imag) < 0.1 * fit[1].real
+    assert np.sqrt(residual[0].real) < 0.1 * fit[1].real
+
+
+@pytest.mark.parametrize("backend", ["iga"])
+def test_an_animation_is_a_small_endless_period(result, tmp_path):
+    unstable = with_growth(result, [0.0, 0.7])
+    picture, animation = draw_modes(unstable, 1, tmp_path, animated=True)
+    assert (picture.name, animation.name) == ("mode_iga_2.png", "mode_iga_2.gif")
+    assert animation.stat().st_size < 2_000_000
+    with Image.open(animation) as image:
+        assert (image.format, image.n_frames, image.info["loop"]) == ("GIF", 24, 0)
+        frames = []
+        for frame in range(24):
+            image.seek(frame)
+            frames.append(np.asarray(image.convert("RGB"), dtype=int))
+    changes = [np.abs(a - b).mean() for a, b in zip(frames, np.roll(frames, -1, 0), strict=True)]
+    assert min(changes) > 0
+    # The last frame leads back to the first one.
+    assert changes[-1] < 2 * max(changes[:-1])
+    assert np.abs(frames[12] - frames[0]).mean() > 0.5 * max(changes)
+    still = Image.open(picture).convert("RGB").resize((750, 450))
+    assert np.abs(np.asarray(still, dtype=int) - frames[0]).mean() < 8
+
+
+def test_a_static_scene_has_no_modes_to_draw(result, tmp_path):
+    with pytest.raises(InputError, match=r"output\.pictures"):
+        draw_modes(replace(result, modes=None), 1, tmp_path)

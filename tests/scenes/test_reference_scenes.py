@@ -1,0 +1,233 @@
+"""Scenes of problems with known eigenvalues, on both backends and in every formulation."""
+
+import numpy as np
+import pytest
+from reference_data import (
+    BLOCK_BODIES,
+    DRUM_BODIES,
+    both_signs,
+    compare,
+    eigenvalues,
+    exact,
+    solve,
+    stored,
+    whole_ring,
+)
+
+from exact_cea.reference import exact_eigenvalues, whole_spectrum
+
+BOUNDS = {
+    ("fe", "collocation"): 8e-3,
+    ("fe", "weighted collocation"): 5e-4,
+    ("fe", "grid"): 5e-3,
+    ("iga", "collocation"): 2e-2,
+    ("iga", "weighted collocation"): 8e-4,
+    ("iga", "grid"): 5e-3,
+}
+"""Relative errors allowed on the meshes of the scenes; 4e-5 otherwise.
+
+The largest belong to modes of the blocks near a coalescence, where errors go by their square root.
+"""
+
+HIGHEST = {"drum": 2.7, "blocks": 2.9, "blocks_constant_mu": 2.9}
+PLANE = sorted(HIGHEST)
+
+
+def overrides(**fields):
+    return [f"contacts.interface.{name}={value}" for name, value in fields.items()]
+
+
+def toml(formulation):
+    fields = (
+        f"{name} = {value!r}" if isinstance(value, str) else f"{name} = {value}"
+        for name, value in formulation.items()
+    )
+    return f"{{{', '.join(fields)}}}"
+
+
+def fine_enough(formulation, backend):
+    """Formulations as they come, but a grid that is as dense on a patch as on its elements."""
+    if formulation["method"] == "grid" and backend == "iga":
+        return formulation | {"points": 40}
+    return formulation
+
+
+@pytest.mark.parametrize("scene", ["drum", "blocks"])
+def test_every_formulation_finds_the_exact_spectrum(scene, backend, formulation, request):
+    highest = HIGHEST[scene]
+    kind = request.node.callspec.params["formulation"]
+    chosen = toml(fine_enough(formulation, backend))
+    found = compare(
+        solve(scene, highest, overrides(formulation=chosen), backend),
+        exact(scene, highest),
+        highest,
+    )
+    assert found.complete
+    assert found.errors.max() < BOUNDS.get((backend, kind), 4e-5)
+
+
+@pytest.mark.parametrize("scene", ["drum", "blocks"])
+@pytest.mark.parametrize("full_pass", ["false", "true"])
+def test_lumped_blocks_cost_accuracy_on_splines_only(scene, backend, full_pass):
+    """Splines of a side overlap more widely than its points resolve: lumping widens contact."""
+    fields = {"formulation": "{method = 'gpts', points = 6, lumped = true}"}
+    found = compare(
+        solve(scene, HIGHEST[scene], overrides(full_pass=full_pass, **fields), backend),
+        exact(scene, HIGHEST[scene]),
+        HIGHEST[scene],
+    )
+    assert found.complete
+    assert found.errors.max() < {"fe": 1e-4, "iga": 3e-2}[backend]
+
+
+@pytest.mark.parametrize("scene", ["drum", "blocks"])
+@pytest.mark.parametrize("method", ["segments", "mortar"])
+@pytest.mark.parametrize("fields", [{"full_pass": "true"}, {"form": "'saddle'"}])
+def test_full_pass_and_saddle_form_of_the_yardsticks(scene, backend, method, fields):
+    chosen = {"formulation": f"{{method = '{method}'}}"} | fields
+    found = compare(
+        solve(scene, HIGHEST[scene], overrides(**chosen), backend),
+        exact(scene, HIGHEST[scene]),
+        HIGHEST[scene],
+    )
+    assert found.complete
+    assert found.errors.max() < 4e-5
+
+
+@pytest.mark.parametrize(
+    ("p", "mu", "highest"), [(0.1, "0.7", 2.2), (1000.0, "0.3", 2.6), (1000.0, "0.7", 2.6)]
+)
+def test_the_drum_at_other_stiffness_and_friction_does_not_lock(backend, p, mu, highest):
+    found = compare(
+        solve("drum", highest, overrides(p=p, mu=mu), backend),
+        exact("drum", highest, p=p, mu=mu),
+        highest,
+    )
+    assert found.complete
+    assert found.errors.max() < 3e-5
+
+
+@pytest.mark.parametrize(("p", "mu"), [("1", "1"), ("10", "0.3"), ("10", "1")])
+def test_the_blocks_at_stored_stiffness_and_friction(backend, p, mu):
+    entry = next(
+        entry
+        for entry in stored("blocks_sine_mu")
+        if (entry["p"], entry["mu0"], entry["kz"]) == (p, mu, None)
+    )
+    highest = 2.8
+    fields = overrides(p=float(p), mu=f"'{mu}*sin(pi*x/2)'")
+    found = compare(solve("blocks", highest, fields, backend), eigenvalues(entry), highest)
+    assert found.complete
+    assert found.errors.max() < 1e-5
+
+
+@pytest.mark.parametrize("side_a", ["fe", "iga"])
+@pytest.mark.parametrize(
+    ("scene", "bodies"), [("drum", DRUM_BODIES), ("blocks", BLOCK_BODIES)], ids=["drum", "blocks"]
+)
+@pytest.mark.parametrize("method", ["gpts", "segments", "mortar"])
+def test_a_nurbs_body_on_a_lagrange_body_both_ways_round(scene, bodies, side_a, method):
+    other = {"fe": "iga", "iga": "fe"}[side_a]
+    backends = [
+        f"bodies.{name}.backend='{b}'" for name, b in zip(bodies, (side_a, other), strict=True)
+    ]
+    formulation = "{method='gpts', points=6}" if method == "gpts" else f"{{method='{method}'}}"
+    found = compare(
+        solve(scene, HIGHEST[scene], [*backends, *overrides(formulation=formulation)]),
+        exact(scene, HIGHEST[scene]),
+        HIGHEST[scene],
+    )
+    assert found.complete
+    assert found.errors.max() < 4e-5
+
+
+@pytest.mark.parametrize("scene", ["drum", "blocks"])
+def test_triangles(scene):
+    mesh = "{cell = 'triangle', degree = 3, size = 0.2}"
+    meshes = [
+        f"bodies.{body}.mesh.fe={mesh}"
+        for body in {"drum": DRUM_BODIES, "blocks": BLOCK_BODIES}[scene]
+    ]
+    found = compare(
+        solve(scene, HIGHEST[scene], meshes, "fe"), exact(scene, HIGHEST[scene]), HIGHEST[scene]
+    )
+    assert found.complete
+    assert found.errors.max() < 1e-4
+
+
+def test_an_order_and_its_mirror_image_grow_with_opposite_signs(backend):
+    highest = 2.7
+    modes = solve("drum", highest, overrides(mu=0.7), backend)
+    for entry in stored("drum_2d"):
+        if (entry["p"], entry["mu"]) == ("1", "0.7"):
+            values = both_signs(eigenvalues(entry), entry["m"])
+            found = compare(modes, values, highest)
+            assert not len(found.missing)
+            assert found.errors.max() < 4e-5
+
+
+def test_the_drum_in_space(backend):
+    """Below 2.1 live plane strain and one wave along z."""
+    highest = 2.05
+    beyond = 1.02 * highest
+    values = [whole_spectrum("drum", max_frequency=beyond, p=1, mu="0.7").values]
+    for entry in stored("drum_3d"):
+        if entry["p"] == "1":
+            values.append(both_signs(eigenvalues(entry), entry["m"]))
+    for m in (0, 4, 5):
+        one = exact_eigenvalues("drum", m=m, kz="pi", mu="0.7", max_frequency=beyond)
+        values.append(both_signs(one, m))
+    found = compare(solve("drum_3d", highest, backend=backend), np.concatenate(values), highest)
+    assert found.complete
+    assert found.errors.max() < {"fe": 5e-3, "iga": 5e-4}[backend]
+
+
+def test_the_blocks_in_space(backend):
+    """Plane strain and one wave along z, each with its own exact list."""
+    highest = 2.0
+    modes = solve("blocks_3d", highest, backend=backend)
+    for entry in stored("blocks_sine_mu"):
+        if (entry["p"], entry["mu0"]) == ("1", "0.7"):
+            found = compare(modes, eigenvalues(entry), highest)
+            assert not len(found.missing)
+            assert found.errors.max() < {"fe": 4e-3, "iga": 7e-4}[backend]
+
+
+@pytest.mark.slow
+def test_the_blocks_in_space_show_every_wave_along_z(backend):
+    highest = 2.15
+    values = whole_spectrum("blocks", depth=2, max_frequency=1.05 * highest, p=1, mu="0.7").values
+    found = compare(solve("blocks_3d", highest, backend=backend), values, highest)
+    assert found.complete
+    assert found.errors.max() < {"fe": 4e-3, "iga": 7e-4}[backend]
+
+
+def ring_is_found(backend, highest, bound, meshes=()):
+    modes = solve("ring", highest, meshes, backend)
+    found = compare(modes, whole_ring(), highest)
+    assert found.complete
+    assert found.errors.max() < bound
+    # The disc turns freely: one eigenvalue is zero.
+    assert np.sum(np.abs(modes.eigenvalues) < 1e-4 * highest) == 1
+
+
+def test_the_ring(backend):
+    numbers = {"pad": [2, 20, 1], "disc": [2, 24, 1]}
+    mesh = {"fe": "elements={}", "iga": "degree=[3, 3, 3], elements={}"}[backend]
+    meshes = [f"bodies.{body}.mesh.{backend}={{{mesh.format(n)}}}" for body, n in numbers.items()]
+    ring_is_found(backend, 66e3, {"fe": 3e-2, "iga": 2e-3}[backend], meshes)
+
+
+@pytest.mark.slow
+def test_the_ring_on_the_meshes_of_its_scene(backend):
+    ring_is_found(backend, 75e3, {"fe": 8e-3, "iga": 5e-4}[backend])
+
+
+@pytest.mark.parametrize("scene", PLANE)
+def test_backends_agree_better_than_either_must_with_the_exact_values(scene):
+    highest = HIGHEST[scene]
+    fe, iga = (solve(scene, highest, backend=backend) for backend in ("fe", "iga"))
+    found = compare(fe, iga.eigenvalues, highest)
+    assert found.complete
+    assert found.errors.max() < 1e-5
+    np.testing.assert_array_equal(fe.unstable(1e-4), iga.unstable(1e-4))

@@ -1,0 +1,86 @@
+"""What a scene does not need is neither computed nor imported, and the result says so."""
+
+import subprocess
+import sys
+
+import pytest
+from blocks import assemble, two_blocks
+
+import cea.eigen.krylov_schur
+from scenes.run import run_scene, skipped_by
+from scenes.spec import read_scene
+
+GPTS = {"method": "gpts", "points": 3}
+
+
+def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, monkeypatch):
+    taken = []
+    original = cea.eigen.krylov_schur._shift_invert
+
+    def recorded(*arguments, symmetric):
+        taken.append(symmetric)
+        return original(*arguments, symmetric=symmetric)
+
+    monkeypatch.setattr(cea.eigen.krylov_schur, "_shift_invert", recorded)
+    results = {
+        mu: run_scene(read_scene(two_blocks(backend, GPTS, held=True, mu=mu))) for mu in (0.0, 0.4)
+    }
+    assert taken == [True, False]
+    assert results[0.0].system.contacts[0].slip is None
+    assert results[0.0].system.contacts[0].friction is None
+    assert results[0.4].system.contacts[0].slip is not None
+    assert "friction" in results[0.0].skipped
+    assert "friction" not in results[0.4].skipped
+
+
+def test_leaving_friction_out_changes_no_frequency(backend):
+    scene = read_scene(two_blocks(backend, GPTS, held=True, mu=0.0))
+    lean, full = run_scene(scene), run_scene(scene, leave_out=False)
+    assert full.system.contacts[0].slip is not None
+    assert full.modes.frequencies == pytest.approx(lean.modes.frequencies, rel=1e-8)
+
+
+def test_static_scenes_assemble_no_mass(backend):
+    data = two_blocks(backend, GPTS, held=True, mu=0.0)
+    data["analysis"] = {"kind": "static", "samples": 5}
+    data["loads"] = [{"surface": "upper.x_min", "pressure": 1.0}]
+    for body in data["bodies"].values():
+        del body["material"]["rho"]
+    result = run_scene(read_scene(data))
+    assert result.system.mass is None
+    assert {"mass", "eigenvalues"} <= set(result.skipped)
+    assert assemble(data | {"loads": []}).mass is None
+
+
+def test_scene_without_contacts_searches_nothing(backend):
+    data = two_blocks(backend, GPTS, held=True)
+    del data["contacts"], data["bodies"]["upper"]
+    result = run_scene(read_scene(data))
+    assert result.interfaces == {}
+    assert {"search", "friction"} <= set(result.skipped)
+
+
+def test_known_contact_stiffness_needs_no_newton(backend):
+    assert "newton" in skipped_by(read_scene(two_blocks(backend, GPTS)))
+
+
+@pytest.mark.parametrize(
+    ("backend", "absent"),
+    [("iga", {"gmsh", "pyvista", "vtk", "dolfinx", "fe_cea"}), ("fe", {"pyvista", "iga_cea"})],
+)
+def test_nothing_unused_is_imported(backend, absent, tmp_path):
+    code = (
+        "import sys; sys.argv = ['cea', 'run', 'patch_test', '--backend', sys.argv[1],"
+        "'--set', 'contacts.interface.formulation.points=3', '--set', 'analysis.samples=4',"
+        "'--out', sys.argv[2]]\n"
+        "from comparisons.cli.app import app\n"
+        "app(standalone_mode=False)\n"
+        "print('imported', *sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, backend, str(tmp_path)], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    imported = set(done.stdout.split("imported", 1)[1].split())
+    assert {"petsc4py", "scenes.run"} <= imported
+    assert not absent & imported

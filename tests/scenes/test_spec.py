@@ -1,0 +1,94 @@
+"""Scenes: what is accepted, and that every fault is one clear line before work begins."""
+
+from pathlib import Path
+
+import pytest
+
+from scenes.spec import SCENES, SceneError, load_scene
+
+MU = "contacts.pad_disc.mu"
+
+
+@pytest.mark.parametrize("name", sorted(p.stem for p in SCENES.glob("*.toml")))
+@pytest.mark.parametrize("backend", ["fe", "iga"])
+def test_every_scene_reads_on_both_backends(name, backend):
+    scene = load_scene(Path(name), backend=backend)
+    assert scene.name == name
+    assert {body.backend for body in scene.bodies.values()} == {backend}
+
+
+def test_overrides_reach_any_field():
+    scene = load_scene(
+        Path("disc_pad"),
+        [f"{MU}=0.3", "bodies.pad.backend=fe", "bodies.disc.mesh.iga.elements=[5, 16, 1]"],
+    )
+    assert scene.contacts["pad_disc"].mu == 0.3
+    assert scene.bodies["pad"].backend == "fe"
+    assert scene.bodies["disc"].backend == "iga"
+    assert scene.bodies["disc"].mesh.iga.elements == (5, 16, 1)
+
+
+@pytest.mark.parametrize(
+    ("override", "field", "value", "allowed"),
+    [
+        (f"{MU}=-1", MU, "-1", "greater than or equal to 0"),
+        (f"{MU}='much'", MU, "'much'", "number"),
+        (f"{MU}=nan", MU, "nan", "finite"),
+        ("bodies.pad.material.rho=-2500", "bodies.pad.material.rho", "-2500", "positive"),
+        ("bodies.pad.material={E=8e9,nu=0.3}", "bodies.pad.material.rho", "None", "density"),
+        ("bodies.pad.material.nu=0.5", "bodies.pad.material.nu", "0.5", "-1 and 0.5"),
+        ("bodies.pad.materail={}", "bodies.pad.materail", "{}", "no such field"),
+        ("bodies.pad.geometry.outer_radius=0.01", "outer_radius", "0.01", "more than inner_radius"),
+        ("bodies.pad.geometry.shape=cone", "bodies.pad.geometry", "cone", "'annulus', 'sector'"),
+        ("bodies.pad.mesh.iga.elements=[6, 11]", "mesh.iga.elements", "(6, 11)", "r, theta, z"),
+        ("bodies.pad.supports=[{surface='back'}]", "bodies.pad.supports.0.surface", "back", "top"),
+        ("contacts.pad_disc.a=pad.botom", "contacts.pad_disc.a", "pad.botom", "pad.bottom"),
+        ("contacts.pad_disc.b=pad.top", "contacts.pad_disc.b", "pad.top", "another body"),
+        ("contacts.pad_disc.p=1e12", "contacts.pad_disc.P", "1000000000.0", "not both"),
+        ("contacts.pad_disc.formulation={method='node_to_surface'}",
+         "contacts.pad_disc.formulation.method", "node_to_surface", "greville"),
+        ("contacts.pad_disc.friction_direction_on_a=7",
+         "contacts.pad_disc.friction_direction_on_a", "7", "object"),
+        ("bodies.pad.mesh.fe.cell=triangle", "bodies.pad.mesh.fe.size", "None", "triangle"),
+        ("bodies.pad.mesh.fe.cell=quadrilateral", "mesh.fe.cell", "quadrilateral", "hexahedron"),
+        ("bodies.pad.mesh.fe.cell=tetrahedron", "bodies.pad.mesh.fe.size", "None", "tetrahedron"),
+        ("analysis.max_frequency=0", "analysis.max_frequency", "0", "greater than 0"),
+        ("loads=[{surface='pad.side',pressure=1.0}]", "loads.0.surface", "pad.side", "pad.top"),
+    ],
+)  # fmt: skip
+def test_faults_name_field_value_and_what_is_allowed(override, field, value, allowed):
+    with pytest.raises(SceneError) as caught:
+        load_scene(Path("disc_pad"), [override])
+    lines = str(caught.value).splitlines()
+    assert len(lines) == 1
+    place, _, rest = lines[0].partition(" = ")
+    assert place.endswith(field)
+    assert value in rest.partition(": ")[0] or value in rest
+    assert allowed in rest
+
+
+def test_every_fault_is_told_at_once():
+    with pytest.raises(SceneError) as caught:
+        load_scene(Path("disc_pad"), [f"{MU}=-1", "bodies.pad.material.E=0"])
+    assert len(caught.value.faults) == 2
+
+
+@pytest.mark.parametrize("name", ["no_such_scene", "no/such/file.toml"])
+def test_missing_scene_names_those_there_are(name):
+    with pytest.raises(SceneError, match=r"disc_pad, .*patch_test"):
+        load_scene(Path(name))
+
+
+@pytest.mark.parametrize("field", ["mu", "p"])
+@pytest.mark.parametrize("text", ["much", "x +", "__import__('os').getcwd()", "import os"])
+def test_expressions_that_are_none_are_refused(field, text):
+    scene = [f'{MU.removesuffix("mu")}{field}="{text}"']
+    with pytest.raises(SceneError, match=r"an expression in x, y, z, r, theta"):
+        load_scene(Path("disc_pad"), scene)
+
+
+def test_broken_toml_is_one_line(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text("name = ")
+    with pytest.raises(SceneError, match="valid TOML"):
+        load_scene(file)
