@@ -1,6 +1,4 @@
-"""What both backends share: contact algebra, coupled matrices, the eigenvalue driver.
+"""What both backends share: contact algebra, coupled matrices, eigenvalue drivers.
 
-Importing this package brings the PETSc stack into a safe order, once, for every other module.
+Importing this package costs nothing: :mod:`cea.petsc` brings in PETSc, where it is used.
 """
-
-import dolfinx_solver  # noqa: F401  (orders MPI ahead of petsc4py, slepc4py and dolfinx)

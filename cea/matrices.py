@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from scipy.sparse import csr_array
 
 from cea.body import Body, Floats
+from cea.petsc import PETSc
 
 
 def distributed(rows: csr_array, columns: tuple[int, int], comm: Any) -> Any:

@@ -1,3 +1,1 @@
-"""Scenes, runs, comparisons and reports: the room that knows all others."""
-
-import cea  # noqa: F401  (brings the PETSc stack into a safe order ahead of mpi4py)
+"""Applications on top of scenes: comparisons, studies, and the command line."""

@@ -1,9 +1,9 @@
 """Backend: Lagrange finite elements on meshes of triangles, quadrilaterals, tetrahedra, hexahedra.
 
-Importing `cea` before anything else here brings the PETSc stack into a safe order.
+PETSc is brought in before anything here imports dolfinx.
 """
 
-import cea  # noqa: F401
+import cea.petsc  # noqa: F401
 from fe_cea.body import FEBody
 from fe_cea.surface import FESurface
 

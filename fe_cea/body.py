@@ -6,8 +6,6 @@ from typing import Any, Self
 
 from dolfinx.fem import functionspace
 from dolfinx.fem.petsc import assemble_matrix, assemble_vector
-from mpi4py import MPI
-from petsc4py import PETSc
 from scipy.sparse import csr_array
 
 from cea.body import VolumeCells, VolumeSample
@@ -15,6 +13,7 @@ from cea.checks import check_boundary, check_density, check_jacobians
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import symmetrised
+from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
 from cea.supports.boundary import Pressure, Spring, Support
 from cea.supports.constraints import Constraints

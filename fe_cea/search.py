@@ -9,9 +9,9 @@ import basix.ufl
 import numpy as np
 from dolfinx.geometry import bb_tree, compute_collisions_points
 from dolfinx.mesh import create_mesh
-from mpi4py import MPI
 
 from cea.body import Floats, Ints
+from cea.petsc import MPI
 from fe_cea.facets import FacetLayer
 
 _BULGE_SAFETY = 1.1

@@ -13,9 +13,9 @@ matrix with its own transpose is exactly symmetric, and so is all that follows.
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from cea.body import Floats
+from cea.petsc import PETSc
 from iga_cea.multipatch import Multipatch
 from iga_cea.pattern import Pattern
 from iga_cea.quadrature import batches

@@ -6,8 +6,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
-from petsc4py import PETSc
 from scipy.sparse import csr_array, diags_array, kron, vstack
 
 from cea.body import Floats, VolumeCells, VolumeSample
@@ -15,6 +13,7 @@ from cea.checks import check_boundary, check_density
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import symmetrised
+from cea.petsc import MPI, PETSc
 from cea.supports.boundary import Pressure, Spring, Support
 from cea.supports.constraints import Constraints
 from iga_cea import assembly

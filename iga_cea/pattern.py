@@ -10,9 +10,9 @@ from functools import reduce
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from cea.body import Floats, Ints
+from cea.petsc import PETSc
 from iga_cea.multipatch import Multipatch
 from iga_cea.patch import Patch
 

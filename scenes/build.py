@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 
 from cea.body import Body, Floats
 from cea.contact.formulations import coupling_of
@@ -14,6 +13,7 @@ from cea.contact.interface import Interface, default_reach, pair
 from cea.contact.operators import ContactLaw
 from cea.errors import InputError
 from cea.fields import Expression, evaluate
+from cea.petsc import MPI
 from cea.supports.boundary import Pressure
 from cea.system.coupled import CoupledSystem, HalfPass, couple
 from cea.timing import StageTimer

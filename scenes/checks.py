@@ -2,16 +2,14 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import ValidationError
 
 from cea.checks import check_density, check_surface
 from cea.errors import InputError
 from meshes.errors import ShapeError
-
-if TYPE_CHECKING:
-    from scenes.spec import BodySpec, ContactSpec, Scene
+from scenes.spec import BodySpec, ContactSpec, Scene
 
 
 def faults_told_by(error: ValidationError) -> list[InputError]:
@@ -49,7 +47,7 @@ def _place(path: Sequence[str | int]) -> str:
     return ".".join(map(str, written))
 
 
-def cross_checks(scene: "Scene") -> Iterable[InputError]:
+def cross_checks(scene: Scene) -> Iterable[InputError]:
     """Faults between fields, each of which is right by itself."""
     if not scene.bodies:
         yield InputError("bodies", {}, "at least one body")
@@ -73,7 +71,7 @@ def cross_checks(scene: "Scene") -> Iterable[InputError]:
 _CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
 
 
-def _mesh_checks(place: str, body: "BodySpec") -> Iterable[InputError]:
+def _mesh_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     """Meshes that do not suit the dimension of the shape."""
     directions = body.geometry.directions
     dim, names = len(directions), ", ".join(directions)
@@ -93,7 +91,7 @@ def _mesh_checks(place: str, body: "BodySpec") -> Iterable[InputError]:
             yield InputError(f"{place}.mesh.{name}", values, f"one number for each of {names}")
 
 
-def _body_checks(place: str, body: "BodySpec") -> Iterable[InputError]:
+def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     yield from _mesh_checks(place, body)
     if getattr(body.mesh, body.backend) is None:
         yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
@@ -106,7 +104,7 @@ _ONE_BACKEND = {"greville": "iga", "botella": "iga", "node_to_surface": "fe"}
 """Formulations whose points are abscissae of one backend's traces."""
 
 
-def _formulation_checks(scene: "Scene", name: str, contact: "ContactSpec") -> Iterable[InputError]:
+def _formulation_checks(scene: Scene, name: str, contact: ContactSpec) -> Iterable[InputError]:
     """Abscissae that the side they are asked of does not have."""
     method = contact.formulation.method
     for side in ("a", "b") if contact.full_pass else ("a",):

@@ -91,8 +91,7 @@ def describe_modes(modes: Modes, growth_threshold: float) -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """Versions of Python and of the packages that matter for numbers."""
-    from petsc4py import PETSc
-    from slepc4py import SLEPc
+    from cea.petsc import PETSc, SLEPc
 
     found = {"python": platform.python_version()}
     for name, package in _PACKAGES.items():

@@ -3,7 +3,7 @@
 import pytest
 from blocks import ROTATED
 
-import cea  # noqa: F401  (brings the PETSc stack into a safe order before any test imports it)
+import cea.petsc  # noqa: F401  (ahead of anything that imports PETSc, MPI or dolfinx)
 
 
 @pytest.fixture(params=["fe", "iga"])

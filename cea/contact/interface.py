@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from scipy.sparse import csr_array
 
 from cea.body import Floats, Location, Status, Surface, SurfacePoints
 from cea.checks import check_coverage
 from cea.errors import InputError
+from cea.petsc import MPI
 from cea.ranks import agreed
 
 _QUADRATURE = 1e-3

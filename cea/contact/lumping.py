@@ -10,8 +10,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
-from petsc4py import PETSc
 from scipy.sparse import bsr_array, csr_array
 
 from cea.body import Body, Floats
@@ -25,6 +23,7 @@ from cea.matrices import (
     system_operator,
     total,
 )
+from cea.petsc import MPI, PETSc
 
 
 def lumped_matrices(

@@ -12,12 +12,12 @@ for G = R^T B and T = R^T B_k: the same algebra as that of a point rule, a row f
 from dataclasses import dataclass
 
 import numpy as np
-from mpi4py import MPI
 from scipy.linalg import eigh
 from scipy.sparse import csr_array, diags_array
 
 from cea.body import Floats
 from cea.contact.interface import Interface, along, local_rows
+from cea.petsc import MPI
 
 _NEGLIGIBLE = 1e-12
 """Multipliers whose share of the overlap is below this part of the largest are dropped."""

@@ -7,12 +7,12 @@ vectors is kept beside them.
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from cea.body import Floats
 from cea.eigen.modes import Complexes, Modes, Window
 from cea.eigen.pencil import BorderedSolver
 from cea.matrices import destroy
+from cea.petsc import PETSc
 
 _BLOCK = 64
 """Columns at a time."""

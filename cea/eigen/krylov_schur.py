@@ -8,8 +8,6 @@ bodies; contact forces may be unknowns beside them (:mod:`cea.contact.saddle`).
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
-from slepc4py import SLEPc
 
 from cea.body import Floats
 from cea.contact.saddle import Multipliers
@@ -18,6 +16,7 @@ from cea.eigen.modes import Complexes, Modes, Window
 from cea.eigen.pencil import BorderedSolver, Pencil
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
+from cea.petsc import PETSc, SLEPc
 from cea.timing import StageTimer
 
 _MARGIN = 1.05

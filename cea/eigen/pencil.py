@@ -12,12 +12,12 @@ no mass, and the Krylov space stays one of displacements.
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from cea.body import Floats
 from cea.contact.saddle import Multipliers
 from cea.errors import ConvergenceError
 from cea.matrices import destroy
+from cea.petsc import PETSc
 
 _DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 

@@ -2,11 +2,10 @@
 
 from typing import Any
 
-from petsc4py import PETSc
-
 from cea.contact.saddle import Multipliers
 from cea.eigen.pencil import Pencil
 from cea.errors import ConvergenceError
+from cea.petsc import PETSc
 from cea.timing import StageTimer
 
 _SINGULAR = "the stiffness is singular: the bodies are not held by supports and contacts"

@@ -15,13 +15,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from scipy.sparse import coo_array, csr_array, hstack
 from scipy.sparse.linalg import splu
 
 from cea.body import Floats, Ints
 from cea.errors import InputError
 from cea.matrices import distributed
+from cea.petsc import PETSc
 from cea.supports.directions import Directions, complement, orthonormal
 
 _NEGLIGIBLE = 1e-14

@@ -9,13 +9,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from petsc4py import PETSc
-
 from cea.body import Body, Floats
 from cea.contact.interface import Interface
 from cea.contact.operators import Contact, ContactLaw, assemble_contact
 from cea.contact.saddle import Multipliers, multipliers_of
 from cea.matrices import block_diagonal, destroy, gather, total
+from cea.petsc import PETSc
 
 
 @dataclass(frozen=True)

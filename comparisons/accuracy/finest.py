@@ -18,8 +18,9 @@ import numpy as np
 from cea.eigen.eigenvalue_matching import match_spectrum
 from cea.eigen.modes import Complexes, Modes
 from exact_cea.reference import exact_eigenvalues
+from scenes.read import load_scene
 from scenes.run import run_scene
-from scenes.spec import Backend, load_scene
+from scenes.spec import Backend
 
 Data = dict[str, Any]
 

@@ -15,8 +15,8 @@ from cea.eigen.eigenvalue_matching import match_spectrum
 from cea.eigen.modes import Complexes
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, overrides
+from scenes.read import load_scene
 from scenes.run import SceneResult, run_scene
-from scenes.spec import load_scene
 
 REACH = 0.25
 """Relative distance at which a computed eigenvalue no longer stands for an exact one."""

@@ -6,9 +6,8 @@ from dataclasses import asdict
 from time import perf_counter
 from typing import Any, Protocol
 
-from mpi4py import MPI
-
 from cea.errors import InputError
+from cea.petsc import MPI
 from comparisons.accuracy.exact_lists import exact
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, Study, cases

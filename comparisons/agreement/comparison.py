@@ -1,7 +1,7 @@
 """The main comparison: both scenes on both backends with every formulation, and the disc alone."""
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from cea.body import Body
 from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.timing import StageTimer
+from comparisons.kit.progress import Progress
 from scenes.build import build_bodies
+from scenes.read import load_scene
 from scenes.results import describe, machine, versions
 from scenes.run import SceneResult, run_scene
 from scenes.run_matching import match_unstable
-from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec, Scene, load_scene
-
-BACKENDS: tuple[Backend, ...] = ("fe", "iga")
+from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
+from scenes.variants import BACKENDS, on_backend, with_contact
 
 EXPECTED_OSCILLATION = {
     ("greville", 25, 1e14): 1722.0,
@@ -31,28 +32,10 @@ EXPECTED_OSCILLATION = {
 prototype: by formulation, number of points and P (N/m)."""
 
 
-@dataclass(frozen=True)
-class Progress:
-    """Where progress is shown: one call as a step begins, one for each stage in it."""
-
-    step: Callable[[str], None]
-    stage: Callable[[str], None]
-
-
 def formulations(backend: Backend, grid: int, gauss: Iterable[int]) -> list[Formulation]:
     """Collocation in the manner of the backend, a grid, and GPTS with several point numbers."""
     collocation = NodeToSurface() if backend == "fe" else Greville()
     return [collocation, Grid(grid), *(GaussPointToSurface(n) for n in gauss)]
-
-
-def on_backend(scene: Scene, backend: Backend) -> Scene:
-    """The scene with every body on one backend."""
-    return replace(scene, bodies={n: replace(b, backend=backend) for n, b in scene.bodies.items()})
-
-
-def with_contact(scene: Scene, **changes: Any) -> Scene:
-    """The scene with changed fields of every contact."""
-    return replace(scene, contacts={n: replace(c, **changes) for n, c in scene.contacts.items()})
 
 
 def compare(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResult]]:

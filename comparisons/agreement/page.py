@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from mpi4py import MPI
-
+from cea.petsc import MPI
 from comparisons.agreement import figures, tables, words
 from comparisons.kit import provenance
 from comparisons.kit.page import Image, render

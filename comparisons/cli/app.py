@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
-from mpi4py import MPI
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from cea.petsc import MPI
 from comparisons.cli.exact import app as exact_app
 from comparisons.cli.ranks import one_voice
 
@@ -36,9 +36,9 @@ def run(
     out: _Out = Path("results/run"),
 ) -> None:
     """Run one scene and write its result.json."""
+    from scenes.read import load_scene
     from scenes.results import describe, write_json
     from scenes.run import run_scene
-    from scenes.spec import load_scene
 
     with console.status("reading the scene") as status:
         result = run_scene(
@@ -75,9 +75,9 @@ def run(
 def compare(out: _Out = Path("results/compare")) -> None:
     """Run both scenes on both backends with every formulation and write the report."""
     from comparisons.agreement import tables
-    from comparisons.agreement.comparison import Progress
     from comparisons.agreement.comparison import compare as run_comparison
     from comparisons.agreement.page import write_report
+    from comparisons.kit.progress import Progress
 
     with console.status("compare") as status:
         step = ""
@@ -112,7 +112,7 @@ def figure(
     ] = False,
 ) -> None:
     """Make a figure of the paper: data, pictures, and its numbers beside those of the text."""
-    from comparisons.agreement.comparison import Progress
+    from comparisons.kit.progress import Progress
     from comparisons.paper.both_backends import make_both
     from comparisons.paper.registry import chosen
     from comparisons.paper.store import make_figure
@@ -139,7 +139,7 @@ def figure(
 @app.command()
 def claims(out: _Out = Path("results/figures")) -> None:
     """Judge the paper's claims by the figures' data; what is not stored is computed."""
-    from comparisons.agreement.comparison import Progress
+    from comparisons.kit.progress import Progress
     from comparisons.paper.claims.judge import judge, write_claims
 
     with console.status("claims") as status:
@@ -158,9 +158,9 @@ def formulations(
     out: _Out = Path("results/formulations"),
 ) -> None:
     """Patch tests, locking, momentum, numbers of the paper, pairings of backends: one page."""
-    from comparisons.agreement.comparison import Progress
     from comparisons.formulations.page import read_formulations, write_formulations
     from comparisons.formulations.study import run_formulations
+    from comparisons.kit.progress import Progress
 
     with console.status("formulations") as status:
         if redraw:
@@ -221,7 +221,7 @@ def reference(
     out: _Out = Path("results/reference"),
 ) -> None:
     """Show the converged modes of disc_pad, on which both backends agree."""
-    from comparisons.agreement.comparison import Progress
+    from comparisons.kit.progress import Progress
     from comparisons.reference.converged import compute_reference, stored_reference
     from comparisons.reference.table import reference_table
     from scenes.results import write_json

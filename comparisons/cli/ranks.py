@@ -10,7 +10,7 @@ from typing import Any
 
 from cea.errors import ConvergenceError, InputError
 from meshes.errors import ShapeError
-from scenes.spec import SceneError
+from scenes.read import SceneError
 
 _EXPECTED = (SceneError, InputError, ShapeError, ConvergenceError)
 """Faults told in a line each; any other is told with its traceback."""

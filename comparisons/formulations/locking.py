@@ -15,21 +15,15 @@ from typing import Any
 from cea.eigen.eigenvalue_matching import match_spectrum
 from cea.eigen.modes import Complexes
 from cea.timing import StageTimer
-from comparisons.agreement.comparison import BACKENDS, Progress, on_backend
 from comparisons.formulations.timings import summed
 from comparisons.formulations.variants import Variant, variants
+from comparisons.kit.progress import Progress
 from exact_cea.reference import exact_eigenvalues
 from scenes.build import build_bodies
+from scenes.read import load_scene
 from scenes.run import run_scene
-from scenes.spec import (
-    Backend,
-    ComplexEigenvalueAnalysis,
-    FeMesh,
-    IgaMesh,
-    MeshSpec,
-    Scene,
-    load_scene,
-)
+from scenes.spec import Backend, ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec, Scene
+from scenes.variants import BACKENDS, on_backend
 
 _MARGIN = 1.15
 """How far beyond the exact eigenvalues is searched: locked ones lie too high."""

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from petsc4py import PETSc
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import spsolve
 
 from cea.body import Body, Floats
+from cea.petsc import PETSc
 from cea.system.coupled import CoupledSystem
 
 

@@ -5,9 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from mpi4py import MPI
-
 from cea.errors import InputError
+from cea.petsc import MPI
 from comparisons.agreement.tables import Data
 from comparisons.formulations import run_tables as formulations_tables
 from comparisons.formulations import words as formulations_words

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from comparisons.agreement.comparison import Progress
+from comparisons.kit.progress import Progress
 from comparisons.paper.figure import Number
 from comparisons.paper.patch_test.case import EXACT
 from comparisons.paper.registry import FIGURES

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 from math import pi
 from pathlib import Path
 
-from scenes.spec import Backend, LoadSpec, Scene, load_scene
+from scenes.read import load_scene
+from scenes.spec import Backend, LoadSpec, Scene
 
 PRESSURE = 1000.0
 """Exact contact pressure of every patch test (N/m^2)."""

@@ -18,10 +18,10 @@ from cea.errors import ConvergenceError
 from cea.stress import normal_stress
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from comparisons.agreement.comparison import Progress
 from comparisons.formulations.momentum import momentum_defects, rigid_motions
 from comparisons.formulations.patch_problems import MESHES, PRESSURE, PROBLEMS, PatchProblem
 from comparisons.formulations.variants import Variant, variants
+from comparisons.kit.progress import Progress
 from scenes.build import build_bodies, build_interfaces, build_system
 from scenes.spec import Scene
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
 
-from comparisons.agreement.comparison import Progress
 from comparisons.formulations.locking import LockingStudy, run_locking
 from comparisons.formulations.pairings import PairingsStudy, run_pairings
 from comparisons.formulations.paper_numbers import PATCH_FIGURES, run_paper_numbers
 from comparisons.formulations.patch_tests import PatchTestStudy, run_patch_tests
+from comparisons.kit.progress import Progress
 from scenes.results import machine, versions
 
 COMMAND = "formulations"

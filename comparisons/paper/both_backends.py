@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
-from mpi4py import MPI
 from PIL import Image
 
-from comparisons.agreement.comparison import Progress
+from cea.petsc import MPI
+from comparisons.kit.progress import Progress
 from comparisons.paper.figure import Data, PaperFigure
 from comparisons.paper.store import MadeFigure, make_figure, read_data
 from scenes.spec import Backend

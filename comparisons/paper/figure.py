@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from comparisons.agreement.comparison import Progress
 from comparisons.kit.numbers import number
+from comparisons.kit.progress import Progress
 from comparisons.kit.tabular import Column, Table
 from scenes.spec import Backend
 

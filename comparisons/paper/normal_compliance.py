@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from cea.body import Floats
-from comparisons.agreement.comparison import Progress
+from comparisons.kit.progress import Progress
 from comparisons.kit.tabular import Column, Table
 from comparisons.paper.figure import Data, Number
 from comparisons.paper.style import COLOURS, drawing

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
-from mpi4py import MPI
-
-from comparisons.agreement.comparison import Progress
+from cea.petsc import MPI
+from comparisons.kit.progress import Progress
 from comparisons.kit.tabular import Table, compressed
 from comparisons.paper.figure import Data, PaperFigure, numbers_table
 from scenes.results import machine, versions

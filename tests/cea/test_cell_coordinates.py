@@ -11,7 +11,7 @@ from cea.contact.segments import segment_points
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 from scenes.build import build_bodies
-from scenes.spec import load_scene
+from scenes.read import load_scene
 
 
 def sides(scene, overrides, backend):

@@ -10,8 +10,8 @@ from motions import dense
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
+from scenes.read import SceneError, load_scene
 from scenes.run import run_scene
-from scenes.spec import SceneError, load_scene
 
 MAX_FREQUENCY = 1.0
 

@@ -13,7 +13,7 @@ from cea.body import SurfaceCoordinates
 from cea.contact.segments import segment_points
 from cea.timing import StageTimer
 from scenes.build import build_bodies
-from scenes.spec import load_scene
+from scenes.read import load_scene
 
 INNER, OUTER = 0.08, 0.16
 REACH = 0.02

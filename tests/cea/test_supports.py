@@ -27,8 +27,8 @@ from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
 from meshes.shapes import Annulus
 from scenes.build import build_bodies
+from scenes.read import SceneError, read_scene
 from scenes.run import run_scene
-from scenes.spec import SceneError, read_scene
 
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 BOX = {"shape": "box", "size": [1.0, 0.7, 0.4]}

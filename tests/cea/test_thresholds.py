@@ -12,7 +12,7 @@ from cea.errors import ConvergenceError, InputError
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.spec import load_scene
+from scenes.read import load_scene
 
 MESHES = {
     "fe": lambda n: {"upper": [8 * n, 2 * n], "lower": [5 * n, 3 * n]},

@@ -28,7 +28,7 @@ from comparisons.accuracy.study import (
 )
 from comparisons.accuracy.worker import CaseError, Worker
 from exact_cea.reference import exact_eigenvalues
-from scenes.spec import load_scene
+from scenes.read import load_scene
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from dolfinx.mesh import exterior_facet_indices
 
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.timing import StageTimer
-from comparisons.agreement.comparison import Progress
+from comparisons.kit.progress import Progress
 from comparisons.paper.both_backends import make_both
 from comparisons.paper.claims import rules as claim_rules
 from comparisons.paper.claims.claims import CLAIMS
@@ -30,7 +30,7 @@ from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE, NormalComplia
 from comparisons.paper.registry import FIGURES
 from comparisons.paper.store import STORED, make_figure, read_data
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.spec import load_scene
+from scenes.read import load_scene
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 

@@ -7,12 +7,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from comparisons.agreement.comparison import Progress
 from comparisons.formulations.figures import draw_locking
 from comparisons.formulations.locking import LockingStudy, run_locking
 from comparisons.formulations.patch_problems import PRESSURE, PROBLEMS
 from comparisons.formulations.patch_tests import PatchTestStudy, run_patch_tests
 from comparisons.formulations.tables import locking_table, patch_tests_table
+from comparisons.kit.progress import Progress
 from scenes.run import run_scene
 
 QUIET = Progress(lambda step: None, lambda stage: None)

@@ -12,7 +12,6 @@ import pytest
 from report_data import Page
 
 from cea.errors import InputError
-from comparisons.agreement.comparison import Progress
 from comparisons.formulations import words
 from comparisons.formulations.locking import LockingStudy
 from comparisons.formulations.page import read_formulations, tables_of, write_formulations
@@ -20,9 +19,10 @@ from comparisons.formulations.pairings import PairingsStudy, run_pairings
 from comparisons.formulations.paper_numbers import met
 from comparisons.formulations.patch_tests import PatchTestStudy
 from comparisons.formulations.study import FormulationsStudy, run_formulations
+from comparisons.kit.progress import Progress
 from comparisons.paper.figure import Number
+from scenes.read import load_scene
 from scenes.run import run_scene
-from scenes.spec import load_scene
 
 QUIET = Progress(lambda step: None, lambda stage: None)
 BIN = Path(sys.executable).parent

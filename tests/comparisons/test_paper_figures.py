@@ -15,15 +15,15 @@ import pytest
 from cea.contact.formulations import GaussPointToSurface, Greville, NodeToSurface
 from cea.errors import InputError
 from cea.system.contact_stresses import pressure_along, stress_map
-from comparisons.agreement.comparison import Progress
+from comparisons.kit.progress import Progress
 from comparisons.kit.tabular import Column, Table
 from comparisons.paper.figure import Number, numbers_table
 from comparisons.paper.patch_test.case import PatchCase, run_case, shown
 from comparisons.paper.patch_test.quadrature import QUADRATURE, fitted_slope
 from comparisons.paper.registry import FIGURES, chosen
 from comparisons.paper.store import STORED, fingerprint, make_figure, read_data
+from scenes.read import load_scene
 from scenes.run import run_scene
-from scenes.spec import load_scene
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cea.body import Floats
-from comparisons.agreement.comparison import Progress
+from comparisons.kit.progress import Progress
 from comparisons.reference.converged import (
     GROWTH,
     LEVELS,

@@ -10,7 +10,7 @@ import resource
 
 import sys
 
-import cea
+import cea.petsc  # noqa: F401
 import dolfinx
 import numpy as np
 from mpi4py import MPI

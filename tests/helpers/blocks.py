@@ -2,7 +2,7 @@
 
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.spec import read_scene
+from scenes.read import read_scene
 
 ROTATED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
 

@@ -18,10 +18,10 @@ from cea.errors import InputError
 from cea.ranks import agreed
 from cea.timing import StageTimer
 from scenes.build import build_bodies
+from scenes.read import SCENES, load_scene, read_scene
 from scenes.results import describe
 from scenes.run import run_scene
 from scenes.run_matching import complex_displacement
-from scenes.spec import SCENES, load_scene, read_scene
 
 GRID, GPTS = {"method": "grid", "points": 5}, {"method": "gpts", "points": 4}
 

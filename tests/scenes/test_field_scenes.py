@@ -8,7 +8,7 @@ import pytest
 from cea.errors import InputError
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.spec import SceneError, load_scene
+from scenes.read import SceneError, load_scene
 
 
 def law_and_points(scene):

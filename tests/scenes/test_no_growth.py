@@ -7,8 +7,8 @@ import pytest
 from reference_data import compare, exact, solve
 
 from exact_cea.reference import exact_eigenvalues
+from scenes.read import load_scene, read_scene
 from scenes.run import run_scene
-from scenes.spec import load_scene, read_scene
 
 SOFT = {"E": 0.1, "nu": 0.25, "rho": 0.35}
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from scenes.read import SceneError, read_scene
 from scenes.run import run_scene
-from scenes.spec import SceneError, read_scene
 
 HALVES = {
     "shape": "patches",

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
-from comparisons.agreement.comparison import on_backend, with_contact
+from scenes.read import load_scene
 from scenes.run import run_scene
-from scenes.spec import load_scene
+from scenes.variants import on_backend, with_contact
 
 
 def stresses(backend, formulation, P):

@@ -19,8 +19,8 @@ from comparisons.agreement.page import write_report
 from scenes.drawing import Drawing, largest_deflection
 from scenes.paraview import write_paraview
 from scenes.pictures import chosen_modes, draw_modes
+from scenes.read import read_scene
 from scenes.run import run_scene
-from scenes.spec import read_scene
 
 
 def test_largest_deflection_beats_every_phase():

@@ -7,8 +7,8 @@ import pytest
 from blocks import assemble, two_blocks
 
 import cea.eigen.krylov_schur
+from scenes.read import read_scene
 from scenes.run import run_scene, skipped_by
-from scenes.spec import read_scene
 
 GPTS = {"method": "gpts", "points": 3}
 

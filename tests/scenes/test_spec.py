@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from scenes.spec import SCENES, SceneError, load_scene
+from scenes.read import SCENES, SceneError, load_scene
 
 MU = "contacts.pad_disc.mu"
 

@@ -22,9 +22,9 @@ from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.shapes import Annulus, Disc, Ring
 from scenes.paraview import write_paraview
+from scenes.read import read_scene
 from scenes.run import run_scene
 from scenes.run_matching import complex_displacement
-from scenes.spec import read_scene
 from scenes.vtu import cell_grid, in_space, point_grid
 
 RNG = np.random.default_rng(11)

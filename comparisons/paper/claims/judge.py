@@ -6,8 +6,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Literal
 
-from comparisons.agreement.comparison import Progress
 from comparisons.kit.numbers import number
+from comparisons.kit.progress import Progress
 from comparisons.kit.tabular import Column, Table
 from comparisons.paper.disc_pad.case import FAMILIES, Family
 from comparisons.paper.figure import Data

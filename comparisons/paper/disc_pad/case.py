@@ -9,17 +9,10 @@ from typing import Literal
 
 from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.contact.operators import Form
-from comparisons.agreement.comparison import on_backend
 from comparisons.kit.numbers import number
-from scenes.spec import (
-    Backend,
-    ComplexEigenvalueAnalysis,
-    FeMesh,
-    IgaMesh,
-    MeshSpec,
-    Scene,
-    load_scene,
-)
+from scenes.read import load_scene
+from scenes.spec import Backend, ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec, Scene
+from scenes.variants import on_backend
 
 CONTACT = "pad_disc"
 """Name of the contact in the scene."""

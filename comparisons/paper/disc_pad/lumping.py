@@ -18,7 +18,7 @@ from scipy.sparse.linalg import spsolve
 
 from cea.body import Body, Floats, Surface
 from cea.matrices import destroy
-from comparisons.agreement.comparison import Progress
+from comparisons.kit.progress import Progress
 from comparisons.kit.tabular import Column, Table
 from comparisons.paper.disc_pad.case import DISC, FAMILIES, PAD, Family
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED

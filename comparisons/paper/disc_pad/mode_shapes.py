@@ -16,7 +16,7 @@ import numpy as np
 from cea.body import Floats, VolumeSample
 from cea.eigen.modes import Complexes
 from cea.matrices import destroy
-from comparisons.agreement.comparison import Progress
+from comparisons.kit.progress import Progress
 from comparisons.kit.tabular import Column, Table
 from comparisons.paper.disc_pad.case import DISC, FAMILIES, PAD, CeaCase, Family
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, replace
 from math import tau
 from pathlib import Path
 
-from comparisons.agreement.comparison import Progress
+from comparisons.kit.progress import Progress
 from comparisons.kit.tabular import Column, Table
 from comparisons.paper.disc_pad.case import FAMILIES, CeaCase, Family
 from comparisons.paper.disc_pad.diagram_layout import draw_diagrams

@@ -16,12 +16,13 @@ import numpy as np
 from cea.body import Body, Floats
 from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.system.contact_stresses import pressure_along, stress_map
-from comparisons.agreement.comparison import on_backend, with_contact
 from comparisons.kit.numbers import number
 from comparisons.paper.disc_pad.case import FAMILIES, Family
 from comparisons.paper.figure import Data
+from scenes.read import load_scene
 from scenes.run import run_scene
-from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec, Scene, load_scene
+from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec, Scene
+from scenes.variants import on_backend, with_contact
 
 EXACT = -1000.0
 """Normal stress on the interface (N/m^2)."""

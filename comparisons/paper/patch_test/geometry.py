@@ -15,13 +15,14 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-u
 from cea.body import Floats, Surface, SurfaceCoordinates
 from cea.contact.formulations import Greville, Grid
 from cea.timing import StageTimer
-from comparisons.agreement.comparison import Progress, with_contact
+from comparisons.kit.progress import Progress
 from comparisons.kit.tabular import Column, Table
 from comparisons.paper.figure import Data, Number
 from comparisons.paper.patch_test.case import INTERFACE, PatchCase
 from comparisons.paper.style import SIDES, drawing
 from scenes.build import build_bodies, build_interfaces
 from scenes.spec import Backend, Scene
+from scenes.variants import with_contact
 
 _SEEN = {"upper": ("x_max", "y_min", "z_max"), "lower": ("x_max", "y_min")}
 """Faces turned towards the viewer, by body."""

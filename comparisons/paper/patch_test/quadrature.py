@@ -15,7 +15,7 @@ import numpy as np
 
 from cea.body import Body
 from cea.contact.formulations import GaussPointToSurface
-from comparisons.agreement.comparison import Progress
+from comparisons.kit.progress import Progress
 from comparisons.kit.tabular import Column, Table
 from comparisons.paper.figure import Data, Number
 from comparisons.paper.patch_test.case import INTERFACE, PatchCase
