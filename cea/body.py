@@ -21,6 +21,7 @@ from cea.material import IsotropicMaterial
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Complexes = NDArray[np.complex128]
 
 
 class Status(IntEnum):
@@ -346,6 +347,10 @@ class Body(Protocol):
 
     def stiffness(self) -> Any:
         """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
+        ...
+
+    def spring_stiffness(self) -> Any | None:
+        """What springs are of the stiffness, PETSc AIJ (free x free), N/m; None without any."""
         ...
 
     def mass(self) -> Any:

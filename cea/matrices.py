@@ -110,9 +110,17 @@ def symmetrised(matrix: Any) -> Any:
 
 def total(matrices: Sequence[Any]) -> Any:
     """Sum of matrices, a new one."""
-    result = matrices[0].copy()
-    for matrix in matrices[1:]:
-        result.axpy(1.0, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    return scaled_total([(1.0, matrix) for matrix in matrices])
+
+
+def scaled_total(parts: Sequence[tuple[float, Any]]) -> Any:
+    """Sum of factors times matrices, a new one."""
+    factor, first = parts[0]
+    result = first.copy()
+    if factor != 1:
+        result.scale(factor)
+    for factor, matrix in parts[1:]:
+        result.axpy(factor, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     return result
 
 
@@ -122,6 +130,14 @@ def block_diagonal(blocks: Sequence[Any]) -> Any:
     return PETSc.Mat().createNest(
         [[blocks[i] if i == j else None for j in range(n)] for i in range(n)]
     )
+
+
+def empty(columns: tuple[int, int], comm: Any) -> Any:
+    """Square matrix of zeros, PETSc AIJ, with columns of this rank and of all."""
+    matrix = PETSc.Mat().createAIJ((columns, columns), nnz=0, comm=comm)
+    matrix.setUp()
+    matrix.assemble()
+    return matrix
 
 
 def gather(vector: Any, *, everywhere: bool = True) -> Floats:

@@ -19,7 +19,7 @@ from cea.supports.boundary import Pressure, Spring, Support
 from cea.supports.constraints import Constraints
 from fe_cea.cells import lagrange_cells
 from fe_cea.facets import gather_facets
-from fe_cea.forms import mass_form, pressure_form, stiffness_form
+from fe_cea.forms import mass_form, pressure_form, spring_form, stiffness_form
 from fe_cea.gmsh_reader import read_gmsh
 from fe_cea.sampling import cell_jacobians, sample_volume
 from fe_cea.supports import nodal_constraints
@@ -187,10 +187,24 @@ class FEBody:
 
     @cached_property
     def _stiffness(self) -> Any:
-        springs = [(spring, self._surface_tags[spring.surface]) for spring in self._springs]
         return self._assembled(
-            stiffness_form(self._space, self._material, springs, self._facet_tags)
+            stiffness_form(self._space, self._material, self._tagged_springs, self._facet_tags)
         )
+
+    def spring_stiffness(self) -> Any | None:
+        """What springs are of the stiffness, PETSc AIJ (free x free), N/m; None without any."""
+        return self._spring_stiffness
+
+    @cached_property
+    def _spring_stiffness(self) -> Any | None:
+        if not self._springs:
+            return None
+        form = spring_form(self._space, self._tagged_springs, self._facet_tags)
+        return _without_zeros(self._assembled(form))
+
+    @property
+    def _tagged_springs(self) -> list[tuple[Spring, int]]:
+        return [(spring, self._surface_tags[spring.surface]) for spring in self._springs]
 
     def mass(self) -> Any:
         """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.

@@ -3,7 +3,7 @@
 Numbers are dolfinx Constants: a form is compiled once for each element, whatever the material.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -84,11 +84,23 @@ def stiffness_form(
 
     stress = lam * ufl.div(u) * ufl.Identity(dim) + 2 * mu * strain(u)
     a = ufl.inner(stress, strain(v)) * ufl.dx(metadata={"quadrature_degree": stiffness_degree(V)})
+    return compiled(sum(_spring_integrals(V, springs, facet_tags), a))
+
+
+def spring_form(V: Any, springs: Iterable[tuple[Spring, int]], facet_tags: Any) -> Form:
+    """What springs, each with the facet tag of its surface, are of the stiffness, N/m."""
+    first, *others = _spring_integrals(V, springs, facet_tags)
+    return compiled(sum(others, first))
+
+
+def _spring_integrals(
+    V: Any, springs: Iterable[tuple[Spring, int]], facet_tags: Any
+) -> Iterator[Any]:
+    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
     ds = _facet_measure(V, facet_tags, mass_degree(V))
     for spring, tag in springs:
-        k = Constant(mesh, np.asarray(spring.stiffness, dtype=default_scalar_type))
-        a += sum(k[i] * u[i] * v[i] for i in range(dim)) * ds(tag)
-    return compiled(a)
+        k = Constant(V.mesh, np.asarray(spring.stiffness, dtype=default_scalar_type))
+        yield sum(k[i] * u[i] * v[i] for i in range(V.mesh.geometry.dim)) * ds(tag)
 
 
 def mass_form(V: Any, rho: float) -> Form:

@@ -12,7 +12,7 @@ from cea.body import Floats, VolumeCells, VolumeSample
 from cea.checks import check_boundary, check_density
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.matrices import symmetrised
+from cea.matrices import destroy, symmetrised, total
 from cea.petsc import MPI, PETSc
 from cea.supports.boundary import Pressure, Spring, Support
 from cea.supports.constraints import Constraints
@@ -120,6 +120,10 @@ class NurbsBody:
         """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
         return self._stiffness
 
+    def spring_stiffness(self) -> Any | None:
+        """What springs are of the stiffness, PETSc AIJ (free x free), N/m; None without any."""
+        return self._spring_stiffness
+
     def mass(self) -> Any:
         """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
 
@@ -190,6 +194,15 @@ class NurbsBody:
             K.axpy(1.0, foundation, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
             foundation.destroy()
         return self._restricted(K)
+
+    @cached_property
+    def _spring_stiffness(self) -> Any | None:
+        if not self._springs:
+            return None
+        foundations = [self._foundation(spring) for spring in self._springs]
+        whole = total(foundations)
+        destroy(*foundations)
+        return self._restricted(whole)
 
     @cached_property
     def _mass(self) -> Any:

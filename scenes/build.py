@@ -10,12 +10,13 @@ from cea.body import Body, Floats
 from cea.contact.formulations import coupling_of
 from cea.contact.friction import FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
-from cea.contact.operators import ContactLaw
+from cea.contact.laws import Friction, LinearLaw
+from cea.contact.operators import HalfPass
 from cea.errors import InputError
 from cea.fields import Expression, evaluate
 from cea.petsc import MPI
 from cea.supports.boundary import Pressure
-from cea.system.coupled import CoupledSystem, HalfPass, couple
+from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
 from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh, Scene
@@ -157,19 +158,23 @@ def build_interfaces(
     return interfaces
 
 
-def _contact_law(half: _Half, interface: Interface) -> ContactLaw:
+def _half_pass(half: _Half, interface: Interface) -> HalfPass:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
     spec, x = half.spec, interface.points.x
     if spec.p is None:
         stiffness = np.full(len(x), _required(spec.P) / interface.points.weight.sum())
     else:
         stiffness = _values(spec.p, x)
-    return ContactLaw(
-        stiffness=half.share * stiffness,
-        mu=_values(spec.mu, x),
-        direction=half.direction,
+    direction = half.direction
+    return HalfPass(
+        a=half.a.split(".")[0],
+        b=half.b.split(".")[0],
+        interface=interface,
+        law=LinearLaw(half.share * stiffness),
+        friction=Friction(_values(spec.mu, x), direction) if direction is not None else None,
         coupling=coupling_of(spec.formulation),
         form=spec.form,
+        pair=half.pair,
     )
 
 
@@ -198,14 +203,7 @@ def build_system(
 ) -> CoupledSystem:
     """Coupled matrices of a scene: mass only for eigenvalues, loads only for statics."""
     halves = {
-        half.name: HalfPass(
-            half.a.split(".")[0],
-            half.b.split(".")[0],
-            interfaces[half.name],
-            _contact_law(half, interfaces[half.name]),
-            half.pair,
-        )
-        for half in _halves(scene.contacts)
+        half.name: _half_pass(half, interfaces[half.name]) for half in _halves(scene.contacts)
     }
     static = scene.analysis.kind == "static"
     with timer("assembly"):

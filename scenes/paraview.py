@@ -151,10 +151,10 @@ def _contact_data(
     interface = contact.interface
     data = {}
     for end, x in solution.parts.items():
-        a, b = u[contact.body_a][end], u[contact.body_b][end]
+        a, b = u[contact.half.a][end], u[contact.half.b][end]
         jump = interface.trace_a @ a - interface.trace_b @ b
         gap = np.einsum("ij,ij->i", jump, interface.local_points.normal)
         data[f"gap{end}"] = np.concatenate(interface.comm.allgather(gap))
-        if contact.law.form == "penalty" and contact.law.coupling != "bonded":
+        if contact.half.form == "penalty" and contact.half.coupling != "bonded":
             data[f"pressure{end}"] = contact.pressure(x)
     return data

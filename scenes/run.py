@@ -77,21 +77,13 @@ def run_scene(
     interfaces = build_interfaces(scene, bodies, timer)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
     with timer("assembly"):
-        symmetric, friction = system.symmetric_stiffness(), system.friction()
-        multipliers = system.multipliers()
+        pencil = system.pencil()
     parts: dict[str, Any]
     if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-        modes = solve_modes(
-            symmetric,
-            system.mass,
-            friction,
-            max_frequency=scene.analysis.max_frequency,
-            multipliers=multipliers,
-            timer=timer,
-        )
+        modes = solve_modes(pencil, scene.analysis.max_frequency, timer=timer)
         parts = {"modes": modes}
     else:
-        x = solve_static(symmetric, system.load, friction, timer, multipliers=multipliers)
+        x = solve_static(pencil, system.load, timer)
         with timer("post-processing"):
             stresses = {
                 name: contact_stresses(system, name, x, scene.analysis.samples)

@@ -7,13 +7,14 @@ The saddle form keeps G, T and D and leaves the products out (:mod:`cea.contact.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from cea.body import Body, Floats
 from cea.contact.interface import Interface, PointRule
+from cea.contact.laws import Friction, NormalLaw
 from cea.contact.lumping import lumped_matrices
 from cea.contact.mortar import MortarProjection
 from cea.errors import InputError
@@ -32,60 +33,62 @@ Form = Literal["penalty", "saddle"]
 """Whether contact forces are eliminated (penalty) or unknowns of their own (saddle)."""
 
 
-class TangentField(Protocol):
-    """Direction of the friction traction on side a."""
-
-    def at(self, x: Floats, normal: Floats) -> Floats:
-        """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        ...
-
-
 @dataclass(frozen=True)
-class ContactLaw:
-    """Contact stiffness and friction of an interface.
+class HalfPass:
+    """One side's points against the other, and what happens between them.
 
     Parameters
     ----------
-    stiffness
-        Contact stiffness p at all points of the interface (N/m^3), shape (n,) or one number;
-        infinite everywhere or nowhere, and in the saddle form only.
-    mu
-        Friction coefficient there, shape (n,) or one number; 0 without friction.
-    direction
-        Direction of the friction traction on side a; needed when mu is not zero.
+    a, b
+        Names of the bodies on its two sides.
+    interface
+        Its points, which lie on a.
+    law
+        What penetrations meet.
+    friction
+        Friction of steady sliding; None without.
     coupling
         What becomes of the gaps at the points.
     form
         Penalty or saddle form.
+    pair
+        Name of the contact it belongs to, where that is not its own: a full pass has two halves.
+    penetration
+        Penetrations at all points in the state that is linearised about (m), shape (n,); a linear
+        law needs none.
+
+    Raises
+    ------
+    InputError
+        When law, friction, coupling and form do not go together.
     """
 
-    stiffness: Floats | float
-    mu: Floats | float = 0.0
-    direction: TangentField | None = None
+    a: str
+    b: str
+    interface: Interface
+    law: NormalLaw
+    friction: Friction | None = None
     coupling: Coupling = "pointwise"
     form: Form = "penalty"
+    pair: str | None = None
+    penetration: Floats | None = None
 
     def __post_init__(self) -> None:
-        p, mu = np.asarray(self.stiffness), np.asarray(self.mu)
-        if not (p > 0).all():
-            raise InputError("p", float(p.min()), "positive (N/m^3)")
-        if np.isinf(p).any() and not (self.form == "saddle" and np.isinf(p).all()):
+        if self.form == "penalty" and np.isinf(self.stiffness).any():
             allowed = "finite; or, in the saddle form, infinite everywhere"
             raise InputError("p", float("inf"), allowed)
-        if not (mu >= 0).all():
-            raise InputError("mu", float(mu.min()), "zero or positive")
-        if self.frictional and self.direction is None:
-            raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
-        if self.frictional and self.coupling == "bonded":
-            raise InputError("mu", float(mu.max()), "0 where both sides are bonded")
+        if self.coupling == "bonded" and self.friction is not None and self.friction.acts:
+            mu = float(np.max(self.friction.mu))
+            raise InputError("mu", mu, "0 where both sides are bonded")
         if self.coupling == "lumped" and self.form == "saddle":
             allowed = "penalty: lumped contact is not of the form G^T D G"
             raise InputError("form", self.form, allowed)
 
     @property
-    def frictional(self) -> bool:
-        """True where there is any friction."""
-        return bool(np.any(np.asarray(self.mu) != 0))
+    def stiffness(self) -> Floats:
+        """Contact stiffness p at all points (N/m^3): the law's slope, shape (n,)."""
+        points = len(self.interface.points)
+        return self.law.slope(np.zeros(points) if self.penetration is None else self.penetration)
 
 
 @dataclass(frozen=True)
@@ -96,14 +99,8 @@ class Contact:
     ----------
     name
         Name of the half pass.
-    pair
-        Name of the contact it belongs to; a full pass has two halves.
-    body_a, body_b
-        Names of the bodies on its two sides.
-    interface
-        Its points.
-    law
-        Its stiffness and friction.
+    half
+        What it was made of.
     rule
         What makes rows of G of the points: the points themselves, or multipliers.
     gap
@@ -118,14 +115,13 @@ class Contact:
         K_n, PETSc AIJ, symmetric positive semidefinite (N/m); None in the saddle form.
     friction
         K_f, PETSc AIJ, unsymmetric (N/m); None without friction and in the saddle form.
+    mu
+        Friction coefficient that ``slip`` and ``friction`` were made with; 1 where it varies, or
+        is zero and was not left out: they are then those of a factor 1, or of mu = 1.
     """
 
     name: str
-    pair: str
-    body_a: str
-    body_b: str
-    interface: Interface
-    law: ContactLaw
+    half: HalfPass
     rule: PointRule | MortarProjection
     gap: Any
     slip: Any | None
@@ -133,6 +129,22 @@ class Contact:
     scale: float
     stiffness: Any | None
     friction: Any | None
+    mu: float
+
+    @property
+    def pair(self) -> str:
+        """Name of the contact it belongs to."""
+        return self.half.pair or self.name
+
+    @property
+    def interface(self) -> Interface:
+        """Its points."""
+        return self.half.interface
+
+    @property
+    def P(self) -> float:
+        """Global contact stiffness, the integral of p (N/m)."""
+        return float(self.interface.points.weight @ self.half.stiffness)
 
     def pressure(self, x: Any) -> Floats:
         """Contact pressure (N/m^2) at every point, on every rank, for unknowns x.
@@ -142,8 +154,8 @@ class Contact:
         InputError
             In the saddle form, whose forces are unknowns, and where the sides are bonded.
         """
-        if self.law.form == "saddle" or self.law.coupling == "bonded":
-            raise InputError(self.name, self.law.form, "a penalty contact that is not bonded")
+        if self.half.form == "saddle" or self.half.coupling == "bonded":
+            raise InputError(self.name, self.half.form, "a penalty contact that is not bonded")
         closed = self.gap.createVecLeft()
         self.gap.mult(x, closed)
         pressure = self.rule.pressure(gather(closed))
@@ -152,14 +164,7 @@ class Contact:
 
 
 def assemble_contact(
-    bodies: Mapping[str, Body],
-    name: str,
-    pair: str,
-    sides: tuple[str, str],
-    interface: Interface,
-    law: ContactLaw,
-    *,
-    leave_out: bool = True,
+    bodies: Mapping[str, Body], name: str, half: HalfPass, *, leave_out: bool = True
 ) -> Contact:
     """Contact matrices of one half pass.
 
@@ -167,24 +172,21 @@ def assemble_contact(
     ----------
     bodies
         All bodies of the system by name, in the order of the unknowns.
-    name, pair
-        Names of the half pass and of its contact.
-    sides
-        Names of bodies a and b.
-    interface
-        Its points.
-    law
-        Its stiffness and friction.
+    name
+        Name of the half pass.
+    half
+        The half pass.
     leave_out
         Whether the slip operator and K_f are left out where mu = 0.
     """
+    interface, sides = half.interface, (half.a, half.b)
     points = interface.local_points
-    stiffness, scale = _scaled(law, interface)
-    projected = law.coupling in ("mortar", "bonded")
+    stiffness, scale = _scaled(half)
+    projected = half.coupling in ("mortar", "bonded")
     rule = (MortarProjection.of if projected else PointRule)(interface, stiffness)
     one = np.ones(len(points))
     directions = [points.normal]
-    if law.coupling == "bonded":
+    if half.coupling == "bonded":
         directions = [np.tile(axis, (len(points), 1)) for axis in np.eye(interface.a.dim)]
     jumps = [rule.jump(direction, one) for direction in directions]
     gap = _system_operator(bodies, sides, _stacked(jumps))
@@ -192,40 +194,36 @@ def assemble_contact(
     weight.array[:] = np.tile(rule.weight, len(directions))
 
     slip = direction = None
-    mu = np.broadcast_to(law.mu, len(interface.points))[interface.rows]
-    if law.direction is not None and (law.frictional or not leave_out):
+    field, mu = _friction_at(half)
+    if half.friction is not None and (half.friction.acts or not leave_out):
         with agreed(interface.comm):
-            direction = law.direction.at(points.x, points.normal)
-        slip = _system_operator(bodies, sides, rule.jump(direction, mu))
+            direction = half.friction.direction.at(points.x, points.normal)
+        slip = _system_operator(bodies, sides, rule.jump(direction, field))
 
     normal = friction = None
-    if law.coupling == "lumped":
-        normal, friction = lumped_matrices(bodies, sides, interface, rule.weight, direction, mu)
-    elif law.form == "penalty":
+    if half.coupling == "lumped":
+        normal, friction = lumped_matrices(bodies, sides, interface, rule.weight, direction, field)
+    elif half.form == "penalty":
         normal = symmetric_product(gap, weight)
         friction = product(slip, gap, weight) if slip is not None else None
-    return Contact(
-        name=name,
-        pair=pair,
-        body_a=sides[0],
-        body_b=sides[1],
-        interface=interface,
-        law=law,
-        rule=rule,
-        gap=gap,
-        slip=slip,
-        weight=weight,
-        scale=scale,
-        stiffness=normal,
-        friction=friction,
-    )
+    return Contact(name, half, rule, gap, slip, weight, scale, normal, friction, mu)
 
 
-def _scaled(law: ContactLaw, interface: Interface) -> tuple[Floats, float]:
+def _friction_at(half: HalfPass) -> tuple[Floats, float]:
+    """Friction coefficient at the points of this rank, and what of it is its size."""
+    interface = half.interface
+    mu = np.asarray(half.friction.mu if half.friction is not None else 0.0, dtype=float)
+    varies = np.ptp(mu) != 0
+    if not varies and not mu.any():
+        mu = np.ones_like(mu)
+    field = np.broadcast_to(mu, len(interface.points))[interface.rows]
+    return field, 1.0 if varies else float(mu.flat[0])
+
+
+def _scaled(half: HalfPass) -> tuple[Floats, float]:
     """Stiffness at all points, and the factor kept apart from it."""
-    weight = interface.points.weight
-    stiffness = np.broadcast_to(np.asarray(law.stiffness, dtype=float), len(weight))
-    if law.form == "penalty":
+    weight, stiffness = half.interface.points.weight, half.stiffness
+    if half.form == "penalty":
         return stiffness, 1.0
     if np.isinf(stiffness).all():
         return np.full(len(weight), 1 / weight.sum()), np.inf

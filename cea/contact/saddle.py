@@ -3,7 +3,7 @@
 With p = P p^ and the QR factorisation sqrt(W p^) G = Q J,
 
     [ K   L^T  ] [x]   [r]
-    [ J   -1/P ] [f] = [0],     L = J - Q^T sqrt(W p^) diag(mu) T,
+    [ J   -1/P ] [f] = [0],     L = J - R,   R = Q^T sqrt(W p^) diag(mu) T,
 
 and eliminating f gives the penalty form: P L^T J = K_n - K_f. No digits are lost to rounding as P
 grows, and P = infinity ties the sides along the normal while friction stays alive. A rule has more
@@ -30,68 +30,55 @@ _CHUNK_BYTES = 64 * 2**20
 
 
 @dataclass(frozen=True)
-class Multipliers:
-    """Contact forces as unknowns: K x + L^T f = r, J x - C f = 0.
+class ContactForces:
+    """Operators of the forces of one contact as unknowns.
 
     Parameters
     ----------
     closure
-        J, PETSc AIJ (multipliers x free dofs).
-    reaction
-        L, PETSc AIJ (multipliers x free dofs); the same object as J without friction.
-    compliance
-        Diagonal of C = 1/P (m/N), PETSc vector (multipliers); zero where the sides are tied.
+        J, PETSc AIJ (forces x free dofs).
+    slip
+        R, PETSc AIJ (forces x free dofs), of the friction that ``mu`` of its halves says; None
+        without friction.
     """
 
     closure: Any
-    reaction: Any
-    compliance: Any
-
-    @property
-    def symmetric(self) -> bool:
-        """True without friction."""
-        return self.reaction is self.closure
-
-    @property
-    def size(self) -> int:
-        """Number of multipliers."""
-        return int(self.closure.getSize()[0])
+    slip: Any | None
 
 
-def multipliers_of(contacts: Sequence[Contact]) -> Multipliers | None:
-    """Multipliers of the contacts in the saddle form; None where there are none.
+def contact_forces(contacts: Sequence[Contact]) -> dict[str, ContactForces]:
+    """Forces that are unknowns, by contact; none where no contact has the saddle form.
 
     The halves of a full pass are compressed together: their gaps depend on each other.
     """
     pairs: dict[str, list[Contact]] = {}
     for contact in contacts:
-        if contact.law.form == "saddle":
+        if contact.half.form == "saddle":
             pairs.setdefault(contact.pair, []).append(contact)
-    if not pairs:
-        return None
-    closures, reactions, compliances = [], [], []
-    for halves in pairs.values():
-        closure, reaction = _compressed(halves)
-        closures.append(closure)
-        reactions.append(reaction)
-        compliances.append(np.full(closure.shape[0], 1 / halves[0].scale))
-    template = next(iter(pairs.values()))[0].gap
-    frictional = any(c.slip is not None for halves in pairs.values() for c in halves)
-    closure = _shared_out(csr_array(vstack(closures)), template)
-    reaction = _shared_out(csr_array(vstack(reactions)), template) if frictional else closure
-    compliance = closure.createVecLeft()
-    compliance.array[:] = np.concatenate(compliances)[slice(*compliance.getOwnershipRange())]
-    return Multipliers(closure, reaction, compliance)
+    forces = {}
+    for name, halves in pairs.items():
+        closure, slip = _compressed(halves)
+        template = halves[0].gap
+        frictional = any(half.slip is not None for half in halves)
+        forces[name] = ContactForces(
+            _shared_out(closure, template), _shared_out(slip, template) if frictional else None
+        )
+    return forces
 
 
 def _compressed(halves: Sequence[Contact]) -> tuple[csr_array, csr_array]:
-    """J and L of one contact, all their rows on every rank.
+    """J and R of one contact, all their rows on every rank.
 
     Rows go through the factorisation a chunk at a time, each on top of the triangle left by those
     before it; the last factorisation is pivoted.
     """
-    gap = csr_array(vstack([_weighted(half, half.gap) for half in halves]))
-    slip = csr_array(vstack([_weighted(half, half.slip) for half in halves]))
+    shares = _shares(halves)
+    gap = csr_array(
+        vstack([_weighted(h, h.gap, share) for h, share in zip(halves, shares, strict=True)])
+    )
+    slip = csr_array(
+        vstack([_weighted(h, h.slip, share) for h, share in zip(halves, shares, strict=True)])
+    )
     columns = np.unique(np.concatenate([gap.indices, slip.indices])).astype(np.int64)
     triangle = projected = np.empty((0, len(columns)))
     for rows in _chunks(gap.shape[0], len(columns)):
@@ -102,19 +89,26 @@ def _compressed(halves: Sequence[Contact]) -> tuple[csr_array, csr_array]:
     kept = pivots > _DEPENDENT * pivots[0]
     closure = np.empty((int(kept.sum()), len(columns)))
     closure[:, order] = pivoted[kept]
-    reaction = closure - q[:, kept].T @ projected
     size = gap.shape[1]
-    return _spread(closure, columns, size), _spread(reaction, columns, size)
+    return _spread(closure, columns, size), _spread(q[:, kept].T @ projected, columns, size)
 
 
-def _weighted(half: Contact, operator: Any | None) -> csr_array:
+def _shares(halves: Sequence[Contact]) -> list[float]:
+    """Part of each half in the stiffness of the contact; equal parts where it is infinite."""
+    stiffness = np.array([half.scale for half in halves])
+    if np.isinf(stiffness).any():
+        return [1 / len(halves)] * len(halves)
+    return list(stiffness / stiffness.sum())
+
+
+def _weighted(half: Contact, operator: Any | None, share: float) -> csr_array:
     """sqrt(W p^) G or T, all rows on every rank; zero where there is no such operator."""
     if operator is None:
         return csr_array(half.gap.getSize())
     start, stop = operator.getOwnershipRange()
     indptr, indices, values = operator.getValuesCSR()
     local = csr_array((values, indices, indptr), shape=(stop - start, operator.getSize()[1]))
-    root = np.sqrt(half.weight.array)
+    root = np.sqrt(share * half.weight.array)
     scaled = csr_array(local.multiply(root[:, None]))
     scaled.eliminate_zeros()
     return csr_array(vstack(half.interface.comm.allgather(scaled)))

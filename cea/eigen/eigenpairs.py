@@ -1,137 +1,123 @@
-"""Modes from eigenpairs: normalised and sorted, with their residuals and condition numbers.
+"""Eigenpairs as a driver found them, normalised, with residuals and condition numbers."""
 
-Products with the matrices are formed for a block of columns at a time: nothing of the size of all
-vectors is kept beside them.
-"""
-
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-from cea.body import Floats
-from cea.eigen.modes import Complexes, Modes, Window
-from cea.eigen.pencil import BorderedSolver
-from cea.matrices import destroy
-from cea.petsc import PETSc
+from cea.body import Complexes, Floats
+from cea.eigen.blocks import all_inner, column_blocks, columns_inner, norms, times, transposed_times
+from cea.eigen.pencil import Matrices
+from cea.eigen.shifted import Shifted
 
-_BLOCK = 64
-"""Columns at a time."""
 _NEGLIGIBLE = 1e-10
-"""Eigenvalues below this part of the window's upper end count as zero in relative residuals."""
+"""Eigenvalues below this part of the largest searched count as zero in relative residuals."""
 
 
-def modes_from_eigenpairs(
-    operator: Any,
-    mass: Any,
-    kappa: Complexes,
-    vectors: Complexes,
-    window: Window,
-    *,
-    symmetric: bool,
-    bordered: BorderedSolver | None = None,
-) -> Modes:
-    """Modes lambda^2 = -kappa with Im lambda >= 0 up to the end of the window.
+@dataclass(frozen=True)
+class Eigenpairs:
+    """Eigenpairs K x = kappa M x, kappa = -lambda^2.
 
     Parameters
     ----------
-    operator
-        S - F, PETSc AIJ.
-    mass
-        M, PETSc AIJ.
     kappa
-        Eigenvalues of (S - F) x = kappa M x, shape (n,).
+        Eigenvalues (1/s^2), shape (n,).
+    vectors
+        Eigenvectors with x^H M x = 1, the rows of this rank, shape (n_local, n).
+    forces
+        Contact forces that are unknowns, shape (multipliers of this rank, n).
+    residuals
+        Norm of (K - kappa M) x relative to abs(kappa) times that of M x, shape (n,).
+    conditions
+        Condition numbers of kappa within the computed invariant subspace, shape (n,).
+    """
+
+    kappa: Complexes
+    vectors: Complexes
+    forces: Complexes
+    residuals: Floats
+    conditions: Floats
+
+
+def checked(
+    matrices: Matrices, factors: Shifted, kappa: Complexes, vectors: Complexes, largest: float
+) -> Eigenpairs:
+    """Normalise eigenpairs and find their residuals and condition numbers.
+
+    Where contact forces are unknowns, one step of inverse iteration gives displacements that obey
+    the contact, and the forces.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at the parameters it was solved at.
+    factors
+        The pencil factorised.
+    kappa
+        Eigenvalues (1/s^2), shape (n,).
     vectors
         Eigenvectors, the rows of this rank, shape (n_local, n). They are normalised in place.
-    window
-        What was searched.
-    symmetric
-        Without friction: eigenvalues are taken from Rayleigh quotients, conditions are 1.
-    bordered
-        Factorised pencil at ``window.shift`` where contact forces are unknowns: one step of
-        inverse iteration gives displacements that obey the contact, and the forces.
+    largest
+        Upper end of the eigenvalues searched (1/s^2).
     """
-    n = len(kappa)
+    n, mass, comm = len(kappa), matrices.mass, matrices.stiffness.comm
     kappa, residuals, gram = kappa.copy(), np.empty(n), np.zeros((n, n), dtype=complex)
-    for start in range(0, n, _BLOCK):
-        block = slice(start, min(start + _BLOCK, n))
+    contact = []
+    for block in column_blocks(n):
         x = vectors[:, block]
-        if bordered is None:
-            forces = _apply(operator, x)
-        else:
-            x, forces = _with_contact_forces(bordered, operator, mass, kappa[block], x, window)
-        inertia = _apply(mass, x)
-        norms = np.sqrt(_columns_inner(x, inertia, mass.comm).real)
-        x, forces, inertia = x / norms, forces / norms, inertia / norms
+        f = np.empty((0, x.shape[1]), dtype=complex)
+        if matrices.multipliers is not None:
+            x, f = inverse_step(matrices, factors, kappa[block], x)
+        force, inertia = _internal_forces(matrices, x, f), times(mass, x)
+        size = np.sqrt(columns_inner(x, inertia, comm).real)
+        x, f, force, inertia = x / size, f / size, force / size, inertia / size
         vectors[:, block] = x
-        if symmetric:  # the Rayleigh quotient has the square of the vector's error
-            kappa[block] = _columns_inner(x, forces, mass.comm).real
+        contact.append(f)
+        if matrices.symmetric:  # the Rayleigh quotient has the square of the vector's error
+            kappa[block] = columns_inner(x, force, comm).real
         else:
-            lower = inertia.conj().T @ vectors[:, : block.stop]
-            gram[block, : block.stop] = mass.comm.tompi4py().allreduce(lower)
-        scale = np.maximum(np.abs(kappa[block]), _NEGLIGIBLE * window.upper)
-        defects = forces - inertia * kappa[block]
-        residuals[block] = _norms(defects, mass.comm) / (scale * _norms(inertia, mass.comm))
-    conditions = np.ones(n) if symmetric else _conditions(gram)
-
-    eigenvalues = np.sqrt(-kappa).astype(complex)
-    eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
-    order = np.lexsort((eigenvalues.real, eigenvalues.imag))
-    order = order[eigenvalues.imag[order] <= 2 * np.pi * window.max_frequency]
-    return Modes(
-        eigenvalues=eigenvalues[order],
-        residuals=residuals[order],
-        conditions=conditions[order],
-        vectors=vectors[:, order],
-        template=mass.createVecRight(),
-        window=window,
-    )
+            gram[block, : block.stop] = all_inner(inertia, vectors[:, : block.stop], comm)
+        scale = np.maximum(np.abs(kappa[block]), _NEGLIGIBLE * largest)
+        residuals[block] = norms(force - inertia * kappa[block], comm) / (
+            scale * norms(inertia, comm)
+        )
+    conditions = np.ones(n) if matrices.symmetric else _conditions(gram)
+    nothing = np.empty((len(contact[0]) if contact else 0, 0), dtype=complex)
+    return Eigenpairs(kappa, vectors, np.hstack([nothing, *contact]), residuals, conditions)
 
 
-def _with_contact_forces(
-    bordered: BorderedSolver,
-    operator: Any,
-    mass: Any,
+def inverse_step(
+    matrices: Matrices,
+    factors: Shifted,
     kappa: Complexes,
     vectors: Complexes,
-    window: Window,
+    *,
+    transposed: bool = False,
 ) -> tuple[Complexes, Complexes]:
-    """One step of inverse iteration: displacements that obey the contact, and all forces on them.
+    """One step of inverse iteration, scaled as the vectors are: displacements and contact forces.
 
-    Returns
-    -------
-    tuple
-        x and (S - F) x + L^T f, scaled as the vectors were.
+    Parameters
+    ----------
+    matrices, factors
+        The pencil, and factorised.
+    kappa, vectors
+        Eigenvalues and the rows of this rank of their vectors.
+    transposed
+        Whether the vectors are left ones.
     """
     n = vectors.shape[1]
-    inertia = _apply(mass, vectors * (kappa - window.shift))
-    x, f = bordered.solve_block(np.hstack([inertia.real, inertia.imag]))
-    displacements, contact = x[:, :n] + 1j * x[:, n:], f[:, :n] + 1j * f[:, n:]
-    transpose = bordered.multipliers.reaction.transpose(PETSc.Mat())
-    forces = _apply(operator, displacements) + _apply(transpose, contact)
-    destroy(transpose)
-    return displacements, forces
+    inertia = times(matrices.mass, vectors * (kappa - factors.kappa))
+    x, f = factors.solve_with_forces(np.hstack([inertia.real, inertia.imag]), transposed=transposed)
+    return x[:, :n] + 1j * x[:, n:], f[:, :n] + 1j * f[:, n:]
 
 
-def _apply(matrix: Any, vectors: Complexes) -> Complexes:
-    """Matrix times a block of vectors, real and imaginary parts in one sparse-dense product."""
-    n = vectors.shape[1]
-    block = np.asfortranarray(np.hstack([vectors.real, vectors.imag]))
-    columns = matrix.getSizes()[1]
-    dense = PETSc.Mat().createDense((columns, (PETSc.DECIDE, 2 * n)), array=block, comm=matrix.comm)
-    product = matrix.matMult(dense)
-    result = product.getDenseArray()
-    values = result[:, :n] + 1j * result[:, n:]
-    destroy(product, dense)
-    return values
-
-
-def _columns_inner(left: Complexes, right: Complexes, comm: Any) -> Complexes:
-    """Inner product of each column with its counterpart."""
-    return comm.tompi4py().allreduce(np.einsum("ij,ij->j", left.conj(), right))
-
-
-def _norms(vectors: Complexes, comm: Any) -> Floats:
-    return np.sqrt(_columns_inner(vectors, vectors, comm).real)
+def _internal_forces(matrices: Matrices, x: Complexes, f: Complexes) -> Complexes:
+    """K x + L^T f."""
+    force = times(matrices.stiffness, x)
+    if matrices.unsymmetric is not None:
+        force += times(matrices.unsymmetric, x)
+    if matrices.multipliers is not None:
+        force += transposed_times(matrices.multipliers.reaction, f)
+    return force
 
 
 def _conditions(gram: Complexes) -> Floats:

@@ -1,267 +1,339 @@
-"""The eigenvalue driver: (lambda^2 M + S - F) x = 0 by shift-and-invert with SLEPc and MUMPS.
+"""The eigenvalue driver: (lambda^2 M + K) x = 0 by shift-and-invert with SLEPc and MUMPS.
 
-Undamped sliding is linear in kappa = -lambda^2: (S - F) x = kappa M x, with S = K + K_n symmetric
-and F = K_f. Without friction it is solved as a symmetric problem. The driver takes operators, not
-bodies; contact forces may be unknowns beside them (:mod:`cea.contact.saddle`).
+Undamped sliding is linear in kappa = -lambda^2: K x = kappa M x, with K unsymmetric by friction.
+Without friction it is solved as a symmetric problem. The driver takes a parametric pencil, not
+bodies, and keeps inertia counts and factors for the solves that follow.
 """
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Self
 
 import numpy as np
 
 from cea.body import Floats
-from cea.contact.saddle import Multipliers
-from cea.eigen.eigenpairs import modes_from_eigenpairs
-from cea.eigen.modes import Complexes, Modes, Window
-from cea.eigen.pencil import BorderedSolver, Pencil
+from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
+from cea.eigen.modes import Modes, Window
+from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.search import Search
+from cea.eigen.sensitivity import LeftVectors, biorthonormal, dual_norms
+from cea.eigen.shifted import Shifted, count_below
 from cea.errors import ConvergenceError, InputError
-from cea.matrices import destroy
-from cea.petsc import PETSc, SLEPc
 from cea.timing import StageTimer
+from cea.warned import ResultWarning
 
 _MARGIN = 1.05
 """Radius of the searched disc relative to half the window: room for growth at its upper end."""
-_SPARE = 2
-"""Eigenvalues asked for beyond the inertia count."""
-_MAX_PASSES = 8
-"""Krylov runs, each larger than the last or beside the copies already found."""
+_NEARBY_STEPS = 3
+"""Steps of refinement up to which factors of nearby parameters are worth keeping."""
+_LARGE_RESIDUAL = 1e-6
+"""Relative residual above which a mode is warned of."""
 
 
-def solve_modes(
-    stiffness: Any,
-    mass: Any,
-    friction: Any | None = None,
-    *,
-    max_frequency: float,
-    multipliers: Multipliers | None = None,
-    tolerance: float = 1e-13,
-    max_restarts: int = 200,
-    timer: StageTimer | None = None,
-) -> Modes:
-    """All modes up to a frequency.
+class KrylovSchur:
+    """Shift-and-invert Krylov-Schur on a parametric pencil.
+
+    Inertia counts are kept for as long as the symmetric parts stay as they are, factors until the
+    next are needed: a solve at a nearby parameter refines solutions made with them.
 
     Parameters
     ----------
-    stiffness
-        Symmetric part S, PETSc AIJ (N/m).
-    mass
-        Symmetric positive definite M, PETSc AIJ (kg).
-    friction
-        Unsymmetric part F, PETSc AIJ (N/m); None takes the symmetric path.
-    max_frequency
-        Upper end of the modes asked for (Hz).
-    multipliers
-        Contact forces that are unknowns; K_n and K_f of their contacts are not in S and F.
+    pencil
+        What is solved.
     tolerance
         Relative tolerance of the Krylov iteration on 1 / (kappa - shift).
     max_restarts
         Restarts of the Krylov iteration before it is given up.
-    timer
-        Counts factorisation, krylov and post-processing.
 
-    Raises
-    ------
-    ConvergenceError
-        When the window cannot be filled; the modes found so far are attached.
+    Attributes
+    ----------
+    factorisations
+        Factorisations made so far, inertia counts included.
+    solves
+        Eigenvalue problems solved so far.
     """
-    if not max_frequency > 0:
-        raise InputError("max_frequency", max_frequency, "a positive number (Hz)")
-    timer = timer or StageTimer()
-    top = (2 * np.pi * max_frequency) ** 2
-    shift, radius = 0.5 * top, 0.5 * top * _MARGIN
 
-    pencil = Pencil(stiffness, mass, friction, multipliers)
-    with timer("factorisation"):
-        count = pencil.count_below(shift + radius)
-    operator = pencil.displacement_operator()
-    solver = _shift_invert(operator, mass, shift, symmetric=pencil.symmetric)
-    bordered = None
-    if multipliers is not None:
+    def __init__(
+        self, pencil: Pencil, *, tolerance: float = 1e-13, max_restarts: int = 200
+    ) -> None:
+        self.pencil = pencil
+        self.factorisations = 0
+        self.solves = 0
+        self._tolerance, self._max_restarts = tolerance, max_restarts
+        self._counts: dict[tuple[float, ...], int] = {}
+        self._summed: tuple[dict[str, float], Matrices] | None = None
+        self._factors: Shifted | None = None
+        self._at: tuple[dict[str, float], float] = ({}, np.nan)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.free()
+
+    def free(self) -> None:
+        """Free factors and sums; what was counted is kept."""
+        if self._factors is not None:
+            self._factors.free()
+            self._factors = None
+        if self._summed is not None:
+            release(self._summed[1])
+            self._summed = None
+
+    def solve(
+        self,
+        max_frequency: float,
+        changes: Mapping[str, float] | None = None,
+        *,
+        left: bool = False,
+        timer: StageTimer | None = None,
+    ) -> Modes:
+        """All modes up to a frequency.
+
+        Parameters
+        ----------
+        max_frequency
+            Upper end of the modes asked for (Hz).
+        changes
+            Parameters of the pencil that differ from their own values.
+        left
+            Whether left vectors are wanted too, for sensitivities and true condition numbers.
+        timer
+            Counts assembly, factorisation, krylov and post-processing.
+
+        Raises
+        ------
+        InputError
+            When a parameter is unknown or refused.
+        ConvergenceError
+            When the window cannot be filled; the modes found so far are attached.
+        """
+        if not 0 < max_frequency < np.inf:
+            raise InputError("max_frequency", max_frequency, "a positive number (Hz)")
+        timer, values = timer or StageTimer(), self.pencil.values(changes)
+        top = (2 * np.pi * max_frequency) ** 2
+        shift, radius = 0.5 * top, 0.5 * top * _MARGIN
+        with timer("assembly"):
+            matrices = self._matrices(values)
         with timer("factorisation"):
-            bordered = pencil.bordered(shift)
-        _precondition(solver, bordered)
-    solver.setTolerances(tol=tolerance, max_it=max_restarts)
-    kappa, vectors, reached = _search(solver, mass, shift, radius, count, timer)
-
-    solver.destroy()  # with its Krylov space, before vectors of the same size are worked on
-
-    with timer("post-processing"):
+            count = self._count(matrices, values, shift + radius)
+            factors = self._factorised(matrices, values, shift)
+        search = Search(matrices, factors, self._tolerance, self._max_restarts, timer)
+        kappa, vectors, reached = search.disc(radius, count)
+        self.solves += 1
+        found_below = int(np.sum(kappa.real < shift + radius))
         window = Window(
             max_frequency=max_frequency,
             shift=shift,
-            radius=float(reached),
+            radius=reached,
             found=int(np.sum(np.abs(kappa - shift) <= reached)),
             upper=shift + radius,
-            found_below=int(np.sum(kappa.real < shift + radius)),
+            found_below=found_below,
             symmetric_count=count,
-            max_growth=_growth_covered(top, shift, float(reached)),
+            max_growth=_growth_covered(top, shift, reached),
         )
-        modes = modes_from_eigenpairs(
-            operator, mass, kappa, vectors, window, symmetric=pencil.symmetric, bordered=bordered
+        with timer("post-processing"):
+            pairs = checked(matrices, factors, kappa, vectors, window.upper)
+        left_vectors = None
+        if left and reached >= radius:
+            left_vectors = self._left(matrices, factors, pairs, radius, timer)
+        modes = self._modes(matrices, values, pairs, left_vectors, window)
+        if reached < radius:
+            raise ConvergenceError(
+                f"{len(kappa)} eigenvalues converged; they fill a disc of radius {reached:.4g} "
+                f"about kappa = {shift:.4g}, {radius:.4g} is needed for every mode to "
+                f"{max_frequency:g} Hz",
+                best=modes,
+            )
+        if matrices.symmetric and found_below != count:
+            raise ConvergenceError(
+                f"{found_below} eigenvalues found below kappa = {window.upper:.6g}, "
+                f"the inertia of S - kappa M counts {count}",
+                best=modes,
+            )
+        return modes
+
+    def nearest(
+        self,
+        kappa: float,
+        wanted: int,
+        changes: Mapping[str, float] | None = None,
+        *,
+        timer: StageTimer | None = None,
+    ) -> Modes:
+        """The few modes nearest to kappa = -lambda^2; factors made there before serve again.
+
+        Parameters
+        ----------
+        kappa
+            Where (1/s^2); it is best not an eigenvalue.
+        wanted
+            Number of eigenvalues.
+        changes
+            Parameters of the pencil that differ from their own values.
+        timer
+            Counts assembly, factorisation, krylov and post-processing.
+
+        Raises
+        ------
+        ConvergenceError
+            When fewer converge.
+        """
+        timer, values = timer or StageTimer(), self.pencil.values(changes)
+        with timer("assembly"):
+            matrices = self._matrices(values)
+        with timer("factorisation"):
+            factors = self._nearby(matrices, values, kappa)
+        search = Search(matrices, factors, self._tolerance, self._max_restarts, timer)
+        found, vectors = search.nearest(wanted)
+        self.solves += 1
+        radius = float(np.abs(found - kappa).max(initial=0.0))
+        window = Window(
+            max_frequency=np.inf,
+            shift=kappa,
+            radius=radius,
+            found=len(found),
+            upper=kappa + radius,
+            found_below=len(found),
+            symmetric_count=None,
+            max_growth=0.0,
         )
-    if bordered is not None:
-        bordered.free()
-    if operator is not stiffness:
-        operator.destroy()
-    if reached < radius:
-        raise ConvergenceError(
-            f"{len(kappa)} eigenvalues converged; they fill a disc of radius {reached:.4g} "
-            f"about kappa = {shift:.4g}, {radius:.4g} is needed for every mode to "
-            f"{max_frequency:g} Hz",
-            best=modes,
+        with timer("post-processing"):
+            pairs = checked(matrices, factors, found, vectors, abs(kappa) + radius)
+        if factors is not self._factors:
+            factors.free()
+        return self._modes(matrices, values, pairs, None, window)
+
+    def mass(self, values: Mapping[str, float]) -> Any:
+        """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
+        return self._matrices(dict(values)).mass
+
+    def _matrices(self, values: dict[str, float]) -> Matrices:
+        if self._summed is None or self._summed[0] != values:
+            if self._summed is not None:
+                release(self._summed[1])
+            self._summed = (values, self.pencil.at(values))
+        return self._summed[1]
+
+    def _count(self, matrices: Matrices, values: dict[str, float], upper: float) -> int:
+        key = (*self.pencil.symmetric_values(values), upper)
+        if key not in self._counts:
+            self._counts[key] = count_below(matrices, upper)
+            self.factorisations += 1
+        return self._counts[key]
+
+    def _factorised(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
+        """Factors at a shift, those of the last solve where they are the same."""
+        if self._factors is None or self._at != (values, kappa):
+            if self._factors is not None:
+                self._factors.free()
+                self._factors = None
+            self._factors = Shifted(matrices, kappa)
+            self._at = (values, kappa)
+            self.factorisations += 1
+        return self._factors
+
+    def _nearby(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
+        """Factors at a shift, or those made there at parameters near enough, refined."""
+        if self._factors is not None and self._at[1] == kappa and self._at[0] != values:
+            refined = Shifted(matrices, kappa, near=self._factors)
+            if refined.steps() <= _NEARBY_STEPS:
+                return refined
+            refined.free()
+        return self._factorised(matrices, values, kappa)
+
+    def _left(
+        self,
+        matrices: Matrices,
+        factors: Shifted,
+        pairs: Eigenpairs,
+        radius: float,
+        timer: StageTimer,
+    ) -> LeftVectors:
+        """Left vectors of eigenpairs that fill a disc."""
+        if matrices.symmetric:
+            return LeftVectors(pairs.vectors, pairs.forces)
+        search = Search(
+            matrices, factors, self._tolerance, self._max_restarts, timer, transposed=True
         )
-    if pencil.symmetric and window.found_below != count:
-        raise ConvergenceError(
-            f"{window.found_below} eigenvalues found below kappa = {window.upper:.6g}, "
-            f"the inertia of S - kappa M counts {count}",
-            best=modes,
+        kappa, vectors, _ = search.disc(radius, len(pairs.kappa))
+        with timer("post-processing"):
+            y = biorthonormal(matrices.mass, pairs.kappa, pairs.vectors, kappa, vectors)
+            g = np.empty((0, len(pairs.kappa)), dtype=complex)
+            if matrices.multipliers is not None:
+                y, g = inverse_step(matrices, factors, pairs.kappa.conj(), y, transposed=True)
+        return LeftVectors(y, g)
+
+    def _modes(
+        self,
+        matrices: Matrices,
+        values: Mapping[str, float],
+        pairs: Eigenpairs,
+        left: LeftVectors | None,
+        window: Window,
+    ) -> Modes:
+        """Modes lambda^2 = -kappa with Im lambda >= 0 up to the end of the window."""
+        eigenvalues = np.sqrt(-pairs.kappa).astype(complex)
+        eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
+        order = np.lexsort((eigenvalues.real, eigenvalues.imag))
+        order = order[eigenvalues.imag[order] <= 2 * np.pi * window.max_frequency]
+        conditions = pairs.conditions
+        if left is not None and not matrices.symmetric:  # y^H M x = 1 and x^H M x = 1
+            conditions = dual_norms(matrices.mass, left.vectors)
+        return Modes(
+            eigenvalues=eigenvalues[order],
+            residuals=pairs.residuals[order],
+            conditions=conditions[order],
+            vectors=pairs.vectors[:, order],
+            forces=pairs.forces[:, order],
+            left=left[order] if left is not None else None,
+            template=matrices.stiffness.createVecRight(),
+            window=window,
+            pencil=self.pencil,
+            values=values,
+            warnings=_warnings(window, pairs.residuals[order]),
         )
-    return modes
 
 
-def _search(
-    solver: Any, mass: Any, shift: float, radius: float, count: int, timer: StageTimer
-) -> tuple[Complexes, Complexes, float]:
-    """Eigenpairs outwards from the shift until the disc is full.
+def solve_modes(
+    pencil: Pencil,
+    max_frequency: float,
+    changes: Mapping[str, float] | None = None,
+    *,
+    left: bool = False,
+    tolerance: float = 1e-13,
+    max_restarts: int = 200,
+    timer: StageTimer | None = None,
+) -> Modes:
+    """All modes of a pencil up to a frequency: one solve of a :class:`KrylovSchur` driver.
 
-    A Krylov space holds one vector of a multiple eigenvalue and meets further copies by rounding
-    only. Where fewer are found than the inertia counts, it is searched beside those found: a
-    symmetric problem has then more of them. An unsymmetric one may have lost them to friction; if
-    not, it is searched once more in a larger space.
-
-    Returns
-    -------
-    tuple
-        kappa, vectors, and the radius of the disc that is full.
+    Parameters and errors are those of the driver and of :meth:`KrylovSchur.solve`.
     """
-    size = mass.getSize()[0]
-    wanted = min(count + _SPARE, size)
-    kappa, vectors = _krylov(solver, mass, wanted, 2 * wanted, timer)
-    for _ in range(_MAX_PASSES):
-        if len(kappa) < wanted or wanted == size or _reach(kappa, shift) >= radius:
-            break
-        wanted = min(size, wanted + max(4, wanted // 4))
-        kappa, vectors = _krylov(solver, mass, wanted, 2 * wanted, timer)
-    reached = np.inf if len(kappa) >= size else _reach(kappa, shift)
-
-    for _ in range(_MAX_PASSES):
-        missing = count - int(np.sum(kappa.real < shift + radius))
-        if missing <= 0 or reached < radius:
-            break
-        others, other_vectors = _krylov_beside(solver, mass, kappa, vectors, missing, timer)
-        if solver.isHermitian():
-            kappa, vectors = np.append(kappa, others), np.hstack([vectors, other_vectors])
-            continue
-        if (np.abs(others - shift) < radius).any():
-            wanted = min(size, len(kappa) + missing)
-            larger = _krylov(solver, mass, wanted, 4 * wanted, timer)
-            if len(larger[0]) > len(kappa):
-                kappa, vectors = larger
-                reached = min(reached, _reach(kappa, shift))
-        break
-    return kappa, vectors, float(reached)
+    with KrylovSchur(pencil, tolerance=tolerance, max_restarts=max_restarts) as driver:
+        return driver.solve(max_frequency, changes, left=left, timer=timer)
 
 
-def _krylov(
-    solver: Any, mass: Any, wanted: int, basis: int, timer: StageTimer
-) -> tuple[Complexes, Complexes]:
-    """One Krylov-Schur run for the eigenvalues nearest the shift."""
-    size = mass.getSize()[0]
-    ncv = min(max(basis, wanted + 16), size)
-    solver.setDimensions(nev=wanted, ncv=ncv, mpd=ncv)
-    with timer("factorisation"):
-        solver.setUp()
-    with timer("krylov"):
-        solver.solve()
-        return _eigenpairs(solver, mass)
-
-
-def _krylov_beside(
-    solver: Any,
-    mass: Any,
-    kappa: Complexes,
-    vectors: Complexes,
-    wanted: int,
-    timer: StageTimer,
-) -> tuple[Complexes, Complexes]:
-    """Eigenvalues nearest the shift beside the invariant subspace of eigenpairs already found.
-
-    They are eigenvalues of the whole problem; their vectors are eigenvectors only if it is
-    symmetric.
-    """
-    pairs = vectors[:, kappa.imag > 0].imag
-    found = [_as_vector(mass, v) for v in vectors[:, kappa.imag >= 0].real.T]
-    found += [_as_vector(mass, v) for v in pairs.T]
-    beside = SLEPc.EPS().create(solver.comm)
-    beside.setST(solver.getST())  # with its factorisation
-    beside.setProblemType(solver.getProblemType())
-    beside.setPurify(False)
-    beside.setWhichEigenpairs(solver.getWhichEigenpairs())
-    beside.setTarget(solver.getTarget())
-    tolerance, max_restarts = solver.getTolerances()
-    beside.setTolerances(tol=tolerance, max_it=max_restarts)
-    beside.setDeflationSpace(found)
-    result = _krylov(beside, mass, wanted, 2 * wanted, timer)
-    destroy(beside, *found)
-    return result
-
-
-def _reach(kappa: Complexes, shift: float) -> float:
-    return float(np.abs(kappa - shift).max(initial=0.0))
-
-
-def _as_vector(mass: Any, values: Floats) -> Any:
-    vector = mass.createVecRight()
-    vector.array[:] = values
-    return vector
-
-
-def _shift_invert(operator: Any, mass: Any, shift: float, *, symmetric: bool) -> Any:
-    solver = SLEPc.EPS().create(operator.comm)
-    solver.setOperators(operator, mass)
-    solver.setProblemType(SLEPc.EPS.ProblemType.GHEP if symmetric else SLEPc.EPS.ProblemType.GNHEP)
-    solver.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
-    solver.setPurify(False)  # the mass is nonsingular: nothing to purify
-    solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-    solver.setTarget(shift)
-    transform = solver.getST()
-    transform.setType(SLEPc.ST.Type.SINVERT)
-    transform.setShift(shift)
-    transform.setMatStructure(PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
-    krylov = transform.getKSP()
-    krylov.setType(PETSc.KSP.Type.PREONLY)
-    pc = krylov.getPC()
-    pc.setType(PETSc.PC.Type.CHOLESKY if symmetric else PETSc.PC.Type.LU)
-    pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
-    return solver
-
-
-def _precondition(solver: Any, bordered: BorderedSolver) -> None:
-    """Take displacements from the bordered system instead of the displacement operator alone."""
-    pc = solver.getST().getKSP().getPC()
-    pc.setType(PETSc.PC.Type.PYTHON)
-    pc.setPythonContext(bordered)
-
-
-def _eigenpairs(solver: Any, mass: Any) -> tuple[Complexes, Complexes]:
-    """Converged kappa and vectors; a complex pair is read once and its conjugate added."""
-    converged = solver.getConverged()
-    real, imaginary = mass.createVecRight(), mass.createVecRight()
-    values = np.empty(converged, dtype=complex)
-    vectors = np.empty((real.getLocalSize(), converged), dtype=complex, order="F")
-    i = 0
-    while i < converged:
-        values[i] = solver.getEigenpair(i, real, imaginary)
-        vectors[:, i] = real.array
-        if values[i].imag != 0:
-            vectors[:, i] += 1j * imaginary.array
-            if i + 1 < converged:
-                values[i + 1], vectors[:, i + 1] = values[i].conj(), vectors[:, i].conj()
-            i += 1
-        i += 1
-    real.destroy()
-    imaginary.destroy()
-    return values, vectors
+def _warnings(window: Window, residuals: Floats) -> tuple[ResultWarning, ...]:
+    """What modes must be read with."""
+    warnings = []
+    if window.symmetric_count is not None and window.found_below != window.symmetric_count:
+        warnings.append(
+            ResultWarning(
+                "count-differs",
+                f"{window.found_below} eigenvalues found where the symmetric part counts "
+                f"{window.symmetric_count}: friction moved the others, or they were missed",
+                {"found": window.found_below, "counted": window.symmetric_count},
+            )
+        )
+    worst = float(residuals.max(initial=0.0))
+    if worst > _LARGE_RESIDUAL:
+        warnings.append(
+            ResultWarning(
+                "residual",
+                f"the largest residual of a mode is {worst:.1e}: it is not to be trusted",
+                {"largest": worst, "modes": int((residuals > _LARGE_RESIDUAL).sum())},
+            )
+        )
+    return tuple(warnings)
 
 
 def _growth_covered(top: float, shift: float, radius: float) -> float:

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import subspace_angles
 
-from cea.body import Floats, Ints
+from cea.body import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign, connected, group
-from cea.eigen.modes import Complexes
 from cea.errors import InputError
 
 NEAR = 1e-3

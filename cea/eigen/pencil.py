@@ -1,199 +1,206 @@
-"""The pencil S - F - kappa M of a system, with contact forces eliminated or as unknowns.
+"""The parametric pencil: everything that is solved, as sums of fixed pieces.
 
-With forces f as unknowns (:mod:`cea.contact.saddle`) the operator is
+    lambda^2 M(t) + lambda C(t) + K(t),    M, C, K = sum_j c_j(t) A_j
 
-    A(kappa) = [ S - F - kappa M   L^T ]
-               [        J          -C  ]
-
-and the displacement part of A(kappa)^-1 [r; 0] is what the driver iterates with: multipliers carry
-no mass, and the Krylov space stays one of displacements.
+with coefficients c_j in named parameters t. K of a body scales with its E, M with its rho, K_n and
+K_f of a contact with P and mu P. Contact forces may be unknowns beside the displacements
+(:mod:`cea.eigen.multipliers`). One object serves a single run, a sweep, a threshold, a derivative.
 """
 
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
 
-import numpy as np
+from cea.eigen.multipliers import ForcesOfContact, Multipliers, stacked
+from cea.eigen.parameters import CONSTANT, Coefficient, Parameter
+from cea.errors import InputError
+from cea.matrices import destroy, scaled_total
 
-from cea.body import Floats
-from cea.contact.saddle import Multipliers
-from cea.errors import ConvergenceError
-from cea.matrices import destroy
-from cea.petsc import PETSc
+Role = Literal["mass", "damping", "stiffness"]
 
-_DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
+FRICTION = "friction"
+"""Name of the factor on the friction of a pencil made of given matrices."""
 
 
-class Pencil:
-    """Symmetric S and M, unsymmetric F, and multipliers.
+@dataclass(frozen=True)
+class Term:
+    """One piece of a pencil: c(t) A.
+
+    Parameters
+    ----------
+    role
+        The sum it belongs to.
+    matrix
+        A, PETSc AIJ (n x n).
+    coefficient
+        c.
+    symmetric
+        Whether A is symmetric, to the last bit.
+    """
+
+    role: Role
+    matrix: Any
+    coefficient: Coefficient = CONSTANT
+    symmetric: bool = True
+
+
+@dataclass(frozen=True)
+class Matrices:
+    """A pencil at given parameters: its sums.
 
     Parameters
     ----------
     stiffness
-        Symmetric part S, PETSc AIJ (N/m).
+        Symmetric part S of K, PETSc AIJ (N/m).
+    unsymmetric
+        The rest of K, which friction makes, PETSc AIJ (N/m); None without.
     mass
-        Symmetric positive definite M, PETSc AIJ (kg); None in statics.
-    friction
-        Unsymmetric part F, PETSc AIJ (N/m); None without.
+        M, PETSc AIJ (kg), symmetric positive definite; None in statics.
     multipliers
         Contact forces that are unknowns; None without.
     """
 
-    def __init__(
-        self,
-        stiffness: Any,
-        mass: Any | None,
-        friction: Any | None = None,
-        multipliers: Multipliers | None = None,
-    ) -> None:
-        self.stiffness = stiffness
-        self.mass = mass
-        self.friction = friction
-        self.multipliers = multipliers
+    stiffness: Any
+    unsymmetric: Any | None
+    mass: Any | None
+    multipliers: Multipliers | None
 
     @property
     def symmetric(self) -> bool:
         """True without friction."""
-        return self.friction is None and (self.multipliers is None or self.multipliers.symmetric)
+        return self.unsymmetric is None and (self.multipliers is None or self.multipliers.symmetric)
 
-    def displacement_operator(self) -> Any:
-        """S - F: S itself without friction, else a new PETSc AIJ matrix."""
-        if self.friction is None:
-            return self.stiffness
-        operator = self.stiffness.copy()
-        operator.axpy(-1.0, self.friction, structure=_DIFFERENT)
-        return operator
+    @property
+    def size(self) -> int:
+        """Number of displacements over all ranks."""
+        return int(self.stiffness.getSize()[0])
 
-    def count_below(self, kappa: float) -> int:
-        """Number of eigenvalues of the symmetric part below kappa, by its inertia.
+    def operator(self, kappa: float = 0.0, *, symmetric_part: bool = False) -> Any:
+        """K - kappa M, or S - kappa M, on the displacements: a new PETSc AIJ matrix."""
+        parts = [(1.0, self.stiffness)]
+        if self.unsymmetric is not None and not symmetric_part:
+            parts.append((1.0, self.unsymmetric))
+        if kappa:
+            parts.append((-kappa, self.mass))
+        return scaled_total(parts)
 
-        Each multiplier adds one negative eigenvalue to those of S - kappa M.
+
+class Pencil:
+    """Pieces of M, C and K with their coefficients in named parameters.
+
+    Parameters
+    ----------
+    terms
+        The pieces; at least one of the stiffness is symmetric.
+    parameters
+        Every parameter that a coefficient names.
+    forces
+        Contact forces that are unknowns, by contact.
+
+    Raises
+    ------
+    InputError
+        When coefficients name parameters that are not there.
+    """
+
+    def __init__(
+        self,
+        terms: Iterable[Term],
+        parameters: Iterable[Parameter] = (),
+        forces: Sequence[ForcesOfContact] = (),
+    ) -> None:
+        self.terms = tuple(terms)
+        self.parameters = {parameter.name: parameter for parameter in parameters}
+        self.forces = tuple(forces)
+        coefficients = [t.coefficient for t in self.terms]
+        coefficients += [c for f in self.forces for c in (f.compliance, f.friction)]
+        unknown = {name for c in coefficients for name in c.names} - set(self.parameters)
+        if unknown:
+            raise InputError("parameters", sorted(self.parameters), f"with {sorted(unknown)}")
+
+    @classmethod
+    def of(cls, stiffness: Any, mass: Any | None = None, friction: Any | None = None) -> "Pencil":
+        """Pencil of given matrices: lambda^2 M + S - s F with one parameter, the factor s.
 
         Parameters
         ----------
-        kappa
-            Upper end (1/s^2).
+        stiffness
+            Symmetric part S, PETSc AIJ (N/m).
+        mass
+            Symmetric positive definite M, PETSc AIJ (kg); None in statics.
+        friction
+            Unsymmetric part F, PETSc AIJ (N/m); None without, and then there is no parameter.
+        """
+        terms = [Term("stiffness", stiffness)]
+        if mass is not None:
+            terms.append(Term("mass", mass))
+        if friction is None:
+            return cls(terms)
+        coefficient = Coefficient.of({FRICTION: (1.0, 1.0)}, factor=-1.0)
+        terms.append(Term("stiffness", friction, coefficient, symmetric=False))
+        return cls(terms, [Parameter(FRICTION, 1.0)])
+
+    @property
+    def comm(self) -> Any:
+        """Communicator (petsc4py)."""
+        return self.terms[0].matrix.comm
+
+    def values(self, changes: Mapping[str, float] | None = None) -> dict[str, float]:
+        """Value of every parameter, some of them changed.
 
         Raises
         ------
-        ConvergenceError
-            When the factorisation fails.
+        InputError
+            When there is no such parameter, or it may not have the value.
         """
-        shifted = self.stiffness.copy()
-        shifted.axpy(-kappa, self.mass, structure=_DIFFERENT)
-        extra = 0
-        if self.multipliers is not None:
-            bordered = _bordered(shifted, self.multipliers, symmetric=True)
-            destroy(shifted)
-            shifted, extra = bordered, self.multipliers.size
-        shifted.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        pc = PETSc.PC().create(shifted.comm)
-        pc.setOperators(shifted)
-        pc.setType(PETSc.PC.Type.CHOLESKY)
-        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
-        pc.setFactorSetUpSolverType()
-        factor = pc.getFactorMatrix()
-        factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
-        factor.setMumpsIcntl(24, 1)  # null pivots are counted, not failed on
-        pc.setUp()
-        if pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
-            raise ConvergenceError(f"S - kappa M could not be factorised at kappa = {kappa:.6g}")
-        negative, _, _ = factor.getInertia()
-        destroy(pc, shifted)
-        return int(negative) - extra
+        values = {name: parameter.value for name, parameter in self.parameters.items()}
+        for name, value in (changes or {}).items():
+            values[name] = self.parameter(name).check(value)
+        return values
 
-    def bordered(self, kappa: float = 0.0) -> "BorderedSolver":
-        """Factorised A(kappa); only with multipliers."""
-        return BorderedSolver(self, kappa)
+    def parameter(self, name: str) -> Parameter:
+        """One parameter; refused where there is none of the name."""
+        if name not in self.parameters:
+            allowed = ", ".join(sorted(self.parameters)) or "none: nothing here can be changed"
+            raise InputError("parameter", name, f"one of {allowed}")
+        return self.parameters[name]
 
+    def at(self, changes: Mapping[str, float] | None = None) -> Matrices:
+        """Matrices at given parameters; those not named keep their values.
 
-class BorderedSolver:
-    """Displacements and contact forces for given forces on the bodies: A(kappa)^-1 [r; 0].
+        A piece whose coefficient is zero is left out: without friction the problem is symmetric.
+        """
+        values = self.values(changes)
+        return Matrices(
+            stiffness=self._sum("stiffness", values, symmetric=True),
+            unsymmetric=self._sum("stiffness", values, symmetric=False),
+            mass=self._sum("mass", values, symmetric=True),
+            multipliers=stacked([forces.at(values) for forces in self.forces]),
+        )
 
-    As the context of a PETSc preconditioner it returns the displacements alone.
-    """
+    def symmetric_values(self, values: Mapping[str, float]) -> tuple[float, ...]:
+        """Coefficients of the symmetric parts: equal ones make equal S, M and constraints."""
+        parts = [t.coefficient.at(values) for t in self.terms if t.symmetric]
+        return (*parts, *(f.compliance.at(values) for f in self.forces))
 
-    def __init__(self, pencil: Pencil, kappa: float) -> None:
-        assert pencil.multipliers is not None
-        operator = pencil.displacement_operator()
-        if operator is pencil.stiffness:
-            operator = operator.copy()
-        if kappa:
-            operator.axpy(-kappa, pencil.mass, structure=_DIFFERENT)
-        self.multipliers = pencil.multipliers
-        self._scale = _scale(operator, pencil.multipliers)
-        self._matrix = _bordered(operator, pencil.multipliers, symmetric=pencil.symmetric)
-        destroy(operator)
-        self._solver = PETSc.KSP().create(self._matrix.comm)
-        self._solver.setOperators(self._matrix)
-        self._solver.setType(PETSc.KSP.Type.PREONLY)
-        pc = self._solver.getPC()
-        pc.setType(PETSc.PC.Type.CHOLESKY if pencil.symmetric else PETSc.PC.Type.LU)
-        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
-        self._solver.setUp()
-        self._right, self._left = self._matrix.createVecs()
-        self._size = pencil.stiffness.getLocalSize()[0]
-
-    def solve(self, force: Any, displacement: Any, contact: Any | None = None) -> bool:
-        """Solve for displacements x and, if asked for, contact forces f; False when singular."""
-        self._left.set(0.0)
-        self._left.array[: self._size] = force.array_r
-        self._solver.solve(self._left, self._right)
-        displacement.array[:] = self._right.array_r[: self._size]
-        if contact is not None:
-            contact.array[:] = self._right.array_r[self._size :] * self._scale
-        return bool(self._solver.getConvergedReason() >= 0)
-
-    def apply(self, _: Any, x: Any, y: Any) -> None:
-        """Displacements y for forces x: the context of a PETSc preconditioner."""
-        self.solve(x, y)
-
-    def solve_block(self, forces: Floats) -> tuple[Floats, Floats]:
-        """Displacements and contact forces for each column of forces, the rows of this rank."""
-        local, n = self._matrix.getLocalSize()[0], forces.shape[1]
-        extended = np.zeros((local, n), order="F")
-        extended[: self._size] = forces
-        size = (self._matrix.getSizes()[0], (PETSc.DECIDE, n))
-        right = PETSc.Mat().createDense(size, array=extended, comm=self._matrix.comm)
-        left = PETSc.Mat().createDense(size, comm=self._matrix.comm).setUp()
-        self._solver.matSolve(right, left)
-        solution = left.getDenseArray().copy()
-        destroy(right, left)
-        return solution[: self._size], solution[self._size :] * self._scale
-
-    def free(self) -> None:
-        """Free the factorisation."""
-        destroy(self._solver, self._matrix, self._right, self._left)
+    def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Any | None:
+        parts = [
+            (coefficient, term.matrix)
+            for term in self.terms
+            if term.role == role
+            and term.symmetric == symmetric
+            and (coefficient := term.coefficient.at(values)) != 0
+        ]
+        if not parts:
+            return None
+        total = scaled_total(parts)
+        if symmetric:
+            total.setOption(total.Option.SYMMETRIC, True)
+        return total
 
 
-def _scale(operator: Any, multipliers: Multipliers) -> float:
-    """Factor on multipliers that makes rows of J as large as those of the bodies."""
-    diagonal = operator.getDiagonal()
-    largest = diagonal.norm(PETSc.NormType.INFINITY)
-    destroy(diagonal)
-    rows = multipliers.closure.norm(PETSc.NormType.INFINITY)
-    return float(largest / rows) if largest > 0 and rows > 0 else 1.0
-
-
-def _bordered(operator: Any, multipliers: Multipliers, *, symmetric: bool) -> Any:
-    """[A, s L^T; s J, -s^2 C] as PETSc AIJ; with J for L in its symmetric part."""
-    scale = _scale(operator, multipliers)
-    closure = multipliers.closure.copy()
-    closure.scale(scale)
-    reaction = closure
-    if not symmetric:
-        reaction = multipliers.reaction.copy()
-        reaction.scale(scale)
-    transpose = reaction.transpose(PETSc.Mat())
-    diagonal = multipliers.compliance.copy()
-    diagonal.scale(-(scale**2))
-    rows = (multipliers.compliance.getLocalSize(), multipliers.size)
-    corner = PETSc.Mat().createAIJ(size=(rows, rows), nnz=1, comm=operator.comm)
-    corner.setUp()
-    corner.setDiagonal(diagonal)
-    corner.assemble()
-    bordered = PETSc.Mat().createNest([[operator, transpose], [closure, corner]]).convert("aij")
-    if symmetric:
-        bordered.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    destroy(transpose, diagonal, corner, closure)
-    if reaction is not closure:
-        destroy(reaction)
-    return bordered
+def release(matrices: Matrices) -> None:
+    """Free the sums of a pencil, not its pieces."""
+    destroy(*(m for m in (matrices.stiffness, matrices.unsymmetric, matrices.mass) if m))
+    if matrices.multipliers is not None:
+        matrices.multipliers.free()

@@ -184,8 +184,8 @@ def _sides(
 ) -> Iterator[tuple[str, Surface, Body, Floats]]:
     """Name, surface, body and full displacement of both sides."""
     for side, name, surface in (
-        ("a", contact.body_a, contact.interface.a),
-        ("b", contact.body_b, contact.interface.b),
+        ("a", contact.half.a, contact.interface.a),
+        ("b", contact.half.b, contact.interface.b),
     ):
         yield side, surface, system.bodies[name], system.displacement(x, name)
 

@@ -5,39 +5,19 @@
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from cea.body import Body, Floats
-from cea.contact.interface import Interface
-from cea.contact.operators import Contact, ContactLaw, assemble_contact
-from cea.contact.saddle import Multipliers, multipliers_of
-from cea.matrices import block_diagonal, destroy, gather, total
+from cea.contact.operators import Contact, HalfPass, assemble_contact
+from cea.contact.saddle import contact_forces
+from cea.eigen.multipliers import ForcesOfContact
+from cea.eigen.parameters import NOTHING, Coefficient, Monomial, Parameter
+from cea.eigen.pencil import Pencil, Term
+from cea.matrices import block_diagonal, destroy, empty, gather
 from cea.petsc import PETSc
-
-
-@dataclass(frozen=True)
-class HalfPass:
-    """One side's points against the other: what :func:`couple` makes a :class:`Contact` of.
-
-    Parameters
-    ----------
-    a, b
-        Names of the bodies on its two sides.
-    interface
-        Its points, which lie on a.
-    law
-        Its stiffness and friction.
-    pair
-        Name of the contact it belongs to, where that is not its own: a full pass has two halves.
-    """
-
-    a: str
-    b: str
-    interface: Interface
-    law: ContactLaw
-    pair: str | None = None
 
 
 @dataclass(frozen=True)
@@ -48,43 +28,129 @@ class CoupledSystem:
     ----------
     bodies
         Bodies by name, in the order of the unknowns.
-    stiffness
-        K of all bodies, PETSc AIJ (N/m).
-    mass
-        M of all bodies, PETSc AIJ (kg), None in static scenes.
-    load
-        Forces (N), PETSc vector, None where no body has any.
     contacts
         Contact matrices.
+    template
+        PETSc vector of the layout of the unknowns.
     index_sets
         Unknowns of each body, PETSc index sets by name.
+    with_mass
+        Whether the bodies have mass; not in static scenes.
+    load
+        Forces (N), PETSc vector, None where none were asked for.
     """
 
     bodies: Mapping[str, Body]
-    stiffness: Any
-    mass: Any | None
-    load: Any | None
     contacts: tuple[Contact, ...]
+    template: Any
     index_sets: Mapping[str, Any]
+    with_mass: bool
+    load: Any | None
 
     @property
     def size(self) -> int:
         """Number of unknowns."""
-        return int(self.stiffness.getSize()[0])
+        return int(self.template.getSize())
 
-    def symmetric_stiffness(self) -> Any:
-        """K + K_n, a new PETSc AIJ matrix; contacts in the saddle form have no K_n."""
-        normal = [c.stiffness for c in self.contacts if c.stiffness is not None]
-        return total([self.stiffness, *normal])
+    @cached_property
+    def stiffness(self) -> Any:
+        """K of all bodies, PETSc AIJ (N/m)."""
+        return self._diagonal(lambda body: body.stiffness())
 
-    def friction(self) -> Any | None:
-        """K_f of all contacts, None without friction; those in the saddle form have none."""
-        parts = [c.friction for c in self.contacts if c.friction is not None]
-        return total(parts) if parts else None
+    @cached_property
+    def mass(self) -> Any | None:
+        """M of all bodies, PETSc AIJ (kg), None in static scenes."""
+        return self._diagonal(lambda body: body.mass()) if self.with_mass else None
 
-    def multipliers(self) -> Multipliers | None:
-        """Contact forces that are unknowns of their own; None where no contact has the form."""
-        return multipliers_of(self.contacts)
+    def _diagonal(self, matrix_of: Callable[[Body], Any]) -> Any:
+        return block_diagonal([matrix_of(body) for body in self.bodies.values()]).convert("aij")
+
+    def vector(self) -> Any:
+        """A new PETSc vector of unknowns, all zero."""
+        vector = self.template.duplicate()
+        vector.set(0.0)
+        return vector
+
+    def pencil(self) -> Pencil:
+        """The parametric pencil of the system, whose matrices are its pieces.
+
+        Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
+        ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor on it
+        where it varies. Without friction, if that was left out, there is no mu.
+        """
+        return Pencil(
+            [*self._body_terms(), *self._contact_terms()],
+            self._parameters(),
+            tuple(self._contact_forces()),
+        )
+
+    def _body_terms(self) -> Iterator[Term]:
+        """K and M of each body; springs do not grow with E."""
+        for name, body in self.bodies.items():
+            E = (f"bodies.{name}.material.E", body.material.E)
+            stiffness = self._embedded(name, body.stiffness())
+            yield Term("stiffness", stiffness, Coefficient.of({E[0]: (E[1], 1.0)}))
+            if (springs := body.spring_stiffness()) is not None:
+                rest = (Monomial(), Monomial(-1.0, {E[0]: (E[1], 1.0)}))
+                yield Term("stiffness", self._embedded(name, springs), Coefficient(rest))
+            if self.with_mass:
+                rho = {f"bodies.{name}.material.rho": (float(body.material.rho or 0), 1.0)}
+                yield Term("mass", self._embedded(name, body.mass()), Coefficient.of(rho))
+
+    def _contact_terms(self) -> Iterator[Term]:
+        """K_n and K_f of each half pass in the penalty form."""
+        total = self._stiffnesses()
+        for contact in self.contacts:
+            P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
+            if contact.stiffness is not None:
+                yield Term("stiffness", contact.stiffness, Coefficient.of(P))
+            if contact.friction is not None:
+                mu = {f"contacts.{contact.pair}.mu": (contact.mu, 1.0)}
+                coefficient = Coefficient.of(P | mu, factor=-1.0)
+                yield Term("stiffness", contact.friction, coefficient, symmetric=False)
+
+    def _contact_forces(self) -> Iterator[ForcesOfContact]:
+        """Forces of each contact in the saddle form."""
+        first = {contact.pair: contact for contact in reversed(self.contacts)}
+        for name, forces in contact_forces(self.contacts).items():
+            P, mu = f"contacts.{name}.P", f"contacts.{name}.mu"
+            slips = Coefficient.of({mu: (first[name].mu, 1.0)}) if forces.slip else NOTHING
+            compliance = Coefficient.of({P: (1.0, -1.0)})
+            yield ForcesOfContact(forces.closure, forces.slip, compliance, slips)
+
+    def _stiffnesses(self) -> dict[str, float]:
+        """P of each contact, both halves of a full pass together."""
+        total: dict[str, float] = {}
+        for contact in self.contacts:
+            total[contact.pair] = total.get(contact.pair, 0.0) + contact.P
+        return total
+
+    def _parameters(self) -> Iterator[Parameter]:
+        for name, body in self.bodies.items():
+            yield Parameter(f"bodies.{name}.material.E", body.material.E, "N/m^2", positive=True)
+            if self.with_mass:
+                rho = float(body.material.rho or 0)
+                yield Parameter(f"bodies.{name}.material.rho", rho, "kg/m^3", positive=True)
+        saddle = {c.pair for c in self.contacts if c.half.form == "saddle"}
+        for name, P in self._stiffnesses().items():
+            finite = name not in saddle
+            yield Parameter(f"contacts.{name}.P", P, "N/m", positive=True, finite=finite)
+        for contact in {c.pair: c for c in self.contacts if c.slip is not None}.values():
+            friction = contact.half.friction
+            acts = friction is not None and friction.acts
+            yield Parameter(f"contacts.{contact.pair}.mu", contact.mu if acts else 0.0)
+
+    def _embedded(self, body: str, matrix: Any) -> Any:
+        """Matrix of one body among the unknowns of all."""
+        if len(self.bodies) == 1:
+            return matrix
+        blocks = []
+        for name, other in self.bodies.items():
+            size = other.expansion.getSizes()[1]
+            blocks.append(matrix if name == body else empty(size, self.template.comm))
+        whole = block_diagonal(blocks).convert("aij")
+        destroy(*(block for block in blocks if block is not matrix))
+        return whole
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
         """Full displacement (m) of one body, shape (dim * num_scalar_dofs,).
@@ -133,31 +199,23 @@ def couple(
     PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
     nest = block_diagonal([body.stiffness() for body in bodies.values()])
     index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
-    stiffness = nest.convert("aij")
-    mass = block_diagonal([b.mass() for b in bodies.values()]).convert("aij") if with_mass else None
+    template = nest.createVecRight()
+    destroy(nest)
     load = None
     if with_load:
-        load = stiffness.createVecRight()
+        load = template.duplicate()
         for name, body in bodies.items():
             part = load.getSubVector(index_sets[name])
             body.load().copy(part)
             load.restoreSubVector(index_sets[name], part)
     return CoupledSystem(
         bodies=bodies,
-        stiffness=stiffness,
-        mass=mass,
-        load=load,
         contacts=tuple(
-            assemble_contact(
-                bodies,
-                name,
-                half.pair or name,
-                (half.a, half.b),
-                half.interface,
-                half.law,
-                leave_out=leave_out,
-            )
+            assemble_contact(bodies, name, half, leave_out=leave_out)
             for name, half in contacts.items()
         ),
+        template=template,
         index_sets=index_sets,
+        with_mass=with_mass,
+        load=load,
     )

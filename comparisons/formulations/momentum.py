@@ -54,7 +54,7 @@ def momentum_defects(
         "normal": [c.stiffness for c in system.contacts if c.stiffness is not None],
         "friction": [c.friction for c in system.contacts if c.friction is not None],
     }
-    r, y = (system.stiffness.createVecRight() for _ in range(2))
+    r, y = (system.vector() for _ in range(2))
     defects: dict[str, dict[str, float]] = {}
     for kind, matrices in kinds.items():
         scale = sum(matrix.norm(PETSc.NormType.NORM_1) for matrix in matrices)

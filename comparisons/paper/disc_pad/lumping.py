@@ -163,11 +163,11 @@ def _stiffness(result: SceneResult) -> Any:
 def rotation_ratio(result: SceneResult) -> float:
     """Energy of a rotation about the x axis in K_n: of both bodies, over that of the pad alone."""
     contact = result.system.contacts[0]
-    sides = {contact.body_a: contact.interface.a, contact.body_b: contact.interface.b}
+    sides = {contact.half.a: contact.interface.a, contact.half.b: contact.interface.b}
     height = contact.interface.points.x[:, 1].mean()
     energies = []
     for turned in ((PAD, DISC), (PAD,)):
-        vector = result.system.stiffness.createVecRight()
+        vector = result.system.vector()
         for name in turned:
             u = _normal_displacement(result.system.bodies[name], sides[name], height)
             part = vector.getSubVector(result.system.index_sets[name])

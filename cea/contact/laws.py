@@ -1,0 +1,120 @@
+"""Laws of contact: the pressure that a penetration meets, its slope, and friction.
+
+A law knows nothing of geometry. Linearised about steady sliding, its slope at the penetrations of
+that state stands in the place of the contact stiffness p, and friction multiplies it
+(Mohanasundaram et al., 2023, eqs. 7, 8 and 16).
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from cea.body import Floats
+from cea.errors import InputError
+
+
+class NormalLaw(Protocol):
+    """What a penetration of side a into side b meets."""
+
+    def pressure(self, penetration: Floats) -> Floats:
+        """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
+        ...
+
+    def slope(self, penetration: Floats) -> Floats:
+        """Its derivative (N/m^3), the contact stiffness p of small motions, shape (n,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class LinearLaw:
+    """A pressure proportional to the penetration, tension too: contact known to be closed.
+
+    Parameters
+    ----------
+    stiffness
+        Contact stiffness p (N/m^3), shape (n,) or one number; infinite everywhere, where the sides
+        are tied along the normal, or nowhere.
+    """
+
+    stiffness: Floats | float
+
+    def __post_init__(self) -> None:
+        p = np.asarray(self.stiffness)
+        if not (p > 0).all():
+            raise InputError("p", float(p.min()), "positive (N/m^3)")
+        if np.isinf(p).any() and not np.isinf(p).all():
+            raise InputError("p", float("inf"), "finite, or infinite everywhere")
+
+    def pressure(self, penetration: Floats) -> Floats:
+        """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
+        return self.stiffness * penetration
+
+    def slope(self, penetration: Floats) -> Floats:
+        """Contact stiffness p (N/m^3), shape (n,)."""
+        return np.broadcast_to(np.asarray(self.stiffness, dtype=float), penetration.shape)
+
+
+@dataclass(frozen=True)
+class NormalCompliance:
+    """Normal compliance: the pressure c (g)_+^m, none where the contact is open.
+
+    Parameters
+    ----------
+    c
+        c_n (N/m^(2 + m_n)), positive.
+    m
+        m_n, 1 or more.
+    """
+
+    c: float
+    m: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.c < np.inf:
+            raise InputError("c_n", self.c, "positive (N/m^(2 + m_n))")
+        if not 1 <= self.m < np.inf:
+            raise InputError("m_n", self.m, "1 or more")
+
+    def pressure(self, penetration: Floats) -> Floats:
+        """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
+        return self.c * np.maximum(penetration, 0.0) ** self.m
+
+    def slope(self, penetration: Floats) -> Floats:
+        """Contact stiffness p (N/m^3), zero where the contact is open, shape (n,)."""
+        closed = np.maximum(penetration, 0.0)
+        return np.where(penetration > 0, self.m * self.c * closed ** (self.m - 1), 0.0)
+
+
+class TangentField(Protocol):
+    """Direction of the friction traction on side a."""
+
+    def at(self, x: Floats, normal: Floats) -> Floats:
+        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        ...
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Coulomb friction of steady sliding.
+
+    Parameters
+    ----------
+    mu
+        Friction coefficient, shape (n,) or one number, zero or positive.
+    direction
+        Direction of the friction traction on side a.
+    """
+
+    mu: Floats | float
+    direction: TangentField
+
+    def __post_init__(self) -> None:
+        mu = np.asarray(self.mu)
+        if not (mu >= 0).all():
+            raise InputError("mu", float(mu.min()), "zero or positive")
+
+    @property
+    def acts(self) -> bool:
+        """True where there is any friction."""
+        return bool(np.any(np.asarray(self.mu) != 0))

@@ -1,0 +1,59 @@
+"""Products of distributed matrices with blocks of complex vectors, the rows of each rank.
+
+A block of columns at a time: nothing of the size of all vectors is kept beside them.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.body import Complexes, Floats
+from cea.matrices import destroy
+from cea.petsc import PETSc
+
+_COLUMNS = 64
+"""Columns at a time."""
+
+
+def column_blocks(columns: int) -> Iterator[slice]:
+    """Slices of so many columns as are worked on at a time."""
+    for start in range(0, columns, _COLUMNS):
+        yield slice(start, min(start + _COLUMNS, columns))
+
+
+def times(matrix: Any, vectors: Complexes) -> Complexes:
+    """Matrix times a block of vectors, real and imaginary parts in one sparse-dense product."""
+    n = vectors.shape[1]
+    block = np.asfortranarray(np.hstack([vectors.real, vectors.imag]))
+    columns = matrix.getSizes()[1]
+    dense = PETSc.Mat().createDense((columns, (PETSc.DECIDE, 2 * n)), array=block, comm=matrix.comm)
+    product = matrix.matMult(dense)
+    result = product.getDenseArray()
+    image = result[:, :n] + 1j * result[:, n:]
+    destroy(product, dense)
+    return image
+
+
+def transposed_times(matrix: Any, vectors: Complexes) -> Complexes:
+    """Transposed matrix times a block of vectors."""
+    transpose = matrix.transpose(PETSc.Mat())
+    result = times(transpose, vectors)
+    destroy(transpose)
+    return result
+
+
+def columns_inner(left: Complexes, right: Complexes, comm: Any) -> Complexes:
+    """Inner products of the columns of two blocks, one with one."""
+    return comm.tompi4py().allreduce(np.einsum("ij,ij->j", left.conj(), right))
+
+
+def all_inner(left: NDArray[Any], right: NDArray[Any], comm: Any) -> NDArray[Any]:
+    """Inner products of every column of one block with every column of another."""
+    return comm.tompi4py().allreduce(left.conj().T @ right)
+
+
+def norms(vectors: Complexes, comm: Any) -> Floats:
+    """Lengths of the columns."""
+    return np.sqrt(columns_inner(vectors, vectors, comm).real)

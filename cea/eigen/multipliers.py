@@ -1,0 +1,108 @@
+"""Contact forces as unknowns beside the displacements: the saddle form of a contact.
+
+    [ K   L^T ] [x]   [r]
+    [ J   -C  ] [f] = [0],     L = J - c_f R,   C = c_c I
+
+with J the normalised gaps, R what friction adds to their reactions, c_f proportional to mu and
+c_c = 1/P. Multipliers carry no mass.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cea.eigen.parameters import Coefficient
+from cea.matrices import destroy
+from cea.petsc import PETSc
+
+
+@dataclass(frozen=True)
+class ForcesOfContact:
+    """Contact forces of one contact that are unknowns.
+
+    Parameters
+    ----------
+    closure
+        J, PETSc AIJ (forces x displacements).
+    slip
+        R, PETSc AIJ (forces x displacements); None without friction.
+    compliance
+        c_c (m/N), 1/P; zero where the sides are tied.
+    friction
+        c_f.
+    """
+
+    closure: Any
+    slip: Any | None
+    compliance: Coefficient
+    friction: Coefficient
+
+    def at(self, values: Mapping[str, float]) -> "Multipliers":
+        """Matrices at given parameters."""
+        factor = self.friction.at(values) if self.slip is not None else 0.0
+        reaction = self.closure
+        if factor != 0:
+            reaction = self.closure.copy()
+            structure = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
+            reaction.axpy(-factor, self.slip, structure=structure)
+        compliance = self.closure.createVecLeft()
+        compliance.set(self.compliance.at(values))
+        return Multipliers(self.closure, reaction, compliance)
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """Contact forces as unknowns: K x + L^T f = r, J x - C f = 0.
+
+    Parameters
+    ----------
+    closure
+        J, PETSc AIJ (multipliers x displacements).
+    reaction
+        L, PETSc AIJ (multipliers x displacements); the same object as J without friction.
+    compliance
+        Diagonal of C = 1/P (m/N), PETSc vector (multipliers); zero where the sides are tied.
+    """
+
+    closure: Any
+    reaction: Any
+    compliance: Any
+
+    @property
+    def symmetric(self) -> bool:
+        """True without friction."""
+        return self.reaction is self.closure
+
+    @property
+    def size(self) -> int:
+        """Number of multipliers."""
+        return int(self.closure.getSize()[0])
+
+    def free(self) -> None:
+        """Free what was made of the pieces, not the pieces."""
+        if not self.symmetric:
+            destroy(self.reaction)
+        destroy(self.compliance)
+
+
+def stacked(parts: Sequence[Multipliers]) -> Multipliers | None:
+    """Multipliers of several contacts, one below the other on each rank; None of none."""
+    if len(parts) < 2:
+        return parts[0] if parts else None
+    symmetric = all(part.symmetric for part in parts)
+    closure = _one_below_the_other([part.closure for part in parts])
+    reaction = closure
+    if not symmetric:
+        reaction = _one_below_the_other([part.reaction for part in parts])
+    compliance = closure.createVecLeft()
+    first = 0
+    for part in parts:
+        last = first + part.compliance.getLocalSize()
+        compliance.array[first:last] = part.compliance.array_r
+        first = last
+        part.free()
+    return Multipliers(closure, reaction, compliance)
+
+
+def _one_below_the_other(blocks: Sequence[Any]) -> Any:
+    return PETSc.Mat().createNest([[block] for block in blocks]).convert("aij")

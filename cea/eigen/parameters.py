@@ -1,0 +1,105 @@
+"""Named parameters of a pencil, and the coefficients through which its pieces depend on them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import inf, prod
+
+from cea.errors import InputError
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that a pencil depends on.
+
+    Parameters
+    ----------
+    name
+        Its name, by the path of the field in a scene, e.g. ``contacts.pad_disc.mu``.
+    value
+        Its value where none is given.
+    unit
+        Its unit, in words where it is a factor on a field.
+    positive
+        Whether zero is refused.
+    finite
+        Whether infinity is refused.
+    """
+
+    name: str
+    value: float
+    unit: str = "1"
+    positive: bool = False
+    finite: bool = True
+
+    def check(self, value: float) -> float:
+        """The value, or a refusal of it."""
+        least = value > 0 if self.positive else value >= 0
+        if not (least and (value < inf or not self.finite)):
+            allowed = ("positive" if self.positive else "zero or positive") + f" ({self.unit})"
+            raise InputError(self.name, value, allowed + (", finite" if self.finite else ""))
+        return float(value)
+
+
+@dataclass(frozen=True)
+class Monomial:
+    """A product of powers of parameters, each relative to a reference.
+
+    Parameters
+    ----------
+    factor
+        What the product is multiplied by.
+    powers
+        By parameter, its reference value and its exponent: (t / reference)^exponent is 1 to the
+        last bit at the reference.
+    """
+
+    factor: float = 1.0
+    powers: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def at(self, values: Mapping[str, float]) -> float:
+        """Value at given parameters."""
+        return self.factor * prod(
+            (values[name] / reference) ** exponent
+            for name, (reference, exponent) in self.powers.items()
+        )
+
+    def derivative(self, name: str, values: Mapping[str, float]) -> float:
+        """Derivative in one parameter."""
+        powers = dict(self.powers)
+        if name not in powers:
+            return 0.0
+        reference, exponent = powers.pop(name)
+        slope = exponent / reference * (values[name] / reference) ** (exponent - 1)
+        return slope * Monomial(self.factor, powers).at(values)
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A sum of monomials in the parameters: the c_j(t) of one piece of a pencil."""
+
+    monomials: tuple[Monomial, ...] = (Monomial(),)
+
+    @classmethod
+    def of(cls, powers: Mapping[str, tuple[float, float]], factor: float = 1.0) -> "Coefficient":
+        """One monomial."""
+        return cls((Monomial(factor, powers),))
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters it depends on."""
+        return frozenset(name for each in self.monomials for name in each.powers)
+
+    def at(self, values: Mapping[str, float]) -> float:
+        """Value at given parameters."""
+        return sum(each.at(values) for each in self.monomials)
+
+    def derivative(self, name: str, values: Mapping[str, float]) -> float:
+        """Derivative in one parameter."""
+        return sum(each.derivative(name, values) for each in self.monomials)
+
+
+CONSTANT = Coefficient()
+"""1, whatever the parameters."""
+
+NOTHING = Coefficient(())
+"""0, whatever the parameters."""

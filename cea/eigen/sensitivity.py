@@ -1,0 +1,148 @@
+"""Left eigenvectors of a pencil, and derivatives of its eigenvalues in its parameters.
+
+With y^H M x = 1 and contact forces f, g beside x, y (:mod:`cea.eigen.multipliers`),
+
+    d lambda = - (y^H (lambda^2 dM + dK) x - dc_f (R y)^H f - dc_c g^H f) / (2 lambda).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cea.body import Complexes, Floats
+from cea.eigen.blocks import all_inner, column_blocks, times
+from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
+from cea.eigen.pencil import Pencil
+from cea.errors import ConvergenceError
+
+_SAME = 1e-4
+"""Relative distance of left and right eigenvalues beyond which they are not the same."""
+
+
+@dataclass(frozen=True)
+class LeftVectors:
+    """Left eigenvectors y with y_i^H M x_j = delta_ij.
+
+    Parameters
+    ----------
+    vectors
+        The rows of this rank, shape (n_local, n).
+    forces
+        Their multipliers, the rows of this rank, shape (multipliers of this rank, n).
+    """
+
+    vectors: Complexes
+    forces: Complexes
+
+    def __getitem__(self, modes: Any) -> "LeftVectors":
+        return LeftVectors(self.vectors[:, modes], self.forces[:, modes])
+
+
+def biorthonormal(
+    mass: Any,
+    kappa: Complexes,
+    vectors: Complexes,
+    left_kappa: Complexes,
+    left_vectors: Complexes,
+) -> Complexes:
+    """Left vectors in the order of right ones, with y_i^H M x_j = delta_ij.
+
+    Where eigenvalues touch, left vectors are the dual basis of the right ones in the left space.
+
+    Parameters
+    ----------
+    mass
+        M, PETSc AIJ.
+    kappa, vectors
+        Eigenvalues, shape (n,), and right vectors, the rows of this rank, shape (n_local, n).
+    left_kappa, left_vectors
+        Eigenvalues of the transposed problem and their vectors, at least as many.
+
+    Raises
+    ------
+    ConvergenceError
+        When an eigenvalue has no left vector.
+    """
+    scale = np.abs(kappa).max(initial=np.finfo(float).tiny)
+    cost = np.abs(kappa[:, None] - left_kappa.conj()) / scale
+    rows, columns = assign(cost, _SAME)
+    if len(rows) < len(kappa):
+        raise ConvergenceError(
+            f"{len(kappa) - len(rows)} of {len(kappa)} eigenvalues have no left vector",
+            best=left_kappa,
+        )
+    left = left_vectors[:, columns]
+    for members in group(kappa, np.sqrt(DEGENERATE)):
+        image = times(mass, vectors[:, members])
+        overlap = all_inner(left[:, members], image, mass.comm)
+        left[:, members] = left[:, members] @ np.linalg.inv(overlap).conj().T
+    return left
+
+
+def dual_norms(mass: Any, vectors: Complexes) -> Floats:
+    """M-norms of vectors, the columns of this rank's rows, shape (n,)."""
+    squares = np.empty(vectors.shape[1])
+    for block in column_blocks(vectors.shape[1]):
+        x = vectors[:, block]
+        image = times(mass, x)
+        squares[block] = mass.comm.tompi4py().allreduce(np.einsum("ij,ij->j", x.conj(), image).real)
+    return np.sqrt(squares)
+
+
+def derivatives(
+    pencil: Pencil,
+    values: Mapping[str, float],
+    name: str,
+    eigenvalues: Complexes,
+    vectors: Complexes,
+    forces: Complexes,
+    left: LeftVectors,
+) -> Complexes:
+    """Derivatives of eigenvalues lambda in a parameter (:meth:`cea.eigen.modes.Modes.sensitivity`).
+
+    Parameters
+    ----------
+    pencil, values
+        The pencil and the parameters it was solved at.
+    name
+        The parameter.
+    eigenvalues, vectors, forces
+        lambda (1/s), right vectors and their contact forces.
+    left
+        Left vectors.
+    """
+    n = len(eigenvalues)
+    change = np.zeros((n, n), dtype=complex)
+    for term in pencil.terms:
+        slope = term.coefficient.derivative(name, values)
+        if slope:
+            power = eigenvalues**2 if term.role == "mass" else np.ones(n)
+            change += slope * power * _projected(term.matrix, left.vectors, vectors)
+    comm, first = pencil.comm, 0
+    for of_contact in pencil.forces:
+        last = first + of_contact.closure.getLocalSize()[0]
+        f, g = forces[first:last], left.forces[first:last]
+        slope = of_contact.friction.derivative(name, values)
+        if slope and of_contact.slip is not None:
+            change -= slope * all_inner(times(of_contact.slip, left.vectors), f, comm)
+        slope = of_contact.compliance.derivative(name, values)
+        if slope:
+            change -= slope * all_inner(g, f, comm)
+        first = last
+    moved = np.diag(change).copy()
+    for members in group(eigenvalues, DEGENERATE):
+        if len(members) > 1:
+            moved[members] = np.linalg.eigvals(change[np.ix_(members, members)])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return -moved / (2 * eigenvalues)
+
+
+def _projected(matrix: Any, left: Complexes, right: Complexes) -> Complexes:
+    """Y^H A X, shape (n, n)."""
+    n = right.shape[1]
+    result = np.empty((n, n), dtype=complex)
+    for block in column_blocks(n):
+        result[:, block] = all_inner(left, times(matrix, right[:, block]), matrix.comm)
+    return result

@@ -1,0 +1,160 @@
+"""A pencil factorised at a shift: displacements, and contact forces where they are unknowns.
+
+With forces f as unknowns (:mod:`cea.eigen.multipliers`) the matrix at kappa = -lambda^2 is
+
+    A(kappa) = [ K - kappa M   L^T ]
+               [      J        -C  ]
+
+and the displacement part of A(kappa)^-1 [r; 0] is what drivers iterate with: multipliers carry no
+mass, and Krylov spaces stay ones of displacements.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cea.body import Floats
+from cea.eigen.factorisation import Mumps, Refined
+from cea.eigen.multipliers import Multipliers
+from cea.eigen.pencil import Matrices
+from cea.matrices import destroy
+from cea.petsc import PETSc
+
+
+class Shifted:
+    """A(kappa) factorised; what a driver solves for displacements with.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at given parameters.
+    kappa
+        The shift (1/s^2).
+    near
+        Nearby factors to be refined, instead of factors of its own.
+
+    Raises
+    ------
+    ConvergenceError
+        When A(kappa) is singular.
+    """
+
+    def __init__(
+        self, matrices: Matrices, kappa: float = 0.0, *, near: "Shifted | None" = None
+    ) -> None:
+        self.kappa = kappa
+        operator = matrices.operator(kappa)
+        self._local = operator.getLocalSize()[0]
+        self._multipliers = matrices.multipliers
+        self._scale = 1.0
+        if self._multipliers is not None:
+            self._scale = near._scale if near else _scale(operator, self._multipliers)
+            whole = _bordered(
+                operator, self._multipliers, self._scale, symmetric=matrices.symmetric
+            )
+            destroy(operator)
+            operator = whole
+        self._factors: Mumps | Refined = (
+            Refined(operator, near._factors)
+            if near
+            else Mumps(operator, symmetric=matrices.symmetric)
+        )
+        self._x: Any | None = None
+        self._b: Any | None = None
+        if self._multipliers is not None:
+            self._x, self._b = operator.createVecs()
+
+    def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
+        """Displacements x for forces b on the bodies, PETSc vectors."""
+        if self._x is None or self._b is None:
+            self._factors.solve(b, x, transposed=transposed)
+            return
+        self._b.set(0.0)
+        self._b.array[: self._local] = b.array_r
+        self._factors.solve(self._b, self._x, transposed=transposed)
+        x.array[:] = self._x.array_r[: self._local]
+
+    def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
+        """Displacements for every column of forces, the rows of this rank."""
+        return self.solve_with_forces(b, transposed=transposed)[0]
+
+    def solve_with_forces(self, b: Floats, *, transposed: bool = False) -> tuple[Floats, Floats]:
+        """Displacements and contact forces for every column of forces, the rows of this rank.
+
+        Returns
+        -------
+        tuple
+            Shapes (n_local, columns) and (multipliers of this rank, columns).
+        """
+        whole = b
+        if self._b is not None:
+            whole = np.zeros((self._b.getLocalSize(), b.shape[1]), order="F")
+            whole[: self._local] = b
+        solution = self._factors.solve_block(whole, transposed=transposed)
+        return solution[: self._local], solution[self._local :] * self._scale
+
+    def steps(self) -> int:
+        """Steps that a system takes: 1 with factors of its own."""
+        return self._factors.steps()
+
+    def free(self) -> None:
+        """Free the factors."""
+        self._factors.free()
+        destroy(*(v for v in (self._x, self._b) if v is not None))
+
+
+def count_below(matrices: Matrices, kappa: float) -> int:
+    """Number of eigenvalues of the symmetric part below kappa (1/s^2), by its inertia.
+
+    Each multiplier adds one negative eigenvalue to those of S - kappa M.
+
+    Raises
+    ------
+    ConvergenceError
+        When the factorisation fails.
+    """
+    shifted = matrices.operator(kappa, symmetric_part=True)
+    extra = 0
+    if matrices.multipliers is not None:
+        symmetric = replace(matrices.multipliers, reaction=matrices.multipliers.closure)
+        scale = _scale(shifted, symmetric)
+        bordered = _bordered(shifted, symmetric, scale, symmetric=True)
+        destroy(shifted)
+        shifted, extra = bordered, symmetric.size
+    factors = Mumps(shifted, symmetric=True, inertia=True)
+    negative = factors.negative_eigenvalues()
+    factors.free()
+    return negative - extra
+
+
+def _scale(operator: Any, multipliers: Multipliers) -> float:
+    """Factor on multipliers that makes rows of J as large as those of the bodies."""
+    diagonal = operator.getDiagonal()
+    largest = diagonal.norm(PETSc.NormType.INFINITY)
+    destroy(diagonal)
+    rows = multipliers.closure.norm(PETSc.NormType.INFINITY)
+    return float(largest / rows) if largest > 0 and rows > 0 else 1.0
+
+
+def _bordered(operator: Any, multipliers: Multipliers, scale: float, *, symmetric: bool) -> Any:
+    """[A, s L^T; s J, -s^2 C] as PETSc AIJ; with J for L in its symmetric part."""
+    closure = multipliers.closure.copy()
+    closure.scale(scale)
+    reaction = closure
+    if not symmetric:
+        reaction = multipliers.reaction.copy()
+        reaction.scale(scale)
+    transpose = reaction.transpose(PETSc.Mat())
+    diagonal = multipliers.compliance.copy()
+    diagonal.scale(-(scale**2))
+    rows = (multipliers.compliance.getLocalSize(), multipliers.size)
+    corner = PETSc.Mat().createAIJ(size=(rows, rows), nnz=1, comm=operator.comm)
+    corner.setUp()
+    corner.setDiagonal(diagonal)
+    corner.assemble()
+    bordered = PETSc.Mat().createNest([[operator, transpose], [closure, corner]]).convert("aij")
+    destroy(transpose, diagonal, corner, closure)
+    if reaction is not closure:
+        destroy(reaction)
+    return bordered
