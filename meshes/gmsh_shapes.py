@@ -7,8 +7,8 @@ from typing import Any, Literal
 import gmsh
 import numpy as np
 
+from cea.errors import require
 from meshes.breaks import Breaks
-from meshes.errors import require
 from meshes.lattice import lattices
 from meshes.outline import MeshArrays, mesh_outline
 from meshes.patches import Patches

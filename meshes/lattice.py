@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.errors import require
 from meshes.breaks import Breaks, Floats
-from meshes.errors import require
 from meshes.nodes import interpolate_arc
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, Shape
 
@@ -70,7 +70,7 @@ def lattices(shape: Shape, breaks: Breaks, order: int) -> tuple[Floats, list[Lat
 
     Raises
     ------
-    ShapeError
+    InputError
         When the breaks do not suit a disc.
     """
     if isinstance(shape, Disc):

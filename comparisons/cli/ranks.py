@@ -9,10 +9,9 @@ from traceback import format_exception
 from typing import Any
 
 from cea.errors import ConvergenceError, InputError
-from meshes.errors import ShapeError
 from scenes.read import SceneError
 
-_EXPECTED = (SceneError, InputError, ShapeError, ConvergenceError)
+_EXPECTED = (SceneError, InputError, ConvergenceError)
 """Faults told in a line each; any other is told with its traceback."""
 
 _PATIENCE = 5.0
