@@ -12,7 +12,6 @@ from cea.eigen.modes import Complexes
 from cea.errors import InputError
 from cea.matrices import destroy
 from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase, Family
-from comparisons.paper.disc_pad.divided import divided_bodies
 from comparisons.paper.figure import Data
 from comparisons.paper.store import fingerprint
 from meshes.shapes import Annulus, Sector
@@ -72,13 +71,9 @@ class Runs:
     def result(self, case: CeaCase, family: Family) -> SceneResult:
         """Run a case; its spectrum is kept."""
         scene = case.scene(family)
-        divided = case.on(family).divided
-        described: Data = {name: asdict(body) for name, body in scene.bodies.items()}
-        mesh = fingerprint({"bodies": described, "divided": divided})
+        mesh = fingerprint({name: asdict(body) for name, body in scene.bodies.items()})
         known = self._bodies[1] if self._bodies and self._bodies[0] == mesh else None
         self._bodies = None
-        if known is None and divided:
-            known = divided_bodies(scene)
         result = run_scene(scene, bodies=known)
         self._bodies = mesh, result.system.bodies
         self._spectra[fingerprint(asdict(scene))] = _spectrum(case.on(family).label, result)
