@@ -11,7 +11,7 @@ from cea.material import IsotropicMaterial
 from cea.supports.boundary import Support
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
-from meshes.gmsh_shapes import gmsh_mesh
+from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box, Rectangle, Ring
 
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
@@ -40,8 +40,8 @@ def csr(matrix):
 
 def error(shape, cell, degree, order, exact, supports, **mesh):
     """Relative error of the eigenvalue nearest to an exact one."""
-    with gmsh_mesh(shape, cell, order, **mesh) as model:
-        body = FEBody.from_gmsh("part", model, degree=degree, material=MATERIAL, supports=supports)
+    made = shape_mesh(shape, cell, order, **mesh)
+    body = FEBody.from_mesh("part", made, degree=degree, material=MATERIAL, supports=supports)
     K, M = csr(body.stiffness()).tocsc(), csr(body.mass()).tocsc()
     found = eigsh(K, k=4, M=M, sigma=0.999 * exact, return_eigenvectors=False, tol=1e-14)
     return np.abs(found / exact - 1).min()
