@@ -55,8 +55,7 @@ class Mesh:
     order
         Order of the geometry, 1 to 4: each edge has ``order + 1`` nodes.
     points
-        Positions of the nodes (m), shape (n_points, 2) or (n_points, 3). Those of no cell are
-        left aside.
+        Positions of the nodes (m), shape (n_points, 2) or (n_points, 3); some may be of no cell.
     cells
         Nodes of each cell, as rows of ``points`` counted from 0, shape (n_cells, n_nodes).
     surfaces
@@ -96,6 +95,16 @@ class Mesh:
     def is_simplex(self) -> bool:
         """Whether its cells are triangles or tetrahedra."""
         return self.cell in SIMPLICES
+
+    def without_loose_points(self) -> "Mesh":
+        """The mesh without points of no cell, the others in their order."""
+        used = np.zeros(len(self.points), dtype=bool)
+        used[self.cells] = True
+        if used.all():
+            return self
+        number = np.cumsum(used) - 1
+        surfaces = {name: number[facets] for name, facets in self.surfaces.items()}
+        return Mesh(self.cell, self.order, self.points[used], number[self.cells], surfaces)
 
     def _numbers(self, field: str, nodes: ArrayLike, per_row: int) -> Ints:
         """Node numbers as an array, checked."""

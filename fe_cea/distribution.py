@@ -71,6 +71,7 @@ def _arrays(mesh: Mesh | None, cell: Cell, order: int) -> tuple[Floats, Ints, In
         none = np.empty((0, len(in_cell)), dtype=np.int64)
         no_facets = np.empty((0, len(in_facet)), dtype=np.int64)
         return np.empty((0, dim)), none, no_facets, np.empty(0, dtype=np.int32)
+    mesh = mesh.without_loose_points()  # dolfinx takes none
     facets = [np.empty((0, len(in_facet)), dtype=np.int64), *mesh.surfaces.values()]
     tags = np.repeat(np.arange(len(facets), dtype=np.int32), [len(part) for part in facets])
     return mesh.points, mesh.cells[:, in_cell], np.concatenate(facets)[:, in_facet], tags

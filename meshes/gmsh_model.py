@@ -70,19 +70,18 @@ def read_gmsh(model: Any) -> Mesh:
         nodes = (nodes + 1) / 2  # gmsh's reference boxes reach from -1 to 1
 
     tags, positions, _ = model.mesh.getNodes()
-    used, connected = np.unique(tagged, return_inverse=True)
+    by_tag = np.argsort(tags)
     number = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
-    number[used] = np.arange(len(used))
-    points = np.empty((len(number), dim))
-    points[tags.astype(np.int64)] = positions.reshape(-1, 3)[:, :dim]
+    number[tags[by_tag]] = np.arange(len(tags))
     surfaces = {}
     for group in model.getPhysicalGroups(dim - 1):
         name = model.getPhysicalName(*group)
         if name:
             facets = model.getEntitiesForPhysicalGroup(*group)
             surfaces[name] = number[_elements(model, dim - 1, facets)[1]]
-    cells = connected.reshape(tagged.shape)[:, node_order(cell, order, nodes)]
-    return Mesh(cell, order, points[used], cells, surfaces)
+    points = positions.reshape(-1, 3)[by_tag, :dim]
+    cells = number[tagged[:, node_order(cell, order, nodes)]]
+    return Mesh(cell, order, points, cells, surfaces).without_loose_points()
 
 
 def _elements(model: Any, dim: int, entities: Iterable[int]) -> tuple[int, Ints]:

@@ -31,13 +31,11 @@ def structured_mesh(shape: Shape, breaks: Breaks, order: int, placement: Placeme
         for name, region in part.sides:
             facets[name].append(part.cells(region, in_facet, order))
     cells = np.concatenate([p.cells(region, in_cell, order) for p in parts for region in p.solids])
-    used, connected = np.unique(cells, return_inverse=True)
-    number = np.zeros(len(points), dtype=np.int64)
-    number[used] = np.arange(len(used))
-    return Mesh(
+    mesh = Mesh(
         cell="quadrilateral" if dim == 2 else "hexahedron",
         order=order,
-        points=placement.apply(points[used]),
-        cells=connected.reshape(cells.shape),
-        surfaces={name: number[np.concatenate(f)] for name, f in facets.items()},
+        points=placement.apply(points),
+        cells=cells,
+        surfaces={name: np.concatenate(parts) for name, parts in facets.items()},
     )
+    return mesh.without_loose_points()  # a hub stands out of a lattice that is otherwise empty
