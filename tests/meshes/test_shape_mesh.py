@@ -1,5 +1,7 @@
 """Meshes of the shapes: nodes where the breaks and circles say, names, refusals."""
 
+import subprocess
+import sys
 from itertools import product
 
 import gmsh
@@ -281,3 +283,16 @@ def test_a_disc_of_hexahedra_follows_uneven_quarters():
     uneven = (breaks[0], angles[[0, 2, 3, 5, 7, 10]], breaks[2])
     with pytest.raises(InputError, match=r"^breaks of theta"):
         shape_mesh(DISC, "hexahedron", 1, breaks=uneven)
+
+
+def test_structured_meshes_bring_in_no_gmsh():
+    program = """
+import sys
+from meshes.breaks import breaks_of
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Box
+box = Box((1.0, 1.0, 1.0))
+shape_mesh(box, "tetrahedron", 2, breaks=breaks_of(box, (1, 1, 1)))
+sys.exit("gmsh" in sys.modules)
+"""
+    subprocess.run([sys.executable, "-c", program], check=True, timeout=60)
