@@ -8,10 +8,9 @@ import pytest
 from lagrange_bodies import MATERIAL, csr
 from mpi4py import MPI
 from scipy.sparse import csr_array
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import eigsh, spsolve
 
 import fe_cea.body
-from cea.eigen.krylov_schur import solve_modes
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.mesh import Mesh, node_order
@@ -171,10 +170,11 @@ def test_a_bar_of_cells_from_elsewhere_has_its_frequency():
     steel = IsotropicMaterial(E=2.1e11, nu=0.0, rho=7800.0)
     held = [Support("root"), Support("walls", (1, 2))]
     bar = FEBody.from_mesh("bar", mesh, degree=4, material=steel, supports=held)
-    modes = solve_modes(bar.stiffness(), bar.mass(), max_frequency=2000.0)
+    K, M = csr(bar.stiffness()), csr(bar.mass())
 
-    quarter_wave = np.sqrt(steel.E / 7800.0) / 4
-    assert modes.frequencies == pytest.approx([quarter_wave], rel=1e-9)
+    lowest = eigsh(K.tocsc(), k=1, M=M.tocsc(), sigma=0, return_eigenvectors=False)
+    quarter_wave = np.sqrt(steel.E / 7800.0) * np.pi / 2
+    assert np.sqrt(lowest) == pytest.approx([quarter_wave], rel=1e-9)
 
 
 def test_the_example_of_the_docstring_runs():

@@ -66,7 +66,10 @@ def test_known_contact_stiffness_needs_no_newton(backend):
 
 @pytest.mark.parametrize(
     ("backend", "absent"),
-    [("iga", {"gmsh", "pyvista", "vtk", "dolfinx", "fe_cea"}), ("fe", {"pyvista", "iga_cea"})],
+    [
+        ("iga", {"gmsh", "pyvista", "vtk", "dolfinx", "fe_cea"}),
+        ("fe", {"gmsh", "pyvista", "iga_cea"}),
+    ],
 )
 def test_nothing_unused_is_imported(backend, absent, tmp_path):
     code = (
