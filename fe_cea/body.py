@@ -218,7 +218,7 @@ class FEBody:
         if not self._springs:
             return None
         form = spring_form(self._space, self._tagged_springs, self._facet_tags)
-        return _without_zeros(self._assembled(form))
+        return self._assembled(form, with_zeros=False)
 
     @property
     def _tagged_springs(self) -> list[tuple[Spring, int]]:
@@ -237,12 +237,14 @@ class FEBody:
     @cached_property
     def _mass(self) -> Any:
         rho = check_density(self._material, f"bodies.{self._name}.material")
-        return _without_zeros(self._assembled(mass_form(self._space, rho)))
+        return self._assembled(mass_form(self._space, rho), with_zeros=False)
 
-    def _assembled(self, form: Any) -> Any:
+    def _assembled(self, form: Any, *, with_zeros: bool = True) -> Any:
         """Matrix (free x free) of a symmetric form, symmetric to the last bit."""
         full = assemble_matrix(form)
         full.assemble()
+        if not with_zeros:  # ahead of all that copies it
+            full = _without_zeros(full, self.comm)
         free = self._constraints.restrict(full, self.expansion)
         if free is not full:
             full.destroy()
@@ -281,11 +283,11 @@ class FEBody:
         return lagrange_cells(self._space)
 
 
-def _without_zeros(matrix: Any) -> Any:
-    """Copy of an AIJ matrix without stored zeros, two thirds of a mass matrix in 3D."""
+def _without_zeros(matrix: Any, comm: Any) -> Any:
+    """AIJ matrix without stored zeros, two thirds of a mass matrix in 3D; the given one goes."""
+    sizes = matrix.getSizes()
     indptr, indices, values = matrix.getValuesCSR()
-    rows = csr_array((values, indices, indptr), shape=(len(indptr) - 1, matrix.getSize()[1]))
+    matrix.destroy()
+    rows = csr_array((values, indices, indptr), shape=(len(indptr) - 1, sizes[1][1]))
     rows.eliminate_zeros()
-    return PETSc.Mat().createAIJ(
-        matrix.getSizes(), csr=(rows.indptr, rows.indices, rows.data), comm=matrix.comm
-    )
+    return PETSc.Mat().createAIJ(sizes, csr=(rows.indptr, rows.indices, rows.data), comm=comm)
