@@ -13,7 +13,7 @@ from scipy.sparse.linalg import eigsh, spsolve
 import fe_cea.body
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.mesh import Mesh, node_order
+from cea.mesh import Mesh, node_order, reference_nodes
 from cea.supports.boundary import Support
 from fe_cea.body import FEBody
 from meshes.gmsh_model import gmsh_session, read_gmsh
@@ -71,19 +71,24 @@ def bent(points):
     return x + 0.05 * np.sin(2 * np.roll(x, 1, axis=1))
 
 
-def by_hand(cell, order):
+def straight(points):
+    """Points where they are: stiffness is integrated exactly on simplices, however they lie."""
+    return np.array(points, dtype=float)
+
+
+def by_hand(cell, order, place=bent):
     corners, cells = np.array(CORNERS[cell]), np.array(ORDERED[cell])
     facets = GMSH[cell][3]
     if order == 1:
         if cell == "triangle":
             cells = cells[:, [0, 2, 1]]  # C order, though any would do
-        return Mesh(cell, 1, bent(corners), cells, {"side": facets})
+        return Mesh(cell, 1, place(corners), cells, {"side": facets})
     halves = [[tuple(sorted(c[list(half)])) for half in HALVES[cell]] for c in cells]
     means = sorted({mean for nodes in halves for mean in nodes})
     points = [corners[list(mean)].mean(axis=0) for mean in means]
     cells = [[means.index(mean) for mean in nodes] for nodes in halves]
     on = [[i for i, mean in enumerate(means) if set(mean) <= set(facet)] for facet in facets]
-    return Mesh(cell, 2, bent(points), cells, {"side": on})
+    return Mesh(cell, 2, place(points), cells, {"side": on})
 
 
 def by_gmsh(cell, order):
@@ -136,6 +141,29 @@ def test_two_cells_by_hand_have_the_matrices_of_those_of_gmsh(cell, order, degre
     assert ours[3].sum() > 0.4  # the area of the side
     for a, b in zip(ours, gmshs, strict=True):
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-13 * np.abs(b).max())
+
+
+@pytest.mark.parametrize("cell", ORDERED)
+def test_the_first_index_may_run_fastest_instead(cell):
+    """The same cells, seen with their axes in reverse."""
+    mesh = by_hand(cell, 2, straight)
+    reference = reference_nodes(cell, 2)
+    reverse = node_order(cell, 2, reference[:, ::-1])
+    assert not np.array_equal(reverse, np.arange(len(reverse)))
+    mirrored = Mesh(cell, 2, mesh.points, mesh.cells[:, reverse], mesh.surfaces)
+    for a, b in zip(matrices(mirrored, 2), matrices(mesh, 2), strict=True):
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-13 * np.abs(b).max())
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("cell", ORDERED)
+def test_cells_that_a_body_gives_out_can_be_taken_in_again(cell, order):
+    mesh = by_hand(cell, order, straight)
+    given = FEBody.from_mesh("pair", mesh, degree=order, material=MATERIAL).volume_cells()
+    again = Mesh(cell, given.degree, given.points, given.cells, {})
+    bodies = [FEBody.from_mesh("pair", m, degree=2, material=MATERIAL) for m in (mesh, again)]
+    first, second = (np.linalg.eigvalsh(csr(body.stiffness()).toarray()) for body in bodies)
+    np.testing.assert_allclose(second, first, rtol=0, atol=1e-13 * first.max())
 
 
 def test_models_that_are_no_mesh_of_one_kind_are_refused():

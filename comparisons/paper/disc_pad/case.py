@@ -147,16 +147,12 @@ class CeaCase:
 
         Divided hexahedra stand there as hexahedra, with a word in the description.
         """
-        scene = self.scene(family)
-        if not self.on(family).divided:
-            return asdict(scene)
-        bodies = asdict(scene)["bodies"]
-        for body in bodies.values():
-            body["mesh"]["fe"]["cell"] = "hexahedron"
-        return asdict(scene) | {
-            "bodies": bodies,
-            "description": f"{scene.description} {_DIVIDED}",
-        }
+        described: Data = asdict(self.scene(family))
+        if self.on(family).divided:
+            for body in described["bodies"].values():
+                body["mesh"]["fe"]["cell"] = "hexahedron"
+            described["description"] += f" {_DIVIDED}"
+        return described
 
 
 def _mesh(scene: Scene, name: str, family: Family, case: CeaCase) -> MeshSpec:
