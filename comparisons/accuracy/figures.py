@@ -12,26 +12,34 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from comparisons.accuracy.analysis import Line, lines, seconds_of, uses
 from comparisons.accuracy.study import RULES
 from comparisons.kit.numbers import number
+from comparisons.kit.plots import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    MARKERS,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+)
+from comparisons.kit.tables import Data
 
-Data = dict[str, Any]
-
-# Colours of Okabe and Ito, told apart with any colour vision.
 _COLOURS = {
-    "mortar": "#222222",
-    "segments": "#8A8A8A",
-    "gpts": "#0072B2",
-    "gpts_lumped": "#D55E00",
-    "full_pass": "#56B4E9",
-    "grid": "#009E73",
-    "node": "#CC79A7",
+    "mortar": BLACK,
+    "segments": GREY,
+    "gpts": BLUE,
+    "gpts_lumped": VERMILION,
+    "full_pass": SKY,
+    "grid": GREEN,
+    "node": PURPLE,
     "node_tributary": "#882255",
-    "greville": "#E69F00",
+    "greville": ORANGE,
     "greville_area": "#A86500",
     "botella": "#B5A800",
     "botella_area": "#6B6300",
 }
-_BY_DEGREE = ("#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00", "#882255")
-_MARKERS = {"fe": "s", "iga": "o"}
+_BY_DEGREE = (SKY, BLUE, GREEN, ORANGE, VERMILION, "#882255")
 _STYLES = {"fe": "--", "iga": "-"}
 
 
@@ -61,7 +69,7 @@ def error_against_cost(data: Data, problem: str) -> Figure:
             Line2D(
                 *([], []),
                 color=colour(line),
-                marker=_MARKERS[line.method.backend],
+                marker=MARKERS[line.method.backend],
                 linestyle=_STYLES[line.method.backend],
                 label=line.method.label if column else line.method.discretisation,
             )
@@ -100,7 +108,7 @@ def growth_against_stiffness(data: Data, problem: str) -> Figure:
                 axes.loglog(
                     *zip(*points, strict=True),
                     color=_COLOURS[rule],
-                    marker=_MARKERS[backend],
+                    marker=MARKERS[backend],
                     markersize=4,
                     label=RULES[rule].label,
                 )
@@ -121,7 +129,7 @@ def _errors(axes: Axes, chosen: Sequence[Line], cost: Any, colour: Any) -> None:
             line.errors(),
             _STYLES[line.method.backend],
             color=colour(line),
-            marker=_MARKERS[line.method.backend],
+            marker=MARKERS[line.method.backend],
             markersize=4,
             linewidth=1.1,
         )

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from cea.errors import InputError
 from comparisons.accuracy import figures, tables, words
-from comparisons.kit.tabular import Table
+from comparisons.kit.tables import Table
 
 Data = dict[str, Any]
 

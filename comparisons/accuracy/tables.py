@@ -14,7 +14,7 @@ from comparisons.accuracy.analysis import (
 )
 from comparisons.accuracy.study import RULES, Method
 from comparisons.kit.numbers import counted, number, plain, shown
-from comparisons.kit.tabular import Column, Table
+from comparisons.kit.tables import Column, Table
 
 Data = dict[str, Any]
 

@@ -6,8 +6,9 @@ from typing import Any
 
 from cea.petsc import MPI
 from comparisons.agreement import figures, tables, words
-from comparisons.kit import provenance
 from comparisons.kit.page import Image, render
+from comparisons.kit.plots import save
+from comparisons.kit.provenance import machine
 from scenes.results import write_json
 from scenes.run import SceneResult
 
@@ -22,12 +23,14 @@ TABLES = (
     tables.backend_differences,
     tables.disc_frequencies,
     tables.stage_times,
-    provenance.time_saved,
-    provenance.skipped,
-    provenance.parameters,
-    provenance.machine,
+    tables.time_saved,
+    tables.skipped,
+    tables.parameters,
+    machine,
 )
 """Every table, those that only feed a figure too."""
+
+TEMPLATE = Path(__file__).with_name("page.html")
 
 _PICTURES = 1
 """Modes drawn of each result."""
@@ -41,7 +44,7 @@ def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: 
     Parameters
     ----------
     data
-        What :func:`comparisons.agreement.comparison.compare` found.
+        What :func:`comparisons.agreement.study.compare` found.
     results
         Results whose most unstable mode is drawn.
     out
@@ -73,7 +76,7 @@ def _write(
         table.write_csv(out)
     images = {}
     for name, draw in figures.FIGURES.items():
-        figures.save(draw(data), out / f"{name}.png")
+        save(draw(data), out / f"{name}.png")
         images[name] = Image.of(out / f"{name}.png")
     write_json(
         data
@@ -87,7 +90,7 @@ def _write(
     )
     page.write_text(
         render(
-            "page.html",
+            TEMPLATE,
             data=data,
             tables=written,
             images=images,

@@ -1,14 +1,13 @@
 """Tables of a comparison: what was computed, with its errors, and what it cost."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from math import tau
 from typing import Any
 
 from cea.timing import STAGES
+from comparisons.kit import provenance
 from comparisons.kit.numbers import backend_name, decimals, number, per_cent, shown
-from comparisons.kit.tabular import Column, Table
-
-Data = Mapping[str, Any]
+from comparisons.kit.tables import Column, Data, Table
 
 SECTIONS = {
     "patch_test": "patch test",
@@ -271,3 +270,32 @@ def stage_times(data: Data) -> Table:
             for section, label, timings, total in timed
         ],
     )
+
+
+def time_saved(data: Data) -> Table:
+    """Seconds of one scene with and without what it does not need."""
+    saved = data["time_saved"]
+    stages = [(s, saved["lean"].get(s, 0.0), seconds) for s, seconds in saved["full"].items()]
+    stages.append(("total", saved["lean_seconds"], saved["full_seconds"]))
+    seconds = decimals(2)
+    return Table(
+        "time_saved",
+        f"{saved['scene']}: solved as it is, and as if nothing could be left out.",
+        (
+            Column("stage", "stage"),
+            Column("lean", "left out", seconds, "s"),
+            Column("full", "kept", seconds, "s"),
+            Column("saved", "saved", seconds, "s"),
+        ),
+        [(stage, lean, full, full - lean) for stage, lean, full in stages],
+    )
+
+
+def skipped(data: Data) -> Table:
+    """What the runs of each part did not need, with the reason."""
+    return provenance.skipped(runs(data))
+
+
+def parameters(data: Data) -> Table:
+    """Parameters of the scenes as run."""
+    return provenance.parameters(runs(data))

@@ -3,8 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from comparisons.agreement.tables import SECTIONS, Data, runs
+from comparisons.agreement.tables import SECTIONS, runs
 from comparisons.kit.numbers import backend_name, counted, decimals, listed, number, plain
+from comparisons.kit.tables import Data
 
 
 def summary(data: Data) -> str:

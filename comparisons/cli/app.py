@@ -14,7 +14,7 @@ from comparisons.cli.exact import app as exact_app
 from comparisons.cli.ranks import one_voice
 
 if TYPE_CHECKING:
-    from comparisons.kit.tabular import Table as ReportTable
+    from comparisons.kit.tables import Table as ReportTable
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 app.add_typer(exact_app, name="exact")
@@ -75,8 +75,8 @@ def run(
 def compare(out: _Out = Path("results/compare")) -> None:
     """Run both scenes on both backends with every formulation and write the report."""
     from comparisons.agreement import tables
-    from comparisons.agreement.comparison import compare as run_comparison
     from comparisons.agreement.page import write_report
+    from comparisons.agreement.study import compare as run_comparison
     from comparisons.kit.progress import Progress
 
     with console.status("compare") as status:
@@ -114,8 +114,8 @@ def figure(
     """Make a figure of the paper: data, pictures, and its numbers beside those of the text."""
     from comparisons.kit.progress import Progress
     from comparisons.paper.both_backends import make_both
+    from comparisons.paper.common.store import make_figure
     from comparisons.paper.registry import chosen
-    from comparisons.paper.store import make_figure
 
     for each in chosen(name):
         with console.status(each.title) as status:
@@ -222,8 +222,8 @@ def reference(
 ) -> None:
     """Show the converged modes of disc_pad, on which both backends agree."""
     from comparisons.kit.progress import Progress
-    from comparisons.reference.converged import compute_reference, stored_reference
-    from comparisons.reference.table import reference_table
+    from comparisons.reference.study import compute_reference, stored_reference
+    from comparisons.reference.tables import reference_table
     from scenes.results import write_json
 
     data = stored_reference()

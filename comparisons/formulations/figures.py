@@ -9,7 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
-from comparisons.agreement.figures import (
+from comparisons.formulations.tables import pairing_name
+from comparisons.kit.numbers import backend_name, number
+from comparisons.kit.plots import (
+    BLACK,
     BLUE,
     GREEN,
     GREY,
@@ -20,11 +23,7 @@ from comparisons.agreement.figures import (
     save,
     styled,
 )
-from comparisons.agreement.tables import Data
-from comparisons.formulations.tables import pairing_name
-from comparisons.kit.numbers import backend_name, number
-
-BLACK = "#222222"
+from comparisons.kit.tables import Data
 
 _LINES = {
     "node-to-surface": (VERMILION, "s"),
@@ -118,7 +117,7 @@ def _line(axes: Axes, data: Data, run: Data) -> None:
         axes.loglog([infinity], [run["tied_error"]], **style | {"linestyle": "none"})
 
 
-def draw_patch_errors(data: Data, file: Path) -> Path:
+def draw_patch_test_errors(data: Data, file: Path) -> Path:
     """Draw the errors of the patch tests against P: interfaces in rows, meshes in columns.
 
     Parameters
@@ -128,12 +127,12 @@ def draw_patch_errors(data: Data, file: Path) -> Path:
     file
         PNG to write.
     """
-    save(_patch_errors(data), file)
+    save(_patch_test_errors(data), file)
     return file
 
 
 @styled
-def _patch_errors(data: Data) -> Figure:
+def _patch_test_errors(data: Data) -> Figure:
     rows: dict[str, dict[str, list[Data]]] = {}
     for run in data["runs"]:
         row = rows.setdefault(run["interface"], {})

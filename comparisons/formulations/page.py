@@ -7,10 +7,8 @@ from typing import Any
 
 from cea.errors import InputError
 from cea.petsc import MPI
-from comparisons.agreement.tables import Data
-from comparisons.formulations import run_tables as formulations_tables
-from comparisons.formulations import words as formulations_words
-from comparisons.formulations.figures import draw_locking, draw_pairings, draw_patch_errors
+from comparisons.formulations import run_tables, words
+from comparisons.formulations.figures import draw_locking, draw_pairings, draw_patch_test_errors
 from comparisons.formulations.study import COMMAND
 from comparisons.formulations.tables import (
     locking_table,
@@ -18,16 +16,18 @@ from comparisons.formulations.tables import (
     passes_table,
     patch_tests_table,
 )
-from comparisons.kit import provenance
 from comparisons.kit.page import Image, render
-from comparisons.kit.tabular import Table
+from comparisons.kit.provenance import machine
+from comparisons.kit.tables import Data, Table
 from scenes.results import write_json
 
 RESULT = "result.json"
 """Everything computed; the rest is drawn from it."""
 
+TEMPLATE = Path(__file__).with_name("page.html")
+
 _FIGURES: dict[str, tuple[str, Callable[[Data, Path], Path]]] = {
-    "patch_errors": ("patch_tests", draw_patch_errors),
+    "patch_errors": ("patch_tests", draw_patch_test_errors),
     "locking": ("locking", draw_locking),
     "pairings": ("pairings", draw_pairings),
 }
@@ -78,9 +78,7 @@ def write_formulations(data: dict[str, Any], out: Path) -> Path:
             name: Image.of(draw(data[part], out / f"{name}.png"))
             for name, (part, draw) in _FIGURES.items()
         }
-        text = render(
-            "formulations.html", data=data, tables=tables, images=images, words=formulations_words
-        )
+        text = render(TEMPLATE, data=data, tables=tables, images=images, words=words)
         page.write_text(text, encoding="utf-8")
     MPI.COMM_WORLD.Barrier()
     return page
@@ -89,13 +87,13 @@ def write_formulations(data: dict[str, Any], out: Path) -> Path:
 def tables_of(data: Data) -> list[Table]:
     """Every table of the page."""
     return [
-        *(passes_table(data["patch_tests"], name) for name in formulations_words.interfaces(data)),
+        *(passes_table(data["patch_tests"], name) for name in words.interfaces(data)),
         patch_tests_table(data["patch_tests"]),
         momentum_table(data["patch_tests"]),
         locking_table(data["locking"]),
-        formulations_tables.paper_numbers(data),
-        formulations_tables.pairing_runs(data),
-        formulations_tables.pairing_differences(data),
-        formulations_tables.times(data),
-        provenance.machine(data),
+        run_tables.paper_numbers(data),
+        run_tables.pairing_runs(data),
+        run_tables.pairing_differences(data),
+        run_tables.times(data),
+        machine(data),
     ]

@@ -4,10 +4,9 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from cea.timing import STAGES
-from comparisons.agreement.tables import Data
 from comparisons.formulations.tables import pairing_name
 from comparisons.kit.numbers import decimals, number, per_cent, plain, shown
-from comparisons.kit.tabular import Column, Table
+from comparisons.kit.tables import Column, Data, Table
 
 PARTS = {
     "patch_tests": "patch tests and momentum",

@@ -1,8 +1,7 @@
 """Tables of the studies of contact formulations."""
 
-from comparisons.agreement.tables import Data
 from comparisons.kit.numbers import backend_name, listed, number, shown
-from comparisons.kit.tabular import Column, Table
+from comparisons.kit.tables import Column, Data, Table
 
 
 def locking_table(data: Data) -> Table:

@@ -3,10 +3,10 @@
 from collections.abc import Iterable
 from typing import Any
 
-from comparisons.agreement.tables import Data
 from comparisons.formulations.run_tables import change, refined_name, within
 from comparisons.formulations.tables import pairing_name, passes_in_words
 from comparisons.kit.numbers import backend_name, counted, listed, number, plain
+from comparisons.kit.tables import Data
 
 LOCKED = 10.0
 """A formulation locks where its error at the largest p is so many times its least, or an eigenvalue

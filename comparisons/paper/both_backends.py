@@ -9,8 +9,8 @@ from PIL import Image
 
 from cea.petsc import MPI
 from comparisons.kit.progress import Progress
-from comparisons.paper.figure import Data, PaperFigure
-from comparisons.paper.store import MadeFigure, make_figure, read_data
+from comparisons.paper.common.figure import Data, PaperFigure
+from comparisons.paper.common.store import MadeFigure, make_figure, read_data
 from scenes.spec import Backend
 
 BACKENDS: tuple[Backend, ...] = ("iga", "fe")

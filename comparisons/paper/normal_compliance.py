@@ -11,9 +11,9 @@ import numpy as np
 
 from cea.body import Floats
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.figure import Data, Number
-from comparisons.paper.style import COLOURS, drawing
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.figure import Data, Number
+from comparisons.paper.common.style import COLOURS, drawing
 from scenes.spec import Backend
 
 

@@ -15,8 +15,10 @@ from cea.timing import StageTimer
 from comparisons.kit.progress import Progress
 from comparisons.paper.both_backends import make_both
 from comparisons.paper.claims import rules as claim_rules
-from comparisons.paper.claims.claims import CLAIMS
-from comparisons.paper.claims.judge import Claim, Judgement, judged, write_claims
+from comparisons.paper.claims.catalogue import CLAIMS
+from comparisons.paper.claims.claim import Claim, Judgement
+from comparisons.paper.claims.judge import judged, write_claims
+from comparisons.paper.common.store import STORED, make_figure, read_data
 from comparisons.paper.disc_pad import case as cea_case
 from comparisons.paper.disc_pad import measures as cea_measures
 from comparisons.paper.disc_pad.case import CONTACT, CeaCase
@@ -28,7 +30,6 @@ from comparisons.paper.disc_pad.runs import Runs, compare_spectra
 from comparisons.paper.disc_pad.stability_diagram import Measure, Panel, StabilityFigure
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE, NormalCompliance
 from comparisons.paper.registry import FIGURES
-from comparisons.paper.store import STORED, make_figure, read_data
 from scenes.build import build_bodies, build_interfaces, build_system
 from scenes.read import load_scene
 

@@ -10,8 +10,9 @@ from typing import Literal
 from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.contact.operators import Form
 from comparisons.kit.numbers import number
+from comparisons.paper.common.families import BACKEND_OF, Family
 from scenes.read import load_scene
-from scenes.spec import Backend, ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec, Scene
+from scenes.spec import ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec, Scene
 from scenes.variants import on_backend
 
 CONTACT = "pad_disc"
@@ -19,17 +20,9 @@ CONTACT = "pad_disc"
 DISC, PAD = "disc", "pad"
 """Names of the bodies."""
 
-Family = Literal["NURBS", "hexahedra", "tetrahedra"]
-FAMILIES: dict[Backend, tuple[Family, ...]] = {
-    "iga": ("NURBS",),
-    "fe": ("hexahedra", "tetrahedra"),
-}
-"""Kinds of meshes that a backend has."""
-
 Boundary = Literal["traced", "ignored", "refined"]
 """Whether element boundaries of the disc follow the boundary of the pad, and are finer there."""
 
-_BACKENDS: dict[Family, Backend] = {f: b for b, families in FAMILIES.items() for f in families}
 _TOP = 15.5e3
 """Upper end of the modes (Hz): the paper shows 15 kHz, where modes of some formulations lie on
 either side; here none is near."""
@@ -119,7 +112,7 @@ class CeaCase:
     def scene(self, family: Family) -> Scene:
         """The scene of the case on a kind of mesh."""
         case = self.on(family)
-        scene = on_backend(load_scene(Path("disc_pad")), _BACKENDS[family])
+        scene = on_backend(load_scene(Path("disc_pad")), BACKEND_OF[family])
         assert isinstance(scene.analysis, ComplexEigenvalueAnalysis)
         bodies = {
             name: replace(spec, mesh=_mesh(scene, name, family, case))

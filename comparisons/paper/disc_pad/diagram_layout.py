@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from comparisons.paper.figure import Data
-from comparisons.paper.style import COLOURS, drawing
+from comparisons.paper.common.figure import Data
+from comparisons.paper.common.style import COLOURS, drawing
 
 _MARKERS = {"NURBS": "o", "hexahedra": "s", "tetrahedra": "^"}
 _PANEL = (5.2, 4.0)

@@ -19,12 +19,13 @@ from scipy.sparse.linalg import spsolve
 from cea.body import Body, Floats, Surface
 from cea.matrices import destroy
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.disc_pad.case import DISC, FAMILIES, PAD, Family
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.families import FAMILIES, Family
+from comparisons.paper.common.figure import Data, Number
+from comparisons.paper.common.style import COLOURS, drawing
+from comparisons.paper.disc_pad.case import DISC, PAD
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra
-from comparisons.paper.figure import Data, Number
-from comparisons.paper.style import COLOURS, drawing
 from scenes.run import SceneResult
 from scenes.spec import Backend
 

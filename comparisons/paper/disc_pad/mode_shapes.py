@@ -17,14 +17,14 @@ from cea.body import Floats, VolumeSample
 from cea.eigen.modes import Complexes
 from cea.matrices import destroy
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.disc_pad.case import DISC, FAMILIES, PAD, CeaCase, Family
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.families import FAMILIES, Family
+from comparisons.paper.common.figure import Data, Number, plain
+from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.measures import motion_ratio
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra, displacements
 from comparisons.paper.disc_pad.shape_layout import draw_lines, draw_shapes
-from comparisons.paper.figure import Data, Number
-from comparisons.paper.patch_test.case import plain
 from scenes.run import SceneResult
 from scenes.run_matching import complex_displacement
 from scenes.spec import Backend

@@ -11,10 +11,11 @@ from cea.eigen.mode_matching import NEAR, GroupMatch, ModeSet, match_modes
 from cea.eigen.modes import Complexes
 from cea.errors import InputError
 from cea.matrices import destroy
-from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase, Family
+from comparisons.paper.common.families import Family
+from comparisons.paper.common.figure import Data
+from comparisons.paper.common.store import fingerprint
+from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase
 from comparisons.paper.disc_pad.divided import divided_bodies
-from comparisons.paper.figure import Data
-from comparisons.paper.store import fingerprint
 from meshes.shapes import Annulus, Sector
 from scenes.results import describe_modes
 from scenes.run import SceneResult, run_scene

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import floor, log10
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -17,8 +16,8 @@ from cea.body import Body, Floats
 from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.system.contact_stresses import pressure_along, stress_map
 from comparisons.kit.numbers import number
-from comparisons.paper.disc_pad.case import FAMILIES, Family
-from comparisons.paper.figure import Data
+from comparisons.paper.common.families import FAMILIES, Family
+from comparisons.paper.common.figure import Data, plain
 from scenes.read import load_scene
 from scenes.run import run_scene
 from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec, Scene
@@ -39,7 +38,7 @@ _WIDTH = 9.0
 
 
 @dataclass(frozen=True)
-class PatchCase:
+class PatchTestCase:
     """One run of the contact patch test.
 
     Parameters
@@ -70,11 +69,11 @@ class PatchCase:
     quoted: float | str | None = field(default=None, compare=False)
     remark: str = field(default="", compare=False)
 
-    def on(self, backend: Backend) -> tuple["PatchCase", ...]:
+    def on(self, backend: Backend) -> tuple["PatchTestCase", ...]:
         """The case on every kind of mesh that a backend has."""
         return tuple(self.on_mesh(mesh) for mesh in FAMILIES[backend])
 
-    def on_mesh(self, mesh: Family) -> "PatchCase":
+    def on_mesh(self, mesh: Family) -> "PatchTestCase":
         """The case on a kind of mesh.
 
         Lagrange elements are continuous and no more, have nodes for Greville abscissae, and a grid
@@ -136,7 +135,7 @@ class PatchCase:
 
 
 def run_case(
-    case: PatchCase, backend: Backend, bodies: Mapping[str, Body] | None = None
+    case: PatchTestCase, backend: Backend, bodies: Mapping[str, Body] | None = None
 ) -> tuple[Data, Mapping[str, Body]]:
     """Run a case.
 
@@ -188,11 +187,6 @@ def shown(stress: Floats) -> Floats:
     """A map rounded to the digits kept of its range, so that it is small when compressed."""
     extent = float(np.ptp(stress[np.isfinite(stress)]))
     return np.round(stress, _MAP_DIGITS - floor(log10(extent))) if extent else stress
-
-
-def plain(values: Any) -> list[Any]:
-    """Nested lists of numbers, None for NaN."""
-    return np.asarray(np.where(np.isfinite(values), values, None)).tolist()
 
 
 def worse(case: Data) -> float:

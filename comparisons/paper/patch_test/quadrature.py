@@ -16,10 +16,10 @@ import numpy as np
 from cea.body import Body
 from cea.contact.formulations import GaussPointToSurface
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.figure import Data, Number
-from comparisons.paper.patch_test.case import INTERFACE, PatchCase
-from comparisons.paper.style import COLOURS, drawing
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.figure import Data, Number
+from comparisons.paper.common.style import COLOURS, drawing
+from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
 from scenes.run import run_scene
 from scenes.spec import Backend, Scene, StaticAnalysis
 
@@ -85,7 +85,7 @@ class QuadratureStudy:
         return found
 
     def _scene(self, degree: int, continuity: int, n: int, backend: Backend) -> Scene:
-        case = PatchCase(GaussPointToSurface(n), self.P, degree, continuity)
+        case = PatchTestCase(GaussPointToSurface(n), self.P, degree, continuity)
         scene = case.scene(backend)
         return replace(scene, analysis=StaticAnalysis("static", _SAMPLES))
 

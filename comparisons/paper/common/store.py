@@ -13,12 +13,12 @@ from pathlib import Path
 
 from cea.petsc import MPI
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Table, compressed
-from comparisons.paper.figure import Data, PaperFigure, numbers_table
+from comparisons.kit.tables import Table, compressed
+from comparisons.paper.common.figure import Data, PaperFigure, numbers_table
 from scenes.results import machine, versions
 from scenes.spec import Backend
 
-STORED = Path(__file__).parent / "results"
+STORED = Path(__file__).parents[1] / "results"
 """Data that come with the project."""
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from comparisons.agreement.figures import BLUE, DPI, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from comparisons.kit.plots import BLUE, DPI, GREEN, ORANGE, PURPLE, SKY, VERMILION
 
 SIDES = (("b", BLUE, "-"), ("a", VERMILION, "--"))
 """Sides of a contact with colour and line: solid for b, dashed for a, as in the paper."""

@@ -2,13 +2,16 @@
 
 import csv
 import gzip
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from comparisons.kit.numbers import MISSING
+
+Data = Mapping[str, Any]
+"""Plain data, as JSON holds them, that tables, words and figures are made of."""
 
 _LEVEL = 6
 """Level of compression: the highest takes three times as long and saves a few per cent."""
