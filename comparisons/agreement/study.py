@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cea.body import Body
 from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.timing import StageTimer
+from comparisons.agreement.time_saved import time_saved
 from comparisons.kit.progress import Progress
 from scenes.build import build_bodies
 from scenes.read import load_scene
@@ -130,7 +131,6 @@ DISC_REFERENCE = IgaMesh(
 """Reference of the disc alone: graded towards both clamped corners."""
 
 _DISC_MODES = 20
-_REPEATS = 3
 
 
 def disc_alone(progress: Progress) -> dict[str, Any]:
@@ -211,35 +211,6 @@ def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResu
         for kind in ("collocation", "grid", "gpts")
     }
     return {"runs": runs, "agreement": agreement}, {b: results["gpts", b] for b in BACKENDS}
-
-
-def time_saved(progress: Progress) -> dict[str, Any]:
-    """One scene without friction: solved as it is, and as if friction could not be left out."""
-    scene = with_contact(on_backend(load_scene(Path("disc_pad")), "fe"), mu=0.0)
-    lean, full = [], []
-    for turn in range(_REPEATS):
-        progress.step(f"disc and pad without friction, lean and in full, {turn + 1} of {_REPEATS}")
-        lean.append(run_scene(scene, listener=progress.stage))
-        full.append(run_scene(scene, leave_out=False, listener=progress.stage))
-    lean_seconds, full_seconds = (_median_seconds(runs) for runs in (lean, full))
-    return {
-        "scene": "disc_pad, finite elements, mu = 0",
-        "dofs": lean[0].system.size,
-        "repeats": _REPEATS,
-        "skipped": dict(lean[0].skipped),
-        "lean": lean_seconds,
-        "full": full_seconds,
-        "lean_seconds": sum(lean_seconds.values()),
-        "full_seconds": sum(full_seconds.values()),
-    }
-
-
-def _median_seconds(runs: list[SceneResult]) -> dict[str, float]:
-    """Median seconds of each stage over repeated runs."""
-    return {
-        stage: float(np.median([run.timer.seconds[stage] for run in runs]))
-        for stage in runs[0].timer.seconds
-    }
 
 
 def _labels(backend: Backend, formulation: Formulation, run: Mapping[str, Any]) -> dict[str, Any]:

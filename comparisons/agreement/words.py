@@ -11,7 +11,7 @@ from comparisons.kit.tables import Data
 def summary(data: Data) -> str:
     """The report in one paragraph."""
     return " ".join(
-        [*_agreement(data), *_patch_test(data), _disc_alone(data), _saved(data), _total(data)]
+        [*_agreement(data), *_patch_test(data), _disc_alone(data), saved(data), _total(data)]
     )
 
 
@@ -96,14 +96,26 @@ def _disc_alone(data: Data) -> str:
     )
 
 
-def _saved(data: Data) -> str:
+def saved(data: Data) -> str:
+    """What leaving friction out saves, where that is more than equal runs are apart."""
     saved = data["time_saved"]
-    lean, full = saved["lean_seconds"], saved["full_seconds"]
-    change = 100 * (1 - lean / full)
+    ratio, noise = saved["ratio"], f"{number(100 * saved['noise'], 2)} %"
+    pairs = f"median of {number(saved['pairs'])} pairs of runs"
+    if abs(1 - ratio["median"]) <= saved["noise"]:
+        return (
+            f"Whether leaving out what a scene without friction does not need saves processor time "
+            f"cannot be told: it takes {_changed(ratio['median'])} ({pairs}), and equal runs are "
+            f"up to {noise} apart."
+        )
     return (
-        f"Leaving out what a scene without friction does not need took {number(lean)} s instead "
-        f"of {number(full)} s, {number(abs(change), 2)} % {'less' if change >= 0 else 'more'}."
+        f"Leaving out what a scene without friction does not need takes {_changed(ratio['median'])}"
+        f" processor time ({pairs}, {_changed(ratio['largest'])} to {_changed(ratio['least'])}); "
+        f"equal runs are up to {noise} apart."
     )
+
+
+def _changed(ratio: float) -> str:
+    return f"{number(100 * abs(1 - ratio), 2)} % {'less' if ratio <= 1 else 'more'}"
 
 
 def _total(data: Data) -> str:

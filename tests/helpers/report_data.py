@@ -148,6 +148,9 @@ def small_comparison():
             "full": timings(0.2)["timings"],
             "lean_seconds": timings(0.1)["seconds"],
             "full_seconds": timings(0.2)["seconds"],
+            "pairs": 4,
+            "ratio": {"median": 0.5, "least": 0.45, "largest": 0.55},
+            "noise": 0.1,
         },
     }
 
