@@ -49,7 +49,7 @@ def _layer(name: str) -> BodyMesh:
     return BodyMesh(name, (4, 1), (False, False), (True, False))
 
 
-STILL = (
+NO_FLUTTER = (
     Still(
         "layers that mirror each other",
         Problem(
@@ -74,7 +74,7 @@ STILL = (
 """Problems that cannot flutter."""
 
 
-def run_still(progress: Callable[[str], None] = lambda _: None) -> list[Data]:
+def run_no_flutter(progress: Callable[[str], None] = lambda _: None) -> list[Data]:
     """Run every problem with every contact rule on both backends, elements of degree 2.
 
     Returns
@@ -83,7 +83,7 @@ def run_still(progress: Callable[[str], None] = lambda _: None) -> list[Data]:
         Plain data of each run, see :func:`measure`.
     """
     runs = []
-    for still in STILL:
+    for still in NO_FLUTTER:
         for rule in RULES.values():
             for backend in rule.backends:
                 method = Method(backend, _DEGREE, rule.key)

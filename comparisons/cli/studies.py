@@ -92,7 +92,7 @@ def accuracy(
     need("pictures", "exact")
     from comparisons.accuracy import page
     from comparisons.accuracy.finest import run_finest
-    from comparisons.accuracy.no_flutter import run_still
+    from comparisons.accuracy.no_flutter import run_no_flutter
     from comparisons.accuracy.problems import PROBLEMS, problem
     from comparisons.accuracy.runner import run_study
     from comparisons.accuracy.study import FULL, QUICK
@@ -104,7 +104,7 @@ def accuracy(
             names = [problem(name).name for name in problems or PROBLEMS]
             data = run_study(QUICK if quick else FULL, names, status.update)
         if finest:
-            data["still"] = run_still(status.update)
+            data["still"] = run_no_flutter(status.update)
             data["finest"] = run_finest(progress=status.update)
     typer.echo(f"The report to open: {page.write(data, out)}")
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
-from comparisons.formulations.tables import pairing_name
+from comparisons.formulations.pairing_tables import pairing_name
 from comparisons.kit.numbers import backend_name, number
 from comparisons.kit.plots import (
     BLACK,

@@ -7,14 +7,16 @@ from typing import Any
 
 from cea.errors import InputError
 from cea.petsc import MPI
-from comparisons.formulations import run_tables, words
+from comparisons.formulations import pairing_tables, words
 from comparisons.formulations.figures import draw_locking, draw_pairings, draw_patch_test_errors
 from comparisons.formulations.study import COMMAND
 from comparisons.formulations.tables import (
     locking_table,
     momentum_table,
+    paper_numbers,
     passes_table,
     patch_tests_table,
+    times,
 )
 from comparisons.kit.page import Image, render
 from comparisons.kit.provenance import machine
@@ -91,9 +93,9 @@ def tables_of(data: Data) -> list[Table]:
         patch_tests_table(data["patch_tests"]),
         momentum_table(data["patch_tests"]),
         locking_table(data["locking"]),
-        run_tables.paper_numbers(data),
-        run_tables.pairing_runs(data),
-        run_tables.pairing_differences(data),
-        run_tables.times(data),
+        paper_numbers(data),
+        pairing_tables.pairing_runs(data),
+        pairing_tables.pairing_differences(data),
+        times(data),
         machine(data),
     ]

@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 from typing import Any
 
-from comparisons.formulations.run_tables import change, refined_name, within
-from comparisons.formulations.tables import pairing_name, passes_in_words
+from comparisons.formulations.pairing_tables import change, pairing_name, refined_name, within
+from comparisons.formulations.tables import passes_in_words
 from comparisons.kit.numbers import backend_name, counted, listed, number, plain
 from comparisons.kit.tables import Data
 

@@ -13,6 +13,9 @@ from comparisons.kit.numbers import MISSING
 Data = Mapping[str, Any]
 """Plain data, as JSON holds them, that tables, words and figures are made of."""
 
+VERDICTS = {True: "yes", False: "no"}
+"""How a verdict is shown."""
+
 _LEVEL = 6
 """Level of compression: the highest takes three times as long and saves a few per cent."""
 

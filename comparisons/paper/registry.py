@@ -8,12 +8,12 @@ from comparisons.paper.disc_pad.mode_shapes import SHAPES
 from comparisons.paper.disc_pad.studies import STUDIES
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
 from comparisons.paper.patch_test.figures import PATCH_TEST_FIGURES
-from comparisons.paper.patch_test.geometry import SETTINGS
+from comparisons.paper.patch_test.geometry import GEOMETRY_FIGURES
 from comparisons.paper.patch_test.quadrature import QUADRATURE
 
 _NUMBERED: tuple[PaperFigure, ...] = (
     NORMAL_COMPLIANCE,
-    *SETTINGS,
+    *GEOMETRY_FIGURES,
     *PATCH_TEST_FIGURES,
     *SHAPES,
     *DIAGRAMS,

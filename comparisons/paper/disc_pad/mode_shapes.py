@@ -24,7 +24,7 @@ from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.measures import motion_ratio
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra, displacements
-from comparisons.paper.disc_pad.shape_layout import draw_lines, draw_shapes
+from comparisons.paper.disc_pad.shape_drawing import draw_lines, draw_shapes
 from scenes.run import SceneResult
 from scenes.run_matching import complex_displacement
 from scenes.spec import Backend

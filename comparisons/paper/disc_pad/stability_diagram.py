@@ -10,7 +10,7 @@ from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.families import FAMILIES, Family
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.disc_pad.case import CeaCase
-from comparisons.paper.disc_pad.diagram_layout import draw_diagrams
+from comparisons.paper.disc_pad.diagram_drawing import draw_diagrams
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra
 from scenes.spec import Backend
 

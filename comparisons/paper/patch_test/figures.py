@@ -12,7 +12,7 @@ from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.patch_test.case import PatchTestCase, run_case, worse
-from comparisons.paper.patch_test.layout import draw_cases
+from comparisons.paper.patch_test.drawing import draw_cases
 from scenes.spec import Backend
 
 _OSCILLATION = "Oscillation (N/m²): largest less smallest σₙ over the interface, worse side."

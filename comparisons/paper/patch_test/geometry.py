@@ -219,7 +219,7 @@ _PAPER = {
 }
 """Numbers of section 3 that hold for both settings."""
 
-SETTINGS = (
+GEOMETRY_FIGURES = (
     SettingFigure(
         "2",
         "Figure 2: contact patch test",
