@@ -17,6 +17,7 @@ from comparisons.kit.plots import (
     BLUE,
     GREEN,
     GREY,
+    GRID,
     MARKERS,
     ORANGE,
     PURPLE,
@@ -114,7 +115,7 @@ def growth_against_stiffness(data: Data, problem: str) -> Figure:
                 )
         axes.set_title("FE 2" if backend == "fe" else "NURBS 2")
         axes.set_xlabel(f"p / ({data['problems'][problem]['unit']:g} N/m³)")
-        axes.grid(visible=True, color="#E4E4E4")
+        axes.grid(visible=True, color=GRID)
         if axes.lines:
             axes.legend(fontsize=7, frameon=False)
     panels[0].set_ylabel("worst error of growth / largest growth")
@@ -133,7 +134,7 @@ def _errors(axes: Axes, chosen: Sequence[Line], cost: Any, colour: Any) -> None:
             markersize=4,
             linewidth=1.1,
         )
-    axes.grid(visible=True, color="#E4E4E4")
+    axes.grid(visible=True, color=GRID)
 
 
 def _dofs(run: Any) -> int:

@@ -14,6 +14,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from comparisons.agreement.tables import stage_times
 from comparisons.kit.numbers import backend_name, number
 from comparisons.kit.plots import (
+    AXIS,
     BLACK,
     BLUE,
     GREEN,
@@ -93,7 +94,7 @@ def stability(data: Data) -> Figure:
     runs = data["disc_pad"]["runs"]
     figure = Figure(figsize=(10, 4.6), layout="constrained")
     axes = figure.subplots()
-    axes.axhline(0, color="#555555", linewidth=0.8)
+    axes.axhline(0, color=AXIS, linewidth=0.8)
     drawn = Counter[str]()
     for run in runs:
         # Where modes agree their markers stand inside one another, and each is seen.

@@ -4,7 +4,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from comparisons.agreement.tables import SECTIONS, runs
-from comparisons.kit.numbers import backend_name, counted, decimals, listed, number, plain
+from comparisons.kit.numbers import (
+    backend_name,
+    capitalised,
+    counted,
+    decimals,
+    listed,
+    number,
+    plain,
+)
 from comparisons.kit.tables import Data
 
 
@@ -37,7 +45,7 @@ def _agreement(data: Data) -> list[str]:
     for backend, modes in zip(("fe", "iga"), alone, strict=True):
         if modes:
             places = listed(f"{mode['frequency']:.0f} Hz" for mode in modes)
-            sentences.append(f"{_name(backend)} alone find one at {places}.")
+            sentences.append(f"{capitalised(backend_name(backend))} alone find one at {places}.")
     return sentences
 
 
@@ -198,8 +206,3 @@ def _run(run: Data) -> str:
 
 def _kind(kind: str) -> str:
     return {"gpts": "GPTS"}.get(kind, kind)
-
-
-def _name(backend: str) -> str:
-    name = backend_name(backend)
-    return name[0].upper() + name[1:]

@@ -55,6 +55,11 @@ def backend_name(backend: str) -> str:
     return " and ".join(BACKENDS.get(part, part) for part in backend.split("+"))
 
 
+def capitalised(text: str) -> str:
+    """Text as a sentence begins, its other letters as they are."""
+    return text[:1].upper() + text[1:]
+
+
 def counted(count: int, singular: str, plural: str = "") -> str:
     """Count with its noun: "1 mode", "3 modes"."""
     return f"{number(count)} {singular if count == 1 else plural or singular + 's'}"

@@ -16,7 +16,7 @@ DPI = 200
 # Colours of Okabe and Ito, told apart with any colour vision.
 ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
-BLACK = "#222222"
+BLACK, AXIS, GRID = "#222222", "#555555", "#E4E4E4"
 
 MARKERS = {"fe": "s", "iga": "o"}
 """Marker of each backend."""
@@ -25,13 +25,13 @@ _STYLE = {
     "font.family": "sans-serif",
     "font.size": 9,
     "axes.titlesize": 9,
-    "axes.edgecolor": "#555555",
+    "axes.edgecolor": AXIS,
     "axes.linewidth": 0.7,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "grid.color": "#E4E4E4",
+    "grid.color": GRID,
     "grid.linewidth": 0.6,
     "xtick.color": "#444444",
     "ytick.color": "#444444",

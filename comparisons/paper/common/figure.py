@@ -16,7 +16,7 @@ Data = dict[str, Any]
 """Plain data, ready for JSON."""
 
 
-def plain(values: Any) -> list[Any]:
+def as_lists(values: Any) -> list[Any]:
     """Numbers of an array as nested lists, None for NaN."""
     return np.asarray(np.where(np.isfinite(values), values, None)).tolist()
 

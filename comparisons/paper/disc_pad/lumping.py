@@ -18,6 +18,7 @@ from scipy.sparse.linalg import spsolve
 
 from cea.body import Body, Floats, Surface
 from cea.matrices import destroy
+from comparisons.kit.plots import AXIS
 from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.families import FAMILIES, Family
@@ -92,7 +93,7 @@ class LumpingStudy:
                     markersize=4,
                     label=family,
                 )
-            axes.axline((0, 0), slope=1, color="#555555", linewidth=0.7)
+            axes.axline((0, 0), slope=1, color=AXIS, linewidth=0.7)
             axes.set(xlabel="shift by the false stiffness, first order (%)")
             axes.set(ylabel="shift by lumping (%)", title=self.title)
             axes.grid(visible=True)

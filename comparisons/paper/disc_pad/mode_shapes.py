@@ -19,7 +19,7 @@ from cea.matrices import destroy
 from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.families import FAMILIES, Family
-from comparisons.paper.common.figure import Data, Number, plain
+from comparisons.paper.common.figure import Data, Number, as_lists
 from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.measures import motion_ratio
@@ -223,7 +223,7 @@ def _line(result: SceneResult, mode: int) -> Data:
         lines[body] = np.full(_SAMPLES, np.nan + 0j)
         lines[body][hit] = u[2::3, mode]
     peak = lines[DISC][np.argmax(np.abs(lines[DISC]))]
-    return {"arc": arc.tolist()} | {n: plain((u / peak).real) for n, u in lines.items()}
+    return {"arc": arc.tolist()} | {n: as_lists((u / peak).real) for n, u in lines.items()}
 
 
 def _slope_at_edge(line: Data) -> float:

@@ -17,7 +17,7 @@ from cea.contact.formulations import Formulation, GaussPointToSurface, Greville,
 from cea.system.contact_stresses import pressure_along, stress_map
 from comparisons.kit.numbers import number
 from comparisons.paper.common.families import FAMILIES, Family
-from comparisons.paper.common.figure import Data, plain
+from comparisons.paper.common.figure import Data, as_lists
 from scenes.read import load_scene
 from scenes.run import run_scene
 from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec, Scene
@@ -175,10 +175,10 @@ def run_case(
         "oscillation": {side: stress.oscillation for side, stress in sides.items()},
         "oscillation_of_p_gap": float(np.ptp(along[np.isfinite(along)])),
         "seconds": result.timer.total,
-        "line": {"arc": plain(sides["a"].arc), "p_gap": plain(along)}
-        | {side: plain(stress.sigma_n_along) for side, stress in sides.items()},
-        "map": {"x": plain(plane.u), "y": plain(plane.v)}
-        | {side: plain(shown(stress)) for side, stress in plane.sigma_n.items()},
+        "line": {"arc": as_lists(sides["a"].arc), "p_gap": as_lists(along)}
+        | {side: as_lists(stress.sigma_n_along) for side, stress in sides.items()},
+        "map": {"x": as_lists(plane.u), "y": as_lists(plane.v)}
+        | {side: as_lists(shown(stress)) for side, stress in plane.sigma_n.items()},
     }
     return data, system.bodies
 
