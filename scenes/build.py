@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from cea.body import Body, Floats
-from cea.contact.formulations import coupling_of
 from cea.contact.friction import FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
 from cea.contact.laws import Friction, LinearLaw
@@ -19,7 +18,8 @@ from cea.supports.boundary import Pressure
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
-from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh, Scene
+from scenes.read import Scene
+from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh
 
 _ROUNDING = 1e-14
 """Values of a field below this part of the largest count as zero."""
@@ -172,7 +172,7 @@ def _half_pass(half: _Half, interface: Interface) -> HalfPass:
         interface=interface,
         law=LinearLaw(half.share * stiffness),
         friction=Friction(_values(spec.mu, x), direction) if direction is not None else None,
-        coupling=coupling_of(spec.formulation),
+        coupling=spec.formulation.coupling,
         form=spec.form,
         pair=half.pair,
     )

@@ -13,7 +13,8 @@ from cea.system.contact_stresses import SideStress, contact_stresses
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.spec import ComplexEigenvalueAnalysis, Scene
+from scenes.read import Scene
+from scenes.spec import ComplexEigenvalueAnalysis
 
 
 @dataclass(frozen=True)

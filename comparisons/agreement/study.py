@@ -215,14 +215,7 @@ def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResu
 
 def _labels(backend: Backend, formulation: Formulation, run: Mapping[str, Any]) -> dict[str, Any]:
     points = next(iter(run["contacts"].values()))["points"]
-    label = {
-        "node_to_surface": "node-to-surface",
-        "greville": "Greville",
-        "grid": "grid",
-        "gpts": "GPTS",
-        "segments": "segments",
-        "mortar": "mortar",
-    }[formulation.method]
+    label = formulation.name
     if isinstance(formulation, GaussPointToSurface):
         label += f" {formulation.points} x {formulation.points}"
     return {

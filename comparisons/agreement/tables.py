@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from math import tau
 from typing import Any
 
+from cea.contact.formulations import registered
 from cea.timing import STAGES
 from comparisons.kit import provenance
 from comparisons.kit.numbers import backend_name, decimals, number, per_cent, shown
@@ -97,11 +98,16 @@ def unstable_modes(data: Data) -> Table:
     )
 
 
+def kind_name(kind: str) -> str:
+    """Name of a formulation by its method; "collocation" stands for each backend's own."""
+    return registered()[kind].name if kind in registered() else kind
+
+
 def agreement(data: Data) -> Table:
     """Unstable modes of the two backends paired by shape and frequency."""
     rows: list[tuple[Any, ...]] = []
     for kind, found in data["disc_pad"]["agreement"].items():
-        label = {"gpts": "GPTS"}.get(kind, kind)
+        label = kind_name(kind)
         matched = [
             (
                 *(label, "both", *pair["frequency"], pair["frequency_difference"]),

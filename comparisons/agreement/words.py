@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from comparisons.agreement.tables import SECTIONS, runs
+from comparisons.agreement.tables import SECTIONS, kind_name, runs
 from comparisons.kit.numbers import (
     backend_name,
     capitalised,
@@ -58,7 +58,7 @@ def lone_modes(data: Data) -> list[str]:
         alone = [("fe", mode["frequency"]) for mode in found["only_first"]]
         alone += [("iga", mode["frequency"]) for mode in found["only_second"]]
         sentences += [
-            f"The mode that {backend_name(backend)} alone find with {_kind(kind)} at "
+            f"The mode that {backend_name(backend)} alone find with {kind_name(kind)} at "
             f"{frequency:.0f} Hz is {number(100 * (1 - frequency / top), 2)} % below the end of "
             f"the window, less than paired modes are apart ({number(100 * apart, 2)} % at most): "
             f"its partner may lie beyond."
@@ -202,7 +202,3 @@ def _values(run: Data) -> Sequence[Mapping[str, Any]]:
 
 def _run(run: Data) -> str:
     return f"{backend_name(run['backend'])}, {run['formulation']}"
-
-
-def _kind(kind: str) -> str:
-    return {"gpts": "GPTS"}.get(kind, kind)

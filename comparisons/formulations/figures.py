@@ -9,6 +9,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
+from cea.contact.formulations import (
+    Botella,
+    GaussPointToSurface,
+    Greville,
+    Grid,
+    Mortar,
+    NodeToSurface,
+    Segments,
+)
 from comparisons.formulations.pairing_tables import pairing_name
 from comparisons.kit.numbers import backend_name, number
 from comparisons.kit.plots import (
@@ -26,12 +35,12 @@ from comparisons.kit.plots import (
 from comparisons.kit.tables import Data
 
 _LINES = {
-    "node-to-surface": (VERMILION, "s"),
-    "Greville": (VERMILION, "s"),
-    "Botella": (ORANGE, "D"),
-    "grid": (GREEN, "v"),
-    "segments": (PURPLE, "^"),
-    "mortar": (BLUE, "*"),
+    NodeToSurface.name: (VERMILION, "s"),
+    Greville.name: (VERMILION, "s"),
+    Botella.name: (ORANGE, "D"),
+    Grid.name: (GREEN, "v"),
+    Segments.name: (PURPLE, "^"),
+    Mortar.name: (BLUE, "*"),
 }
 """Colour and marker of each formulation."""
 
@@ -95,7 +104,7 @@ def line_style(formulation: str, gauss: list[int]) -> dict[str, Any]:
         Numbers of Gauss points of the study, in the order of their colours.
     """
     word, _, option = formulation.partition(", ")
-    names = [f"GPTS {n}" for n in gauss]
+    names = [f"{GaussPointToSurface.name} {n}" for n in gauss]
     colour, marker = _GPTS[names.index(word) % len(_GPTS)] if word in names else _LINES[word]
     return {
         "color": colour,

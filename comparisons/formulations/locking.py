@@ -20,9 +20,9 @@ from comparisons.formulations.variants import Variant, variants
 from comparisons.kit.progress import Progress
 from exact_cea.reference import exact_eigenvalues
 from scenes.build import build_bodies
-from scenes.read import load_scene
+from scenes.read import Scene, load_scene
 from scenes.run import run_scene
-from scenes.spec import Backend, ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec, Scene
+from scenes.spec import Backend, ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec
 from scenes.variants import BACKENDS, on_backend
 
 _MARGIN = 1.15

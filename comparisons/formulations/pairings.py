@@ -12,11 +12,11 @@ from typing import Any
 from cea.contact.formulations import Mortar
 from comparisons.formulations.timings import summed
 from comparisons.kit.progress import Progress
-from scenes.read import load_scene
+from scenes.read import Scene, load_scene
 from scenes.results import describe
 from scenes.run import SceneResult, run_scene
 from scenes.run_matching import match_unstable
-from scenes.spec import Backend, BodySpec, ComplexEigenvalueAnalysis, MeshSpec, Scene
+from scenes.spec import Backend, BodySpec, ComplexEigenvalueAnalysis, MeshSpec
 from scenes.variants import with_contact
 
 FREQUENCY_BOUND = 0.01

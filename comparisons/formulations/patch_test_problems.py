@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from math import pi
 from pathlib import Path
 
-from scenes.read import load_scene
-from scenes.spec import Backend, LoadSpec, Scene
+from scenes.read import Scene, load_scene
+from scenes.spec import Backend, LoadSpec
 
 PRESSURE = 1000.0
 """Exact contact pressure of every patch test (N/m^2)."""

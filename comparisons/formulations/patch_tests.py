@@ -28,7 +28,7 @@ from comparisons.formulations.patch_test_problems import (
 from comparisons.formulations.variants import Variant, variants
 from comparisons.kit.progress import Progress
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.spec import Scene
+from scenes.read import Scene
 
 PASSED = 1e-6
 """Largest relative error of the normal stress of a patch test that is passed: round-off at the

@@ -19,11 +19,11 @@ from cea.contact.formulations import Mortar
 from cea.eigen.mode_matching import GroupMatch
 from comparisons.kit.progress import Progress
 from meshes.breaks import graded
-from scenes.read import load_scene
+from scenes.read import Scene, load_scene
 from scenes.results import machine, versions
 from scenes.run import SceneResult, run_scene
 from scenes.run_matching import match_runs
-from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec, Scene
+from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
 from scenes.variants import on_backend, with_contact
 
 REFERENCE = Path(__file__).parent / "disc_pad_reference.json"

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
-from cea.contact.operators import Form
+from cea.contact.coupling import Form
+from cea.contact.formulations import Formulation, Greville, Grid, NodeToSurface
 from comparisons.kit.numbers import number
 from comparisons.paper.common.families import BACKEND_OF, Family
-from scenes.read import load_scene
-from scenes.spec import ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec, Scene
+from scenes.read import Scene, load_scene
+from scenes.spec import ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec
 from scenes.variants import on_backend
 
 CONTACT = "pad_disc"
@@ -91,15 +91,7 @@ class CeaCase:
     @property
     def rule(self) -> str:
         """Name of the formulation, with its form and passes."""
-        rule = self.formulation
-        name = {"node_to_surface": "node-to-surface", "greville": "Greville"}.get(
-            rule.method, rule.method
-        )
-        if isinstance(rule, GaussPointToSurface):
-            name = f"GPTS {rule.points} × {rule.points}" + (", lumped" if rule.lumped else "")
-        elif isinstance(rule, Grid):
-            name = f"grid {rule.points} × {rule.points}"
-        name += ", full pass" if self.full_pass else ""
+        name = self.formulation.label + (", full pass" if self.full_pass else "")
         return name + (", saddle form" if self.form == "saddle" else "")
 
     @property

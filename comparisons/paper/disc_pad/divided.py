@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cea.body import Body, Floats, Ints
 from scenes.build import fe_body
-from scenes.spec import Scene
+from scenes.read import Scene
 
 _FAMILIES = {3: ("Hexahedron", "Tetrahedron"), 2: ("Quadrangle", "Triangle")}
 """What is divided and into what, by dimension, in gmsh's names."""

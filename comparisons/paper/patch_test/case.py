@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from cea.body import Body, Floats
-from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
+from cea.contact.formulations import Formulation, Greville, Grid, NodeToSurface
 from cea.system.contact_stresses import pressure_along, stress_map
 from comparisons.kit.numbers import number
 from comparisons.paper.common.families import FAMILIES, Family
 from comparisons.paper.common.figure import Data, as_lists
-from scenes.read import load_scene
+from scenes.read import Scene, load_scene
 from scenes.run import run_scene
-from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec, Scene
+from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
 from scenes.variants import on_backend, with_contact
 
 EXACT = -1000.0
@@ -96,15 +96,7 @@ class PatchTestCase:
     @property
     def rule(self) -> str:
         """Name of the formulation."""
-        rule = self.formulation
-        if isinstance(rule, GaussPointToSurface):
-            lumped = ", lumped" if rule.lumped else ""
-            return f"GPTS {rule.points} × {rule.points}{lumped}"
-        if isinstance(rule, Grid):
-            return f"grid {rule.points} × {rule.points}"
-        return {"node_to_surface": "node-to-surface", "greville": "Greville"}.get(
-            rule.method, rule.method
-        )
+        return self.formulation.label
 
     @property
     def label(self) -> str:

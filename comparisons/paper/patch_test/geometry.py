@@ -21,7 +21,8 @@ from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.common.style import SIDES, drawing
 from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
 from scenes.build import build_bodies, build_interfaces
-from scenes.spec import Backend, Scene
+from scenes.read import Scene
+from scenes.spec import Backend
 from scenes.variants import with_contact
 
 _SEEN = {"upper": ("x_max", "y_min", "z_max"), "lower": ("x_max", "y_min")}

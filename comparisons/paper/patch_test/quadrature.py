@@ -20,8 +20,9 @@ from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.common.style import COLOURS, drawing
 from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
+from scenes.read import Scene
 from scenes.run import run_scene
-from scenes.spec import Backend, Scene, StaticAnalysis
+from scenes.spec import Backend, StaticAnalysis
 
 _SAMPLES = 31
 """Samples across the interface: stresses are polynomials in each span."""
