@@ -158,6 +158,27 @@ def build_interfaces(
     return interfaces
 
 
+def check_interfaces(
+    scene: Scene, bodies: Mapping[str, Body], interfaces: Mapping[str, Interface]
+) -> None:
+    """Refuse interfaces that are not those of a scene and its bodies.
+
+    Raises
+    ------
+    InputError
+        When half passes differ, or an interface joins other surfaces.
+    """
+    halves = {half.name: half for half in _halves(scene.contacts)}
+    if interfaces.keys() != halves.keys():
+        raise InputError("interfaces", list(interfaces), f"those of {', '.join(halves) or 'none'}")
+    for name, interface in interfaces.items():
+        half = halves[name]
+        for place, surface in ((half.a, interface.a), (half.b, interface.b)):
+            body, side = place.split(".")
+            if bodies[body].surfaces[side] is not surface:
+                raise InputError(f"interfaces.{name}", surface.name, f"{place} of these bodies")
+
+
 def _half_pass(half: _Half, interface: Interface) -> HalfPass:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
     spec, x = half.spec, interface.points.x

@@ -32,6 +32,11 @@ class SceneError(ValueError):
 class Scene(SceneSpec):
     """A scene whose parts suit each other."""
 
+    @property
+    def backends(self) -> str:
+        """Backends of its bodies: "fe", "iga" or "fe+iga"."""
+        return "+".join(sorted({body.backend for body in self.bodies.values()}))
+
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "Scene":
         """The scene with fields changed, checked anew as a file is.
 

@@ -14,7 +14,7 @@ import numpy as np
 from comparisons.accuracy.problems import PROBLEMS, BodyMesh, Problem
 from comparisons.accuracy.study import RULES, Case, Method, overrides
 from scenes.read import load_scene
-from scenes.run import run_scene
+from scenes.run import run_modes
 from scenes.run_matching import circumferential_orders
 
 Data = dict[str, Any]
@@ -104,9 +104,8 @@ def measure(still: Still, method: Method, refinement: int = _REFINEMENT) -> Data
     """
     case = Case(still.problem.name, method, refinement, 1.0)
     fields = [*still.changes, *overrides(still.problem, case)]
-    result = run_scene(load_scene(Path(still.problem.name), fields, method.backend))
+    result = run_modes(load_scene(Path(still.problem.name), fields, method.backend))
     modes = result.modes
-    assert modes is not None
     chosen = np.ones(len(modes.eigenvalues), bool)
     if still.order is not None:
         chosen = circumferential_orders(result).orders == still.order

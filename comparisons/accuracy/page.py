@@ -1,6 +1,5 @@
 """The page of a study: JSON, CSV files, figures and Markdown, all drawn from plain data."""
 
-import gzip
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +10,7 @@ from matplotlib.figure import Figure
 from cea.errors import InputError
 from comparisons.accuracy import figures, tables, words
 from comparisons.kit.tables import Table
+from scenes.stored import in_json, read_record, write_whole
 
 Data = dict[str, Any]
 
@@ -28,12 +28,10 @@ def read(out: Path) -> Data:
         When the folder holds none.
     """
     file, compressed = out / RESULT, out / f"{RESULT}.gz"
-    if file.is_file():
-        data = json.loads(file.read_bytes())
-    elif compressed.is_file():
-        data = json.loads(gzip.decompress(compressed.read_bytes()))
-    else:
+    chosen = file if file.is_file() else compressed
+    if not chosen.is_file():
         raise InputError("out", str(out), f"a folder with the {RESULT} of a study")
+    data = read_record(chosen)
     if data.get("command") != "accuracy":
         raise InputError("out", str(out), f"a folder whose {RESULT} is that of a study of accuracy")
     return data
@@ -48,7 +46,7 @@ def write(data: Data, out: Path) -> Path:
         The page.
     """
     out.mkdir(parents=True, exist_ok=True)
-    (out / RESULT).write_text(_compact(data), encoding="utf-8")
+    write_whole(_compact(in_json(data)).encode(), out / RESULT)
     made = {table.name: table for table in (make(data) for make in tables.TABLES)}
     for table in made.values():
         table.write_csv(out)

@@ -12,7 +12,7 @@ from comparisons.accuracy.exact_lists import exact
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, Study, cases
 from comparisons.accuracy.worker import CaseError, Worker
-from scenes.results import machine, versions
+from scenes.stored import record
 
 Data = dict[str, Any]
 
@@ -78,16 +78,16 @@ def run_study(
         if own is not None:
             own.end()
     runs = [run for part in every for run in part.runs]
-    return {
-        "command": "accuracy",
+    data = {
         "study": asdict(study),
         "problems": {p.name: _described(p.name, runs) for p in problems},
         "runs": runs,
         "omissions": [omission for part in every for omission in part.told_omissions()],
-        "seconds": perf_counter() - start,
-        "versions": versions(),
-        "machine": machine() | {"load": os.getloadavg()[0]},
     }
+    names = [p.name for p in problems]
+    made = record("accuracy", data, inputs={"problems": names}, seconds=perf_counter() - start)
+    made["machine"]["load"] = os.getloadavg()[0]
+    return made
 
 
 class _Problem:

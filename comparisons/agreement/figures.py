@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from comparisons.agreement.tables import stage_times
-from comparisons.kit.numbers import backend_name, number
+from comparisons.kit.numbers import number
 from comparisons.kit.plots import (
     AXIS,
     BLACK,
@@ -28,6 +28,7 @@ from comparisons.kit.plots import (
     styled,
 )
 from comparisons.kit.tables import Data, Table
+from scenes.names import backend_name
 
 COLOURS = {"node_to_surface": VERMILION, "greville": ORANGE, "grid": GREEN, "gpts": BLUE}
 """Colour of each formulation."""

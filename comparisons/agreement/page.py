@@ -9,8 +9,8 @@ from comparisons.agreement import figures, tables, words
 from comparisons.kit.page import Image, render
 from comparisons.kit.plots import save
 from comparisons.kit.provenance import machine
-from scenes.results import write_json
-from scenes.run import SceneResult
+from scenes.results import ModesResult
+from scenes.stored import write_record
 
 TABLES = (
     tables.patch_test,
@@ -36,7 +36,7 @@ _PICTURES = 1
 """Modes drawn of each result."""
 
 
-def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: Path) -> Path:
+def write_report(data: dict[str, Any], results: Mapping[str, ModesResult], out: Path) -> Path:
     """Write everything a comparison shows, on rank 0; the others wait until it is written.
 
     Collective: the pictures take part of their modes from every rank.
@@ -78,7 +78,7 @@ def _write(
     for name, draw in figures.FIGURES.items():
         save(draw(data), out / f"{name}.png")
         images[name] = Image.of(out / f"{name}.png")
-    write_json(
+    write_record(
         data
         | {
             "tables": [f"{name}.csv" for name in written],
@@ -106,7 +106,7 @@ def _images(files: list[Path]) -> list[Image]:
     return [Image.of(file) for file in files]
 
 
-def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
+def _pictures(results: Mapping[str, ModesResult], out: Path) -> list[Path]:
     if not results:
         return []
     from scenes.pictures import draw_modes
@@ -114,7 +114,7 @@ def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
     return [file for result in results.values() for file in draw_modes(result, _PICTURES, out)]
 
 
-def _pictures_from_files(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
+def _pictures_from_files(results: Mapping[str, ModesResult], out: Path) -> list[Path]:
     """Write the modes drawn for ParaView, and draw what these files hold."""
     if not results:
         return []

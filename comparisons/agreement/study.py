@@ -15,11 +15,13 @@ from cea.timing import StageTimer
 from comparisons.agreement.time_saved import time_saved
 from comparisons.kit.progress import Progress
 from scenes.build import build_bodies
+from scenes.describe import describe
 from scenes.read import load_scene
-from scenes.results import describe, machine, versions
-from scenes.run import SceneResult, run_scene
+from scenes.results import ModesResult
+from scenes.run import run_modes, run_scene
 from scenes.run_matching import match_unstable
 from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
+from scenes.stored import record
 from scenes.variants import BACKENDS, on_backend, with_contact
 
 EXPECTED_OSCILLATION = {
@@ -39,7 +41,7 @@ def formulations(backend: Backend, grid: int, gauss: Iterable[int]) -> list[Form
     return [collocation, Grid(grid), *(GaussPointToSurface(n) for n in gauss)]
 
 
-def compare(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResult]]:
+def compare(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResult]]:
     """Run everything.
 
     Returns
@@ -51,13 +53,12 @@ def compare(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResul
     """
     start = perf_counter()
     warm_up(progress)
-    data: dict[str, Any] = {"command": "compare", "versions": versions(), "machine": machine()}
+    data: dict[str, Any] = {}
     data["patch_test"] = patch_test(progress)
     data["disc_alone"] = disc_alone(progress)
     data["disc_pad"], results = disc_pad(progress)
     data["time_saved"] = time_saved(progress)
-    data["seconds"] = perf_counter() - start
-    return data, results
+    return record("compare", data, inputs={}, seconds=perf_counter() - start), results
 
 
 def warm_up(progress: Progress) -> None:
@@ -185,10 +186,10 @@ def _backend_differences(runs: list[dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResult]]:
+def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResult]]:
     """Unstable modes of the disc and pad for every formulation on both backends."""
     runs = []
-    results: dict[tuple[str, Backend], SceneResult] = {}
+    results: dict[tuple[str, Backend], ModesResult] = {}
     for backend in BACKENDS:
         scene = on_backend(load_scene(Path("disc_pad")), backend)
         bodies: Mapping[str, Body] | None = None
@@ -196,8 +197,8 @@ def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResu
         for formulation in formulations(backend, grid, (5,)):
             progress.step(f"disc and pad, {backend}, {formulation.method}")
             variant = with_contact(scene, formulation=formulation)
-            result = run_scene(variant, bodies=bodies, listener=progress.stage)
-            bodies = result.system.bodies
+            result = run_modes(variant, bodies=bodies, listener=progress.stage)
+            bodies = result.bodies
             run = describe(result)
             runs.append(run | _labels(backend, formulation, run))
             kind = (

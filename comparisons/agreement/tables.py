@@ -7,8 +7,9 @@ from typing import Any
 from cea.contact.formulations import registered
 from cea.timing import STAGES
 from comparisons.kit import provenance
-from comparisons.kit.numbers import backend_name, decimals, number, per_cent, shown
+from comparisons.kit.numbers import decimals, number, per_cent, shown
 from comparisons.kit.tables import Column, Data, Table
+from scenes.names import backend_name
 
 SECTIONS = {
     "patch_test": "patch test",

@@ -5,7 +5,6 @@ from typing import Any
 
 from comparisons.agreement.tables import SECTIONS, kind_name, runs
 from comparisons.kit.numbers import (
-    backend_name,
     capitalised,
     counted,
     decimals,
@@ -14,6 +13,7 @@ from comparisons.kit.numbers import (
     plain,
 )
 from comparisons.kit.tables import Data
+from scenes.names import backend_name
 
 
 def summary(data: Data) -> str:

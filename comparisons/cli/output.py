@@ -1,7 +1,6 @@
 """What commands print: where they are, tables, modes."""
 
-from math import tau
-from typing import Any
+from typing import TYPE_CHECKING
 
 import typer
 from rich.box import SIMPLE_HEAD
@@ -9,6 +8,9 @@ from rich.console import Console
 from rich.table import Table
 
 from comparisons.kit.tables import Table as ReportTable
+
+if TYPE_CHECKING:
+    from scenes.results import ModesResult, StaticResult
 
 console = Console()
 _TABLE_WIDTH = 120
@@ -27,28 +29,26 @@ def print_table(table: ReportTable) -> None:
     Console(width=max(console.width, _TABLE_WIDTH)).print(shown)
 
 
-def print_modes(data: dict[str, Any]) -> None:
+def print_modes(result: "ModesResult") -> None:
     """Print the eigenvalues of a run, the unstable ones set off, and why they are all."""
     table = Table("mode", "frequency (Hz)", "growth rate (1/s)", "residual", "condition")
-    unstable = {mode["mode"] for mode in data["unstable"]}
-    for i, mode in enumerate(data["eigenvalues"]):
+    for mode in result.table():
         table.add_row(
-            str(i + 1),
-            f"{mode['im'] / tau:.3f}",
-            f"{mode['re']:+.3f}",
+            str(mode["mode"]),
+            f"{mode['frequency']:.3f}",
+            f"{mode['growth_rate']:+.3f}",
             f"{mode['residual']:.1e}",
             f"{mode['condition']:.1f}",
-            style="bold red" if i in unstable else None,
+            style="bold red" if mode["unstable"] else None,
         )
     console.print(table)
-    typer.echo(data["window"]["evidence"])
+    typer.echo(result.modes.window.evidence)
 
 
-def print_stresses(data: dict[str, Any]) -> None:
+def print_stresses(result: "StaticResult") -> None:
     """Print the range of the normal stress on each side of each contact."""
-    for name, sides in data["stresses"].items():
-        for side, stress in sides.items():
-            console.print(
-                f"{name}, side {side}: sigma_n from {stress['min']:.6g} to {stress['max']:.6g}, "
-                f"oscillation {stress['oscillation']:.6g} N/m^2"
-            )
+    for row in result.table():
+        console.print(
+            f"{row['contact']}, side {row['side']}: sigma_n from {row['min']:.6g} to "
+            f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
+        )

@@ -1,6 +1,7 @@
 """Commands of the paper: ``figure`` makes its figures, ``claims`` judges what it says."""
 
 from pathlib import Path
+from time import perf_counter
 from typing import Annotated, Literal
 
 import typer
@@ -60,9 +61,10 @@ def claims(out: _Out = Path("results/figures")) -> None:
     from comparisons.kit.progress import Progress
     from comparisons.paper.claims.judge import judge, write_claims
 
+    start = perf_counter()
     with console.status("claims") as status:
         judged = judge(out, Progress(step=status.update, stage=lambda stage: None))
     if MPI.COMM_WORLD.rank == 0:
         for each in judged:
             typer.echo(each.told())
-        typer.echo(", ".join(map(str, write_claims(judged, out))))
+        typer.echo(", ".join(map(str, write_claims(judged, out, perf_counter() - start))))

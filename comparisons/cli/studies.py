@@ -123,7 +123,7 @@ def reference(
     from comparisons.kit.progress import Progress
     from comparisons.reference.study import compute_reference, stored_reference
     from comparisons.reference.tables import reference_table
-    from scenes.results import write_json
+    from scenes.stored import write_record
 
     data = stored_reference()
     if recompute:
@@ -131,7 +131,7 @@ def reference(
             data = compute_reference(Progress(step=console.print, stage=status.update))
     table = reference_table(data)
     if MPI.COMM_WORLD.rank == 0:
-        write_json(data, out / "disc_pad_reference.json")
+        write_record(data, out / "disc_pad_reference.json")
         table.write_csv(out)
     print_table(table)
     typer.echo(f"{out / 'disc_pad_reference.json'}")

@@ -19,7 +19,7 @@ from cea.contact.formulations import (
     Segments,
 )
 from comparisons.formulations.pairing_tables import pairing_name
-from comparisons.kit.numbers import backend_name, number
+from comparisons.kit.numbers import number
 from comparisons.kit.plots import (
     BLACK,
     BLUE,
@@ -33,6 +33,7 @@ from comparisons.kit.plots import (
     styled,
 )
 from comparisons.kit.tables import Data
+from scenes.names import backend_name
 
 _LINES = {
     NodeToSurface.name: (VERMILION, "s"),

@@ -1,6 +1,5 @@
 """The page of formulations: result.json, CSV files, figures, and one page that holds them all."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from comparisons.formulations.tables import (
 from comparisons.kit.page import Image, render
 from comparisons.kit.provenance import machine
 from comparisons.kit.tables import Data, Table
-from scenes.results import write_json
+from scenes.stored import read_record, write_record
 
 RESULT = "result.json"
 """Everything computed; the rest is drawn from it."""
@@ -45,7 +44,7 @@ def read_formulations(out: Path) -> dict[str, Any]:
         When the folder holds none.
     """
     file = out / RESULT
-    data = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    data = read_record(file) if file.is_file() else {}
     if data.get("command") != COMMAND:
         raise InputError("out", str(out), f"a folder with the {RESULT} of `cea {COMMAND}`")
     return data
@@ -72,7 +71,7 @@ def write_formulations(data: dict[str, Any], out: Path) -> Path:
     MPI.COMM_WORLD.Barrier()  # ranks may still read what is written here
     if MPI.COMM_WORLD.rank == 0:
         out.mkdir(parents=True, exist_ok=True)
-        write_json(data, out / RESULT)
+        write_record(data, out / RESULT)
         tables = {table.name: table for table in tables_of(data)}
         for table in tables.values():
             table.write_csv(out)

@@ -3,8 +3,9 @@
 from collections.abc import Iterator
 from typing import Any
 
-from comparisons.kit.numbers import backend_name, decimals, number, per_cent, plain, shown
+from comparisons.kit.numbers import decimals, number, per_cent, plain, shown
 from comparisons.kit.tables import VERDICTS, Column, Data, Table
+from scenes.names import backend_name
 
 
 def pairing_name(run: Data) -> str:

@@ -9,7 +9,7 @@ from comparisons.formulations.locking import LockingStudy, run_locking
 from comparisons.formulations.pairings import PairingsStudy, run_pairings
 from comparisons.formulations.patch_tests import PatchTestStudy, run_patch_tests
 from comparisons.kit.progress import Progress
-from scenes.results import machine, versions
+from scenes.stored import record
 
 COMMAND = "formulations"
 """Command that a result is marked with."""
@@ -73,10 +73,10 @@ def run_formulations(
         ),
     }
     begun = perf_counter()
-    data: dict[str, Any] = {"command": COMMAND, "versions": versions(), "machine": machine()}
+    data: dict[str, Any] = {}
     for key, (name, run) in parts.items():
         begin(name)
         start = perf_counter()
         data[key] = run()
         data[key]["seconds"] = perf_counter() - start
-    return data | {"seconds": perf_counter() - begun}
+    return record(COMMAND, data, inputs={}, seconds=perf_counter() - begun)

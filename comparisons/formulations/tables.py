@@ -3,8 +3,9 @@
 from collections.abc import Iterable
 
 from cea.timing import STAGES
-from comparisons.kit.numbers import backend_name, decimals, listed, number, plain, shown
+from comparisons.kit.numbers import decimals, listed, number, plain, shown
 from comparisons.kit.tables import VERDICTS, Column, Data, Table
+from scenes.names import backend_name
 
 PARTS = {
     "patch_tests": "patch tests and momentum",

@@ -5,8 +5,9 @@ from typing import Any
 
 from comparisons.formulations.pairing_tables import change, pairing_name, refined_name, within
 from comparisons.formulations.tables import passes_in_words
-from comparisons.kit.numbers import backend_name, capitalised, counted, listed, number, plain
+from comparisons.kit.numbers import capitalised, counted, listed, number, plain
 from comparisons.kit.tables import Data
+from scenes.names import backend_name
 
 LOCKED = 10.0
 """A formulation locks where its error at the largest p is so many times its least, or an eigenvalue

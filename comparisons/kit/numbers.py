@@ -1,11 +1,8 @@
-"""Numbers and names as people read them: significant digits, powers of ten, units, backends."""
+"""Numbers as people read them: significant digits, powers of ten, counts, lists."""
 
 from collections.abc import Callable, Iterable
 from math import floor, isfinite, log10
 from typing import Any
-
-BACKENDS = {"fe": "finite elements", "iga": "NURBS"}
-"""Backends by the name shown."""
 
 MISSING = "–"
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -48,11 +45,6 @@ def decimals(places: int, *, sign: bool = False) -> Callable[[float | None], str
         return ("+" if sign and value > 0 else "") + _grouped(f"{value:,.{places}f}")
 
     return show
-
-
-def backend_name(backend: str) -> str:
-    """Name of a backend as shown; "fe+iga" where bodies of both touch."""
-    return " and ".join(BACKENDS.get(part, part) for part in backend.split("+"))
 
 
 def capitalised(text: str) -> str:

@@ -20,10 +20,11 @@ from cea.eigen.mode_matching import GroupMatch
 from comparisons.kit.progress import Progress
 from meshes.breaks import graded
 from scenes.read import Scene, load_scene
-from scenes.results import machine, versions
-from scenes.run import SceneResult, run_scene
+from scenes.results import ModesResult
+from scenes.run import run_modes
 from scenes.run_matching import match_runs
 from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
+from scenes.stored import record
 from scenes.variants import on_backend, with_contact
 
 REFERENCE = Path(__file__).parent / "disc_pad_reference.json"
@@ -94,7 +95,7 @@ def compute_reference(
         ``modes``: frequency and growth rate of both backends, the digits they share, the change
         from coarse to fine of each; ``runs``; ``alone``: modes one backend has for itself.
     """
-    finest: dict[Backend, SceneResult] = {}
+    finest: dict[Backend, ModesResult] = {}
     changes: dict[Backend, dict[int, tuple[float, float]]] = {}
     runs = []
     for backend, pair in levels.items():
@@ -103,21 +104,22 @@ def compute_reference(
             scene = graded_scene(backend, grading)
             meshes = {name: _elements(body.mesh, backend) for name, body in scene.bodies.items()}
             progress.step(f"disc and pad, {backend}, degree {grading.degree}, {meshes}")
-            results.append(run_scene(scene, listener=progress.stage))
+            results.append(run_modes(scene, listener=progress.stage))
             runs.append(_run(results[-1], backend, grading, meshes))
         coarse, finest[backend] = results
         changes[backend] = _changes(coarse, finest[backend])
+    gradings = {b: [asdict(grading) for grading in pair] for b, pair in levels.items()}
     match = match_runs(finest["iga"], finest["fe"])
-    return {
+    data = {
         "modes": sorted((_mode(g, changes) for g in match.groups), key=lambda m: m["frequency"]),
         "alone": {
             "iga": _values(finest["iga"], match.only_first),
             "fe": _values(finest["fe"], match.only_second),
         },
         "runs": runs,
-        "versions": versions(),
-        "machine": machine(),
     }
+    seconds = sum(run["seconds"] for run in runs)
+    return record("reference", data, inputs={"levels": gradings}, seconds=seconds)
 
 
 def stored_reference() -> dict[str, Any]:
@@ -186,7 +188,7 @@ def _elements(mesh: MeshSpec, backend: Backend) -> str:
 
 
 def _run(
-    result: SceneResult, backend: Backend, grading: Grading, meshes: Mapping[str, str]
+    result: ModesResult, backend: Backend, grading: Grading, meshes: Mapping[str, str]
 ) -> dict[str, Any]:
     return {
         "backend": backend,
@@ -195,23 +197,18 @@ def _run(
         "dofs": result.system.size,
         "seconds": result.timer.total,
         "timings": dict(result.timer.seconds),
-        "modes": _values(result, np.arange(len(_eigenvalues(result)))),
+        "modes": _values(result, np.arange(len(result.modes))),
     }
 
 
-def _eigenvalues(result: SceneResult) -> Any:
-    assert result.modes is not None
-    return result.modes.eigenvalues
-
-
-def _values(result: SceneResult, modes: Any) -> list[dict[str, float]]:
+def _values(result: ModesResult, modes: Any) -> list[dict[str, float]]:
     return [
         {"frequency": float(v.imag / tau), "growth": float(v.real)}
-        for v in _eigenvalues(result)[modes]
+        for v in result.eigenvalues[modes]
     ]
 
 
-def _changes(coarse: SceneResult, fine: SceneResult) -> dict[int, tuple[float, float]]:
+def _changes(coarse: ModesResult, fine: ModesResult) -> dict[int, tuple[float, float]]:
     """Relative change of frequency and change of growth rate (1/s), by mode of the fine run."""
     changes = {}
     for each in match_runs(coarse, fine).groups:

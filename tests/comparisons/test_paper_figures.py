@@ -18,12 +18,13 @@ from cea.system.contact_stresses import pressure_along, stress_map
 from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Number, numbers_table
-from comparisons.paper.common.store import STORED, fingerprint, make_figure, read_data
+from comparisons.paper.common.store import STORED, fingerprint, make_figure
 from comparisons.paper.patch_test.case import PatchTestCase, run_case, shown
 from comparisons.paper.patch_test.quadrature import QUADRATURE, fitted_slope
 from comparisons.paper.registry import FIGURES, chosen
 from scenes.read import load_scene
 from scenes.run import run_scene
+from scenes.stored import read_record
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 
@@ -78,7 +79,7 @@ def test_paper_numbers_stand_beside_ours(made):
 
 def test_files_hold_what_was_computed(made):
     out, figures = made
-    data = read_data(out / "figure_12_iga.json.gz")
+    data = read_record(out / "figure_12_iga.json.gz")
     case = data["cases"]["D2C1, Greville, P = 10⁶"]
     stress = {side: np.array(case["map"][side]) for side in "ab"}
     # The map is coarser than the samples of the oscillation.
@@ -185,7 +186,7 @@ def test_every_figure_comes_with_its_data_and_tables(name, tmp_path):
     figure = FIGURES[name]
     for backend in backends(figure):
         stem = f"figure_{name}_{backend}"
-        data = read_data(STORED / f"{stem}.json.gz")
+        data = read_record(STORED / f"{stem}.json.gz")
         assert data["fingerprint"] == fingerprint(figure.inputs(backend))
         for table in (
             numbers_table(figure.numbers(data), stem, ""),
@@ -317,7 +318,7 @@ def test_settings_show_the_meshes_of_both_backends(name, tmp_path):
     made = {
         b: make_figure(FIGURES[name], b, tmp_path, QUIET, recompute=True) for b in ("fe", "iga")
     }
-    faces = {b: read_data(m.data_file)["faces"] for b, m in made.items()}
+    faces = {b: read_record(m.data_file)["faces"] for b, m in made.items()}
     for body, surfaces in faces["iga"].items():
         for surface, cells in surfaces.items():
             mesh = [np.array(each).mean(axis=1) for each in (cells, faces["fe"][body][surface])]

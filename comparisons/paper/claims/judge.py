@@ -9,10 +9,10 @@ from comparisons.kit.tables import Column, Table
 from comparisons.paper.claims.catalogue import CLAIMS
 from comparisons.paper.claims.claim import Claim, Evidence, JudgedClaim
 from comparisons.paper.common.families import FAMILIES
-from comparisons.paper.common.store import make_figure, read_data
+from comparisons.paper.common.store import make_figure
 from comparisons.paper.registry import FIGURES
-from scenes.results import write_json
 from scenes.spec import Backend
+from scenes.stored import read_record, record, write_record
 
 
 def judge(out: Path, progress: Progress) -> list[JudgedClaim]:
@@ -29,7 +29,7 @@ def judge(out: Path, progress: Progress) -> list[JudgedClaim]:
     evidence: dict[Backend, Evidence] = {}
     for backend in FAMILIES:
         made = {name: make_figure(FIGURES[name], backend, out, progress) for name in needed}
-        evidence[backend] = {name: read_data(each.data_file) for name, each in made.items()}
+        evidence[backend] = {name: read_record(each.data_file) for name, each in made.items()}
     return [judged(claim, evidence) for claim in CLAIMS]
 
 
@@ -45,8 +45,18 @@ def judged(claim: Claim, evidence: Mapping[Backend, Evidence]) -> JudgedClaim:
     )
 
 
-def write_claims(every: list[JudgedClaim], out: Path) -> list[Path]:
-    """Write ``claims.csv`` and ``claims.json``."""
+def write_claims(every: list[JudgedClaim], out: Path, seconds: float) -> list[Path]:
+    """Write ``claims.csv`` and ``claims.json``.
+
+    Parameters
+    ----------
+    every
+        The claims, judged.
+    out
+        Folder of both files.
+    seconds
+        How long judging them took.
+    """
     families = [family for each in FAMILIES.values() for family in each]
     columns = (
         *("name", "claim", "section", "measure"),
@@ -59,7 +69,9 @@ def write_claims(every: list[JudgedClaim], out: Path) -> list[Path]:
             row += [judgement.verdict, _finite(judgement.value), judgement.why]
         rows.append(tuple(row))
     file = out / "claims.json"
-    write_json({"claims": [dict(zip(columns, row, strict=True)) for row in rows]}, file)
+    data = {"claims": [dict(zip(columns, row, strict=True)) for row in rows]}
+    figures = sorted({name for each in every for name in each.claim.figures})
+    write_record(record("claims", data, inputs={"figures": figures}, seconds=seconds), file)
     table = Table("claims", "Claims", tuple(Column(name, name) for name in columns), rows)
     return [table.write_csv(out), file]
 

@@ -8,8 +8,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from scipy.sparse import csr_array
 
-from cea.body import VolumeSample
-from cea.eigen.modes import Complexes
+from cea.body import Complexes, VolumeSample
 from comparisons.kit.plots import BLUE, GREY, VERMILION
 from comparisons.paper.common.figure import Data
 from comparisons.paper.common.style import drawing

@@ -21,7 +21,7 @@ from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.common.style import COLOURS, drawing
 from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
 from scenes.read import Scene
-from scenes.run import run_scene
+from scenes.run import run_static
 from scenes.spec import Backend, StaticAnalysis
 
 _SAMPLES = 31
@@ -79,9 +79,8 @@ class QuadratureStudy:
         bodies: Mapping[str, Body] | None = None
         found = []
         for n in self.points:
-            result = run_scene(self._scene(degree, continuity, n, backend), bodies=bodies)
-            assert result.stresses is not None
-            bodies = result.system.bodies
+            result = run_static(self._scene(degree, continuity, n, backend), bodies=bodies)
+            bodies = result.bodies
             found.append(max(s.oscillation for s in result.stresses[INTERFACE].values()))
         return found
 
