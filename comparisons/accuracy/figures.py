@@ -50,7 +50,7 @@ def error_against_cost(data: Data, problem: str) -> Figure:
     At the study's first stiffness; left every degree with the mortar method, right every contact
     rule at degree 2.
     """
-    p = data["study"]["stiffnesses"][0]
+    p = data["inputs"]["study"]["stiffnesses"][0]
     drawn = [ln for ln in lines(data["runs"]) if (ln.problem, ln.stiffness) == (problem, p)]
     degrees = [line for line in drawn if line.method.rule == "mortar"]
     rules = [line for line in drawn if line.method.degree == 2]

@@ -7,15 +7,14 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from cea.errors import InputError
 from comparisons.accuracy import figures, tables, words
+from comparisons.accuracy.runner import COMMAND
+from comparisons.kit.records import RESULT, read_result
 from comparisons.kit.tables import Table
-from scenes.stored import in_json, read_record, write_whole
+from scenes.stored import write_record
 
 Data = dict[str, Any]
 
-RESULT = "result.json"
-"""Everything measured; the rest is drawn from it."""
 _DPI = 150
 
 
@@ -27,14 +26,7 @@ def read(out: Path) -> Data:
     InputError
         When the folder holds none.
     """
-    file, compressed = out / RESULT, out / f"{RESULT}.gz"
-    chosen = file if file.is_file() else compressed
-    if not chosen.is_file():
-        raise InputError("out", str(out), f"a folder with the {RESULT} of a study")
-    data = read_record(chosen)
-    if data.get("command") != "accuracy":
-        raise InputError("out", str(out), f"a folder whose {RESULT} is that of a study of accuracy")
-    return data
+    return read_result(out, COMMAND)
 
 
 def write(data: Data, out: Path) -> Path:
@@ -45,8 +37,7 @@ def write(data: Data, out: Path) -> Path:
     Path
         The page.
     """
-    out.mkdir(parents=True, exist_ok=True)
-    write_whole(_compact(in_json(data)).encode(), out / RESULT)
+    write_record(data, out / RESULT)
     made = {table.name: table for table in (make(data) for make in tables.TABLES)}
     for table in made.values():
         table.write_csv(out)
@@ -56,18 +47,6 @@ def write(data: Data, out: Path) -> Path:
     page = out / "report.md"
     page.write_text("\n".join(_page(data, made)) + "\n", encoding="utf-8")
     return page
-
-
-def _compact(data: Data) -> str:
-    """JSON with a line for each run: small, and changes can be read."""
-    parts = []
-    for key, value in data.items():
-        text = json.dumps(value, separators=(",", ":"), allow_nan=False)
-        if isinstance(value, list) and value:
-            items = (json.dumps(v, separators=(",", ":"), allow_nan=False) for v in value)
-            text = "[\n" + ",\n".join(items) + "\n]"
-        parts.append(f"{json.dumps(key)}: {text}")
-    return "{\n" + ",\n".join(parts) + "\n}\n"
 
 
 def _save(draw: Callable[[Data, str], Figure], data: Data, problem: str, file: Path) -> None:
@@ -89,7 +68,7 @@ def _page(data: Data, made: dict[str, Table]) -> list[str]:
         *_bullets(words.where_each_may_be_used(data)),
         "",
     ]
-    if data.get("still"):
+    if data.get("no_flutter"):
         text += ["## Where nothing may grow", "", *_bullets(words.without_flutter(data)), ""]
     if data.get("finest"):
         text += ["## Finest meshes", "", *_bullets(words.finest(data)), ""]
@@ -149,6 +128,6 @@ def _machine(data: Data) -> list[str]:
         "## As run",
         "",
         f"{machine['system']} {machine['machine']}, {machine['cpus']} processors; {versions}. "
-        f"Study: {json.dumps(data['study'])}. All numbers: `{RESULT}`, `runs.csv`, `uses.csv`, "
-        "`pareto.csv`.",
+        f"Study: {json.dumps(data['inputs']['study'])}. All numbers: `{RESULT}`, `runs.csv`, "
+        "`uses.csv`, `pareto.csv`.",
     ]

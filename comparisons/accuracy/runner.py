@@ -16,6 +16,9 @@ from scenes.stored import record
 
 Data = dict[str, Any]
 
+COMMAND = "accuracy"
+"""Command that a record is marked with."""
+
 _GROWTH = 1.0
 """Exponent with which run time is expected to grow with the elements: what all of it does not
 exceed on small meshes, where much of it is overhead."""
@@ -53,8 +56,8 @@ def run_study(
     Returns
     -------
     dict
-        Plain data: the study, ``problems`` with the exact eigenvalues of what was run, ``runs``,
-        ``omissions`` with a reason each, ``seconds``, versions and machine.
+        Record: ``problems`` with the exact eigenvalues of what was run, ``runs``, ``omissions``
+        with a reason each. Its inputs are the study and the names of the problems.
 
     Raises
     ------
@@ -79,15 +82,14 @@ def run_study(
             own.end()
     runs = [run for part in every for run in part.runs]
     data = {
-        "study": asdict(study),
         "problems": {p.name: _described(p.name, runs) for p in problems},
         "runs": runs,
         "omissions": [omission for part in every for omission in part.told_omissions()],
     }
-    names = [p.name for p in problems]
-    made = record("accuracy", data, inputs={"problems": names}, seconds=perf_counter() - start)
-    made["machine"]["load"] = os.getloadavg()[0]
-    return made
+    inputs = {"study": asdict(study), "problems": [chosen.name for chosen in problems]}
+    found = record(COMMAND, data, inputs=inputs, seconds=perf_counter() - start)
+    found["machine"]["load"] = os.getloadavg()[0]
+    return found
 
 
 class _Problem:

@@ -9,6 +9,7 @@ from comparisons.agreement import figures, tables, words
 from comparisons.kit.page import Image, render
 from comparisons.kit.plots import save
 from comparisons.kit.provenance import machine
+from comparisons.kit.records import RESULT
 from scenes.results import ModesResult
 from scenes.stored import write_record
 
@@ -86,7 +87,7 @@ def _write(
             "pictures": [image.file for image in pictures],
             "pictures_from_files": [image.file for image in from_files],
         },
-        out / "result.json",
+        out / RESULT,
     )
     page.write_text(
         render(

@@ -47,18 +47,17 @@ def compare(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResul
     Returns
     -------
     dict
-        Plain data for ``result.json``.
+        Record for ``result.json``.
     dict
         The disc_pad result with GPTS on each backend, for pictures.
     """
     start = perf_counter()
     warm_up(progress)
-    data: dict[str, Any] = {}
-    data["patch_test"] = patch_test(progress)
-    data["disc_alone"] = disc_alone(progress)
+    data: dict[str, Any] = {"patch_test": patch_test(progress), "disc_alone": disc_alone(progress)}
     data["disc_pad"], results = disc_pad(progress)
     data["time_saved"] = time_saved(progress)
-    return record("compare", data, inputs={}, seconds=perf_counter() - start), results
+    inputs = {"scenes": ["patch_test", "disc", "disc_pad"]}
+    return record("compare", data, inputs=inputs, seconds=perf_counter() - start), results
 
 
 def warm_up(progress: Progress) -> None:

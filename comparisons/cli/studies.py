@@ -104,7 +104,7 @@ def accuracy(
             names = [problem(name).name for name in problems or PROBLEMS]
             data = run_study(QUICK if quick else FULL, names, status.update)
         if finest:
-            data["still"] = run_no_flutter(status.update)
+            data["no_flutter"] = run_no_flutter(status.update)
             data["finest"] = run_finest(progress=status.update)
     typer.echo(f"The report to open: {page.write(data, out)}")
 

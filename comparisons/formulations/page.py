@@ -4,7 +4,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cea.errors import InputError
 from cea.petsc import MPI
 from comparisons.formulations import pairing_tables, words
 from comparisons.formulations.figures import draw_locking, draw_pairings, draw_patch_test_errors
@@ -19,11 +18,9 @@ from comparisons.formulations.tables import (
 )
 from comparisons.kit.page import Image, render
 from comparisons.kit.provenance import machine
+from comparisons.kit.records import RESULT, read_result
 from comparisons.kit.tables import Data, Table
-from scenes.stored import read_record, write_record
-
-RESULT = "result.json"
-"""Everything computed; the rest is drawn from it."""
+from scenes.stored import write_record
 
 TEMPLATE = Path(__file__).with_name("page.html")
 
@@ -43,11 +40,7 @@ def read_formulations(out: Path) -> dict[str, Any]:
     InputError
         When the folder holds none.
     """
-    file = out / RESULT
-    data = read_record(file) if file.is_file() else {}
-    if data.get("command") != COMMAND:
-        raise InputError("out", str(out), f"a folder with the {RESULT} of `cea {COMMAND}`")
-    return data
+    return read_result(out, COMMAND)
 
 
 def write_formulations(data: dict[str, Any], out: Path) -> Path:

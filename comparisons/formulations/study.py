@@ -1,7 +1,7 @@
 """Every contact formulation put to the test: what the page of formulations is made of."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from time import perf_counter
 from typing import Any
 
@@ -56,9 +56,8 @@ def run_formulations(
     Returns
     -------
     dict
-        Plain data for ``result.json``: ``command``, ``versions``, ``machine``; the parts
-        ``patch_tests``, ``locking``, ``paper`` and ``pairings``, each with its ``seconds``; and
-        ``seconds`` of all.
+        Record with the parts ``patch_tests``, ``locking``, ``paper`` and ``pairings``, each with
+        its ``seconds``.
     """
     parts: dict[str, tuple[str, Callable[[], dict[str, Any]]]] = {
         "patch_tests": (
@@ -79,4 +78,4 @@ def run_formulations(
         start = perf_counter()
         data[key] = run()
         data[key]["seconds"] = perf_counter() - start
-    return record(COMMAND, data, inputs={}, seconds=perf_counter() - begun)
+    return record(COMMAND, data, inputs=asdict(study), seconds=perf_counter() - begun)

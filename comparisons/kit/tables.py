@@ -81,6 +81,5 @@ class Table:
         writer = csv.writer(stream)
         writer.writerow(column.name for column in self.columns)
         writer.writerows(self.rows)
-        content = stream.getvalue().encode()
-        file = folder / (f"{self.name}.csv.gz" if self.compressed else f"{self.name}.csv")
-        return write_whole(content, file)
+        ending = ".csv.gz" if self.compressed else ".csv"
+        return write_whole(stream.getvalue().encode(), folder / f"{self.name}{ending}")

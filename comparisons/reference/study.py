@@ -6,11 +6,11 @@ their second ones is held to be right, and the change from one to the next says 
 nearer. The result is stored with the project (:func:`stored_reference`).
 """
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from math import floor, log10, pi, tau
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from scenes.results import ModesResult
 from scenes.run import run_modes
 from scenes.run_matching import match_runs
 from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
-from scenes.stored import record
+from scenes.stored import read_record, record
 from scenes.variants import on_backend, with_contact
 
 REFERENCE = Path(__file__).parent / "disc_pad_reference.json"
@@ -92,9 +92,11 @@ def compute_reference(
     Returns
     -------
     dict
-        ``modes``: frequency and growth rate of both backends, the digits they share, the change
-        from coarse to fine of each; ``runs``; ``alone``: modes one backend has for itself.
+        Record with ``modes``: frequency and growth rate of both backends, the digits they share,
+        the change from coarse to fine of each; ``runs``; ``alone``: modes one backend has for
+        itself.
     """
+    start = perf_counter()
     finest: dict[Backend, ModesResult] = {}
     changes: dict[Backend, dict[int, tuple[float, float]]] = {}
     runs = []
@@ -108,7 +110,6 @@ def compute_reference(
             runs.append(_run(results[-1], backend, grading, meshes))
         coarse, finest[backend] = results
         changes[backend] = _changes(coarse, finest[backend])
-    gradings = {b: [asdict(grading) for grading in pair] for b, pair in levels.items()}
     match = match_runs(finest["iga"], finest["fe"])
     data = {
         "modes": sorted((_mode(g, changes) for g in match.groups), key=lambda m: m["frequency"]),
@@ -118,14 +119,13 @@ def compute_reference(
         },
         "runs": runs,
     }
-    seconds = sum(run["seconds"] for run in runs)
-    return record("reference", data, inputs={"levels": gradings}, seconds=seconds)
+    inputs = {"levels": {b: [asdict(grading) for grading in pair] for b, pair in levels.items()}}
+    return record("reference", data, inputs=inputs, seconds=perf_counter() - start)
 
 
 def stored_reference() -> dict[str, Any]:
     """The reference that comes with the project."""
-    data: dict[str, Any] = json.loads(REFERENCE.read_text())
-    return data
+    return read_record(REFERENCE)
 
 
 def graded_scene(backend: Backend, grading: Grading) -> Scene:

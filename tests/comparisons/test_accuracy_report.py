@@ -220,7 +220,7 @@ def test_the_page_tells_of_finest_meshes_and_of_what_grew(data, tmp_path):
         finest | {"problem": "ring", "worst": None},
         finest | {"problem": "blocks"},
     ]
-    text = page.write(data | {"finest": runs, "still": [still, grown]}, tmp_path).read_text()
+    text = page.write(data | {"finest": runs, "no_flutter": [still, grown]}, tmp_path).read_text()
     assert (
         "**drum, NURBS 8, mortar** (p = 1): 10 eigenvalues, worst error 3.0 · 10⁻¹⁰, not within"
         in text

@@ -1,7 +1,6 @@
 """Figures of complex eigenvalue analysis: measures, false stiffness of lumping, claims, files."""
 
 import csv
-import json
 from dataclasses import replace
 from math import tau
 from types import SimpleNamespace
@@ -319,14 +318,16 @@ def test_verdict_on_lumped_spectra_follows_the_data(growth, hertz, verdict):
 
 
 def test_claims_are_written_with_every_mesh(tmp_path):
-    claim = Claim("name", "It is so", "3", "a number", (), lambda e, f: Judgement("holds", 2.0))
+    claim = Claim("name", "It is so", "3", "a number", ("7",), lambda e, f: Judgement("holds", 2.0))
     endless = replace(claim, decide=lambda e, f: Judgement("does not", np.inf))
     every = [judged(each, {"iga": {}, "fe": {}}) for each in (claim, endless)]
     assert "NURBS: holds, 2" in every[0].told()
-    table, file = write_claims(every, tmp_path, 1.5)
+    table, file = write_claims(every, tmp_path, seconds=1.5)
     rows = list(csv.DictReader(table.open()))
     assert [row["tetrahedra_verdict"] for row in rows] == ["holds", "does not"]
-    assert json.loads(file.read_text())["claims"][1]["hexahedra_value"] is None
+    stored = read_record(file)
+    assert (stored["command"], stored["inputs"]) == ("claims", {"figures": ["7"]})
+    assert stored["claims"][1]["hexahedra_value"] is None
 
 
 def test_every_claim_has_the_number_of_the_stored_data_on_every_mesh():

@@ -21,6 +21,9 @@ from scenes.stored import read_record, record, write_record
 STORED = Path(__file__).parents[1] / "results"
 """Data that come with the project."""
 
+COMMAND = "figure"
+"""Command that a record is marked with."""
+
 
 @dataclass(frozen=True)
 class MadeFigure:
@@ -82,15 +85,7 @@ def make_figure(
     if found is not None:
         file, data = found
     else:
-        start = perf_counter()
-        computed = {
-            "figure": figure.name,
-            "title": figure.title,
-            "backend": backend,
-            "fingerprint": mark,
-        } | figure.compute(backend, progress)
-        seconds = perf_counter() - start
-        data = record("figure", computed, inputs=figure.inputs(backend), seconds=seconds)
+        data = _computed(figure, backend, mark, progress)
         if comm.rank == 0:
             write_record(data, file)
     numbers = numbers_table(figure.numbers(data), stem, f"{figure.title}, {backend}")
@@ -102,6 +97,20 @@ def make_figure(
             table.write_csv(out)
         pictures = figure.draw(data, out / stem)
     return MadeFigure(numbers, figure.note(data), file, pictures, reused)
+
+
+def _computed(figure: PaperFigure, backend: Backend, mark: str, progress: Progress) -> Data:
+    """Record of a figure that was computed."""
+    start = perf_counter()
+    described = {
+        "figure": figure.name,
+        "title": figure.title,
+        "backend": backend,
+        "fingerprint": mark,
+    }
+    data = described | figure.compute(backend, progress)
+    seconds = perf_counter() - start
+    return record(COMMAND, data, inputs=figure.inputs(backend), seconds=seconds)
 
 
 def fingerprint(inputs: Data) -> str:
