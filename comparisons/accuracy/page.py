@@ -127,7 +127,8 @@ def _machine(data: Data) -> list[str]:
     return [
         "## As run",
         "",
-        f"{machine['system']} {machine['machine']}, {machine['cpus']} processors; {versions}. "
+        f"{machine['system']} {machine['machine']}, {machine['cpus']} processors; {versions}; "
+        f"commit {data['commit']}. "
         f"Study: {json.dumps(data['inputs']['study'])}. All numbers: `{RESULT}`, `runs.csv`, "
         "`uses.csv`, `pareto.csv`.",
     ]

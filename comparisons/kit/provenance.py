@@ -70,10 +70,11 @@ def parameters(runs: Iterable[Run]) -> Table:
 
 
 def machine(data: Data) -> Table:
-    """Machine and versions."""
+    """Machine, versions, and the commit of the program."""
     rows = [
         *((name, str(value)) for name, value in data["machine"].items()),
         *((name, value) for name, value in data["versions"].items()),
+        ("commit", data["commit"]),
     ]
     return Table("machine", "", (Column("name", "name"), Column("value", "value")), rows)
 

@@ -85,6 +85,7 @@ def test_tables_of_the_page_hold_the_numbers(page):
     assert ["gmsh", "none", "2 of 3"] in page.tables["skipped"]
     assert ["analysis.max_frequency", "15000 Hz"] in page.tables["parameters"]
     assert ["python", "3.12.0"] in page.tables["machine"]
+    assert ["commit", "0123456789abcdef"] in page.tables["machine"]
 
 
 def test_csv_files_agree_with_result_json(report):

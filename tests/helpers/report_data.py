@@ -95,6 +95,7 @@ def small_comparison():
     return {
         "command": "compare",
         "versions": {"python": "3.12.0"},
+        "commit": "0123456789abcdef",
         "machine": {"cpus": 2},
         "seconds": 12.5,
         "patch_test": {
