@@ -19,7 +19,7 @@ RUN = "run"
 
 def save_result(
     result: ModesResult | StaticResult,
-    file: Path,
+    file: str | Path,
     *,
     inputs: Mapping[str, Any] | None = None,
     data: Mapping[str, Any] | None = None,
@@ -37,15 +37,15 @@ def save_result(
     data
         More to be kept beside it.
     """
-    described = describe(result)
+    path, described = Path(file), describe(result)
     seconds = described.pop("seconds")
     if next(iter(result.bodies.values())).comm.rank == 0:
         inputs = {"scene": result.scene.name} if inputs is None else inputs
         described |= data or {}
         warnings = result.modes.warnings if isinstance(result, ModesResult) else ()
         told = [warning.plain() for warning in warnings]
-        write_record(record(RUN, described, inputs=inputs, seconds=seconds, warnings=told), file)
-    return file
+        write_record(record(RUN, described, inputs=inputs, seconds=seconds, warnings=told), path)
+    return path
 
 
 def describe(result: ModesResult | StaticResult) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import pyvista
 from blocks import two_blocks
 from motions import mode_displacement
 from scipy.linalg import eigvals
@@ -17,6 +18,7 @@ from scenes import (
     run_scene,
     run_static,
 )
+from scenes.paraview import write_paraview
 
 GPTS = {"method": "gpts", "points": 3}
 MU = "contacts.interface.mu"
@@ -154,23 +156,74 @@ def test_bodies_and_contact_points_of_another_scene_are_refused(result):
         run_scene(turned, bodies=bodies, interfaces=result.interfaces)
 
 
-def test_an_assembled_scene_builds_again_what_changed_alone(backend):
-    scene = scene_of(backend)
-    assembled = assemble(scene)
-    for mu in (0.0, 0.3):
-        found = assembled.modes(mu=mu)
-        assert found.interfaces is assembled.interfaces
-        expected = run_modes(scene.change(MU, mu)).eigenvalues
-        np.testing.assert_allclose(found.eigenvalues, expected, rtol=1e-9, atol=1e-9)
+PARAMETERS = [
+    {MU: 0.3},
+    {"contacts.interface.P": 7.0, MU: 0.1},
+    {"bodies.upper.material.E": 4.0, "bodies.lower.material.rho": 2.5},
+    {"analysis.max_frequency": 0.6},
+]
 
+
+@pytest.fixture(scope="module", params=["fe", "iga"])
+def assembled(request):
+    return assemble(scene_of(request.param, mu=0.0))
+
+
+@pytest.mark.parametrize("changes", [{}, *PARAMETERS])
+def test_a_sweep_assembles_nothing_and_finds_the_same(assembled, changes):
+    found, anew = assembled.modes(changes), run_modes(assembled.scene.change(changes))
+    assert found.scene == anew.scene
+    assert found.skipped == anew.skipped
+    assert found.system is assembled.modes().system
+    stages = ("meshing", "search")
+    assert [found.timer.seconds[stage] for stage in stages] == [0.0, 0.0]
+    np.testing.assert_allclose(found.eigenvalues, anew.eigenvalues, rtol=1e-9, atol=1e-9)
+    matrices, expected = found.matrices(), anew.matrices()
+    for name, matrix in matrices.items():
+        scale = abs(expected[name]).max() or 1.0
+        assert abs(matrix - expected[name]).max() <= 1e-13 * scale
+
+
+def test_pressures_of_a_sweep_are_those_of_its_stiffness(assembled, tmp_path):
+    result = assembled.modes({"contacts.interface.P": 7.0})
+    for name, each in (("sweep", result), ("anew", run_modes(result.scene))):
+        write_paraview(each, 1, tmp_path / name)
+    files = [next((tmp_path / name / "contacts").iterdir()) for name in ("sweep", "anew")]
+    found, expected = (abs(pyvista.read(f).point_data["pressure_real"]) for f in files)
+    np.testing.assert_allclose(found, expected, atol=1e-6 * expected.max())
+
+
+def test_an_assembled_scene_builds_again_what_changed(assembled):
     finer = assembled.modes({"contacts.interface.formulation.points": 4})
     assert finer.bodies is assembled.bodies
     assert len(finer.interfaces["interface"].points) > len(assembled.interfaces["interface"].points)
 
-    stiffer = assembled.modes({"bodies.upper.material.E": 4.0})
-    assert stiffer.frequencies[0] > assembled.modes().frequencies[0]
+    varying = assembled.modes(mu="0.3 + 0*x")
+    assert varying.interfaces is assembled.interfaces
+    constant = assembled.modes(mu=0.3)
+    assert constant.interfaces is varying.interfaces
+    np.testing.assert_allclose(varying.eigenvalues, constant.eigenvalues, rtol=1e-9, atol=1e-9)
+
+    other = assembled.modes({"bodies.upper.material.nu": 0.2})
+    assert other.bodies["upper"] is not assembled.bodies["upper"]
+
+
+def test_what_an_assembled_scene_cannot_be_is_refused(assembled):
     with pytest.raises(ValueError, match=r"contacts\.interface\.nu = 0\.3: no such field"):
         assembled.modes(nu=0.3)
+    with pytest.raises(InputError, match=r"analysis\.kind = 'static'"):
+        assembled.modes({"analysis": {"kind": "static"}})
+    with pytest.raises(InputError, match=r"analysis\.kind = 'static'"):
+        assemble(static_scene("iga"))
+
+
+def test_sensitivities_come_with_left_vectors(assembled):
+    mu, step = 0.4, 1e-4
+    slope = assembled.modes(mu=mu, left=True).modes.sensitivity(MU)
+    ends = [assembled.modes(mu=mu + sign * step).eigenvalues for sign in (1, -1)]
+    expected = (ends[0] - ends[1]) / (2 * step)
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(slope[:5], expected[:5], atol=1e-4 * scale)
 
 
 def test_a_mode_is_drawn():
