@@ -4,7 +4,7 @@ Each refuses with :class:`cea.errors.InputError` before work begins, naming fiel
 is allowed.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,6 @@ import numpy as np
 from cea.body import Floats
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.supports.boundary import Pressure, Spring, Support
 
 _FLAT = 1e-10
 """Smallest Jacobian of a cell, relative to its largest, that is not called inverted."""
@@ -23,32 +22,6 @@ def check_surface(name: str, known: Iterable[str], field: str) -> None:
     names = list(known)
     if name not in names:
         raise InputError(field, name, f"one of {', '.join(names) or 'none: no surface is named'}")
-
-
-def check_boundary(
-    supports: Sequence[Support],
-    springs: Sequence[Spring],
-    pressures: Sequence[Pressure],
-    surfaces: Iterable[str],
-    dim: int,
-    field: str,
-) -> None:
-    """Refuse supports, springs and pressures on unknown surfaces, or of another dimension."""
-    known = list(surfaces)
-    conditions: dict[str, Sequence[Support | Spring | Pressure]] = {
-        "supports": supports,
-        "springs": springs,
-        "pressures": pressures,
-    }
-    for kind, items in conditions.items():
-        for number, item in enumerate(items):
-            check_surface(item.surface, known, f"{field}.{kind}[{number}].surface")
-    for number, support in enumerate(supports):
-        support.check(dim, f"{field}.supports[{number}]")
-    for number, spring in enumerate(springs):
-        if len(spring.stiffness) != dim:
-            allowed = f"{dim} values (N/m^3), one for each component"
-            raise InputError(f"{field}.springs[{number}].stiffness", spring.stiffness, allowed)
 
 
 def check_density(material: IsotropicMaterial, field: str) -> float:

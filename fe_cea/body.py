@@ -9,13 +9,13 @@ from dolfinx.fem.petsc import assemble_matrix, assemble_vector
 from scipy.sparse import csr_array
 
 from cea.body import VolumeCells, VolumeSample
-from cea.checks import check_boundary, check_density, check_jacobians
+from cea.checks import check_density, check_jacobians
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import symmetrised
 from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
-from cea.supports.boundary import Pressure, Spring, Support
+from cea.supports.boundary import Pressure, Spring, Support, check_boundary
 from cea.supports.constraints import Constraints
 from fe_cea.cells import lagrange_cells
 from fe_cea.facets import gather_facets

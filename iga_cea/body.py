@@ -9,12 +9,12 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, kron, vstack
 
 from cea.body import Floats, VolumeCells, VolumeSample
-from cea.checks import check_boundary, check_density
+from cea.checks import check_density
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import destroy, symmetrised, total
 from cea.petsc import MPI, PETSc
-from cea.supports.boundary import Pressure, Spring, Support
+from cea.supports.boundary import Pressure, Spring, Support, check_boundary
 from cea.supports.constraints import Constraints
 from iga_cea import assembly
 from iga_cea.cells import bezier_cells

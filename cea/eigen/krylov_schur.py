@@ -26,6 +26,8 @@ _MARGIN = 1.05
 """Radius of the searched disc relative to half the window: room for growth at its upper end."""
 _NEARBY_STEPS = 3
 """Steps of refinement up to which factors of nearby parameters are worth keeping."""
+_INSIDE = 1 - 1e-9
+"""Part of the radius of a disc within which eigenvalues on its rim do not lie."""
 _LARGE_RESIDUAL = 1e-6
 """Relative residual above which a mode is warned of."""
 
@@ -136,7 +138,7 @@ class KrylovSchur:
             pairs = checked(matrices, factors, kappa, vectors, window.upper)
         left_vectors = None
         if left and reached >= radius:
-            left_vectors = self._left(matrices, factors, pairs, radius, timer)
+            left_vectors = self._left(matrices, factors, pairs, timer)
         modes = self._modes(matrices, values, pairs, left_vectors, window)
         if reached < radius:
             raise ConvergenceError(
@@ -168,7 +170,7 @@ class KrylovSchur:
         kappa
             Where (1/s^2); it is best not an eigenvalue.
         wanted
-            Number of eigenvalues.
+            Number of eigenvalues; a few more may come.
         changes
             Parameters of the pencil that differ from their own values.
         timer
@@ -247,16 +249,17 @@ class KrylovSchur:
         matrices: Matrices,
         factors: Shifted,
         pairs: Eigenpairs,
-        radius: float,
         timer: StageTimer,
     ) -> LeftVectors:
-        """Left vectors of eigenpairs that fill a disc."""
+        """Left vectors of eigenpairs that fill a disc: the transposed problem fills the same."""
         if matrices.symmetric:
             return LeftVectors(pairs.vectors, pairs.forces)
         search = Search(
             matrices, factors, self._tolerance, self._max_restarts, timer, transposed=True
         )
-        kappa, vectors, _ = search.disc(radius, len(pairs.kappa))
+        radius = _INSIDE * float(np.abs(pairs.kappa - factors.kappa).max(initial=0.0))
+        count = int(np.sum(pairs.kappa.real < factors.kappa + radius))
+        kappa, vectors, _ = search.disc(radius, count)
         with timer("post-processing"):
             y = biorthonormal(matrices.mass, pairs.kappa, pairs.vectors, kappa, vectors)
             g = np.empty((0, len(pairs.kappa)), dtype=complex)

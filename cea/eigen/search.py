@@ -55,7 +55,7 @@ class Search:
         self._timer = timer
 
     def nearest(self, wanted: int) -> tuple[Complexes, Complexes]:
-        """So many eigenvalues nearest to the shift, and their vectors.
+        """So many eigenvalues nearest to the shift, or a few more, and their vectors.
 
         Raises
         ------
@@ -100,7 +100,7 @@ class Search:
 
         for _ in range(_MAX_PASSES):
             missing = count - int(np.sum(kappa.real < self._shift + radius))
-            if missing <= 0 or reached < radius:
+            if missing <= 0 or reached < radius or len(kappa) >= size:
                 break
             others, beside = self._krylov(missing, 2 * missing, found=(kappa, vectors))
             if self._matrices.symmetric:

@@ -101,6 +101,7 @@ def flutter_threshold(
     ConvergenceError
         When the pair is lost on the way: the values are too far apart.
     """
+    driver.pencil.parameter(parameter)
     for name, value in (("real", real), ("flutter", flutter)):
         if not 0 <= value < np.inf:
             raise InputError(name, value, "zero or more")

@@ -1,10 +1,12 @@
 """Supports, springs and pressures on named surfaces of a body."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from cea.body import Floats
+from cea.checks import check_surface
 from cea.errors import InputError
 from cea.supports.frames import Cartesian, Frame
 
@@ -111,3 +113,29 @@ class Pressure:
     def __post_init__(self) -> None:
         if not np.isfinite(self.value):
             raise InputError("pressure.value", self.value, "a finite number (N/m^2)")
+
+
+def check_boundary(
+    supports: Sequence[Support],
+    springs: Sequence[Spring],
+    pressures: Sequence[Pressure],
+    surfaces: Iterable[str],
+    dim: int,
+    field: str,
+) -> None:
+    """Refuse supports, springs and pressures on unknown surfaces, or of another dimension."""
+    known = list(surfaces)
+    conditions: dict[str, Sequence[Support | Spring | Pressure]] = {
+        "supports": supports,
+        "springs": springs,
+        "pressures": pressures,
+    }
+    for kind, items in conditions.items():
+        for number, item in enumerate(items):
+            check_surface(item.surface, known, f"{field}.{kind}[{number}].surface")
+    for number, support in enumerate(supports):
+        support.check(dim, f"{field}.supports[{number}]")
+    for number, spring in enumerate(springs):
+        if len(spring.stiffness) != dim:
+            allowed = f"{dim} values (N/m^3), one for each component"
+            raise InputError(f"{field}.springs[{number}].stiffness", spring.stiffness, allowed)

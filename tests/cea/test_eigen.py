@@ -3,27 +3,21 @@
 import numpy as np
 import pytest
 import scipy.linalg
-from petsc4py import PETSc
+from petsc_matrices import to_petsc
 from scipy.sparse import csr_array, diags_array, eye_array, random_array
 
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
+from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError
 
 SIZE = 120
 
 
-def to_petsc(matrix):
-    matrix = csr_array(matrix)
-    return PETSc.Mat().createAIJ(
-        matrix.shape,
-        csr=(
-            matrix.indptr.astype(PETSc.IntType),
-            matrix.indices.astype(PETSc.IntType),
-            matrix.data,
-        ),
-    )
+def pencil(*matrices):
+    """Pencil of the stiffness, the mass and, with a third, friction."""
+    return Pencil.of(*(to_petsc(matrix) for matrix in matrices))
 
 
 @pytest.fixture
@@ -56,7 +50,7 @@ def assert_same_set(found, expected, tolerance):
 @pytest.mark.parametrize("max_frequency", [3.0, 12.0])
 def test_symmetric_window_is_complete(chain, max_frequency):
     stiffness, mass, _ = chain
-    modes = solve_modes(to_petsc(stiffness), to_petsc(mass), max_frequency=max_frequency)
+    modes = solve_modes(pencil(stiffness, mass), max_frequency=max_frequency)
     expected = dense_eigenvalues(stiffness, mass, max_frequency)
     assert_same_set(modes.eigenvalues, expected, 1e-10)
     assert modes.window.found_below == modes.window.symmetric_count
@@ -68,7 +62,8 @@ def test_symmetric_window_is_complete(chain, max_frequency):
 def test_unsymmetric_window_is_complete(chain, max_frequency):
     stiffness, mass, friction = chain
     modes = solve_modes(
-        to_petsc(stiffness), to_petsc(mass), to_petsc(friction), max_frequency=max_frequency
+        pencil(stiffness, mass, friction),
+        max_frequency=max_frequency,
     )
     expected = dense_eigenvalues(stiffness - friction, mass, max_frequency)
     assert np.sum(expected.real > 1e-6) > 0, "the case must flutter to test anything"
@@ -79,7 +74,7 @@ def test_unsymmetric_window_is_complete(chain, max_frequency):
 
 def test_modes_come_by_rising_frequency_with_true_vectors(chain):
     stiffness, mass, friction = chain
-    modes = solve_modes(to_petsc(stiffness), to_petsc(mass), to_petsc(friction), max_frequency=8.0)
+    modes = solve_modes(pencil(stiffness, mass, friction), max_frequency=8.0)
     assert (np.diff(modes.frequencies) >= 0).all()
     for i, value in enumerate(modes.eigenvalues):
         x = modes.vectors[:, i]
@@ -92,9 +87,7 @@ def test_condition_numbers_match_left_eigenvectors(chain):
     """With every mode in the window the subspace is the whole space and the estimate exact."""
     stiffness, mass, friction = (m[:30, :30].tocsr() for m in chain)
     friction = friction * 20
-    modes = solve_modes(
-        to_petsc(stiffness), to_petsc(mass), to_petsc(friction), max_frequency=100.0
-    )
+    modes = solve_modes(pencil(stiffness, mass, friction), max_frequency=100.0)
     assert len(modes.eigenvalues) == 30
     root = np.sqrt(mass.toarray())
     standard = np.linalg.solve(root, np.linalg.solve(root, (stiffness - friction).toarray()).T).T
@@ -109,21 +102,21 @@ def test_inertia_counts_eigenvalues(chain):
     stiffness, mass, _ = chain
     kappa = scipy.linalg.eigvalsh(stiffness.toarray(), mass.toarray())
     middle = 0.5 * (kappa[41] + kappa[42])
-    assert Pencil(to_petsc(stiffness), to_petsc(mass)).count_below(middle) == 42
+    assert count_below(pencil(stiffness, mass).at(), middle) == 42
 
 
 def test_rigid_modes_are_zero_and_counted():
     free = diags_array(
         [np.r_[1, 2 * np.ones(48), 1], -np.ones(49), -np.ones(49)], offsets=[0, 1, -1]
     )
-    modes = solve_modes(to_petsc(free * 2500.0), to_petsc(eye_array(50)), max_frequency=4.0)
+    modes = solve_modes(pencil(free * 2500.0, eye_array(50)), max_frequency=4.0)
     assert np.abs(modes.eigenvalues[0]) ** 2 < 1e-9 * np.abs(modes.eigenvalues[1]) ** 2
 
 
 def test_real_growth_is_found_as_divergence():
     """A negative stiffness: lambda^2 positive, no oscillation."""
-    stiffness = to_petsc(diags_array([-4.0, 9.0, 25.0, 400.0]))
-    modes = solve_modes(stiffness, to_petsc(eye_array(4)), max_frequency=2.0)
+    stiffness = diags_array([-4.0, 9.0, 25.0, 400.0])
+    modes = solve_modes(pencil(stiffness, eye_array(4)), max_frequency=2.0)
     assert modes.eigenvalues[0] == pytest.approx(2.0 + 0j)
     assert modes.unstable(1.0)[0]
 
@@ -132,9 +125,11 @@ def test_near_coalescence_is_not_called_unstable_by_round_off():
     """A defective pair splits by the square root of the rounding; its condition says so."""
     block = np.array([[4.0, 1.0, 0], [0, 4.0, 0], [0, 0, 9.0]])
     modes = solve_modes(
-        to_petsc(np.diag(np.diag(block))),
-        to_petsc(np.eye(3)),
-        to_petsc(np.diag(np.diag(block)) - block),
+        pencil(
+            np.diag(np.diag(block)),
+            np.eye(3),
+            np.diag(np.diag(block)) - block,
+        ),
         max_frequency=2.0,
     )
     assert modes.conditions.max() > 1e6
@@ -146,8 +141,8 @@ def test_every_copy_of_a_multiple_eigenvalue_is_found(copies):
     kappa = np.concatenate([np.full(copies, 4.0), np.full(2, 9.0), np.arange(10.0, 400.0)])
     rng = np.random.default_rng(5)
     turn = np.linalg.qr(rng.normal(size=(len(kappa), len(kappa))))[0]
-    stiffness = to_petsc(0.5 * (turn @ np.diag(kappa) @ turn.T + turn @ np.diag(kappa) @ turn.T).T)
-    modes = solve_modes(stiffness, to_petsc(eye_array(len(kappa))), max_frequency=1.0)
+    stiffness = 0.5 * (turn @ np.diag(kappa) @ turn.T + turn @ np.diag(kappa) @ turn.T).T
+    modes = solve_modes(pencil(stiffness, eye_array(len(kappa))), max_frequency=1.0)
     found = modes.eigenvalues.imag**2
     assert found == pytest.approx(kappa[kappa <= (2 * np.pi) ** 2])
     overlaps = modes.vectors.conj().T @ modes.vectors
@@ -161,10 +156,10 @@ def test_every_copy_of_a_flutter_pair_is_found(copies):
     matrix = scipy.linalg.block_diag(*flutter, np.diag(np.arange(50.0, 400.0)))
     rng = np.random.default_rng(5)
     turn = np.linalg.qr(rng.normal(size=matrix.shape))[0]
-    symmetric = to_petsc(turn @ np.diag(np.diag(matrix)) @ turn.T)
-    friction = to_petsc(turn @ (np.diag(np.diag(matrix)) - matrix) @ turn.T)
-    mass = to_petsc(eye_array(len(matrix)))
-    modes = solve_modes(symmetric, mass, friction, max_frequency=1.0)
+    symmetric = turn @ np.diag(np.diag(matrix)) @ turn.T
+    friction = turn @ (np.diag(np.diag(matrix)) - matrix) @ turn.T
+    mass = eye_array(len(matrix))
+    modes = solve_modes(pencil(symmetric, mass, friction), max_frequency=1.0)
     expected = np.linalg.eigvals(flutter[0])
     assert len(modes.eigenvalues) == 2 * copies
     kappa = -(modes.eigenvalues**2)
@@ -174,11 +169,12 @@ def test_every_copy_of_a_flutter_pair_is_found(copies):
 
 def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones(chain):
     """The inertia counts one more than there is; a search beside those found finds no other."""
-    stiffness = to_petsc(np.diag(np.r_[np.arange(1.0, 30.0), 40.0, np.arange(60.0, 400.0)]))
+    stiffness = np.diag(np.r_[np.arange(1.0, 30.0), 40.0, np.arange(60.0, 400.0)])
     coupling = np.zeros((370, 370))
     coupling[29, 30], coupling[30, 29] = 30.0, -30.0
     modes = solve_modes(
-        stiffness, to_petsc(eye_array(370)), to_petsc(coupling), max_frequency=6.6 / (2 * np.pi)
+        pencil(stiffness, eye_array(370), coupling),
+        max_frequency=6.6 / (2 * np.pi),
     )
     assert modes.window.symmetric_count == 30
     assert modes.window.found_below == 29
@@ -188,16 +184,14 @@ def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones(chain):
 def test_window_must_be_positive(chain):
     stiffness, mass, _ = chain
     with pytest.raises(InputError, match="max_frequency = 0"):
-        solve_modes(to_petsc(stiffness), to_petsc(mass), max_frequency=0)
+        solve_modes(pencil(stiffness, mass), max_frequency=0)
 
 
 def test_failed_convergence_carries_the_best_answer(chain):
     stiffness, mass, friction = chain
     with pytest.raises(ConvergenceError) as caught:
         solve_modes(
-            to_petsc(stiffness),
-            to_petsc(mass),
-            to_petsc(friction),
+            pencil(stiffness, mass, friction),
             max_frequency=2.0,
             tolerance=1e-300,
             max_restarts=3,

@@ -28,7 +28,7 @@ def test_lumped_matrices_are_sums_over_columns_of_a_loop(backend, placement):
     contact = assemble(two_blocks(backend, LUMPED, placement, mu=MU, P=P)).contacts[0]
     interface = contact.interface
     normal, p = interface.points.normal, P / 0.3
-    k = contact.law.direction.at(interface.points.x, normal)
+    k = contact.half.friction.direction.at(interface.points.x, normal)
     traces = [interface.trace_a.toarray(), interface.trace_b.toarray()]
     sizes = [t.shape[1] for t in traces]
     for matrix, left, factor in ((contact.stiffness, normal, 1.0), (contact.friction, k, MU)):
@@ -108,9 +108,10 @@ def test_a_full_pass_is_the_mean_of_its_halves(backend):
     contact |= {"a": contact["b"], "b": contact["a"], "max_missed": 0.99}
     contact["friction_direction_on_a"] = {"vector": [-1.0, -0.5, 0.0]}
     backward = assemble(data)
-    for part in ("symmetric_stiffness", "friction"):
-        mean = 0.5 * (dense(getattr(forward, part)()) + dense(getattr(backward, part)()))
-        found = dense(getattr(both, part)())
+    every = [system.pencil().at() for system in (forward, backward, both)]
+    for part in ("stiffness", "unsymmetric"):
+        *halves, found = (dense(getattr(matrices, part)) for matrices in every)
+        mean = 0.5 * sum(halves)
         assert np.abs(found - mean).max() <= 1e-13 * np.abs(mean).max()
 
 
@@ -160,13 +161,7 @@ def whole_bar(backend):
 
 def frequencies(data):
     system = assemble(data)
-    return solve_modes(
-        system.symmetric_stiffness(),
-        system.mass,
-        None,
-        max_frequency=0.7,
-        multipliers=system.multipliers(),
-    ).frequencies
+    return solve_modes(system.pencil(), 0.7).frequencies
 
 
 @pytest.mark.parametrize("sides", [("fe", "fe"), ("iga", "iga"), ("fe", "iga"), ("iga", "fe")])

@@ -8,7 +8,7 @@ from blocks import assemble, two_blocks
 from motions import dense
 
 from cea.eigen.krylov_schur import solve_modes
-from cea.eigen.pencil import Pencil
+from cea.eigen.shifted import count_below
 from cea.errors import InputError
 from scenes.read import SceneError, load_scene
 from scenes.run import run_scene
@@ -18,13 +18,7 @@ MAX_FREQUENCY = 1.0
 
 def modes_of(data):
     system = assemble(data)
-    return solve_modes(
-        system.symmetric_stiffness(),
-        system.mass,
-        system.friction(),
-        max_frequency=MAX_FREQUENCY,
-        multipliers=system.multipliers(),
-    )
+    return solve_modes(system.pencil(), MAX_FREQUENCY)
 
 
 def with_form(data, form, **changes):
@@ -45,11 +39,12 @@ def test_the_eigenvalues_are_those_of_the_penalty_form(backend, formulation, mu)
 
 def test_multipliers_eliminated_give_the_penalty_matrices(backend, formulation):
     penalty = assemble(with_form(two_blocks(backend, formulation), "penalty"))
-    multipliers = assemble(with_form(two_blocks(backend, formulation), "saddle")).multipliers()
+    saddle = assemble(with_form(two_blocks(backend, formulation), "saddle"))
+    multipliers = saddle.pencil().at().multipliers
     closure, reaction = (dense(m) for m in (multipliers.closure, multipliers.reaction))
     stiffness = reaction.T @ (closure / multipliers.compliance.array[:, None])
-    expected = dense(penalty.symmetric_stiffness()) - dense(penalty.stiffness)
-    expected -= dense(penalty.friction())
+    matrices = penalty.pencil().at()
+    expected = dense(matrices.operator()) - dense(penalty.stiffness)
     assert stiffness == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
 
 
@@ -69,13 +64,10 @@ def test_infinite_stiffness_is_the_limit_of_finite_ones(backend):
 
 def test_inertia_counts_modes_beside_multipliers(backend):
     data = with_form(two_blocks(backend, {"method": "mortar"}, mu=0.0, held=True), "saddle")
-    system = assemble(data)
-    pencil = Pencil(
-        system.symmetric_stiffness(), system.mass, None, multipliers=system.multipliers()
-    )
+    matrices = assemble(data).pencil().at()
     found = modes_of(data).eigenvalues.imag ** 2
     middle = 0.5 * (found[3] + found[4])
-    assert pencil.count_below(middle) == 4
+    assert count_below(matrices, middle) == 4
 
 
 @pytest.mark.parametrize("P", ["1e2", "1e6", "1e14", "1e20", "inf"])
@@ -123,4 +115,4 @@ def test_what_has_no_such_form_is_refused(overrides, field):
 def test_pressure_of_gaps_is_refused_where_forces_are_unknowns(backend):
     system = assemble(with_form(two_blocks(backend, {"method": "mortar"}), "saddle"))
     with pytest.raises(InputError, match="penalty"):
-        system.contacts[0].pressure(system.stiffness.createVecRight())
+        system.contacts[0].pressure(system.vector())

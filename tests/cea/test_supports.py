@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 from scipy.special import jv, jvp, yv, yvp
 
 from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
@@ -70,7 +71,7 @@ def on(names, component="normal", **frame):
 
 def eigenvalues(body, max_frequency):
     """Squares of the angular frequencies."""
-    modes = solve_modes(body.stiffness(), body.mass(), max_frequency=max_frequency)
+    modes = solve_modes(Pencil.of(body.stiffness(), body.mass()), max_frequency)
     return modes.eigenvalues.imag**2
 
 
@@ -352,7 +353,7 @@ def test_ring_under_pressure_is_lame_s(backend, geometry, turned):
         backend, geometry, PLANE + on(turned, "circumferential", **ABOUT_Z),
         [4, 24 if geometry is RING else 6, 1], degree=3, pressures=[("inner", p)],
     )  # fmt: skip
-    x = solve_static(part.stiffness(), part.load())
+    x = solve_static(Pencil.of(part.stiffness()), part.load())
     full = part.expansion.createVecLeft()
     part.expansion.mult(x, full)
     sample = part.volume_sample(2)

@@ -4,29 +4,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from petsc4py import PETSc
+from petsc_matrices import to_petsc
 from reference_data import plane_meshes, stored
 
-from cea.eigen.thresholds import FrictionFamily, flutter_threshold
+from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.pencil import FRICTION, Pencil
+from cea.eigen.thresholds import flutter_threshold
 from cea.errors import ConvergenceError, InputError
-from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system
 from scenes.read import load_scene
 
+MU = "contacts.interface.mu"
+TOP = 2.5 / (2 * np.pi)
 MESHES = {
     "fe": lambda n: {"upper": [8 * n, 2 * n], "lower": [5 * n, 3 * n]},
     "iga": lambda n: {"upper": [10 * n, 2 * n], "lower": [7 * n, 3 * n]},
 }
-
-
-def aij(array):
-    n = len(array)
-    matrix = PETSc.Mat().createAIJ((n, n), comm=PETSc.COMM_SELF)
-    matrix.setUp()
-    matrix.setValues(range(n), range(n), np.asarray(array, dtype=float))
-    matrix.assemble()
-    return matrix
 
 
 def lumped(coupling, others=12):
@@ -39,12 +33,14 @@ def lumped(coupling, others=12):
     friction[0, 1], friction[1, 0] = -coupling, coupling
     mass = np.diag(np.linspace(1, 2, n))
     root = np.sqrt(mass)
-    return FrictionFamily(
-        aij(root @ stiffness @ root), aij(mass), aij(root @ friction @ root), 2.5 / (2 * np.pi)
+    return KrylovSchur(
+        Pencil.of(
+            to_petsc(root @ stiffness @ root), to_petsc(mass), to_petsc(root @ friction @ root)
+        )
     )
 
 
-def blocks(backend, degree, n, p, max_frequency=0.62):
+def blocks(backend, degree, n, p):
     """The blocks with friction sin(pi x / 2), to be multiplied by mu0."""
     overrides = [
         "contacts.interface.mu='sin(pi*x/2)'",
@@ -54,7 +50,7 @@ def blocks(backend, degree, n, p, max_frequency=0.62):
     scene, timer = load_scene(Path("blocks"), overrides, backend), StageTimer()
     bodies = build_bodies(scene, timer)
     interfaces = build_interfaces(scene, bodies, timer)
-    return FrictionFamily.of(build_system(scene, bodies, interfaces, timer), max_frequency)
+    return KrylovSchur(build_system(scene, bodies, interfaces, timer).pencil())
 
 
 def exact_points():
@@ -65,63 +61,84 @@ def exact_points():
     ]
 
 
-def found_at(family, mu_c, omega, spread=0.05):
+def found_at(driver, mu_c, omega, top, spread=0.05):
     return flutter_threshold(
-        family, (1 - spread) * mu_c, (1 + spread) * mu_c, frequency=omega / (2 * np.pi)
+        driver,
+        MU,
+        (1 - spread) * mu_c,
+        (1 + spread) * mu_c,
+        max_frequency=top,
+        frequency=omega / (2 * np.pi),
     )
 
 
 @pytest.mark.parametrize("coupling", [0.3, 2.0])
 def test_two_coupled_masses_to_round_off(coupling):
-    threshold = flutter_threshold(lumped(coupling), 0.0, 0.9 / coupling)
-    assert threshold.factor == pytest.approx(0.5 / coupling, rel=1e-12)
+    driver = lumped(coupling)
+    threshold = flutter_threshold(driver, FRICTION, 0.0, 0.9 / coupling, max_frequency=TOP)
+    assert threshold.value == pytest.approx(0.5 / coupling, rel=1e-12)
     # The mean of the pair keeps its digits where each member loses half of them.
     assert threshold.eigenvalue == pytest.approx(1j * np.sqrt(1.5), rel=1e-12)
     assert threshold.solves < 20
+    assert threshold.factorisations < threshold.solves  # those of neighbours serve again
+    assert threshold.parameter == FRICTION
 
 
 def test_flutter_that_ends_as_friction_rises():
     """Two contacts that work against each other: S - F - s (-F) comes to rest at s = 0.5."""
-    family = lumped(1.0)
-    stiffness, friction = family.stiffness.copy(), family.friction.copy()
-    stiffness.axpy(-1.0, family.friction)
+    stiffness, mass, friction = (term.matrix.copy() for term in lumped(1.0).pencil.terms)
+    stiffness.axpy(-1.0, friction)
     friction.scale(-1.0)
-    opposed = FrictionFamily(stiffness, family.mass, friction, family.max_frequency)
-    threshold = flutter_threshold(opposed, real=0.9, flutter=0.1)
-    assert threshold.factor == pytest.approx(0.5, rel=1e-12)
+    opposed = KrylovSchur(Pencil.of(stiffness, mass, friction))
+    threshold = flutter_threshold(opposed, FRICTION, real=0.9, flutter=0.1, max_frequency=TOP)
+    assert threshold.value == pytest.approx(0.5, rel=1e-12)
 
 
 @pytest.mark.parametrize(
     ("real", "flutter", "field"), [(0.0, 0.2, "flutter"), (0.9, 0.8, "real"), (-0.1, 0.8, "real")]
 )
-def test_factors_that_do_not_enclose_a_threshold_are_refused(real, flutter, field):
+def test_values_that_do_not_enclose_a_threshold_are_refused(real, flutter, field):
     with pytest.raises(InputError) as refused:
-        flutter_threshold(lumped(1.0), real, flutter)
+        flutter_threshold(lumped(1.0), FRICTION, real, flutter, max_frequency=TOP)
     assert refused.value.field == field
 
 
-def test_a_pair_that_leaves_the_window_is_told():
-    family = lumped(1.0)
+def test_a_parameter_that_is_not_there_is_refused():
+    with pytest.raises(InputError, match="one of friction"):
+        flutter_threshold(lumped(1.0), MU, 0.0, 0.9, max_frequency=TOP)
+
+
+def test_a_pair_that_no_two_modes_continue_is_told():
+    """Between the values every eigenvector turns: nothing is left of the pair."""
+    n = 60
+    turn = np.linalg.qr(np.random.default_rng(4).normal(size=(n, n)))[0]
+    stiffness = np.diag(np.linspace(1, 5, n))
+    flutter = stiffness.copy()
+    flutter[0, 1], flutter[1, 0] = 0.4, -0.4
+    friction = stiffness - turn @ flutter @ turn.T
+    driver = KrylovSchur(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(n), friction))))
     with pytest.raises(ConvergenceError, match="lost"):
-        flutter_threshold(
-            FrictionFamily(family.stiffness, family.mass, family.friction, 1.3 / (2 * np.pi)),
-            0.0,
-            0.6,
-        )
+        flutter_threshold(driver, FRICTION, 0.0, 1.0, max_frequency=TOP)
 
 
-def test_without_friction_there_is_no_family():
-    nothing = CoupledSystem({}, aij(np.eye(2)), aij(np.eye(2)), None, (), {})
-    with pytest.raises(InputError, match="mu"):
-        FrictionFamily.of(nothing, 1.0)
+def test_a_pair_is_followed_beyond_the_modes_it_was_chosen_among():
+    """Without friction the second mode lies above the window in which the pair was chosen."""
+    threshold = flutter_threshold(lumped(1.0), FRICTION, 0.0, 0.6, max_frequency=1.3 / (2 * np.pi))
+    assert threshold.value == pytest.approx(0.5, rel=1e-12)
+
+
+def test_without_friction_nothing_flutters():
+    pencil = Pencil.of(to_petsc(np.eye(2)), to_petsc(np.eye(2)))
+    with pytest.raises(InputError, match="friction"):
+        flutter_threshold(KrylovSchur(pencil), FRICTION, 0.0, 1.0, max_frequency=TOP)
 
 
 @pytest.mark.parametrize(("backend", "degree", "n"), [("fe", 4, 1), ("iga", 4, 2)])
 @pytest.mark.parametrize("i", [0, 3])
 def test_first_thresholds_of_the_blocks_on_coarse_meshes(backend, degree, n, i):
     p, mu_c, omega = exact_points()[i]
-    threshold = found_at(blocks(backend, degree, n, p, 0.53), mu_c, omega)
-    assert threshold.factor == pytest.approx(mu_c, abs=1e-4)
+    threshold = found_at(blocks(backend, degree, n, p), mu_c, omega, 0.53)
+    assert threshold.value == pytest.approx(mu_c, abs=1e-4)
     assert threshold.eigenvalue == pytest.approx(1j * omega, rel=1e-5)
 
 
@@ -129,21 +146,22 @@ def test_first_thresholds_of_the_blocks_on_coarse_meshes(backend, degree, n, i):
 @pytest.mark.parametrize(("backend", "degree", "n"), [("fe", 4, 3), ("iga", 4, 4)])
 @pytest.mark.parametrize("p", ["1", "10"])
 def test_every_threshold_of_the_blocks_to_six_digits(backend, degree, n, p):
-    family = blocks(backend, degree, n, p)
+    driver = blocks(backend, degree, n, p)
     for stiffness, mu_c, omega in exact_points():
         if stiffness == p:
-            threshold = found_at(family, mu_c, omega, spread=0.02)
-            assert threshold.factor == pytest.approx(mu_c, abs=1e-6)
+            threshold = found_at(driver, mu_c, omega, 0.62, spread=0.02)
+            assert threshold.value == pytest.approx(mu_c, abs=1e-6)
             assert threshold.eigenvalue == pytest.approx(1j * omega, rel=1e-7)
 
 
+@pytest.mark.convergence
 @pytest.mark.parametrize("backend", ["fe", "iga"])
 def test_at_the_threshold_the_mean_keeps_twice_the_order_of_its_members(backend):
     """Quadratic elements: the mean converges like h^4, the members part from it like h^2."""
     p, mu_c, omega = exact_points()[0]
     refinements, errors = (3, 4, 6), []
     for n in refinements:
-        values = blocks(backend, 2, n, p, 0.53).modes(mu_c).eigenvalues
+        values = blocks(backend, 2, n, p).solve(0.53, {MU: mu_c}).eigenvalues
         pair = values[np.argsort(np.abs(values - 1j * omega))[:2]]
         mean = 1j * np.sqrt(-(pair**2).mean())
         errors.append([abs(pair[0] - pair[1]) / 2, abs(mean - 1j * omega)])

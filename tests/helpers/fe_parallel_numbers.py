@@ -7,13 +7,15 @@ from mpi4py import MPI
 
 from cea.contact.friction import AlongVector
 from cea.contact.interface import pair
-from cea.contact.operators import ContactLaw
+from cea.contact.laws import Friction, LinearLaw
+from cea.contact.operators import HalfPass
 from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.material import IsotropicMaterial
 from cea.matrices import gather
 from cea.supports.boundary import Pressure, Spring, Support
-from cea.system.coupled import HalfPass, couple
+from cea.system.coupled import couple
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
 from meshes.gmsh_shapes import gmsh_mesh
@@ -52,8 +54,8 @@ def numbers(cell):
         springs=[Spring(held, (1.0, 2.0, 3.0)[:dim])],
         pressures=[Pressure(pressed, 0.3)],
     )
-    modes = solve_modes(body.stiffness(), body.mass(), max_frequency=top)
-    x = solve_static(body.stiffness(), body.load())
+    modes = solve_modes(Pencil.of(body.stiffness(), body.mass()), top)
+    x = solve_static(Pencil.of(body.stiffness()), body.load())
     full = body.expansion.createVecLeft()
     body.expansion.mult(x, full)
     sample = body.volume_sample(2)
@@ -86,11 +88,10 @@ def contact():
             )
     a, b = bodies["a"].surfaces["y_min"], bodies["b"].surfaces["y_max"]
     interface = pair(a, b, a.gauss_points(3))
-    law = ContactLaw(50.0, 0.4, AlongVector((1.0, 0.0)))
-    system = couple(bodies, {"c": HalfPass("a", "b", interface, law)})
-    modes = solve_modes(
-        system.symmetric_stiffness(), system.mass, system.friction(), max_frequency=0.3
-    )
+    friction = Friction(0.4, AlongVector((1.0, 0.0)))
+    half = HalfPass("a", "b", interface, LinearLaw(50.0), friction)
+    system = couple(bodies, {"c": half})
+    modes = solve_modes(system.pencil(), 0.3)
     return {"frequencies": sorted(modes.frequencies.tolist())}
 
 

@@ -8,6 +8,7 @@ from iga_data import STEEL, TURNED, body, turned
 from mpi4py import MPI
 
 from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.matrices import gather
 from cea.supports.boundary import Pressure, Spring, Support
@@ -53,8 +54,8 @@ def asymmetry(matrix):
 def numbers(name):
     """Frequencies, norms, work of the load, traces and samples of one body."""
     part, top = cases(name)
-    modes = solve_modes(part.stiffness(), part.mass(), max_frequency=top)
-    x = solve_static(part.stiffness(), part.load())
+    modes = solve_modes(Pencil.of(part.stiffness(), part.mass()), top)
+    x = solve_static(Pencil.of(part.stiffness()), part.load())
     full = part.expansion.createVecLeft()
     part.expansion.mult(x, full)
     u = gather(full).reshape(-1, part.dim)

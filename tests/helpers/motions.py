@@ -5,7 +5,7 @@ import numpy as np
 
 def unknowns(system, motions):
     """Unknowns of free bodies that move as given: displacement functions of position by body."""
-    x = system.stiffness.createVecRight()
+    x = system.vector()
     for name, motion in motions.items():
         part = x.getSubVector(system.index_sets[name])
         part.array[:] = motion(control_points(system.bodies[name])).ravel()

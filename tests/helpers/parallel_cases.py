@@ -183,7 +183,7 @@ def facts(scene):
         "asymmetry": [
             asymmetry(matrix)
             for matrix in (
-                system.symmetric_stiffness(),
+                system.pencil().at().stiffness,
                 *(body.stiffness() for body in system.bodies.values()),
                 *(contact.stiffness for contact in system.contacts),
                 *([] if system.mass is None else [system.mass]),

@@ -14,7 +14,7 @@ from scenes.read import SceneError, load_scene
 def law_and_points(scene):
     bodies = build_bodies(scene, StageTimer())
     interfaces = build_interfaces(scene, bodies, StageTimer())
-    law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0].law
+    law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0].half
     return law, interfaces["interface"].points.x
 
 
@@ -29,8 +29,8 @@ def test_rounding_where_friction_vanishes_is_not_negative_friction(backend):
     """At x = 2 the sine is -2e-16."""
     law, x = law_and_points(blocks(backend, mu="0.3*sin(pi*x/2)"))
     assert x[:, 0].max() == pytest.approx(2)
-    assert law.mu == pytest.approx(0.3 * np.sin(np.pi * x[:, 0] / 2), abs=1e-15)
-    assert law.mu.min() == 0
+    assert law.friction.mu == pytest.approx(0.3 * np.sin(np.pi * x[:, 0] / 2), abs=1e-15)
+    assert law.friction.mu.min() == 0
 
 
 def test_stiffness_follows_its_expression(backend):
@@ -47,9 +47,9 @@ def test_a_direction_by_expressions_is_the_circumferential_one():
         scene = load_scene(Path("disc_pad"), [f"{name}={direction}", *coarse], "fe")
         bodies = build_bodies(scene, StageTimer())
         interfaces = build_interfaces(scene, bodies, StageTimer())
-        law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0].law
+        law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0].half
         points = interfaces["pad_disc"].points
-        both.append(law.direction.at(points.x, points.normal))
+        both.append(law.friction.direction.at(points.x, points.normal))
     assert both[1] == pytest.approx(both[0], abs=1e-14)
     assert np.ptp(both[0][:, 0]) > 0.3
 

@@ -1,0 +1,147 @@
+"""The parametric pencil: the matrices of a changed scene without assembling it again."""
+
+import numpy as np
+import pytest
+from blocks import assemble, two_blocks
+from petsc_matrices import to_numpy, to_petsc
+
+from cea.eigen.parameters import Coefficient, Monomial, Parameter
+from cea.eigen.pencil import FRICTION, Pencil, Term
+from cea.errors import InputError
+
+GPTS = {"method": "gpts", "points": 3}
+
+
+def scene(backend, *, form="penalty", full_pass=False, E=2.0, rho=1.5, P=3.0, mu=0.4, springs=()):
+    data = two_blocks(backend, GPTS, mu=mu, P=P, held=True)
+    data["contacts"]["interface"] |= {"form": form, "full_pass": full_pass}
+    data["bodies"]["upper"]["material"] |= {"E": E, "rho": rho}
+    data["bodies"]["upper"]["springs"] = list(springs)
+    return assemble(data)
+
+
+CHANGES = [
+    ({"E": 5.0}, "bodies.upper.material.E"),
+    ({"rho": 0.7}, "bodies.upper.material.rho"),
+    ({"P": 40.0}, "contacts.interface.P"),
+    ({"mu": 0.9}, "contacts.interface.mu"),
+]
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize("full_pass", [False, True])
+@pytest.mark.parametrize(("change", "name"), CHANGES, ids=[name for _, name in CHANGES])
+def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(
+    backend, form, full_pass, change, name
+):
+    spring = {"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}
+    options = {"form": form, "full_pass": full_pass, "springs": [spring]}
+    changed = scene(backend, **options).pencil().at({name: next(iter(change.values()))})
+    assembled = scene(backend, **options, **change).pencil().at()
+    for part in ("stiffness", "unsymmetric", "mass"):
+        ours, theirs = getattr(changed, part), getattr(assembled, part)
+        if form == "saddle" and part == "unsymmetric":
+            assert ours is theirs is None
+            continue
+        expected = to_numpy(theirs)
+        assert np.abs(to_numpy(ours) - expected).max() <= 1e-13 * np.abs(expected).max()
+    if form == "saddle":
+        ours, theirs = (eliminated(m.multipliers) for m in (changed, assembled))
+        assert np.abs(ours - theirs).max() <= 1e-11 * np.abs(theirs).max()
+
+
+def eliminated(multipliers):
+    """L^T C^-1 J: what the forces are once eliminated."""
+    closure, reaction = to_numpy(multipliers.closure), to_numpy(multipliers.reaction)
+    return reaction.T @ (closure / multipliers.compliance.array[:, None])
+
+
+def test_at_its_own_parameters_nothing_is_rounded(backend):
+    system = scene(backend)
+    matrices = system.pencil().at()
+    contact = system.contacts[0]
+    whole = to_numpy(system.stiffness) + to_numpy(contact.stiffness)
+    assert (to_numpy(matrices.stiffness) == whole).all()
+    assert (to_numpy(matrices.unsymmetric) == -to_numpy(contact.friction)).all()
+
+
+def test_two_contacts_have_their_own_friction(backend):
+    data = two_blocks(backend, GPTS, mu=0.4)
+    first = data["contacts"]["interface"]
+    data["contacts"]["again"] = first | {"mu": 0.2, "P": 7.0}
+    pencil = assemble(data).pencil()
+    one, both = (
+        to_numpy(pencil.at(changes).unsymmetric)
+        for changes in ({"contacts.again.mu": 0.0}, {"contacts.again.mu": 0.8})
+    )
+    # Equal points: the second adds 7/3 * 0.8/0.4 of what the first is.
+    assert both == pytest.approx(one * (1 + 7 / 3 * 2), rel=1e-12, abs=1e-15)
+
+
+def test_friction_of_zero_is_a_symmetric_problem(backend):
+    pencil = scene(backend).pencil()
+    assert not pencil.at().symmetric
+    assert pencil.at({"contacts.interface.mu": 0.0}).symmetric
+
+
+def test_friction_that_varies_is_changed_by_a_factor(backend):
+    data = two_blocks(backend, GPTS)
+    data["contacts"]["interface"]["mu"] = "0.3 + 0.1*x"
+    system = assemble(data)
+    parameter = system.pencil().parameter("contacts.interface.mu")
+    assert parameter.value == 1.0
+    twice = system.pencil().at({"contacts.interface.mu": 2.0}).unsymmetric
+    assert to_numpy(twice) == pytest.approx(-2 * to_numpy(system.contacts[0].friction), rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"contacts.interface.nu": 0.1}, "contacts.interface.mu"),
+        ({"contacts.interface.mu": -0.1}, "zero or positive"),
+        ({"contacts.interface.mu": float("nan")}, "zero or positive"),
+        ({"contacts.interface.P": 0.0}, "positive"),
+        ({"contacts.interface.P": float("inf")}, "finite"),
+        ({"bodies.upper.material.E": float("inf")}, "finite"),
+    ],
+)
+def test_parameters_that_cannot_be_are_refused(changes, told):
+    pencil = scene("iga").pencil()
+    with pytest.raises(InputError, match=told):
+        pencil.at(changes)
+
+
+def test_infinite_stiffness_is_a_value_in_the_saddle_form():
+    multipliers = scene("iga", form="saddle").pencil().at({"contacts.interface.P": np.inf})
+    assert not multipliers.multipliers.compliance.array.any()
+
+
+def test_a_coefficient_must_name_parameters_that_are_there():
+    with pytest.raises(InputError, match="Omega"):
+        Pencil([Term("stiffness", to_petsc(np.eye(2)), Coefficient.of({"Omega": (1.0, 2.0)}))])
+
+
+def test_given_matrices_have_one_parameter():
+    stiffness, friction = np.diag([2.0, 3.0]), np.array([[0.0, 1.0], [-1.0, 0.0]])
+    pencil = Pencil.of(to_petsc(stiffness), to_petsc(np.eye(2)), to_petsc(friction))
+    operator = to_numpy(pencil.at({FRICTION: 0.5}).operator(1.0))
+    assert (operator == stiffness - 0.5 * friction - np.eye(2)).all()
+
+
+def test_slopes_of_coefficients_are_their_derivatives():
+    rng = np.random.default_rng(3)
+    coefficient = Coefficient(
+        (Monomial(2.0, {"a": (0.7, 2.0), "b": (1.3, -1.0)}), Monomial(-0.5, {"b": (2.0, 3.0)}))
+    )
+    values = dict(zip("ab", rng.uniform(0.5, 2.0, 2), strict=True))
+    for name in "ab":
+        step = 1e-6
+        ends = [coefficient.at(values | {name: values[name] + s * step}) for s in (-1, 1)]
+        slope = (ends[1] - ends[0]) / (2 * step)
+        assert coefficient.derivative(name, values) == pytest.approx(slope, rel=1e-8)
+    assert coefficient.derivative("c", values) == 0
+
+
+def test_a_parameter_says_its_unit_when_it_refuses():
+    with pytest.raises(InputError, match=r"N/m\^2"):
+        Parameter("E", 1.0, "N/m^2", positive=True).check(0.0)

@@ -1,0 +1,242 @@
+"""Derivatives of eigenvalues against finite differences, and the left vectors they rest on."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.linalg
+from blocks import assemble, two_blocks
+from petsc_matrices import to_numpy, to_petsc
+from reference_data import plane_meshes, stored
+
+from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.pencil import FRICTION, Pencil
+from cea.eigen.thresholds import flutter_threshold
+from cea.errors import InputError
+from cea.timing import StageTimer
+from scenes.build import build_bodies, build_interfaces, build_system
+from scenes.read import load_scene
+
+
+def system_of(scene):
+    timer = StageTimer()
+    bodies = build_bodies(scene, timer)
+    return build_system(scene, bodies, build_interfaces(scene, bodies, timer), timer)
+
+
+def followed(modes, eigenvalues):
+    """The modes that continue given eigenvalues, which a small step leaves apart."""
+    distance = np.abs(modes.eigenvalues - np.asarray(eigenvalues)[:, None])
+    chosen = distance.argmin(axis=1)
+    assert len(set(chosen)) == len(chosen)
+    return modes.eigenvalues[chosen]
+
+
+def finite_differences(driver, modes, name, chosen, relative_step, max_frequency):
+    """Central differences of order six."""
+    value, weights = modes.values[name], {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
+    step, slope = relative_step * value, 0.0
+    for k, weight in weights.items():
+        ends = [
+            followed(
+                driver.solve(max_frequency, {name: value + sign * k * step}),
+                modes.eigenvalues[chosen],
+            )
+            for sign in (1, -1)
+        ]
+        slope = slope + weight * (ends[0] - ends[1])
+    return slope / step
+
+
+def check(pencil, max_frequency, steps, *, margin=1.02, least=1e-3):
+    """Every derivative to 1e-6 of the larger of itself and a thousandth of |lambda| / t.
+
+    Steps relative to the parameters: near pairs ask for short ones, rounding for long ones.
+    """
+    with KrylovSchur(pencil) as driver:
+        modes = driver.solve(max_frequency, left=True)
+        inside = modes.frequencies < max_frequency / margin
+        chosen = np.flatnonzero(inside & (np.abs(modes.eigenvalues) > 0))
+        assert len(chosen) > 3
+        for name, step in steps.items():
+            expected = finite_differences(driver, modes, name, chosen, step, max_frequency)
+            found = modes.sensitivity(name)[chosen]
+            natural = np.abs(modes.eigenvalues[chosen]) / modes.values[name]
+            scale = np.maximum(np.abs(expected), least * natural)
+            assert (np.abs(found - expected) <= 1e-6 * scale).all(), name
+
+
+STEPS = {
+    "contacts.interface.mu": 2e-4,
+    "contacts.interface.P": 2e-4,
+    "bodies.upper.material.E": 2e-4,
+    "bodies.lower.material.rho": 2e-4,
+}
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+def test_derivatives_in_every_kind_of_parameter(backend, form):
+    data = two_blocks(backend, {"method": "gpts", "points": 4}, held=True)
+    data["contacts"]["interface"]["form"] = form
+    data["bodies"]["upper"]["springs"] = [{"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}]
+    check(assemble(data).pencil(), 0.62, STEPS)
+
+
+def test_derivatives_beside_tied_contact(backend):
+    """At P = infinity the derivative in mu goes through the contact forces alone."""
+    data = two_blocks(backend, {"method": "mortar"}, held=True, P=float("inf"))
+    data["contacts"]["interface"]["form"] = "saddle"
+    check(assemble(data).pencil(), 0.62, {"contacts.interface.mu": 2e-4})
+
+
+COARSE = {
+    "fe": ["bodies.disc.mesh.fe.elements=[3, 24, 1]", "bodies.pad.mesh.fe.elements=[2, 4, 1]"],
+    "iga": ["bodies.disc.mesh.iga.elements=[3, 24, 1]", "bodies.pad.mesh.iga.elements=[2, 4, 1]"],
+}
+
+
+def test_derivatives_of_the_disc_and_pad(backend):
+    scene = load_scene(Path("disc_pad"), COARSE[backend], backend)
+    steps = {
+        "contacts.pad_disc.mu": 1e-2,
+        "contacts.pad_disc.P": 1e-2,
+        "bodies.disc.material.E": 1e-3,
+        "bodies.pad.material.rho": 1e-2,
+    }
+    check(system_of(scene).pencil(), 9000.0, steps)
+
+
+MESHES = {
+    "fe": {"upper": [8, 2], "lower": [5, 3]},
+    "iga": {"upper": [10, 2], "lower": [7, 3]},
+}
+
+
+@pytest.mark.parametrize("distance", [1e-2, 1e-4])
+def test_derivatives_of_the_blocks_near_coalescence(backend, distance):
+    """Members part like square roots of the distance; steps must stay well below it."""
+    entry = stored("blocks_sine_mu_thresholds")[0]
+    mu_c, omega = float(entry["mu_c"]), float(entry["omega"])
+    overrides = ["contacts.interface.mu='sin(pi*x/2)'", f"contacts.interface.p={entry['p']}.0"]
+    overrides += plane_meshes(backend, 2, MESHES[backend])
+    pencil = system_of(load_scene(Path("blocks"), overrides, backend)).pencil()
+    name, top = "contacts.interface.mu", 0.53
+    with KrylovSchur(pencil) as driver:
+        threshold = flutter_threshold(
+            driver, name, 0.9 * mu_c, 1.1 * mu_c, max_frequency=top, frequency=omega / (2 * np.pi)
+        )
+        for side in (-1, 1):
+            at = {name: threshold.value * (1 + side * distance)}
+            modes = driver.solve(top, at, left=True)
+            pair = np.argsort(np.abs(modes.eigenvalues - threshold.eigenvalue))[:2]
+            found = modes.sensitivity(name)[pair]
+            expected = finite_differences(driver, modes, name, pair, distance / 50, top)
+            assert np.abs(found - expected).max() <= 1e-6 * np.abs(expected).max()
+            # Of the mean of lambda^2 nothing grows.
+            means = [(modes.eigenvalues[pair] * slope).sum() for slope in (found, expected)]
+            assert abs(means[0] - means[1]) <= 1e-6 * np.abs(expected).max()
+
+
+@pytest.fixture
+def random_pencil():
+    rng = np.random.default_rng(11)
+    n = 40
+    spread = rng.normal(size=(n, n)) / np.sqrt(n)
+    stiffness = np.diag(np.linspace(1.0, 30.0, n)) + 0.05 * (spread + spread.T)
+    mass = np.eye(n) + 0.1 * (spread @ spread.T)
+    return stiffness, mass, 2.0 * rng.normal(size=(n, n)) / np.sqrt(n)
+
+
+def test_left_vectors_are_those_of_a_dense_solver(random_pencil):
+    stiffness, mass, friction = random_pencil
+    pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
+    modes = solve_modes(pencil, 0.75, left=True)
+    assert len(modes) > 15
+    kappa = -(modes.eigenvalues**2)
+    y, x = modes.left.vectors, modes.vectors
+    defect = y.conj().T @ (stiffness - friction) - kappa[:, None] * (y.conj().T @ mass)
+    assert np.abs(defect).max() < 1e-9
+    assert y.conj().T @ mass @ x == pytest.approx(np.eye(len(modes)), abs=1e-9)
+    root = scipy.linalg.sqrtm(mass)
+    standard = np.linalg.solve(root, np.linalg.solve(root, (stiffness - friction).T).T)
+    dense, left, right = scipy.linalg.eig(standard, left=True, right=True)
+    exact = 1 / np.abs(np.einsum("ij,ij->j", left.conj(), right))
+    nearest = np.abs(dense[None, :] - kappa[:, None]).argmin(axis=1)
+    assert modes.conditions == pytest.approx(exact[nearest], rel=1e-7)
+
+
+def test_a_multiple_eigenvalue_moves_as_it_splits():
+    """Kappa = 4 twice; a friction that is symmetric on its space splits it along 0.3 and -0.2."""
+    n = 30
+    turn = np.linalg.qr(np.random.default_rng(2).normal(size=(n, n)))[0]
+    stiffness = turn @ np.diag(np.r_[4.0, 4.0, np.linspace(9, 90, n - 2)]) @ turn.T
+    change = np.zeros((n, n))
+    change[0, 0], change[1, 1], change[5, 2], change[0, 7] = 0.3, -0.2, 4.0, 2.0
+    friction = turn @ change @ turn.T
+    pencil = Pencil.of(
+        to_petsc(0.5 * (stiffness + stiffness.T)), to_petsc(np.eye(n)), to_petsc(friction)
+    )
+    modes = solve_modes(pencil, 1.0, {FRICTION: 1e-13}, left=True)
+    assert modes.eigenvalues[:2].imag == pytest.approx([2.0, 2.0])
+    found = np.sort(modes.sensitivity(FRICTION)[:2].imag)
+    assert found == pytest.approx(np.array([-0.3, 0.2]) / 4, rel=1e-6)  # d kappa = 2 w dw
+
+
+def test_without_friction_left_vectors_are_the_right_ones(backend):
+    """A derivative of ln kappa in ln E is a share of the strain energy; shares of all make one."""
+    data = two_blocks(backend, {"method": "segments"}, held=True, mu=0.0)
+    modes = solve_modes(assemble(data).pencil(), 0.62, left=True)
+    assert (modes.left.vectors == modes.vectors).all()
+    names = ["bodies.upper.material.E", "bodies.lower.material.E", "contacts.interface.P"]
+    shares = np.array(
+        [2 * modes.sensitivity(n) * modes.values[n] / modes.eigenvalues for n in names]
+    )
+    assert np.abs(shares.imag).max() < 1e-12
+    assert shares.real.min() > -1e-12
+    assert shares.sum(axis=0) == pytest.approx(np.ones(len(modes)), abs=1e-9)
+
+
+def test_what_was_not_asked_for_is_told(random_pencil):
+    pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
+    modes = solve_modes(pencil, 0.5)
+    with pytest.raises(InputError, match="left"):
+        modes.sensitivity(FRICTION)
+    with pytest.raises(InputError, match="one of friction"):
+        modes.sensitivity("mu")
+
+
+def assert_nearest(modes, dense, kappa):
+    """The nearest eigenvalues, in any order, each once."""
+    found = -(modes.eigenvalues**2)
+    expected = dense[np.argsort(np.abs(dense - kappa))[: len(found)]]
+    assert len(found) >= 4
+    distance = np.abs(found[:, None] - expected) / np.abs(expected)
+    assert distance.min(axis=0).max() < 1e-9
+    assert distance.min(axis=1).max() < 1e-9
+
+
+def test_factors_of_nearby_parameters_serve_again(random_pencil):
+    pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
+    stiffness, mass, friction = random_pencil
+    with KrylovSchur(pencil) as driver:
+        driver.nearest(10.5, 4)
+        assert driver.factorisations == 1
+        modes = driver.nearest(10.5, 4, {FRICTION: 1 + 1e-5})
+        assert driver.factorisations == 1
+        dense = scipy.linalg.eigvals(stiffness - (1 + 1e-5) * friction, mass)
+        assert_nearest(modes, dense, 10.5)
+        assert modes.residuals.max() < 1e-10
+        far = driver.nearest(10.5, 4, {FRICTION: 0.3})
+        assert driver.factorisations == 2
+        assert_nearest(far, scipy.linalg.eigvals(stiffness - 0.3 * friction, mass), 10.5)
+
+
+def test_the_symmetric_part_is_counted_once(random_pencil):
+    pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
+    with KrylovSchur(pencil) as driver:
+        for factor in (1.0, 0.9, 0.8):
+            driver.solve(0.6, {FRICTION: factor})
+        assert driver.factorisations == 1 + 3
+        driver.solve(0.6, {FRICTION: 0.8})
+        assert driver.factorisations == 1 + 3
+    assert to_numpy(pencil.terms[0].matrix) == pytest.approx(random_pencil[0])  # not freed
