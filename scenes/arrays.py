@@ -8,7 +8,6 @@ from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from cea.body import Complexes
 from cea.contact.interface import local_rows
-from cea.eigen.blocks import times
 from cea.matrices import destroy, free_operator, scaled_total
 from cea.system.coupled import CoupledSystem
 
@@ -39,12 +38,27 @@ def displacements(
     start = system.template.getOwnershipRange()[0]
     own = vectors[system.index_sets[body].indices - start]
     if trace is None:
-        u = times(part.expansion, own)
+        u = _times(part.expansion, own, part.comm)
     else:
         operator = free_operator(csr_array(kron(trace, eye_array(part.dim), format="csr")), part)
-        u = times(operator, own)
+        u = _times(operator, own, part.comm)
         destroy(operator)
     return u.reshape(-1, part.dim, vectors.shape[1])
+
+
+def _times(operator: Any, vectors: Complexes, comm: Any) -> Complexes:
+    """The rows of this rank of a PETSc AIJ matrix times a block of vectors; collective.
+
+    Ranks may have rows and no columns, which PETSc's product with a dense matrix does not bear.
+    Only those entries of the vectors travel that some rank needs.
+    """
+    indptr, columns, data = operator.getValuesCSR()
+    needed = np.unique(np.concatenate(comm.allgather(np.unique(columns))))
+    first, last = operator.getOwnershipRangeColumn()
+    mine = needed[(needed >= first) & (needed < last)] - first
+    values = np.concatenate(comm.allgather(vectors[mine]))
+    shape = (len(indptr) - 1, len(needed))
+    return csr_array((data, np.searchsorted(needed, columns), indptr), shape=shape) @ values
 
 
 def gathered_displacements(
