@@ -10,6 +10,6 @@ functions of closed form, whose roots are counted by the argument principle; blo
 friction and the ring are solved by a graded Galerkin method of high order, which also checks the
 others; lumped systems are roots of polynomials.
 
-``reference`` and ``critical`` give eigenvalues and thresholds by the name of a problem, ``cli``
-prints and writes them with their digits.
+``reference`` and ``thresholds`` give eigenvalues and critical friction by the name of a problem,
+``entries`` writes them with their digits.
 """

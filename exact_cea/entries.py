@@ -10,8 +10,7 @@ import numpy as np
 from flint import acb, arb, ctx
 from numpy.typing import NDArray
 
-from exact_cea import galerkin_problems as layouts
-from exact_cea import lumped
+from exact_cea import galerkin_problems, lumped
 from exact_cea.blocks import Blocks
 from exact_cea.drum import Drum
 from exact_cea.exceptional_points import exceptional_points
@@ -54,7 +53,7 @@ def blocks_constant(
     name |= {"p": str(problem.p), "mu": str(problem.mu0)} | _sizes(problem)
     return name | _approximate(
         *converged(
-            lambda fine: layouts.blocks(problem, 14 if fine else 12, 4, constant=True),
+            lambda fine: galerkin_problems.blocks(problem, 14 if fine else 12, 4, constant=True),
             problem.scale(),
             count,
             max_frequency,
@@ -72,7 +71,7 @@ def ring(problem: Ring, max_frequency: float | None = None, count: int | None = 
     ]
     return name | _approximate(
         *converged(
-            lambda fine: layouts.ring(problem, 16 if fine else 14, 1),
+            lambda fine: galerkin_problems.ring(problem, 16 if fine else 14, 1),
             problem.scale(),
             count,
             max_frequency,
@@ -115,7 +114,7 @@ def write(entries: Sequence[Entry], file: Path) -> None:
 
 
 def _spectrum(problem: Drum | Blocks, max_frequency: float | None, count: int | None) -> Spectrum:
-    return spectrum(problem, max_frequency, count, guess=layouts.guess(problem))
+    return spectrum(problem, max_frequency, count, guess=galerkin_problems.guess(problem))
 
 
 def _sizes(problem: Blocks) -> Entry:

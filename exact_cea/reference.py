@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.errors import InputError
-from exact_cea import galerkin_problems as layouts
+from exact_cea import galerkin_problems
 from exact_cea.blocks import Blocks
 from exact_cea.drum import Drum
 from exact_cea.galerkin import GalerkinContact, lowest, lowest_below
@@ -223,11 +223,15 @@ def _eigenvalues(
     problem: Problem, constant: bool, max_frequency: float | None, count: int | None
 ) -> Values:
     if isinstance(problem, Ring):
-        return _approximate(layouts.ring(problem, 12, 1), problem.scale(), max_frequency, count)
+        return _approximate(
+            galerkin_problems.ring(problem, 12, 1), problem.scale(), max_frequency, count
+        )
     if isinstance(problem, Blocks) and constant:
-        contact = layouts.blocks(problem, 12, 4, constant=True)
+        contact = galerkin_problems.blocks(problem, 12, 4, constant=True)
         return _approximate(contact, problem.scale(), max_frequency, count)
-    found = spectrum(problem, max_frequency, count, digits=_DIGITS, guess=layouts.guess(problem))
+    found = spectrum(
+        problem, max_frequency, count, digits=_DIGITS, guess=galerkin_problems.guess(problem)
+    )
     values = found.values + [complex(value) for value in found.contact_free]
     return _ordered(np.array(values, complex))[:count]
 

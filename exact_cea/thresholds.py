@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.errors import ConvergenceError, InputError
-from exact_cea import galerkin_problems as layouts
-from exact_cea import lumped
+from exact_cea import galerkin_problems, lumped
 from exact_cea.blocks import Blocks
 from exact_cea.exceptional_points import exceptional_points
 from exact_cea.galerkin import lowest_below
@@ -149,5 +148,7 @@ def _coalescence(blocks: Blocks, low: float, high: float, frequency: float) -> f
 def _constant(
     blocks: Blocks, mu: float, max_frequency: float, degree: int, layers: int
 ) -> NDArray[np.complex128]:
-    contact = layouts.blocks(replace(blocks, mu0=Exact(mu)), degree, layers, constant=True)
+    contact = galerkin_problems.blocks(
+        replace(blocks, mu0=Exact(mu)), degree, layers, constant=True
+    )
     return lowest_below(contact, max_frequency, blocks.scale())

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.body import Body, Floats
-from cea.contact.formulations import coupling_of
 from cea.contact.friction import FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
 from cea.contact.laws import Friction, LinearLaw
@@ -20,7 +19,8 @@ from cea.supports.boundary import Pressure
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
-from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh, Scene
+from scenes.read import Scene
+from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh
 
 _ROUNDING = 1e-14
 """Values of a field below this part of the largest count as zero."""
@@ -139,6 +139,27 @@ def build_interfaces(
     return interfaces
 
 
+def check_interfaces(
+    scene: Scene, bodies: Mapping[str, Body], interfaces: Mapping[str, Interface]
+) -> None:
+    """Refuse interfaces that are not those of a scene and its bodies.
+
+    Raises
+    ------
+    InputError
+        When half passes differ, or an interface joins other surfaces.
+    """
+    halves = {half.name: half for half in _halves(scene.contacts)}
+    if interfaces.keys() != halves.keys():
+        raise InputError("interfaces", list(interfaces), f"those of {', '.join(halves) or 'none'}")
+    for name, interface in interfaces.items():
+        half = halves[name]
+        for place, surface in ((half.a, interface.a), (half.b, interface.b)):
+            body, side = place.split(".")
+            if bodies[body].surfaces[side] is not surface:
+                raise InputError(f"interfaces.{name}", surface.name, f"{place} of these bodies")
+
+
 def _half_pass(half: _Half, interface: Interface) -> HalfPass:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
     spec, x = half.spec, interface.points.x
@@ -153,7 +174,7 @@ def _half_pass(half: _Half, interface: Interface) -> HalfPass:
         interface=interface,
         law=LinearLaw(half.share * stiffness),
         friction=Friction(_values(spec.mu, x), direction) if direction is not None else None,
-        coupling=coupling_of(spec.formulation),
+        coupling=spec.formulation.coupling,
         form=spec.form,
         pair=half.pair,
     )

@@ -7,8 +7,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from cea.checks import check_density, check_surface
+from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError
-from scenes.spec import BodySpec, ContactSpec, Scene
+from scenes.spec import Backend, BodySpec, ContactSpec, SceneSpec
 
 
 def faults_told_by(error: ValidationError) -> list[InputError]:
@@ -46,7 +47,7 @@ def _place(path: Sequence[str | int]) -> str:
     return ".".join(map(str, written))
 
 
-def cross_checks(scene: Scene) -> Iterable[InputError]:
+def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
     """Faults between fields, each of which is right by itself."""
     if not scene.bodies:
         yield InputError("bodies", {}, "at least one body")
@@ -99,23 +100,26 @@ def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
             yield from _known(f"{place}.{kind}.{i}.surface", item.surface, body.geometry.surfaces)
 
 
-_ONE_BACKEND = {"greville": "iga", "botella": "iga", "node_to_surface": "fe"}
-"""Formulations whose points are abscissae of one backend's traces."""
+_ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}
+"""Kinds of abscissae that surfaces of each backend have."""
 
 
-def _formulation_checks(scene: Scene, name: str, contact: ContactSpec) -> Iterable[InputError]:
+def _formulation_checks(scene: SceneSpec, name: str, contact: ContactSpec) -> Iterable[InputError]:
     """Abscissae that the side they are asked of does not have."""
-    method = contact.formulation.method
     for side in ("a", "b") if contact.full_pass else ("a",):
         body = scene.bodies.get(getattr(contact, side).split(".")[0])
-        if body is not None and _ONE_BACKEND.get(method, body.backend) != body.backend:
-            own = [m for m, backend in _ONE_BACKEND.items() if backend == body.backend]
-            allowed = ", ".join([*own, "grid", "gpts", "segments", "mortar"])
+        if body is not None and not suits(contact.formulation, body.backend):
+            allowed = ", ".join(m for m, kind in registered().items() if suits(kind, body.backend))
             yield InputError(
                 f"contacts.{name}.formulation.method",
-                method,
+                contact.formulation.method,
                 f"one of {allowed} where side {side} has backend {body.backend!r}",
             )
+
+
+def suits(formulation: Formulation | type[Formulation], backend: Backend) -> bool:
+    """Whether surfaces of a backend have the abscissae that a formulation needs."""
+    return formulation.abscissae is None or formulation.abscissae in _ABSCISSAE[backend]
 
 
 def _known(place: str, name: str, known: Iterable[str]) -> Iterable[InputError]:

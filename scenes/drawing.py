@@ -8,8 +8,7 @@ import numpy as np
 import pyvista
 from PIL import Image
 
-from cea.body import Floats, VolumeSample
-from cea.eigen.modes import Complexes
+from cea.body import Complexes, Floats, VolumeSample
 from scenes.vtu import in_space
 
 _WINDOW = (1500, 900)

@@ -1,6 +1,6 @@
 """Modes and static displacements of a run as files for ParaView."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,10 +8,11 @@ from urllib.parse import quote
 
 import numpy as np
 
-from cea.body import Floats
+from cea.body import Complexes, Floats
 from cea.contact.operators import Contact
-from scenes.pictures import chosen_modes
-from scenes.run import SceneResult
+from cea.matrices import destroy
+from scenes.arrays import displacements
+from scenes.results import ModesResult, StaticResult
 from scenes.vtu import Entry, cell_grid, in_space, point_grid, write_collection
 
 
@@ -25,19 +26,26 @@ class _Solution:
         Number of the mode, from 1; 0 of a static displacement.
     name
         Beginning of the names of its files.
-    parts
-        PETSc vectors of the unknowns, by the end of the names of the data they give.
+    ends
+        Ends of the names of its data: of the real and the imaginary part, or of the real one.
     facts
         Numbers told of the whole solution.
     """
 
     number: int
     name: str
-    parts: Mapping[str, Any]
+    ends: tuple[str, ...]
     facts: Mapping[str, float]
 
+    def parts(self, name: str, values: Complexes | Floats) -> dict[str, Floats]:
+        """Real data under their names."""
+        return {
+            f"{name}{end}": part
+            for end, part in zip(self.ends, (values.real, values.imag), strict=False)
+        }
 
-def write_paraview(result: SceneResult, count: int, out: Path) -> list[Path]:
+
+def write_paraview(result: ModesResult | StaticResult, count: int, out: Path) -> list[Path]:
     """Write modes, or the displacement of a static analysis, as files for ParaView.
 
     Points of the bodies bear ``displacement`` (m); those of the contacts ``normal``, ``weight``
@@ -60,23 +68,29 @@ def write_paraview(result: SceneResult, count: int, out: Path) -> list[Path]:
     list of Path
         The ``.pvd`` files.
     """
-    bodies, contacts = result.system.bodies, result.system.contacts
+    bodies, contacts = result.bodies, result.system.contacts
     is_root = next(iter(bodies.values())).comm.rank == 0
-    volumes = _Collection(out, "displacement" if result.modes is None else "modes")
+    modes = _chosen(result, count) if isinstance(result, ModesResult) else []
+    solutions = _solutions(result, modes)
+    volumes = _Collection(out, "modes" if isinstance(result, ModesResult) else "displacement")
     surfaces = _Collection(out, "contacts")
     cells = {name: body.volume_cells() for name, body in bodies.items()}
+    u = {
+        name: result.mode_shapes(name, cells[name].values, modes, everywhere=False)
+        if isinstance(result, ModesResult)
+        else result.displacements(name, cells[name].values, everywhere=False)[..., None]
+        for name in bodies
+    }
+    gaps = {contact.name: _gaps(result, contact, modes) for contact in contacts}
     body_grids = {name: cell_grid(cells[name]) for name in bodies} if is_root else {}
     point_grids = {c.name: _contact_grid(c) for c in contacts} if is_root else {}
-    for solution in _solutions(result, count):
-        u = {name: _displacements(result, name, solution) for name in bodies}
-        at_contacts = {c.name: _contact_data(c, u, solution) for c in contacts}
-        for part in solution.parts.values():
-            part.destroy()
+    for i, solution in enumerate(solutions):
+        pressures = {c.name: _pressure(result, c, solution) for c in contacts}
         for name, grid in body_grids.items():
-            for end, x in u[name].items():
-                grid.point_data[f"displacement{end}"] = in_space(cells[name].values @ x)
+            for label, x in solution.parts("displacement", u[name][..., i]).items():
+                grid.point_data[label] = in_space(x)
         for name, grid in point_grids.items():
-            grid.point_data.update(at_contacts[name])
+            grid.point_data.update(solution.parts("gap", gaps[name][:, i]) | pressures[name])
         volumes.add(body_grids, solution)
         surfaces.add(point_grids, solution)
     collections = [volumes, surfaces] if contacts else [volumes]
@@ -106,34 +120,29 @@ class _Collection:
             self.entries.append(Entry(solution.number, part, file))
 
 
-def _solutions(result: SceneResult, count: int) -> Iterator[_Solution]:
-    """The modes by rising number, or the static displacement; their vectors are the caller's."""
-    if result.modes is None:
-        assert result.displacement is not None
-        yield _Solution(0, "static", {"": result.displacement.copy()}, {})
-        return
-    everyone = range(len(result.modes.eigenvalues))
-    for mode in sorted(list(dict.fromkeys([*chosen_modes(result, count), *everyone]))[:count]):
-        real, imaginary = result.modes.vector(mode)
-        yield _Solution(
+def _chosen(result: ModesResult, count: int) -> list[int]:
+    """The most unstable modes, then others by rising frequency: so many, by rising number."""
+    every = [*result.most_unstable(count), *range(len(result.modes))]
+    return sorted(list(dict.fromkeys(every))[:count])
+
+
+def _solutions(result: ModesResult | StaticResult, modes: list[int]) -> list[_Solution]:
+    """Some modes, or the static displacement."""
+    if isinstance(result, StaticResult):
+        return [_Solution(0, "static", ("",), {})]
+    return [
+        _Solution(
             mode + 1,
             f"mode_{mode + 1}",
-            {"_real": real, "_imag": imaginary},
+            ("_real", "_imag"),
             {
                 "mode": mode + 1,
-                "frequency": result.modes.frequencies[mode],
-                "growth rate": result.modes.growth_rates[mode],
+                "frequency": result.frequencies[mode],
+                "growth rate": result.growth_rates[mode],
             },
         )
-
-
-def _displacements(result: SceneResult, body: str, solution: _Solution) -> dict[str, Floats]:
-    """Displacements (m) of the scalar dofs of a body, (num_scalar_dofs, dim), on every rank."""
-    dim = result.system.bodies[body].dim
-    return {
-        end: result.system.displacement(x, body).reshape(-1, dim)
-        for end, x in solution.parts.items()
-    }
+        for mode in modes
+    ]
 
 
 def _contact_grid(contact: Contact) -> Any:
@@ -144,17 +153,31 @@ def _contact_grid(contact: Contact) -> Any:
     return grid
 
 
-def _contact_data(
-    contact: Contact, u: Mapping[str, Mapping[str, Floats]], solution: _Solution
-) -> dict[str, Floats]:
-    """Gap, and pressure where there is one, at all points of a contact, on every rank."""
+def _gaps(result: ModesResult | StaticResult, contact: Contact, modes: list[int]) -> Complexes:
+    """Gaps (m) at all points of a contact, (points, solutions), on every rank."""
     interface = contact.interface
-    data = {}
-    for end, x in solution.parts.items():
-        a, b = u[contact.half.a][end], u[contact.half.b][end]
-        jump = interface.trace_a @ a - interface.trace_b @ b
-        gap = np.einsum("ij,ij->i", jump, interface.local_points.normal)
-        data[f"gap{end}"] = np.concatenate(interface.comm.allgather(gap))
-        if contact.half.form == "penalty" and contact.half.coupling != "bonded":
-            data[f"pressure{end}"] = contact.pressure(x)
+    if isinstance(result, ModesResult):
+        vectors = result.modes.vectors[:, modes]
+    else:
+        vectors = result.displacement.array[:, None].astype(complex)
+    jump = displacements(result.system, contact.half.a, interface.trace_a, vectors)
+    jump -= displacements(result.system, contact.half.b, interface.trace_b, vectors)
+    gap = np.einsum("ijk,ij->ik", jump, interface.local_points.normal)
+    return np.concatenate(interface.comm.allgather(gap))
+
+
+def _pressure(
+    result: ModesResult | StaticResult, contact: Contact, solution: _Solution
+) -> dict[str, Floats]:
+    """Pressure (N/m^2) at all points of a contact that has one, on every rank."""
+    if contact.half.form != "penalty" or contact.half.coupling == "bonded":
+        return {}
+    if isinstance(result, StaticResult):
+        return {"pressure": contact.pressure(result.displacement)}
+    parts = result.modes.vector(solution.number - 1)
+    data = {
+        f"pressure{end}": result.relative_stiffness(contact.pair) * contact.pressure(part)
+        for end, part in zip(solution.ends, parts, strict=True)
+    }
+    destroy(*parts)
     return data

@@ -1,138 +1,258 @@
-"""Results as plain data for ``result.json``: scenes as run, versions, timings, eigenvalues."""
+"""What running a scene gives, a class for each kind of analysis."""
 
-import json
-import platform
-from collections.abc import Mapping
-from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
-from os import cpu_count
-from pathlib import Path
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from scipy.sparse import csr_array
 
+from cea.body import Body, Complexes, Floats, Ints, SurfaceCoordinates
 from cea.contact.interface import Interface
 from cea.eigen.modes import Modes
-from scenes.run import SceneResult
-from scenes.spec import ComplexEigenvalueAnalysis
+from cea.eigen.pencil import Pencil
+from cea.errors import InputError
+from cea.system.contact_stresses import SideStress
+from cea.system.coupled import CoupledSystem
+from cea.timing import StageTimer
+from scenes.arrays import gathered_displacements, gathered_sums
+from scenes.of_modes import OfModes
+from scenes.read import Scene
+from scenes.spec import StaticAnalysis
 
-_PACKAGES = {
-    "dolfinx": "dolfinx-solver-real",
-    "gmsh": "gmsh",
-    "numpy": "numpy",
-    "scipy": "scipy",
-    "pyvista": "pyvista",
-    "friction-cea": "friction-cea",
-}
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+    from scenes.drawing import Drawing
 
 
-def describe(result: SceneResult) -> dict[str, Any]:
-    """Everything about a run, ready for JSON."""
-    scene = result.scene
-    data: dict[str, Any] = {
-        "scene": _in_json(asdict(scene)),
-        "versions": versions(),
-        "machine": machine(),
-        "dofs": {
-            "free": result.system.size,
-            "bodies": {n: int(b.expansion.getSize()[1]) for n, b in result.system.bodies.items()},
-        },
-        "timings": dict(result.timer.seconds),
-        "seconds": result.timer.total,
-        "skipped": dict(result.skipped),
-        "contacts": {name: _interface(i) for name, i in result.interfaces.items()},
-    }
-    if result.modes is not None and isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-        data |= describe_modes(result.modes, scene.analysis.growth_threshold)
-    if result.stresses is not None:
-        data["stresses"] = {
-            name: {
-                side: {
-                    "oscillation": stress.oscillation,
-                    "min": float(stress.sigma_n.min()),
-                    "max": float(stress.sigma_n.max()),
-                    "arc": stress.arc.tolist(),
-                    "sigma_n_along": [_number(v) for v in stress.sigma_n_along],
-                }
-                for side, stress in sides.items()
-            }
-            for name, sides in result.stresses.items()
+@dataclass(frozen=True)
+class SceneResult:
+    """What every run gives.
+
+    Parameters
+    ----------
+    scene
+        The scene as run.
+    system
+        Its coupled matrices.
+    interfaces
+        Contact points by name of the half pass.
+    timer
+        Seconds by stage.
+    skipped
+        What the scene did not need, with the reason.
+    """
+
+    scene: Scene
+    system: CoupledSystem
+    interfaces: Mapping[str, Interface]
+    timer: StageTimer
+    skipped: Mapping[str, str]
+
+    @property
+    def bodies(self) -> Mapping[str, Body]:
+        """Bodies by name."""
+        return self.system.bodies
+
+    def matrices(self) -> dict[str, csr_array]:
+        """Matrices by name: K and M of the bodies, K_n and K_f of the contacts.
+
+        Their rows are the free dofs of all ranks. K_f is zero without friction, M is left out of
+        static analyses.
+
+        Returns
+        -------
+        dict
+            scipy matrices (N/m, kg) on rank 0; empty on other ranks.
+
+        Raises
+        ------
+        InputError
+            Where a contact has the saddle form, which has no K_n and K_f.
+        """
+        for contact in self.system.contacts:
+            if contact.half.form == "saddle":
+                raise InputError(f"contacts.{contact.pair}.form", "saddle", "penalty for matrices")
+        pencil, values = self._pencil()
+        pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "M": [], "K_n": [], "K_f": []}
+        for term in pencil.terms:
+            factor = term.coefficient.at(values)
+            if term.role == "mass":
+                pieces["M"].append((factor, term.matrix))
+            elif not term.symmetric:
+                pieces["K_f"].append((-factor, term.matrix))
+            else:
+                of_contact = any(name.startswith("contacts.") for name in term.coefficient.names)
+                pieces["K_n" if of_contact else "K"].append((factor, term.matrix))
+        if not pieces["M"]:
+            del pieces["M"]
+        return gathered_sums(pieces, self.system.template)
+
+    def _pencil(self) -> tuple[Pencil, Mapping[str, float]]:
+        """The pencil that was solved, and the parameters it was solved at."""
+        pencil = self.system.pencil()
+        return pencil, pencil.values()
+
+    def _displacements(
+        self,
+        place: str,
+        at: SurfaceCoordinates | csr_array | None,
+        vectors: Complexes,
+        *,
+        everywhere: bool,
+    ) -> Complexes:
+        body, _, name = place.partition(".")
+        if body not in self.bodies:
+            raise InputError("place", place, f"one of {', '.join(self.bodies)}")
+        if name:
+            surfaces = self.bodies[body].surfaces
+            if name not in surfaces or not isinstance(at, SurfaceCoordinates):
+                allowed = ", ".join(f"{body}.{each}" for each in surfaces)
+                raise InputError("place", place, f"one of {allowed}, with coordinates on it")
+            at = surfaces[name].trace(at)
+        elif isinstance(at, SurfaceCoordinates):
+            raise InputError("place", place, "a surface, body.surface, for coordinates on it")
+        return gathered_displacements(self.system, body, at, vectors, everywhere=everywhere)
+
+
+@dataclass(frozen=True)
+class ModesResult(OfModes, SceneResult):
+    """Modes of a complex eigenvalue analysis.
+
+    Parameters
+    ----------
+    modes
+        Eigenvalues, eigenvectors, their errors and the window that was searched.
+    """
+
+    modes: Modes
+
+    def _pencil(self) -> tuple[Pencil, Mapping[str, float]]:
+        return self.modes.pencil, self.modes.values
+
+    def relative_stiffness(self, contact: str) -> float:
+        """P of a contact where the modes were solved for, over that of the system's matrices."""
+        name = f"contacts.{contact}.P"
+        return self.modes.values[name] / self.modes.pencil.parameters[name].value
+
+    def mode_shapes(
+        self,
+        place: str,
+        at: SurfaceCoordinates | csr_array | None = None,
+        modes: Sequence[int] | Ints | None = None,
+        *,
+        everywhere: bool = True,
+    ) -> Complexes:
+        """Complex displacements of modes at points; collective.
+
+        Parameters
+        ----------
+        place
+            A body; or a surface, "body.surface".
+        at
+            On a surface, coordinates of the points, as locating gives them. On a body, the values
+            of its scalar basis functions at the points, shape (n, num_scalar_dofs); None takes
+            the scalar dofs themselves.
+        modes
+            Numbers of the modes, from 0; None takes all.
+        everywhere
+            Whether every rank gives the points and gets the answer; otherwise rank 0 does, and
+            others get an empty array.
+
+        Returns
+        -------
+        ndarray
+            Shape (n, dim, modes).
+        """
+        chosen = self.modes.vectors if modes is None else self.modes.vectors[:, list(modes)]
+        return self._displacements(place, at, chosen, everywhere=everywhere)
+
+    def plot(self, mode: int | None = None) -> "Image | None":
+        """Draw a mode at the phase of its largest deflection.
+
+        Parameters
+        ----------
+        mode
+            Its number, from 0; by default the most unstable one.
+
+        Returns
+        -------
+        PIL.Image.Image
+            On rank 0, None on other ranks.
+        """
+        (chosen,) = self.most_unstable(1) if mode is None else [mode]
+        drawings = self.drawings([chosen])
+        return drawings[0].images([0.0])[0] if drawings else None
+
+    def drawings(self, modes: Sequence[int]) -> list["Drawing"]:
+        """Modes ready to be drawn at any phase; on rank 0, none on other ranks."""
+        from scenes.drawing import Drawing  # brings pyvista
+
+        samples = {name: body.volume_sample(2) for name, body in self.bodies.items()}
+        shapes = {
+            name: self.mode_shapes(name, sample.values, modes, everywhere=False)
+            for name, sample in samples.items()
         }
-    return data
+        if self.system.template.comm.rank:
+            return []
+        return [
+            Drawing.of(samples, {n: u[..., i] for n, u in shapes.items()}, self.title(mode))
+            for i, mode in enumerate(modes)
+        ]
+
+    __repr__ = OfModes.__repr__
 
 
-def describe_modes(modes: Modes, growth_threshold: float) -> dict[str, Any]:
-    """Eigenvalues with their errors, the window searched, the unstable modes."""
-    unstable = modes.unstable(growth_threshold)
-    return {
-        "eigenvalues": [
+@dataclass(frozen=True)
+class StaticResult(SceneResult):
+    """Displacement and contact stresses of a static analysis.
+
+    Parameters
+    ----------
+    displacement
+        Unknowns, PETSc vector.
+    stresses
+        Normal stresses by contact, then side "a" or "b".
+    """
+
+    displacement: Any
+    stresses: Mapping[str, Mapping[str, SideStress]]
+
+    @property
+    def analysis(self) -> StaticAnalysis:
+        """The analysis of the scene."""
+        assert isinstance(self.scene.analysis, StaticAnalysis)
+        return self.scene.analysis
+
+    def displacements(
+        self,
+        place: str,
+        at: SurfaceCoordinates | csr_array | None = None,
+        *,
+        everywhere: bool = True,
+    ) -> Floats:
+        """Displacements (m) at points, shape (n, dim), as in :meth:`ModesResult.mode_shapes`."""
+        vectors = self.displacement.array[:, None].astype(complex)
+        return self._displacements(place, at, vectors, everywhere=everywhere)[..., 0].real
+
+    def table(self) -> list[dict[str, Any]]:
+        """A row for each side of each contact: extremes and oscillation of sigma_n (N/m^2)."""
+        return [
             {
-                "re": float(value.real),
-                "im": float(value.imag),
-                "residual": float(residual),
-                "condition": float(condition),
+                "contact": name,
+                "side": side,
+                "min": float(stress.sigma_n.min()),
+                "max": float(stress.sigma_n.max()),
+                "oscillation": stress.oscillation,
             }
-            for value, residual, condition in zip(
-                modes.eigenvalues, modes.residuals, modes.conditions, strict=True
-            )
-        ],
-        "window": asdict(modes.window) | {"evidence": modes.window.evidence},
-        "unstable": [
-            {"mode": int(i), "frequency": float(f), "growth": float(g)}
-            for i, f, g in zip(
-                np.flatnonzero(unstable),
-                modes.frequencies[unstable],
-                modes.growth_rates[unstable],
-                strict=True,
-            )
-        ],
-    }
+            for name, sides in self.stresses.items()
+            for side, stress in sides.items()
+        ]
 
-
-def versions() -> dict[str, str]:
-    """Versions of Python and of the packages that matter for numbers."""
-    from cea.petsc import PETSc, SLEPc
-
-    found = {"python": platform.python_version()}
-    for name, package in _PACKAGES.items():
-        try:
-            found[name] = version(package)
-        except PackageNotFoundError:
-            found[name] = "not installed as a package"
-    for name, system in (("petsc", PETSc.Sys), ("slepc", SLEPc.Sys)):
-        found[name] = ".".join(map(str, system.getVersion()))
-    return found
-
-
-def machine() -> dict[str, Any]:
-    """Processor count and kind."""
-    return {"cpus": cpu_count(), "machine": platform.machine(), "system": platform.system()}
-
-
-def write_json(data: Mapping[str, Any], file: Path) -> None:
-    """Write a result, making its folder."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n")
-
-
-def _interface(interface: Interface) -> dict[str, Any]:
-    return {
-        "points": len(interface.points),
-        "area": interface.a.area,
-        "status": dict(interface.statuses),
-        "largest_distance": interface.largest_distance,
-        "tolerance": interface.opposite.tolerance,
-    }
-
-
-def _in_json(value: Any) -> Any:
-    """Plain data in which infinity, which JSON has no number for, is the text ``inf``."""
-    if isinstance(value, dict):
-        return {key: _in_json(part) for key, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_in_json(part) for part in value]
-    return "inf" if isinstance(value, float) and value == float("inf") else value
-
-
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+    def __repr__(self) -> str:
+        rows = [
+            f"{row['contact']}, side {row['side']}: sigma_n from {row['min']:.6g} to "
+            f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
+            for row in self.table()
+        ]
+        return "\n".join([f"{self.scene.name}: static analysis", *rows])

@@ -1,96 +1,137 @@
 """One scene from geometry to numbers."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import TypedDict, Unpack
 
 from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.krylov_schur import solve_modes
-from cea.eigen.modes import Modes
 from cea.eigen.static import solve_static
-from cea.system.contact_stresses import SideStress, contact_stresses
+from cea.errors import InputError
+from cea.system.contact_stresses import contact_stresses
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.spec import ComplexEigenvalueAnalysis, Scene
+from scenes.build import build_bodies, build_interfaces, build_system, check_interfaces
+from scenes.read import Scene
+from scenes.results import ModesResult, StaticResult
+from scenes.spec import ComplexEigenvalueAnalysis, StaticAnalysis
 
 
-@dataclass(frozen=True)
-class SceneResult:
-    """What running a scene gave.
+class RunOptions(TypedDict, total=False):
+    """Options of a run, by name.
 
     Parameters
     ----------
-    scene
-        The scene as run.
-    system
-        Its coupled matrices.
+    bodies
+        Bodies already built for an equal ``bodies`` and ``loads`` section, to be used again with
+        other contacts; their matrices are kept between runs.
     interfaces
-        Contact points by name of the contact.
-    timer
-        Seconds by stage.
-    skipped
-        What the scene did not need, with the reason.
-    modes
-        Modes of a complex eigenvalue analysis.
-    displacement
-        Displacement of a static analysis, PETSc vector.
-    stresses
-        Normal stresses of a static analysis: by contact, then side "a" or "b".
+        Contact points already located for contacts of equal sides and formulations, to be used
+        again with another stiffness or friction; their bodies are given too.
+    leave_out
+        Whether friction is left out where mu = 0, as it is by default; False measures what that
+        saves.
+    listener
+        Called with the name of each stage as it begins.
     """
 
-    scene: Scene
-    system: CoupledSystem
-    interfaces: Mapping[str, Interface]
-    timer: StageTimer
-    skipped: Mapping[str, str]
-    modes: Modes | None = None
-    displacement: Any | None = None
-    stresses: Mapping[str, Mapping[str, SideStress]] | None = None
+    bodies: Mapping[str, Body] | None
+    interfaces: Mapping[str, Interface] | None
+    leave_out: bool
+    listener: Callable[[str], None] | None
 
 
-def run_scene(
-    scene: Scene,
-    *,
-    bodies: Mapping[str, Body] | None = None,
-    leave_out: bool = True,
-    listener: Callable[[str], None] | None = None,
-) -> SceneResult:
+def run_scene(scene: Scene, **options: Unpack[RunOptions]) -> ModesResult | StaticResult:
     """Run a scene.
 
     Parameters
     ----------
     scene
         The scene.
-    bodies
-        Bodies already built for an equal ``bodies`` and ``loads`` section, to be used again with
-        other contacts; their matrices are kept between runs.
-    leave_out
-        Whether friction is left out where mu = 0; False measures what that saves.
-    listener
-        Called with the name of each stage as it begins.
+    options
+        See :class:`RunOptions`.
+
+    Raises
+    ------
+    InputError
+        When bodies or interfaces are given that are not those of the scene.
+    """
+    if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
+        return run_modes(scene, **options)
+    return run_static(scene, **options)
+
+
+def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]) -> ModesResult:
+    """Modes of a scene whose analysis asks for them.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    left
+        Whether left eigenvectors are wanted too, for sensitivities and true condition numbers.
+    options
+        See :class:`RunOptions`.
+
+    Raises
+    ------
+    InputError
+        When the analysis is another, or bodies or interfaces are not those of the scene.
+    """
+    if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
+        raise InputError("analysis.kind", scene.analysis.kind, "'cea', which gives modes")
+    system, interfaces, timer = coupled(scene, **options)
+    with timer("assembly"):
+        pencil = system.pencil()
+    modes = solve_modes(pencil, scene.analysis.max_frequency, left=left, timer=timer)
+    return ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
+
+
+def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
+    """Displacement of a scene whose analysis asks for it; options are :class:`RunOptions`.
+
+    Raises
+    ------
+    InputError
+        When the analysis is another, or bodies or interfaces are not those of the scene.
+    """
+    if not isinstance(scene.analysis, StaticAnalysis):
+        raise InputError("analysis.kind", scene.analysis.kind, "'static'")
+    system, interfaces, timer = coupled(scene, **options)
+    with timer("assembly"):
+        pencil = system.pencil()
+    x = solve_static(pencil, system.load, timer)
+    with timer("post-processing"):
+        stresses = {
+            name: contact_stresses(system, name, x, scene.analysis.samples)
+            for name in scene.contacts
+        }
+    return StaticResult(scene, system, interfaces, timer, skipped_by(scene), x, stresses)
+
+
+def coupled(
+    scene: Scene,
+    *,
+    bodies: Mapping[str, Body] | None = None,
+    interfaces: Mapping[str, Interface] | None = None,
+    leave_out: bool = True,
+    listener: Callable[[str], None] | None = None,
+) -> tuple[CoupledSystem, Mapping[str, Interface], StageTimer]:
+    """Coupled matrices of a scene, its contact points and the seconds they took.
+
+    Parameters are those of :class:`RunOptions`.
     """
     timer = StageTimer(listener)
     if bodies is None:
         bodies = build_bodies(scene, timer)
-    interfaces = build_interfaces(scene, bodies, timer)
-    system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
-    with timer("assembly"):
-        pencil = system.pencil()
-    parts: dict[str, Any]
-    if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-        modes = solve_modes(pencil, scene.analysis.max_frequency, timer=timer)
-        parts = {"modes": modes}
+    elif list(bodies) != list(scene.bodies):
+        raise InputError("bodies", list(bodies), f"those of the scene: {', '.join(scene.bodies)}")
+    if interfaces is None:
+        interfaces = build_interfaces(scene, bodies, timer)
     else:
-        x = solve_static(pencil, system.load, timer)
-        with timer("post-processing"):
-            stresses = {
-                name: contact_stresses(system, name, x, scene.analysis.samples)
-                for name in scene.contacts
-            }
-        parts = {"displacement": x, "stresses": stresses}
-    return SceneResult(scene, system, interfaces, timer, skipped_by(scene), **parts)
+        check_interfaces(scene, bodies, interfaces)
+    system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
+    return system, interfaces, timer
 
 
 def skipped_by(scene: Scene) -> dict[str, str]:

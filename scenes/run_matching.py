@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Floats, Surface
+from cea.body import Complexes, Floats, Surface
 from cea.eigen.mode_matching import (
     NEAR,
     CircumferentialContent,
@@ -16,18 +16,15 @@ from cea.eigen.mode_matching import (
     match_modes,
     modal_assurance,
 )
-from cea.eigen.modes import Complexes, Modes
 from cea.errors import InputError
-from cea.system.coupled import CoupledSystem
-from scenes.run import SceneResult
-from scenes.spec import ComplexEigenvalueAnalysis
+from scenes.results import ModesResult
 
 _SAMPLES = 15
 
 
 def match_runs(
-    first: SceneResult,
-    second: SceneResult,
+    first: ModesResult,
+    second: ModesResult,
     first_modes: NDArray[np.int64] | None = None,
     second_modes: NDArray[np.int64] | None = None,
     *,
@@ -47,7 +44,7 @@ def match_runs(
     return match_modes(*_mode_sets(first, second, first_modes, second_modes), near)
 
 
-def match_unstable(first: SceneResult, second: SceneResult) -> dict[str, Any]:
+def match_unstable(first: ModesResult, second: ModesResult) -> dict[str, Any]:
     """Pair the unstable modes of two runs of one scene.
 
     Modes are paired so that shape and eigenvalue agree best over all pairs together; nothing is
@@ -59,7 +56,8 @@ def match_unstable(first: SceneResult, second: SceneResult) -> dict[str, Any]:
         ``pairs``: each with frequency and growth of both, relative differences and modal
         assurance; ``only_first``, ``only_second``: modes without a partner.
     """
-    sets = _mode_sets(first, second, _unstable(first), _unstable(second))
+    unstable = (np.flatnonzero(result.unstable) for result in (first, second))
+    sets = _mode_sets(first, second, *unstable)
     match = match_modes(*sets, near=0.0, limit=None)
     assurance = modal_assurance(sets[0].shapes, sets[1].shapes)
     values = [s.eigenvalues for s in sets]
@@ -84,7 +82,7 @@ def match_unstable(first: SceneResult, second: SceneResult) -> dict[str, Any]:
 
 
 def circumferential_orders(
-    result: SceneResult, surfaces: Sequence[str] = (), *, angles: int = 64, circles: int = 3
+    result: ModesResult, surfaces: Sequence[str] = (), *, angles: int = 64, circles: int = 3
 ) -> CircumferentialContent:
     """Circumferential content of every mode of a run on surfaces of revolution about the z axis.
 
@@ -111,7 +109,7 @@ def circumferential_orders(
     return circumferential_content(np.concatenate(u))
 
 
-def _on_circles(result: SceneResult, surface: str, angles: int, circles: int) -> Complexes:
+def _on_circles(result: ModesResult, surface: str, angles: int, circles: int) -> Complexes:
     """Displacements of every mode in cylindrical components, (circles, angles, dim, modes)."""
     body, name = surface.split(".")
     side = result.system.bodies[body].surfaces[name]
@@ -119,22 +117,10 @@ def _on_circles(result: SceneResult, surface: str, angles: int, circles: int) ->
     found = side.locate(x, normal, side.mesh_size)
     if found.missed.any():
         raise InputError("surfaces", surface, "surfaces of revolution about the z axis")
-    u = _shapes(result, body, side.trace(found.at), _all(result))
+    u = result.mode_shapes(surface, found.at)
     turns = _turns(2 * np.pi * np.arange(angles) / angles, side.dim)
     # Turned back by its angle, each point's components are radial and circumferential.
-    return np.einsum("aji,cajm->caim", turns, u.reshape(-1, angles, side.dim, u.shape[1]))
-
-
-def complex_displacement(
-    system: CoupledSystem, body: str, real: Any, imaginary: Any, *, everywhere: bool = True
-) -> Complexes:
-    """Complex displacement (m) of the scalar dofs of a body, shape (num_scalar_dofs, dim).
-
-    On every rank, or on rank 0 only and empty on others.
-    """
-    u = system.displacement(real, body, everywhere=everywhere).astype(complex)
-    u += 1j * system.displacement(imaginary, body, everywhere=everywhere)
-    return u.reshape(-1, system.bodies[body].dim)
+    return np.einsum("aji,cajm->caim", turns, u.reshape(-1, angles, *u.shape[1:]))
 
 
 def _around(side: Surface, angles: int, circles: int) -> tuple[Floats, Floats]:
@@ -165,16 +151,16 @@ def _turns(theta: Floats, dim: int) -> Floats:
 
 
 def _mode_sets(
-    first: SceneResult,
-    second: SceneResult,
+    first: ModesResult,
+    second: ModesResult,
     first_modes: NDArray[np.int64] | None,
     second_modes: NDArray[np.int64] | None,
 ) -> tuple[ModeSet, ModeSet]:
     """Eigenvalues, and displacements at points of the contact surfaces that both can locate."""
-    chosen = (
-        _all(first) if first_modes is None else first_modes,
-        _all(second) if second_modes is None else second_modes,
-    )
+    chosen = [
+        np.arange(len(result.modes)) if modes is None else modes
+        for result, modes in ((first, first_modes), (second, second_modes))
+    ]
     left, right = [], []
     for spec in first.scene.contacts.values():
         for place in (spec.a, spec.b):
@@ -184,38 +170,19 @@ def _mode_sets(
             points = surface.grid(max(2, round(_SAMPLES / np.sqrt(surface.num_elements))))
             found = other.locate(points.x, points.normal, other.mesh_size)
             hit = ~found.missed
-            left.append(_shapes(first, body, surface.trace(points.at[hit]), chosen[0]))
-            right.append(_shapes(second, body, other.trace(found.at[hit]), chosen[1]))
+            left.append(first.mode_shapes(place, points.at[hit], chosen[0]))
+            right.append(second.mode_shapes(place, found.at[hit], chosen[1]))
     return (
-        ModeSet(_modes(first).eigenvalues[chosen[0]], np.concatenate(left)),
-        ModeSet(_modes(second).eigenvalues[chosen[1]], np.concatenate(right)),
+        ModeSet(first.eigenvalues[chosen[0]], _rows(left)),
+        ModeSet(second.eigenvalues[chosen[1]], _rows(right)),
     )
-
-
-def _modes(result: SceneResult) -> Modes:
-    if result.modes is None:
-        raise InputError("analysis.kind", result.scene.analysis.kind, "'cea', which gives modes")
-    return result.modes
-
-
-def _all(result: SceneResult) -> NDArray[np.int64]:
-    return np.arange(len(_modes(result).eigenvalues))
-
-
-def _unstable(result: SceneResult) -> NDArray[np.int64]:
-    assert isinstance(result.scene.analysis, ComplexEigenvalueAnalysis)
-    return np.flatnonzero(_modes(result).unstable(result.scene.analysis.growth_threshold))
 
 
 def _alone(values: Complexes) -> list[dict[str, float]]:
     return [{"frequency": float(v.imag / (2 * np.pi)), "growth": float(v.real)} for v in values]
 
 
-def _shapes(result: SceneResult, body: str, trace: Any, modes: NDArray[np.int64]) -> Complexes:
-    """Displacements at the points of a trace, one row for each component, shape (rows, modes)."""
-    columns = []
-    for mode in modes:
-        u = complex_displacement(result.system, body, *_modes(result).vector(int(mode)))
-        columns.append((trace @ u).ravel())
-    rows = trace.shape[0] * result.system.bodies[body].dim
-    return np.stack(columns, axis=1) if columns else np.empty((rows, 0), complex)
+def _rows(shapes: list[Complexes]) -> Complexes:
+    """Displacements of several surfaces, a row for each component of each point."""
+    every = np.concatenate(shapes)
+    return every.reshape(-1, every.shape[-1])

@@ -1,13 +1,14 @@
 """What a scene says: frozen dataclasses, each of which refuses what is wrong with itself."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Union
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, GetCoreSchemaHandler
+from pydantic_core import CoreSchema
 
-from cea.contact.formulations import Bonded, Formulation, GaussPointToSurface
+from cea.contact.coupling import Form
+from cea.contact.formulations import Formulation, registered
 from cea.contact.friction import FrictionDirection
-from cea.contact.operators import Form
 from cea.errors import InputError
 from cea.fields import Expression
 from cea.material import IsotropicMaterial
@@ -157,6 +158,16 @@ class BodySpec:
     placement: Placement = field(default_factory=Placement)
 
 
+class _Registered:
+    """Lets pydantic read every registered formulation, told apart by ``method``."""
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        every: Any = Union[tuple(registered().values())]  # noqa: UP007  (made of a list)
+        return handler.generate_schema(Annotated[every, Field(discriminator="method")])
+
+
 @dataclass(frozen=True)
 class ContactSpec:
     """A contact between side a, where the points lie, and side b.
@@ -191,7 +202,7 @@ class ContactSpec:
 
     a: str
     b: str
-    formulation: Annotated[Formulation, Field(discriminator="method")]
+    formulation: Annotated[Formulation, _Registered()]
     P: Annotated[float, Field(gt=0, allow_inf_nan=True)] | None = None
     p: Annotated[float, Field(allow_inf_nan=True)] | str | None = None
     mu: float | str = 0.0
@@ -216,11 +227,12 @@ class ContactSpec:
         for name, stiffness in (("P", self.P), ("p", self.p)):
             if stiffness == float("inf") and self.form == "penalty":
                 raise InputError(name, stiffness, "finite, or form = 'saddle'")
-        lumped = isinstance(self.formulation, GaussPointToSurface) and self.formulation.lumped
-        if lumped and self.form == "saddle":
+        coupling = self.formulation.coupling
+        if coupling == "lumped" and self.form == "saddle":
             raise InputError("form", "saddle", "penalty where lumped")
-        if isinstance(self.formulation, Bonded) and (self.mu != 0 or self.full_pass):
-            raise InputError("formulation.method", "bonded", "a half pass with mu = 0")
+        if coupling == "bonded" and (self.mu != 0 or self.full_pass):
+            method = self.formulation.method
+            raise InputError("formulation.method", method, "a half pass with mu = 0")
 
 
 @dataclass(frozen=True)
@@ -269,8 +281,8 @@ class OutputSpec:
 
 
 @dataclass(frozen=True)
-class Scene:
-    """Bodies, contacts, loads and the analysis to be made of them."""
+class SceneSpec:
+    """Bodies, contacts, loads and the analysis to be made of them, each right by itself."""
 
     name: str
     bodies: dict[str, BodySpec]

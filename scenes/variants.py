@@ -3,7 +3,8 @@
 from dataclasses import replace
 from typing import Any
 
-from scenes.spec import Backend, Scene
+from scenes.read import Scene
+from scenes.spec import Backend
 
 BACKENDS: tuple[Backend, ...] = ("fe", "iga")
 

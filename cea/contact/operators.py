@@ -7,12 +7,13 @@ The saddle form keeps G, T and D and leaves the products out (:mod:`cea.contact.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from cea.body import Body, Floats
+from cea.contact.coupling import Coupling, Form
 from cea.contact.interface import Interface, PointRule
 from cea.contact.laws import Friction, NormalLaw
 from cea.contact.lumping import lumped_matrices
@@ -20,17 +21,6 @@ from cea.contact.mortar import MortarProjection
 from cea.errors import InputError
 from cea.matrices import destroy, gather, product, symmetric_product, system_operator
 from cea.ranks import agreed
-
-Coupling = Literal["pointwise", "lumped", "mortar", "bonded"]
-"""What becomes of the gaps at the points of an interface.
-
-``pointwise``: a penalty at each; ``lumped``: the same, the blocks of each side summed onto their
-diagonal; ``mortar``: the gap projected on the traces of side a; ``bonded``: as mortar, with every
-component of the jump tied.
-"""
-
-Form = Literal["penalty", "saddle"]
-"""Whether contact forces are eliminated (penalty) or unknowns of their own (saddle)."""
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,12 @@ import numpy as np
 
 from cea.body import Floats
 from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
-from cea.eigen.modes import Modes, Window
+from cea.eigen.modes import Modes
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.search import Search
 from cea.eigen.sensitivity import LeftVectors, biorthonormal, dual_norms
 from cea.eigen.shifted import Shifted, count_below
+from cea.eigen.spectrum import Window
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
 from cea.warned import ResultWarning

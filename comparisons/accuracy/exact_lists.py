@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.eigen.modes import Complexes
+from cea.body import Complexes
 from comparisons.accuracy.problems import PROBLEMS, Problem, problem
 from comparisons.accuracy.study import FULL
 

@@ -12,26 +12,35 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from comparisons.accuracy.analysis import Line, lines, seconds_of, uses
 from comparisons.accuracy.study import RULES
 from comparisons.kit.numbers import number
+from comparisons.kit.plots import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    GRID,
+    MARKERS,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+)
+from comparisons.kit.tables import Data
 
-Data = dict[str, Any]
-
-# Colours of Okabe and Ito, told apart with any colour vision.
 _COLOURS = {
-    "mortar": "#222222",
-    "segments": "#8A8A8A",
-    "gpts": "#0072B2",
-    "gpts_lumped": "#D55E00",
-    "full_pass": "#56B4E9",
-    "grid": "#009E73",
-    "node": "#CC79A7",
+    "mortar": BLACK,
+    "segments": GREY,
+    "gpts": BLUE,
+    "gpts_lumped": VERMILION,
+    "full_pass": SKY,
+    "grid": GREEN,
+    "node": PURPLE,
     "node_tributary": "#882255",
-    "greville": "#E69F00",
+    "greville": ORANGE,
     "greville_area": "#A86500",
     "botella": "#B5A800",
     "botella_area": "#6B6300",
 }
-_BY_DEGREE = ("#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00", "#882255")
-_MARKERS = {"fe": "s", "iga": "o"}
+_BY_DEGREE = (SKY, BLUE, GREEN, ORANGE, VERMILION, "#882255")
 _STYLES = {"fe": "--", "iga": "-"}
 
 
@@ -41,7 +50,7 @@ def error_against_cost(data: Data, problem: str) -> Figure:
     At the study's first stiffness; left every degree with the mortar method, right every contact
     rule at degree 2.
     """
-    p = data["study"]["stiffnesses"][0]
+    p = data["inputs"]["study"]["stiffnesses"][0]
     drawn = [ln for ln in lines(data["runs"]) if (ln.problem, ln.stiffness) == (problem, p)]
     degrees = [line for line in drawn if line.method.rule == "mortar"]
     rules = [line for line in drawn if line.method.degree == 2]
@@ -61,7 +70,7 @@ def error_against_cost(data: Data, problem: str) -> Figure:
             Line2D(
                 *([], []),
                 color=colour(line),
-                marker=_MARKERS[line.method.backend],
+                marker=MARKERS[line.method.backend],
                 linestyle=_STYLES[line.method.backend],
                 label=line.method.label if column else line.method.discretisation,
             )
@@ -100,13 +109,13 @@ def growth_against_stiffness(data: Data, problem: str) -> Figure:
                 axes.loglog(
                     *zip(*points, strict=True),
                     color=_COLOURS[rule],
-                    marker=_MARKERS[backend],
+                    marker=MARKERS[backend],
                     markersize=4,
                     label=RULES[rule].label,
                 )
         axes.set_title("FE 2" if backend == "fe" else "NURBS 2")
         axes.set_xlabel(f"p / ({data['problems'][problem]['unit']:g} N/m³)")
-        axes.grid(visible=True, color="#E4E4E4")
+        axes.grid(visible=True, color=GRID)
         if axes.lines:
             axes.legend(fontsize=7, frameon=False)
     panels[0].set_ylabel("worst error of growth / largest growth")
@@ -121,11 +130,11 @@ def _errors(axes: Axes, chosen: Sequence[Line], cost: Any, colour: Any) -> None:
             line.errors(),
             _STYLES[line.method.backend],
             color=colour(line),
-            marker=_MARKERS[line.method.backend],
+            marker=MARKERS[line.method.backend],
             markersize=4,
             linewidth=1.1,
         )
-    axes.grid(visible=True, color="#E4E4E4")
+    axes.grid(visible=True, color=GRID)
 
 
 def _dofs(run: Any) -> int:

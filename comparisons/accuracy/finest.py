@@ -15,11 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from cea.body import Complexes
 from cea.eigen.eigenvalue_matching import match_spectrum
-from cea.eigen.modes import Complexes, Modes
+from cea.eigen.modes import Modes
 from exact_cea.reference import exact_eigenvalues
 from scenes.read import load_scene
-from scenes.run import run_scene
+from scenes.run import run_modes
 from scenes.spec import Backend
 
 Data = dict[str, Any]
@@ -232,6 +233,5 @@ def solve(finest: Finest, p: float, mu: float, highest: float) -> tuple[int, Mod
         f"contacts.interface.mu={COMPARED[finest.problem].friction.format(mu=mu)}",
         f"analysis.max_frequency={highest / (2 * pi)!r}",
     ]
-    result = run_scene(load_scene(Path(finest.problem), overrides, finest.backend))
-    assert result.modes is not None
+    result = run_modes(load_scene(Path(finest.problem), overrides, finest.backend))
     return result.system.size, result.modes

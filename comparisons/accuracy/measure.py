@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats
+from cea.body import Complexes, Floats
 from cea.eigen.eigenvalue_matching import match_spectrum
-from cea.eigen.modes import Complexes
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, overrides
 from scenes.read import load_scene
-from scenes.run import SceneResult, run_scene
+from scenes.results import ModesResult
+from scenes.run import run_modes
 
 REACH = 0.25
 """Relative distance at which a computed eigenvalue no longer stands for an exact one."""
@@ -62,7 +62,6 @@ class Measurer:
         assert first.result is not None
         system, interface = first.result.system, next(iter(first.result.interfaces.values()))
         modes = first.result.modes
-        assert modes is not None
         measured = {"dofs": system.size, "points": len(interface.points)}
         del system, interface
         timed = [replace(first, result=None)]
@@ -93,7 +92,7 @@ class Measurer:
 class _Timed:
     """A run with its processor time by stage and its time by the clock (s)."""
 
-    result: SceneResult | None
+    result: ModesResult | None
     stages: dict[str, float]
     clock: float
 
@@ -112,9 +111,9 @@ def _timed(case: Case) -> _Timed:
     return _Timed(result, stages, result.timer.total)
 
 
-def _run(case: Case) -> SceneResult:
+def _run(case: Case) -> ModesResult:
     fields = overrides(problem(case.problem), case)
-    return run_scene(load_scene(Path(case.problem), fields, case.method.backend))
+    return run_modes(load_scene(Path(case.problem), fields, case.method.backend))
 
 
 def errors(computed: Complexes, exact: Complexes, band: tuple[float, float]) -> dict[str, Any]:

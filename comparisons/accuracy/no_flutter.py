@@ -14,7 +14,7 @@ import numpy as np
 from comparisons.accuracy.problems import PROBLEMS, BodyMesh, Problem
 from comparisons.accuracy.study import RULES, Case, Method, overrides
 from scenes.read import load_scene
-from scenes.run import run_scene
+from scenes.run import run_modes
 from scenes.run_matching import circumferential_orders
 
 Data = dict[str, Any]
@@ -24,7 +24,7 @@ _REFINEMENT = 3
 
 
 @dataclass(frozen=True)
-class Still:
+class NoFlutter:
     """A problem that cannot flutter.
 
     Parameters
@@ -49,8 +49,8 @@ def _layer(name: str) -> BodyMesh:
     return BodyMesh(name, (4, 1), (False, False), (True, False))
 
 
-STILL = (
-    Still(
+NO_FLUTTER = (
+    NoFlutter(
         "layers that mirror each other",
         Problem(
             "blocks",
@@ -65,7 +65,7 @@ STILL = (
             "bodies.lower.material={ E = 0.1, nu = 0.25, rho = 0.35 }",
         ),
     ),
-    Still(
+    NoFlutter(
         "drum, m = 0",
         Problem("drum", PROBLEMS["drum"].bodies, band=(0.0, 2.5), mu=0.9, solver="drum"),
         order=0,
@@ -74,7 +74,7 @@ STILL = (
 """Problems that cannot flutter."""
 
 
-def run_still(progress: Callable[[str], None] = lambda _: None) -> list[Data]:
+def run_no_flutter(progress: Callable[[str], None] = lambda _: None) -> list[Data]:
     """Run every problem with every contact rule on both backends, elements of degree 2.
 
     Returns
@@ -83,16 +83,16 @@ def run_still(progress: Callable[[str], None] = lambda _: None) -> list[Data]:
         Plain data of each run, see :func:`measure`.
     """
     runs = []
-    for still in STILL:
+    for each in NO_FLUTTER:
         for rule in RULES.values():
             for backend in rule.backends:
                 method = Method(backend, _DEGREE, rule.key)
-                progress(f"{still.label}, {method.label}")
-                runs.append(measure(still, method))
+                progress(f"{each.label}, {method.label}")
+                runs.append(measure(each, method))
     return runs
 
 
-def measure(still: Still, method: Method, refinement: int = _REFINEMENT) -> Data:
+def measure(each: NoFlutter, method: Method, refinement: int = _REFINEMENT) -> Data:
     """Growth of a problem that cannot flutter.
 
     Returns
@@ -102,20 +102,19 @@ def measure(still: Still, method: Method, refinement: int = _REFINEMENT) -> Data
         abs(lambda); ``rounding``, what residual times condition explains of it there; and
         ``unexplained``, modes that grow or decay by more than that.
     """
-    case = Case(still.problem.name, method, refinement, 1.0)
-    fields = [*still.changes, *overrides(still.problem, case)]
-    result = run_scene(load_scene(Path(still.problem.name), fields, method.backend))
+    case = Case(each.problem.name, method, refinement, 1.0)
+    fields = [*each.changes, *overrides(each.problem, case)]
+    result = run_modes(load_scene(Path(each.problem.name), fields, method.backend))
     modes = result.modes
-    assert modes is not None
     chosen = np.ones(len(modes.eigenvalues), bool)
-    if still.order is not None:
-        chosen = circumferential_orders(result).orders == still.order
+    if each.order is not None:
+        chosen = circumferential_orders(result).orders == each.order
     size = np.abs(modes.eigenvalues[chosen])
     growth = np.abs(modes.growth_rates[chosen])
     rounding = modes.growth_uncertainties[chosen]
     worst = int(np.argmax(growth / size))
     return {
-        "problem": still.label,
+        "problem": each.label,
         "method": case.described()["method"],
         "modes": len(size),
         "growth": float(growth[worst] / size[worst]),

@@ -1,6 +1,5 @@
 """The page of a study: JSON, CSV files, figures and Markdown, all drawn from plain data."""
 
-import gzip
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -8,14 +7,14 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from cea.errors import InputError
 from comparisons.accuracy import figures, tables, words
-from comparisons.kit.tabular import Table
+from comparisons.accuracy.runner import COMMAND
+from comparisons.kit.records import RESULT, read_result
+from comparisons.kit.tables import Table
+from scenes.stored import write_record
 
 Data = dict[str, Any]
 
-RESULT = "result.json"
-"""Everything measured; the rest is drawn from it."""
 _DPI = 150
 
 
@@ -27,16 +26,7 @@ def read(out: Path) -> Data:
     InputError
         When the folder holds none.
     """
-    file, compressed = out / RESULT, out / f"{RESULT}.gz"
-    if file.is_file():
-        data = json.loads(file.read_bytes())
-    elif compressed.is_file():
-        data = json.loads(gzip.decompress(compressed.read_bytes()))
-    else:
-        raise InputError("out", str(out), f"a folder with the {RESULT} of a study")
-    if data.get("command") != "accuracy":
-        raise InputError("out", str(out), f"a folder whose {RESULT} is that of a study of accuracy")
-    return data
+    return read_result(out, COMMAND)
 
 
 def write(data: Data, out: Path) -> Path:
@@ -47,8 +37,7 @@ def write(data: Data, out: Path) -> Path:
     Path
         The page.
     """
-    out.mkdir(parents=True, exist_ok=True)
-    (out / RESULT).write_text(_compact(data), encoding="utf-8")
+    write_record(data, out / RESULT)
     made = {table.name: table for table in (make(data) for make in tables.TABLES)}
     for table in made.values():
         table.write_csv(out)
@@ -58,18 +47,6 @@ def write(data: Data, out: Path) -> Path:
     page = out / "report.md"
     page.write_text("\n".join(_page(data, made)) + "\n", encoding="utf-8")
     return page
-
-
-def _compact(data: Data) -> str:
-    """JSON with a line for each run: small, and changes can be read."""
-    parts = []
-    for key, value in data.items():
-        text = json.dumps(value, separators=(",", ":"), allow_nan=False)
-        if isinstance(value, list) and value:
-            items = (json.dumps(v, separators=(",", ":"), allow_nan=False) for v in value)
-            text = "[\n" + ",\n".join(items) + "\n]"
-        parts.append(f"{json.dumps(key)}: {text}")
-    return "{\n" + ",\n".join(parts) + "\n}\n"
 
 
 def _save(draw: Callable[[Data, str], Figure], data: Data, problem: str, file: Path) -> None:
@@ -91,7 +68,7 @@ def _page(data: Data, made: dict[str, Table]) -> list[str]:
         *_bullets(words.where_each_may_be_used(data)),
         "",
     ]
-    if data.get("still"):
+    if data.get("no_flutter"):
         text += ["## Where nothing may grow", "", *_bullets(words.without_flutter(data)), ""]
     if data.get("finest"):
         text += ["## Finest meshes", "", *_bullets(words.finest(data)), ""]
@@ -150,7 +127,8 @@ def _machine(data: Data) -> list[str]:
     return [
         "## As run",
         "",
-        f"{machine['system']} {machine['machine']}, {machine['cpus']} processors; {versions}. "
-        f"Study: {json.dumps(data['study'])}. All numbers: `{RESULT}`, `runs.csv`, `uses.csv`, "
-        "`pareto.csv`.",
+        f"{machine['system']} {machine['machine']}, {machine['cpus']} processors; {versions}; "
+        f"commit {data['commit']}. "
+        f"Study: {json.dumps(data['inputs']['study'])}. All numbers: `{RESULT}`, `runs.csv`, "
+        "`uses.csv`, `pareto.csv`.",
     ]

@@ -12,9 +12,12 @@ from comparisons.accuracy.exact_lists import exact
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, Study, cases
 from comparisons.accuracy.worker import CaseError, Worker
-from scenes.results import machine, versions
+from scenes.stored import record
 
 Data = dict[str, Any]
+
+COMMAND = "accuracy"
+"""Command that a record is marked with."""
 
 _GROWTH = 1.0
 """Exponent with which run time is expected to grow with the elements: what all of it does not
@@ -53,8 +56,8 @@ def run_study(
     Returns
     -------
     dict
-        Plain data: the study, ``problems`` with the exact eigenvalues of what was run, ``runs``,
-        ``omissions`` with a reason each, ``seconds``, versions and machine.
+        Record: ``problems`` with the exact eigenvalues of what was run, ``runs``, ``omissions``
+        with a reason each. Its inputs are the study and the names of the problems.
 
     Raises
     ------
@@ -78,16 +81,15 @@ def run_study(
         if own is not None:
             own.end()
     runs = [run for part in every for run in part.runs]
-    return {
-        "command": "accuracy",
-        "study": asdict(study),
+    data = {
         "problems": {p.name: _described(p.name, runs) for p in problems},
         "runs": runs,
         "omissions": [omission for part in every for omission in part.told_omissions()],
-        "seconds": perf_counter() - start,
-        "versions": versions(),
-        "machine": machine() | {"load": os.getloadavg()[0]},
     }
+    inputs = {"study": asdict(study), "problems": [chosen.name for chosen in problems]}
+    found = record(COMMAND, data, inputs=inputs, seconds=perf_counter() - start)
+    found["machine"]["load"] = os.getloadavg()[0]
+    return found
 
 
 class _Problem:

@@ -5,8 +5,20 @@ from dataclasses import asdict, dataclass, field, replace
 from math import prod
 from typing import Any
 
+from cea.contact.formulations import (
+    Botella,
+    GaussPointToSurface,
+    Greville,
+    Grid,
+    Mortar,
+    NodeToSurface,
+    Segments,
+    registered,
+)
 from comparisons.accuracy.problems import BodyMesh, Problem
+from scenes.checks import suits
 from scenes.spec import Backend
+from scenes.variants import BACKENDS
 
 
 @dataclass(frozen=True)
@@ -24,8 +36,6 @@ class ContactRule:
         element along an edge; None where there is none to choose.
     full_pass
         Whether both passes are averaged.
-    backends
-        Backends that side a may have.
     integrates
         Whether it integrates the traces exactly on flat interfaces, so that theory knows its order.
     """
@@ -35,39 +45,36 @@ class ContactRule:
     formulation: dict[str, Any]
     points: str | None = None
     full_pass: bool = False
-    backends: tuple[Backend, ...] = ("fe", "iga")
     integrates: bool = False
 
+    @property
+    def backends(self) -> tuple[Backend, ...]:
+        """Backends that side a may have."""
+        kind = registered()[self.formulation["method"]]
+        return tuple(backend for backend in BACKENDS if suits(kind, backend))
+
+
+_GPTS = GaussPointToSurface.name
 
 RULES: dict[str, ContactRule] = {
     rule.key: rule
     for rule in (
-        ContactRule("mortar", "mortar", {"method": "mortar"}, integrates=True),
-        ContactRule("segments", "segments", {"method": "segments"}, integrates=True),
-        ContactRule("gpts", "GPTS", {"method": "gpts"}, "gauss"),
-        ContactRule("gpts_lumped", "GPTS lumped", {"method": "gpts", "lumped": True}, "gauss"),
-        ContactRule("full_pass", "GPTS full pass", {"method": "gpts"}, "gauss", full_pass=True),
-        ContactRule("grid", "grid", {"method": "grid"}, "grid"),
-        ContactRule("node", "node-to-surface", {"method": "node_to_surface"}, backends=("fe",)),
-        ContactRule(
-            "node_tributary",
-            "node-to-surface, tributary",
-            {"method": "node_to_surface", "weights": "tributary"},
-            backends=("fe",),
-        ),
-        ContactRule("greville", "Greville", {"method": "greville"}, backends=("iga",)),
-        ContactRule(
-            "greville_area",
-            "Greville, area",
-            {"method": "greville", "weights": "area"},
-            backends=("iga",),
-        ),
-        ContactRule("botella", "Botella", {"method": "botella"}, backends=("iga",)),
-        ContactRule(
-            "botella_area",
-            "Botella, area",
-            {"method": "botella", "weights": "area"},
-            backends=("iga",),
+        ContactRule("mortar", Mortar.name, {"method": "mortar"}, integrates=True),
+        ContactRule("segments", Segments.name, {"method": "segments"}, integrates=True),
+        ContactRule("gpts", _GPTS, {"method": "gpts"}, "gauss"),
+        ContactRule("gpts_lumped", f"{_GPTS} lumped", {"method": "gpts", "lumped": True}, "gauss"),
+        ContactRule("full_pass", f"{_GPTS} full pass", {"method": "gpts"}, "gauss", full_pass=True),
+        ContactRule("grid", Grid.name, {"method": "grid"}, "grid"),
+        *(
+            ContactRule(key, formulation.label, asdict(formulation))
+            for key, formulation in (
+                ("node", NodeToSurface()),
+                ("node_tributary", NodeToSurface("tributary")),
+                ("greville", Greville()),
+                ("greville_area", Greville("area")),
+                ("botella", Botella()),
+                ("botella_area", Botella("area")),
+            )
         ),
     )
 }

@@ -14,7 +14,7 @@ from comparisons.accuracy.analysis import (
 )
 from comparisons.accuracy.study import RULES, Method
 from comparisons.kit.numbers import counted, number, plain, shown
-from comparisons.kit.tabular import Column, Table
+from comparisons.kit.tables import Column, Table
 
 Data = dict[str, Any]
 
@@ -106,7 +106,7 @@ def fronts(data: Data) -> Table:
             run["memory"],
         )
         for problem in data["problems"]
-        for p in data["study"]["stiffnesses"]
+        for p in data["inputs"]["study"]["stiffnesses"]
         for run in pareto(r for r in data["runs"] if (r["problem"], r["stiffness"]) == (problem, p))
     ]
     return Table(
@@ -251,10 +251,10 @@ def without_flutter(data: Data) -> Table:
             run["rounding"],
             run["unexplained"],
         )
-        for run in data.get("still", [])
+        for run in data.get("no_flutter", [])
     ]
     return Table(
-        "still",
+        "no_flutter",
         "Largest growth relative to abs(lambda) in problems that cannot flutter, and what residual "
         "times condition explains of it.",
         (

@@ -26,7 +26,7 @@ _JUDGED = (
 
 def how_measured(data: Data) -> str:
     """What was timed and what was not."""
-    study = data["study"]
+    study = data["inputs"]["study"]
     return (
         f"Run time is the median of {study['repeats']} runs, each from geometry to eigenpairs "
         "(meshing, search, assembly, factorisation, Krylov, post-processing), on one thread "
@@ -47,7 +47,7 @@ def how_measured(data: Data) -> str:
 def front(data: Data, problem: str) -> list[str]:
     """The Pareto front of a problem, a sentence for each stiffness."""
     sentences = []
-    for p in data["study"]["stiffnesses"]:
+    for p in data["inputs"]["study"]["stiffnesses"]:
         runs = [r for r in data["runs"] if (r["problem"], r["stiffness"]) == (problem, p)]
         best = pareto(runs)
         if best:
@@ -166,7 +166,7 @@ def _digits(problem: str, method: str, runs: list[Data]) -> str:
 
 def without_flutter(data: Data) -> list[str]:
     """What grew in problems that cannot flutter."""
-    runs = data.get("still", [])
+    runs = data.get("no_flutter", [])
     grown = [run for run in runs if run["unexplained"]]
     problems = listed(dict.fromkeys(run["problem"] for run in runs))
     sentences = [

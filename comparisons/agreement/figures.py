@@ -2,73 +2,38 @@
 
 from collections import Counter
 from collections.abc import Callable
-from functools import wraps
 from itertools import groupby
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from comparisons.agreement.tables import Data, stage_times
-from comparisons.kit.numbers import backend_name, number
-from comparisons.kit.tabular import Table
-
-DPI = 200
-"""Pixels per inch of the files: twice those a page shows."""
-
-# Colours of Okabe and Ito, told apart with any colour vision.
-ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
-BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
+from comparisons.agreement.tables import stage_times
+from comparisons.kit.numbers import number
+from comparisons.kit.plots import (
+    AXIS,
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    MARKERS,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    YELLOW,
+    styled,
+)
+from comparisons.kit.tables import Data, Table
+from scenes.names import backend_name
 
 COLOURS = {"node_to_surface": VERMILION, "greville": ORANGE, "grid": GREEN, "gpts": BLUE}
 """Colour of each formulation."""
-MARKERS = {"fe": "s", "iga": "o"}
-"""Marker of each backend."""
 _SIZES = {"fe": (11.0, 2.0), "iga": (5.5, 1.25)}
 """Size of the first formulation's marker (points), and how much less the next is."""
-
-_STYLE = {
-    "font.family": "sans-serif",
-    "font.size": 9,
-    "axes.titlesize": 9,
-    "axes.edgecolor": "#555555",
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": "#E4E4E4",
-    "grid.linewidth": 0.6,
-    "xtick.color": "#444444",
-    "ytick.color": "#444444",
-    "legend.frameon": False,
-    "legend.fontsize": 8,
-}
-
-
-def styled(draw: Callable[[Data], Figure]) -> Callable[[Data], Figure]:
-    """Give a figure the style of the report."""
-
-    @wraps(draw)
-    def styled(data: Data) -> Figure:
-        with rc_context(_STYLE):
-            figure = draw(data)
-            FigureCanvasAgg(figure)
-            return figure
-
-    return styled
-
-
-def save(figure: Figure, file: Path) -> None:
-    """Write a figure as PNG at :data:`DPI`."""
-    with rc_context(_STYLE):
-        figure.savefig(file, dpi=DPI)
 
 
 @styled
@@ -93,7 +58,7 @@ def patch_stresses(data: Data) -> Figure:
         handles=[
             Line2D([], [], color=BLUE, label="side b"),
             Line2D([], [], color=VERMILION, linestyle="--", label="side a"),
-            Line2D([], [], color="#222222", linewidth=0.8, linestyle=":", label="exact"),
+            Line2D([], [], color=BLACK, linewidth=0.8, linestyle=":", label="exact"),
         ],
         loc="outside upper center",
         ncols=3,
@@ -110,7 +75,7 @@ def _patch_panel(axes: Axes, run: Data, exact: float) -> None:
         axes.plot(
             sides[side]["arc"], sigma, style, color=colour, linewidth=1.3, label=f"side {side}"
         )
-    axes.axhline(exact, color="#222222", linewidth=0.8, linestyle=":", label="exact", zorder=3)
+    axes.axhline(exact, color=BLACK, linewidth=0.8, linestyle=":", label="exact", zorder=3)
     axes.set_title(f"{backend_name(run['backend'])}, {run['formulation']}")
     a, b = (number(sides[side]["oscillation"]) for side in "ab")
     axes.text(
@@ -130,7 +95,7 @@ def stability(data: Data) -> Figure:
     runs = data["disc_pad"]["runs"]
     figure = Figure(figsize=(10, 4.6), layout="constrained")
     axes = figure.subplots()
-    axes.axhline(0, color="#555555", linewidth=0.8)
+    axes.axhline(0, color=AXIS, linewidth=0.8)
     drawn = Counter[str]()
     for run in runs:
         # Where modes agree their markers stand inside one another, and each is seen.

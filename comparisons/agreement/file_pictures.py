@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pyvista
 
-from cea.body import Floats
-from cea.eigen.modes import Complexes
+from cea.body import Complexes, Floats
 from scenes.drawing import DEFLECTION, aim, largest_deflection, view_of
 
 _WINDOW = (1800, 800)

@@ -6,10 +6,12 @@ from typing import Any
 
 from cea.petsc import MPI
 from comparisons.agreement import figures, tables, words
-from comparisons.kit import provenance
 from comparisons.kit.page import Image, render
-from scenes.results import write_json
-from scenes.run import SceneResult
+from comparisons.kit.plots import save
+from comparisons.kit.provenance import machine
+from comparisons.kit.records import RESULT
+from scenes.results import ModesResult
+from scenes.stored import write_record
 
 TABLES = (
     tables.patch_test,
@@ -22,18 +24,20 @@ TABLES = (
     tables.backend_differences,
     tables.disc_frequencies,
     tables.stage_times,
-    provenance.time_saved,
-    provenance.skipped,
-    provenance.parameters,
-    provenance.machine,
+    tables.time_saved,
+    tables.skipped,
+    tables.parameters,
+    machine,
 )
 """Every table, those that only feed a figure too."""
+
+TEMPLATE = Path(__file__).with_name("page.html")
 
 _PICTURES = 1
 """Modes drawn of each result."""
 
 
-def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: Path) -> Path:
+def write_report(data: dict[str, Any], results: Mapping[str, ModesResult], out: Path) -> Path:
     """Write everything a comparison shows, on rank 0; the others wait until it is written.
 
     Collective: the pictures take part of their modes from every rank.
@@ -41,7 +45,7 @@ def write_report(data: dict[str, Any], results: Mapping[str, SceneResult], out: 
     Parameters
     ----------
     data
-        What :func:`comparisons.agreement.comparison.compare` found.
+        What :func:`comparisons.agreement.study.compare` found.
     results
         Results whose most unstable mode is drawn.
     out
@@ -73,9 +77,9 @@ def _write(
         table.write_csv(out)
     images = {}
     for name, draw in figures.FIGURES.items():
-        figures.save(draw(data), out / f"{name}.png")
+        save(draw(data), out / f"{name}.png")
         images[name] = Image.of(out / f"{name}.png")
-    write_json(
+    write_record(
         data
         | {
             "tables": [f"{name}.csv" for name in written],
@@ -83,11 +87,11 @@ def _write(
             "pictures": [image.file for image in pictures],
             "pictures_from_files": [image.file for image in from_files],
         },
-        out / "result.json",
+        out / RESULT,
     )
     page.write_text(
         render(
-            "page.html",
+            TEMPLATE,
             data=data,
             tables=written,
             images=images,
@@ -103,7 +107,7 @@ def _images(files: list[Path]) -> list[Image]:
     return [Image.of(file) for file in files]
 
 
-def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
+def _pictures(results: Mapping[str, ModesResult], out: Path) -> list[Path]:
     if not results:
         return []
     from scenes.pictures import draw_modes
@@ -111,7 +115,7 @@ def _pictures(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
     return [file for result in results.values() for file in draw_modes(result, _PICTURES, out)]
 
 
-def _pictures_from_files(results: Mapping[str, SceneResult], out: Path) -> list[Path]:
+def _pictures_from_files(results: Mapping[str, ModesResult], out: Path) -> list[Path]:
     """Write the modes drawn for ParaView, and draw what these files hold."""
     if not results:
         return []

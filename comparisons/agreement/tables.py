@@ -1,14 +1,15 @@
 """Tables of a comparison: what was computed, with its errors, and what it cost."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from math import tau
 from typing import Any
 
+from cea.contact.formulations import registered
 from cea.timing import STAGES
-from comparisons.kit.numbers import backend_name, decimals, number, per_cent, shown
-from comparisons.kit.tabular import Column, Table
-
-Data = Mapping[str, Any]
+from comparisons.kit import provenance
+from comparisons.kit.numbers import decimals, number, per_cent, shown
+from comparisons.kit.tables import Column, Data, Table
+from scenes.names import backend_name
 
 SECTIONS = {
     "patch_test": "patch test",
@@ -98,11 +99,16 @@ def unstable_modes(data: Data) -> Table:
     )
 
 
+def kind_name(kind: str) -> str:
+    """Name of a formulation by its method; "collocation" stands for each backend's own."""
+    return registered()[kind].name if kind in registered() else kind
+
+
 def agreement(data: Data) -> Table:
     """Unstable modes of the two backends paired by shape and frequency."""
     rows: list[tuple[Any, ...]] = []
     for kind, found in data["disc_pad"]["agreement"].items():
-        label = {"gpts": "GPTS"}.get(kind, kind)
+        label = kind_name(kind)
         matched = [
             (
                 *(label, "both", *pair["frequency"], pair["frequency_difference"]),
@@ -248,14 +254,7 @@ def runs(data: Data) -> Iterator[tuple[str, str, Data]]:
 
 def stage_times(data: Data) -> Table:
     """Seconds of every run by stage."""
-    saved = data["time_saved"]
-    timed = [
-        *((section, label, run["timings"], run["seconds"]) for section, label, run in runs(data)),
-        *(
-            (saved["scene"], words, saved[kind], saved[f"{kind}_seconds"])
-            for kind, words in (("lean", "friction left out"), ("full", "friction kept"))
-        ),
-    ]
+    timed = [(section, label, run["timings"], run["seconds"]) for section, label, run in runs(data)]
     stages = [*STAGES, *sorted({s for *_, timings, _ in timed for s in timings} - set(STAGES))]
     return Table(
         "stage_times",
@@ -271,3 +270,34 @@ def stage_times(data: Data) -> Table:
             for section, label, timings, total in timed
         ],
     )
+
+
+def time_saved(data: Data) -> Table:
+    """Processor seconds of one scene with and without what it does not need."""
+    saved = data["time_saved"]
+    lean, full = saved["lean"], saved["full"]
+    rows = [(stage, lean.get(stage, 0.0), full.get(stage, 0.0)) for stage in {**full, **lean}]
+    rows.append(("total", saved["lean_seconds"], saved["full_seconds"]))
+    seconds = decimals(2)
+    return Table(
+        "time_saved",
+        f"{saved['scene']}: processor seconds solved as it is, and as if nothing could be left "
+        f"out; medians of {number(saved['pairs'])} runs each, the total that of whole runs.",
+        (
+            Column("stage", "stage"),
+            Column("lean", "left out", seconds, "s"),
+            Column("full", "kept", seconds, "s"),
+            Column("saved", "saved", seconds, "s"),
+        ),
+        [(stage, left_out, kept, kept - left_out) for stage, left_out, kept in rows],
+    )
+
+
+def skipped(data: Data) -> Table:
+    """What the runs of each part did not need, with the reason."""
+    return provenance.skipped(runs(data))
+
+
+def parameters(data: Data) -> Table:
+    """Parameters of the scenes as run."""
+    return provenance.parameters(runs(data))

@@ -3,14 +3,23 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from comparisons.agreement.tables import SECTIONS, Data, runs
-from comparisons.kit.numbers import backend_name, counted, decimals, listed, number, plain
+from comparisons.agreement.tables import SECTIONS, kind_name, runs
+from comparisons.kit.numbers import (
+    capitalised,
+    counted,
+    decimals,
+    listed,
+    number,
+    plain,
+)
+from comparisons.kit.tables import Data
+from scenes.names import backend_name
 
 
 def summary(data: Data) -> str:
     """The report in one paragraph."""
     return " ".join(
-        [*_agreement(data), *_patch_test(data), _disc_alone(data), _saved(data), _total(data)]
+        [*_agreement(data), *_patch_test(data), _disc_alone(data), saved(data), _total(data)]
     )
 
 
@@ -36,7 +45,7 @@ def _agreement(data: Data) -> list[str]:
     for backend, modes in zip(("fe", "iga"), alone, strict=True):
         if modes:
             places = listed(f"{mode['frequency']:.0f} Hz" for mode in modes)
-            sentences.append(f"{_name(backend)} alone find one at {places}.")
+            sentences.append(f"{capitalised(backend_name(backend))} alone find one at {places}.")
     return sentences
 
 
@@ -49,7 +58,7 @@ def lone_modes(data: Data) -> list[str]:
         alone = [("fe", mode["frequency"]) for mode in found["only_first"]]
         alone += [("iga", mode["frequency"]) for mode in found["only_second"]]
         sentences += [
-            f"The mode that {backend_name(backend)} alone find with {_kind(kind)} at "
+            f"The mode that {backend_name(backend)} alone find with {kind_name(kind)} at "
             f"{frequency:.0f} Hz is {number(100 * (1 - frequency / top), 2)} % below the end of "
             f"the window, less than paired modes are apart ({number(100 * apart, 2)} % at most): "
             f"its partner may lie beyond."
@@ -95,14 +104,26 @@ def _disc_alone(data: Data) -> str:
     )
 
 
-def _saved(data: Data) -> str:
+def saved(data: Data) -> str:
+    """What leaving friction out saves, where that is more than equal runs are apart."""
     saved = data["time_saved"]
-    lean, full = saved["lean_seconds"], saved["full_seconds"]
-    change = 100 * (1 - lean / full)
+    ratio, noise = saved["ratio"], f"{number(100 * saved['noise'], 2)} %"
+    pairs = f"median of {number(saved['pairs'])} pairs of runs"
+    if abs(1 - ratio["median"]) <= saved["noise"]:
+        return (
+            f"Whether leaving out what a scene without friction does not need saves processor time "
+            f"cannot be told: it takes {_changed(ratio['median'])} ({pairs}), and equal runs are "
+            f"up to {noise} apart."
+        )
     return (
-        f"Leaving out what a scene without friction does not need took {number(lean)} s instead "
-        f"of {number(full)} s, {number(abs(change), 2)} % {'less' if change >= 0 else 'more'}."
+        f"Leaving out what a scene without friction does not need takes {_changed(ratio['median'])}"
+        f" processor time ({pairs}, {_changed(ratio['largest'])} to {_changed(ratio['least'])}); "
+        f"equal runs are up to {noise} apart."
     )
+
+
+def _changed(ratio: float) -> str:
+    return f"{number(100 * abs(1 - ratio), 2)} % {'less' if ratio <= 1 else 'more'}"
 
 
 def _total(data: Data) -> str:
@@ -145,6 +166,11 @@ def errors_of_modes(data: Data) -> str:
     )
 
 
+def warned(data: Data) -> list[str]:
+    """What runs of the disc and pad warn of."""
+    return [f"{capitalised(_run(warning))}: {warning['message']}." for warning in data["warnings"]]
+
+
 def kept_bodies(data: Data) -> str:
     """How many runs used bodies, and matrices, that an earlier run had built."""
     everything = [run for _, _, run in runs(data)]
@@ -181,12 +207,3 @@ def _values(run: Data) -> Sequence[Mapping[str, Any]]:
 
 def _run(run: Data) -> str:
     return f"{backend_name(run['backend'])}, {run['formulation']}"
-
-
-def _kind(kind: str) -> str:
-    return {"gpts": "GPTS"}.get(kind, kind)
-
-
-def _name(backend: str) -> str:
-    name = backend_name(backend)
-    return name[0].upper() + name[1:]

@@ -1,22 +1,25 @@
 """The command line ``cea exact``: reference eigenvalues for any parameters."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cea.errors import InputError
-from exact_cea import entries, lumped
-from exact_cea.blocks import Blocks
-from exact_cea.drum import Drum
-from exact_cea.galerkin_problems import Ring
-from exact_cea.material import Material
+from comparisons.cli.extras import need
 
-app = typer.Typer(
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    help="Exact eigenvalues of frictional contacts, without finite elements or splines.",
-)
+if TYPE_CHECKING:
+    from exact_cea.entries import Entry
+    from exact_cea.material import Material
+
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+
+
+@app.callback()
+def exact() -> None:
+    """Exact eigenvalues of frictional contacts, without finite elements or splines."""
+    need("exact")
+
 
 _P = Annotated[str, typer.Option("--p", help="Contact stiffness per area, or inf.")]
 _Mu = Annotated[str, typer.Option("--mu", help="Friction coefficient.")]
@@ -78,6 +81,9 @@ def drum(
     json: _Json = None,
 ) -> None:
     """Annulus a around annulus b, clamped outside and inside, in plane strain or 3D (--kz)."""
+    from exact_cea import entries
+    from exact_cea.drum import Drum
+
     a, b = _materials(E_a, nu_a, rho_a, E_b, nu_b, rho_b)
     window = _window(max_frequency, count, 14)
     problems = [Drum.of(order, p, mu, kz, a, b, inner, interface, outer) for order in m]
@@ -109,6 +115,9 @@ def blocks(
     json: _Json = None,
 ) -> None:
     """Layer a on layer b between roller walls, with sinusoidal or constant friction."""
+    from exact_cea import entries
+    from exact_cea.blocks import Blocks
+
     if mu is not None and (mu0 is not None or thresholds):
         raise InputError("mu", mu, "not together with mu0 or thresholds")
     a, b = _materials(E_a, nu_a, rho_a, E_b, nu_b, rho_b)
@@ -145,6 +154,9 @@ def ring(
     json: _Json = None,
 ) -> None:
     """Ring pad a on disc b with rolling rims, by a Galerkin method of high degree."""
+    from exact_cea import entries
+    from exact_cea.galerkin_problems import Ring
+
     a, b = _materials(E_a, nu_a, rho_a, E_b, nu_b, rho_b)
     window = _window(max_frequency, count, 20)
     problems = [Ring.of(order, p, mu, a, b, inner, outer, height_a, height_b) for order in m]
@@ -167,6 +179,8 @@ def lumped_(
     json: _Json = None,
 ) -> None:
     """Systems of two degrees of freedom: the models of Hoffmann and of Hulten."""
+    from exact_cea import entries, lumped
+
     if model == "hoffmann":
         stiffness = k11, k12, k22, k3
         info = {"mu_c": str(float(lumped.hoffmann_threshold(*stiffness)))}
@@ -187,7 +201,9 @@ def lumped_(
 
 def _materials(
     E_a: str, nu_a: str, rho_a: str, E_b: str, nu_b: str, rho_b: str
-) -> tuple[Material, Material]:
+) -> "tuple[Material, Material]":
+    from exact_cea.material import Material
+
     return Material.of(E_a, nu_a, rho_a, "a"), Material.of(E_b, nu_b, rho_b, "b")
 
 
@@ -199,21 +215,18 @@ def _window(
     return max_frequency, count
 
 
-def _deliver(found: list[entries.Entry], file: Path | None) -> None:
+_NOT_IN_LINE = {
+    *("lam", "lam_contact_free", "digits_each", "M", "C", "K"),
+    *("window", "a", "b", "sizes"),
+}
+"""What an entry holds beside what its first line shows."""
+
+
+def _deliver(found: "list[Entry]", file: Path | None) -> None:
+    from exact_cea import entries
+
     for entry in found:
-        shown = {
-            "lam",
-            "lam_contact_free",
-            "digits_each",
-            "M",
-            "C",
-            "K",
-            "window",
-            "a",
-            "b",
-            "sizes",
-        }
-        typer.echo("  ".join(f"{key}={entry[key]}" for key in entry if key not in shown))
+        typer.echo("  ".join(f"{key}={entry[key]}" for key in entry if key not in _NOT_IN_LINE))
         for real, imaginary in entry.get("lam", []):
             typer.echo(f"{real:>32} {imaginary:>28}")
         for _, imaginary in entry.get("lam_contact_free", []):

@@ -9,13 +9,28 @@ from traceback import format_exception
 from typing import Any
 
 from cea.errors import ConvergenceError, InputError
-from scenes.read import SceneError
+from comparisons.cli.extras import MissingExtraError
 
-_EXPECTED = (SceneError, InputError, ConvergenceError)
-"""Faults told in a line each; any other is told with its traceback."""
+_EXPECTED = (InputError, ConvergenceError, MissingExtraError)
+"""Faults told in a line each, as those of scenes are; any other is told with its traceback."""
 
 _PATIENCE = 5.0
 """Seconds that a rank with a fault gives the others to meet the same one."""
+
+_LAUNCHERS = ("PMI_", "PMIX_", "PMI2_", "OMPI_", "MPI_LOCAL", "MV2_", "SLURM_", "PALS_", "FLUX_")
+"""Beginnings of the environment variables by which launchers tell a process its rank."""
+
+
+def launched_together() -> Any:
+    """The communicator of all ranks where a launcher began this process, else None.
+
+    MPI takes longer to begin than many a command takes: a process alone leaves it until it is used.
+    """
+    if not any(name.startswith(_LAUNCHERS) for name in os.environ):
+        return None
+    from cea.petsc import MPI
+
+    return MPI.COMM_WORLD
 
 
 @contextmanager
@@ -28,13 +43,20 @@ def one_voice(comm: Any) -> Iterator[None]:
     Parameters
     ----------
     comm
-        MPI communicator (mpi4py); entering is collective.
+        MPI communicator (mpi4py), None for a process alone; entering is collective.
 
     Raises
     ------
     SystemExit
         With code 1, when every rank met a fault.
     """
+    if comm is None:
+        try:
+            yield
+        except Exception as error:
+            _tell(_told(error))
+            sys.exit(1)
+        return
     meeting = comm.Dup()  # a meeting of ranks must not match messages of their work
     try:
         with ExitStack() as silence:
@@ -48,17 +70,27 @@ def one_voice(comm: Any) -> Iterator[None]:
 
 
 def _told(error: Exception) -> str:
-    if isinstance(error, _EXPECTED):
+    if isinstance(error, _EXPECTED) or _is_of_a_scene(error):
         return "".join(f"error: {line}\n" for line in str(error).splitlines())
     return "".join(format_exception(error))
+
+
+def _is_of_a_scene(error: Exception) -> bool:
+    """Whether a scene was refused; only what has read scenes can refuse one."""
+    reader = sys.modules.get("scenes.read")
+    return reader is not None and isinstance(error, reader.SceneError)
+
+
+def _tell(fault: str) -> None:
+    sys.stdout.flush()
+    sys.stderr.write(fault)
+    sys.stderr.flush()
 
 
 def _end(comm: Any, fault: str) -> None:
     everyone = _all_arrive(comm)
     if comm.rank == 0 or not everyone:
-        sys.stdout.flush()
-        sys.stderr.write(fault)
-        sys.stderr.flush()
+        _tell(fault)
     if not everyone:
         comm.Abort(1)
     sys.exit(1)

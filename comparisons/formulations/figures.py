@@ -9,7 +9,19 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
-from comparisons.agreement.figures import (
+from cea.contact.formulations import (
+    Botella,
+    GaussPointToSurface,
+    Greville,
+    Grid,
+    Mortar,
+    NodeToSurface,
+    Segments,
+)
+from comparisons.formulations.pairing_tables import pairing_name
+from comparisons.kit.numbers import number
+from comparisons.kit.plots import (
+    BLACK,
     BLUE,
     GREEN,
     GREY,
@@ -20,19 +32,16 @@ from comparisons.agreement.figures import (
     save,
     styled,
 )
-from comparisons.agreement.tables import Data
-from comparisons.formulations.tables import pairing_name
-from comparisons.kit.numbers import backend_name, number
-
-BLACK = "#222222"
+from comparisons.kit.tables import Data
+from scenes.names import backend_name
 
 _LINES = {
-    "node-to-surface": (VERMILION, "s"),
-    "Greville": (VERMILION, "s"),
-    "Botella": (ORANGE, "D"),
-    "grid": (GREEN, "v"),
-    "segments": (PURPLE, "^"),
-    "mortar": (BLUE, "*"),
+    NodeToSurface.name: (VERMILION, "s"),
+    Greville.name: (VERMILION, "s"),
+    Botella.name: (ORANGE, "D"),
+    Grid.name: (GREEN, "v"),
+    Segments.name: (PURPLE, "^"),
+    Mortar.name: (BLUE, "*"),
 }
 """Colour and marker of each formulation."""
 
@@ -96,7 +105,7 @@ def line_style(formulation: str, gauss: list[int]) -> dict[str, Any]:
         Numbers of Gauss points of the study, in the order of their colours.
     """
     word, _, option = formulation.partition(", ")
-    names = [f"GPTS {n}" for n in gauss]
+    names = [f"{GaussPointToSurface.name} {n}" for n in gauss]
     colour, marker = _GPTS[names.index(word) % len(_GPTS)] if word in names else _LINES[word]
     return {
         "color": colour,
@@ -118,7 +127,7 @@ def _line(axes: Axes, data: Data, run: Data) -> None:
         axes.loglog([infinity], [run["tied_error"]], **style | {"linestyle": "none"})
 
 
-def draw_patch_errors(data: Data, file: Path) -> Path:
+def draw_patch_test_errors(data: Data, file: Path) -> Path:
     """Draw the errors of the patch tests against P: interfaces in rows, meshes in columns.
 
     Parameters
@@ -128,12 +137,12 @@ def draw_patch_errors(data: Data, file: Path) -> Path:
     file
         PNG to write.
     """
-    save(_patch_errors(data), file)
+    save(_patch_test_errors(data), file)
     return file
 
 
 @styled
-def _patch_errors(data: Data) -> Figure:
+def _patch_test_errors(data: Data) -> Figure:
     rows: dict[str, dict[str, list[Data]]] = {}
     for run in data["runs"]:
         row = rows.setdefault(run["interface"], {})

@@ -1,33 +1,31 @@
 """The page of formulations: result.json, CSV files, figures, and one page that holds them all."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cea.errors import InputError
 from cea.petsc import MPI
-from comparisons.agreement.tables import Data
-from comparisons.formulations import run_tables as formulations_tables
-from comparisons.formulations import words as formulations_words
-from comparisons.formulations.figures import draw_locking, draw_pairings, draw_patch_errors
+from comparisons.formulations import pairing_tables, words
+from comparisons.formulations.figures import draw_locking, draw_pairings, draw_patch_test_errors
 from comparisons.formulations.study import COMMAND
 from comparisons.formulations.tables import (
     locking_table,
     momentum_table,
+    paper_numbers,
     passes_table,
     patch_tests_table,
+    times,
 )
-from comparisons.kit import provenance
 from comparisons.kit.page import Image, render
-from comparisons.kit.tabular import Table
-from scenes.results import write_json
+from comparisons.kit.provenance import machine
+from comparisons.kit.records import RESULT, read_result
+from comparisons.kit.tables import Data, Table
+from scenes.stored import write_record
 
-RESULT = "result.json"
-"""Everything computed; the rest is drawn from it."""
+TEMPLATE = Path(__file__).with_name("page.html")
 
 _FIGURES: dict[str, tuple[str, Callable[[Data, Path], Path]]] = {
-    "patch_errors": ("patch_tests", draw_patch_errors),
+    "patch_errors": ("patch_tests", draw_patch_test_errors),
     "locking": ("locking", draw_locking),
     "pairings": ("pairings", draw_pairings),
 }
@@ -42,11 +40,7 @@ def read_formulations(out: Path) -> dict[str, Any]:
     InputError
         When the folder holds none.
     """
-    file = out / RESULT
-    data = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
-    if data.get("command") != COMMAND:
-        raise InputError("out", str(out), f"a folder with the {RESULT} of `cea {COMMAND}`")
-    return data
+    return read_result(out, COMMAND)
 
 
 def write_formulations(data: dict[str, Any], out: Path) -> Path:
@@ -70,7 +64,7 @@ def write_formulations(data: dict[str, Any], out: Path) -> Path:
     MPI.COMM_WORLD.Barrier()  # ranks may still read what is written here
     if MPI.COMM_WORLD.rank == 0:
         out.mkdir(parents=True, exist_ok=True)
-        write_json(data, out / RESULT)
+        write_record(data, out / RESULT)
         tables = {table.name: table for table in tables_of(data)}
         for table in tables.values():
             table.write_csv(out)
@@ -78,9 +72,7 @@ def write_formulations(data: dict[str, Any], out: Path) -> Path:
             name: Image.of(draw(data[part], out / f"{name}.png"))
             for name, (part, draw) in _FIGURES.items()
         }
-        text = render(
-            "formulations.html", data=data, tables=tables, images=images, words=formulations_words
-        )
+        text = render(TEMPLATE, data=data, tables=tables, images=images, words=words)
         page.write_text(text, encoding="utf-8")
     MPI.COMM_WORLD.Barrier()
     return page
@@ -89,13 +81,13 @@ def write_formulations(data: dict[str, Any], out: Path) -> Path:
 def tables_of(data: Data) -> list[Table]:
     """Every table of the page."""
     return [
-        *(passes_table(data["patch_tests"], name) for name in formulations_words.interfaces(data)),
+        *(passes_table(data["patch_tests"], name) for name in words.interfaces(data)),
         patch_tests_table(data["patch_tests"]),
         momentum_table(data["patch_tests"]),
         locking_table(data["locking"]),
-        formulations_tables.paper_numbers(data),
-        formulations_tables.pairing_runs(data),
-        formulations_tables.pairing_differences(data),
-        formulations_tables.times(data),
-        provenance.machine(data),
+        paper_numbers(data),
+        pairing_tables.pairing_runs(data),
+        pairing_tables.pairing_differences(data),
+        times(data),
+        machine(data),
     ]

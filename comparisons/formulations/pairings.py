@@ -12,11 +12,12 @@ from typing import Any
 from cea.contact.formulations import Mortar
 from comparisons.formulations.timings import summed
 from comparisons.kit.progress import Progress
-from scenes.read import load_scene
-from scenes.results import describe
-from scenes.run import SceneResult, run_scene
+from scenes.describe import describe
+from scenes.read import Scene, load_scene
+from scenes.results import ModesResult
+from scenes.run import run_modes
 from scenes.run_matching import match_unstable
-from scenes.spec import Backend, BodySpec, ComplexEigenvalueAnalysis, MeshSpec, Scene
+from scenes.spec import Backend, BodySpec, ComplexEigenvalueAnalysis, MeshSpec
 from scenes.variants import with_contact
 
 FREQUENCY_BOUND = 0.01
@@ -85,10 +86,10 @@ def run_pairings(progress: Progress, study: PairingsStudy = DEFAULT) -> dict[str
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
     runs: list[dict[str, Any]] = []
     differences = []
-    first: SceneResult | None = None
+    first: ModesResult | None = None
     for backends in study.pairings:
         progress.step(f"disc and pad, {' on '.join(backends)}")
-        result = run_scene(study.scene(backends), listener=progress.stage)
+        result = run_modes(study.scene(backends), listener=progress.stage)
         runs.append(_described(result, backends))
         if first is None:
             first = result
@@ -96,7 +97,7 @@ def run_pairings(progress: Progress, study: PairingsStudy = DEFAULT) -> dict[str
         differences.append(match_unstable(first, result))
     last = study.pairings[-1]
     progress.step(f"disc and pad, {' on '.join(last)}, degree {study.refined_degree}")
-    refined = run_scene(study.refined(last), listener=progress.stage)
+    refined = run_modes(study.refined(last), listener=progress.stage)
     described = _described(refined, last) | {"difference": match_unstable(result, refined)}
     return {
         "study": asdict(study),
@@ -121,7 +122,7 @@ def _of_degree(body: BodySpec, degree: int) -> BodySpec:
     )
 
 
-def _described(result: SceneResult, backends: tuple[Backend, Backend]) -> dict[str, Any]:
+def _described(result: ModesResult, backends: tuple[Backend, Backend]) -> dict[str, Any]:
     """What of a run is kept."""
     described = describe(result)
     return {

@@ -1,8 +1,8 @@
 """Which formulations pass the contact patch test, and what momentum they lose.
 
 The exact contact pressure of every test is uniform and the exact displacements are linear in each
-body, at any P (:mod:`comparisons.formulations.patch_problems`): a formulation whose contact forces
-are right reproduces them to round-off.
+body, at any P (:mod:`comparisons.formulations.patch_test_problems`): a formulation whose contact
+forces are right reproduces them to round-off.
 """
 
 from collections.abc import Iterator, Mapping
@@ -19,11 +19,16 @@ from cea.stress import normal_stress
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from comparisons.formulations.momentum import momentum_defects, rigid_motions
-from comparisons.formulations.patch_problems import MESHES, PRESSURE, PROBLEMS, PatchProblem
+from comparisons.formulations.patch_test_problems import (
+    MESHES,
+    PRESSURE,
+    PROBLEMS,
+    PatchTestProblem,
+)
 from comparisons.formulations.variants import Variant, variants
 from comparisons.kit.progress import Progress
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.spec import Scene
+from scenes.read import Scene
 
 PASSED = 1e-6
 """Largest relative error of the normal stress of a patch test that is passed: round-off at the
@@ -52,7 +57,7 @@ class PatchTestStudy:
         Names of the interfaces.
     meshes
         Kinds of meshes that sides a and b may have
-        (:mod:`comparisons.formulations.patch_problems`).
+        (:mod:`comparisons.formulations.patch_test_problems`).
     only
         Labels of formulations (:mod:`comparisons.formulations.variants`); empty takes all.
     """
@@ -112,7 +117,7 @@ def _runs(
     progress: Progress,
     timer: StageTimer,
     study: PatchTestStudy,
-    problem: PatchProblem,
+    problem: PatchTestProblem,
     meshes: tuple[str, str],
 ) -> Iterator[dict[str, Any]]:
     scenes = {P: problem.scene(meshes, P) for P in study.stiffnesses}

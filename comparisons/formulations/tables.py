@@ -1,8 +1,19 @@
-"""Tables of the studies of contact formulations."""
+"""Tables of the studies of contact formulations; those of pairings are a module of their own."""
 
-from comparisons.agreement.tables import Data
-from comparisons.kit.numbers import backend_name, listed, number, shown
-from comparisons.kit.tabular import Column, Table
+from collections.abc import Iterable
+
+from cea.timing import STAGES
+from comparisons.kit.numbers import decimals, listed, number, plain, shown
+from comparisons.kit.tables import VERDICTS, Column, Data, Table
+from scenes.names import backend_name
+
+PARTS = {
+    "patch_tests": "patch tests and momentum",
+    "locking": "locking",
+    "paper": "numbers of the paper",
+    "pairings": "pairings of backends",
+}
+"""Parts of the data by the name shown."""
 
 
 def locking_table(data: Data) -> Table:
@@ -118,6 +129,60 @@ def momentum_table(data: Data) -> Table:
     )
 
 
-def pairing_name(run: Data) -> str:
-    """Backends of pad and disc."""
-    return f"{backend_name(run['pad'])} on {backend_name(run['disc'])}"
+def paper_numbers(data: Data) -> Table:
+    """Numbers of the paper beside ours, with a verdict."""
+    part = data["paper"]
+    return Table(
+        "paper_numbers",
+        f"Numbers of the paper beside ours. Met: within {plain(100 * part['within'])} % of the "
+        "paper's, or as its words have it; a dash where it says nothing that can be judged.",
+        (
+            Column("section", "figure"),
+            Column("what", "what"),
+            Column(
+                "paper", "paper", lambda value: value if isinstance(value, str) else f"{value:g}"
+            ),
+            Column("ours", "ours", number),
+            Column("ratio", "ours / paper", shown(3)),
+            Column("unit", "unit"),
+            Column("met", "met", VERDICTS.__getitem__),
+            Column("remark", "remark"),
+        ),
+        [
+            (
+                *(figure["title"], n["what"], n["paper"], n["ours"], _ratio(n)),
+                *(n["unit"], n["met"], n["remark"]),
+            )
+            for figure in part["figures"]
+            for n in figure["numbers"]
+        ],
+    )
+
+
+def _ratio(row: Data) -> float | None:
+    """Ours over the paper's, where that is a number other than zero."""
+    paper = row["paper"]
+    return None if isinstance(paper, str) or not paper else row["ours"] / paper
+
+
+def times(data: Data) -> Table:
+    """Run time of every part, by stage where its runs tell."""
+    rows = [(name, *_stages(data[key]), data[key]["seconds"]) for key, name in PARTS.items()]
+    seconds = decimals(2)
+    return Table(
+        "study_times",
+        "Seconds of each part by stage of its runs, and in all: the rest went into exact "
+        "eigenvalues, stresses, momentum and matching. A dash where a part does not tell stages.",
+        (
+            Column("part", "part"),
+            *(Column(stage, stage, seconds, "s") for stage in STAGES),
+            Column("total", "in all", seconds, "s"),
+        ),
+        rows,
+    )
+
+
+def _stages(part: Data) -> Iterable[float | None]:
+    if "timings" not in part:
+        return [None] * len(STAGES)
+    return [part["timings"].get(stage, 0.0) for stage in STAGES]

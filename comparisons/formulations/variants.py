@@ -13,7 +13,9 @@ from cea.contact.formulations import (
     NodeToSurface,
     Segments,
 )
-from scenes.spec import Backend, Scene
+from scenes.checks import suits
+from scenes.read import Scene
+from scenes.spec import Backend
 
 
 @dataclass(frozen=True)
@@ -22,22 +24,26 @@ class Variant:
 
     Parameters
     ----------
-    label
-        Name in tables and figures: the formulation, then its option behind a comma.
     formulation
         Points and weights.
     full_pass
         Whether points lie on both sides.
     """
 
-    label: str
     formulation: Formulation
     full_pass: bool = False
 
     @property
+    def label(self) -> str:
+        """Name in tables and figures: the formulation, then its options behind commas."""
+        rule = self.formulation
+        name = f"{rule.name} {rule.points}" if isinstance(rule, GaussPointToSurface) else rule.name
+        return ", ".join((name, *rule.options, *(["full pass"] if self.full_pass else [])))
+
+    @property
     def has_saddle_form(self) -> bool:
         """Whether it can be tied (p = infinity): lumped matrices have no multipliers."""
-        return not (isinstance(self.formulation, GaussPointToSurface) and self.formulation.lumped)
+        return self.formulation.coupling != "lumped"
 
     def of(self, scene: Scene, *, P: float | None = None, p: float | None = None) -> Scene:
         """The scene with this variant at every contact, and P (N/m) or p (N/m^3).
@@ -73,28 +79,25 @@ def variants(
         Equally spaced points per direction over a face (NURBS), or over a facet (mesh).
     """
     a, b = backends
-    collocation = {
-        "fe": (
-            Variant("node-to-surface", NodeToSurface()),
-            Variant("node-to-surface, tributary", NodeToSurface("tributary")),
-        ),
-        "iga": (
-            Variant("Greville", Greville()),
-            Variant("Greville, area", Greville("area")),
-            Variant("Botella", Botella()),
-            Variant("Botella, area", Botella("area")),
-        ),
-    }[a]
-    gpts = [Variant(f"GPTS {n}", GaussPointToSurface(n)) for n in gauss]
-    lumped = [Variant(f"GPTS {n}, lumped", GaussPointToSurface(n, lumped=True)) for n in gauss]
+    collocation = (
+        NodeToSurface(),
+        NodeToSurface("tributary"),
+        Greville(),
+        Greville("area"),
+        Botella(),
+        Botella("area"),
+    )
+    own = [Variant(rule) for rule in collocation if suits(rule, a)]
+    gpts = [Variant(GaussPointToSurface(n)) for n in gauss]
+    lumped = [Variant(GaussPointToSurface(n, lumped=True)) for n in gauss]
     # Collocation at both sides' own abscissae needs these to be of one kind.
-    both_ways = [collocation[0], gpts[0]] if a == b else [gpts[0]]
+    both_ways = [own[0], gpts[0]] if a == b else [gpts[0]]
     return (
-        *collocation,
-        Variant("grid", Grid(grid)),
+        *own,
+        Variant(Grid(grid)),
         *gpts,
         *lumped,
-        *(Variant(f"{v.label}, full pass", v.formulation, True) for v in both_ways),
-        Variant("segments", Segments()),
-        Variant("mortar", Mortar()),
+        *(replace(variant, full_pass=True) for variant in both_ways),
+        Variant(Segments()),
+        Variant(Mortar()),
     )

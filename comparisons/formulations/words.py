@@ -3,10 +3,11 @@
 from collections.abc import Iterable
 from typing import Any
 
-from comparisons.agreement.tables import Data
-from comparisons.formulations.run_tables import change, refined_name, within
-from comparisons.formulations.tables import pairing_name, passes_in_words
-from comparisons.kit.numbers import backend_name, counted, listed, number, plain
+from comparisons.formulations.pairing_tables import change, pairing_name, refined_name, within
+from comparisons.formulations.tables import passes_in_words
+from comparisons.kit.numbers import capitalised, counted, listed, number, plain
+from comparisons.kit.tables import Data
+from scenes.names import backend_name
 
 LOCKED = 10.0
 """A formulation locks where its error at the largest p is so many times its least, or an eigenvalue
@@ -94,8 +95,8 @@ def _locking(part: Data, backend: str) -> str:
     if locked := [run for run in runs if _locks(run)]:
         grown = "; ".join(f"{run['formulation']} ({_grown(run)})" for run in locked)
         sentences.append(
-            f"{_name(backend)}, {ends}: the error grows more than {plain(LOCKED)} times, or an "
-            f"eigenvalue is lost, with {grown}."
+            f"{capitalised(backend_name(backend))}, {ends}: the error grows more than "
+            f"{plain(LOCKED)} times, or an eigenvalue is lost, with {grown}."
         )
     if free:
         least = min(min(run["errors"]) for run in free)
@@ -308,11 +309,6 @@ def _named(names: Iterable[str]) -> str:
 
 def _hertz(mode: Data) -> str:
     return f"{mode['frequency']:.0f} Hz"
-
-
-def _name(backend: str) -> str:
-    name = backend_name(backend)
-    return name[0].upper() + name[1:]
 
 
 def _quoted(value: Any) -> str:

@@ -1,11 +1,8 @@
-"""Numbers and names as people read them: significant digits, powers of ten, units, backends."""
+"""Numbers as people read them: significant digits, powers of ten, counts, lists."""
 
 from collections.abc import Callable, Iterable
 from math import floor, isfinite, log10
 from typing import Any
-
-BACKENDS = {"fe": "finite elements", "iga": "NURBS"}
-"""Backends by the name shown."""
 
 MISSING = "–"
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -50,9 +47,9 @@ def decimals(places: int, *, sign: bool = False) -> Callable[[float | None], str
     return show
 
 
-def backend_name(backend: str) -> str:
-    """Name of a backend as shown; "fe+iga" where bodies of both touch."""
-    return " and ".join(BACKENDS.get(part, part) for part in backend.split("+"))
+def capitalised(text: str) -> str:
+    """Text as a sentence begins, its other letters as they are."""
+    return text[:1].upper() + text[1:]
 
 
 def counted(count: int, singular: str, plural: str = "") -> str:

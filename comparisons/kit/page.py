@@ -29,13 +29,13 @@ class Image:
         return cls("data:image/png;base64," + b64encode(file.read_bytes()).decode(), file.name)
 
 
-def render(template: str, **context: Any) -> str:
-    """Render a template that stands beside this module."""
+def render(template: Path, **context: Any) -> str:
+    """Render a template of an application; layout and macros stand beside this module."""
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
+        loader=FileSystemLoader([template.parent, Path(__file__).parent]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(template).render(context)
+    return environment.get_template(template.name).render(context)

@@ -1,11 +1,13 @@
 """Tables of what was run, and on what: parameters of the scenes, things left out, versions."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from comparisons.agreement.tables import Data, runs
-from comparisons.kit.numbers import decimals, plain
-from comparisons.kit.tabular import Column, Table
+from comparisons.kit.numbers import plain
+from comparisons.kit.tables import Column, Data, Table
+
+Run = tuple[str, str, Data]
+"""A run: the part it belongs to, its label, its data (:func:`scenes.results.describe`)."""
 
 _UNITS = {
     "E": "N/m²",
@@ -29,10 +31,10 @@ _UNITS = {
 )
 
 
-def skipped(data: Data) -> Table:
+def skipped(runs: Iterable[Run]) -> Table:
     """What the runs of each part did not need, with the reason."""
     of, counts = dict[str, int](), dict[tuple[str, str, str], int]()
-    for section, _, run in runs(data):
+    for section, _, run in runs:
         of[section] = of.get(section, 0) + 1
         for what, reason in run["skipped"].items():
             key = (section, what, reason)
@@ -50,29 +52,10 @@ def skipped(data: Data) -> Table:
     )
 
 
-def time_saved(data: Data) -> Table:
-    """Seconds of one scene with and without what it does not need."""
-    saved = data["time_saved"]
-    stages = [(s, saved["lean"].get(s, 0.0), seconds) for s, seconds in saved["full"].items()]
-    stages.append(("total", saved["lean_seconds"], saved["full_seconds"]))
-    seconds = decimals(2)
-    return Table(
-        "time_saved",
-        f"{saved['scene']}: solved as it is, and as if nothing could be left out.",
-        (
-            Column("stage", "stage"),
-            Column("lean", "left out", seconds, "s"),
-            Column("full", "kept", seconds, "s"),
-            Column("saved", "saved", seconds, "s"),
-        ),
-        [(stage, lean, full, full - lean) for stage, lean, full in stages],
-    )
-
-
-def parameters(data: Data) -> Table:
+def parameters(runs: Iterable[Run]) -> Table:
     """Parameters of the scenes as run; several values where runs differ."""
     values: dict[tuple[str, str], list[str]] = {}
-    for section, _, run in runs(data):
+    for section, _, run in runs:
         for field, value in _flat(run["scene"]):
             if field != "description":
                 seen = values.setdefault((section, field), [])
@@ -87,10 +70,11 @@ def parameters(data: Data) -> Table:
 
 
 def machine(data: Data) -> Table:
-    """Machine and versions."""
+    """Machine, versions, and the commit of the program."""
     rows = [
         *((name, str(value)) for name, value in data["machine"].items()),
         *((name, value) for name, value in data["versions"].items()),
+        ("commit", data["commit"]),
     ]
     return Table("machine", "", (Column("name", "name"), Column("value", "value")), rows)
 

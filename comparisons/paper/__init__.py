@@ -2,7 +2,7 @@
 
 Mohanasundaram, Shimoyama, Gillot and Besset, "Modelling Friction-Induced Dynamic Instability
 Dedicated for Isogeometric Formulation", Shock and Vibration (2023). A figure is a value that
-follows :class:`comparisons.paper.figure.PaperFigure`; :mod:`comparisons.paper.registry` lists
-them by name, and :mod:`comparisons.paper.store` keeps what was computed, so that drawing anew
-computes nothing.
+follows :class:`comparisons.paper.common.figure.PaperFigure`; :mod:`comparisons.paper.registry`
+lists them by name, and :mod:`comparisons.paper.common.store` keeps what was computed, so that
+drawing anew computes nothing.
 """

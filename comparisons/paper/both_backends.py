@@ -9,9 +9,10 @@ from PIL import Image
 
 from cea.petsc import MPI
 from comparisons.kit.progress import Progress
-from comparisons.paper.figure import Data, PaperFigure
-from comparisons.paper.store import MadeFigure, make_figure, read_data
+from comparisons.paper.common.figure import Data, PaperFigure
+from comparisons.paper.common.store import MadeFigure, make_figure
 from scenes.spec import Backend
+from scenes.stored import read_record
 
 BACKENDS: tuple[Backend, ...] = ("iga", "fe")
 
@@ -67,7 +68,7 @@ def make_both(
     stem = out / f"figure_{figure.name}_both"
     if isinstance(figure, Overlaid):
         data: dict[Backend, Data] = {
-            backend: read_data(each.data_file) for backend, each in made.items()
+            backend: read_record(each.data_file) for backend, each in made.items()
         }
         return BothMade(made, figure.draw_both(data, stem))
     pictures = [each.pictures[0] for each in made.values()]

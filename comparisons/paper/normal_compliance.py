@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from cea.body import Floats
+from comparisons.kit.plots import AXIS, BLACK
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.figure import Data, Number
-from comparisons.paper.style import COLOURS, drawing
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.figure import Data, Number
+from comparisons.paper.common.style import COLOURS, drawing
 from scenes.spec import Backend
 
 
@@ -105,8 +106,8 @@ class NormalComplianceFigure:
                 label=r"$m_n c_n (\overline{u}_n - g_n)^{m_n - 1}\, \tilde{u}_n$ "
                 "about steady sliding",
             )
-            axes.plot([1e6 * at], [steady / 1e6], "o", color="#222222", label="steady sliding")
-            axes.axvline(0.0, color="#555555", linewidth=0.6)
+            axes.plot([1e6 * at], [steady / 1e6], "o", color=BLACK, label="steady sliding")
+            axes.axvline(0.0, color=AXIS, linewidth=0.6)
             axes.annotate("open", (0.2, 0.02), xycoords="axes fraction", ha="right")
             axes.set(xlabel=r"closure $u_n - g_n$ (µm)", ylabel="contact pressure (N/mm²)")
             axes.set_ylim(bottom=-0.6 * steady / 1e6)

@@ -1,20 +1,20 @@
 """Every figure by its name."""
 
 from cea.errors import InputError
+from comparisons.paper.common.figure import PaperFigure
 from comparisons.paper.disc_pad.figures import DIAGRAMS
 from comparisons.paper.disc_pad.lumping import LUMPING
 from comparisons.paper.disc_pad.mode_shapes import SHAPES
 from comparisons.paper.disc_pad.studies import STUDIES
-from comparisons.paper.figure import PaperFigure
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
-from comparisons.paper.patch_test.figures import PATCH_FIGURES
-from comparisons.paper.patch_test.geometry import SETTINGS
+from comparisons.paper.patch_test.figures import PATCH_TEST_FIGURES
+from comparisons.paper.patch_test.geometry import GEOMETRY_FIGURES
 from comparisons.paper.patch_test.quadrature import QUADRATURE
 
 _NUMBERED: tuple[PaperFigure, ...] = (
     NORMAL_COMPLIANCE,
-    *SETTINGS,
-    *PATCH_FIGURES,
+    *GEOMETRY_FIGURES,
+    *PATCH_TEST_FIGURES,
     *SHAPES,
     *DIAGRAMS,
 )

@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 from cea.errors import InputError
 from comparisons.accuracy import page, words
 from comparisons.accuracy.analysis import lines, observed_order, pareto, uses
-from comparisons.accuracy.no_flutter import STILL
-from comparisons.accuracy.no_flutter import measure as measure_still
+from comparisons.accuracy.no_flutter import NO_FLUTTER
+from comparisons.accuracy.no_flutter import measure as measure_no_flutter
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.runner import run_study
 from comparisons.accuracy.study import Method, Study, cases
@@ -184,13 +184,13 @@ def test_the_page_is_drawn_anew_without_running(data, tmp_path):
 
 
 def test_nothing_grows_but_with_lumped_splines():
-    layers, drum = STILL
+    layers, drum = NO_FLUTTER
     for still, method in ((layers, Method("fe", 2, "grid")), (drum, Method("iga", 2, "mortar"))):
-        run = measure_still(still, method, refinement=2)
+        run = measure_no_flutter(still, method, refinement=2)
         assert run["unexplained"] == 0
         assert run["growth"] <= run["rounding"] < 1e-10
         assert run["modes"] == {None: 22, 0: 2}[still.order]
-    lumped = measure_still(layers, Method("iga", 2, "gpts_lumped"), refinement=2)
+    lumped = measure_no_flutter(layers, Method("iga", 2, "gpts_lumped"), refinement=2)
     assert lumped["unexplained"] >= 2
     assert lumped["growth"] > 1e-3
 
@@ -220,7 +220,7 @@ def test_the_page_tells_of_finest_meshes_and_of_what_grew(data, tmp_path):
         finest | {"problem": "ring", "worst": None},
         finest | {"problem": "blocks"},
     ]
-    text = page.write(data | {"finest": runs, "still": [still, grown]}, tmp_path).read_text()
+    text = page.write(data | {"finest": runs, "no_flutter": [still, grown]}, tmp_path).read_text()
     assert (
         "**drum, NURBS 8, mortar** (p = 1): 10 eigenvalues, worst error 3.0 · 10⁻¹⁰, not within"
         in text

@@ -1,7 +1,6 @@
 """Figures of complex eigenvalue analysis: measures, false stiffness of lumping, claims, files."""
 
 import csv
-import json
 from dataclasses import asdict, replace
 from math import tau
 from types import SimpleNamespace
@@ -15,8 +14,10 @@ from cea.timing import StageTimer
 from comparisons.kit.progress import Progress
 from comparisons.paper.both_backends import make_both
 from comparisons.paper.claims import rules as claim_rules
-from comparisons.paper.claims.claims import CLAIMS
-from comparisons.paper.claims.judge import Claim, Judgement, judged, write_claims
+from comparisons.paper.claims.catalogue import CLAIMS
+from comparisons.paper.claims.claim import Claim, Judgement
+from comparisons.paper.claims.judge import judged, write_claims
+from comparisons.paper.common.store import STORED, make_figure
 from comparisons.paper.disc_pad import case as cea_case
 from comparisons.paper.disc_pad import measures as cea_measures
 from comparisons.paper.disc_pad.case import CONTACT, CeaCase
@@ -27,9 +28,9 @@ from comparisons.paper.disc_pad.runs import Runs, compare_spectra
 from comparisons.paper.disc_pad.stability_diagram import Measure, Panel, StabilityFigure
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE, NormalCompliance
 from comparisons.paper.registry import FIGURES
-from comparisons.paper.store import STORED, make_figure, read_data
 from scenes.build import build_bodies, build_interfaces, build_system
 from scenes.read import load_scene
+from scenes.stored import read_record
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 
@@ -160,7 +161,7 @@ def test_degrees_that_lagrange_elements_do_not_have_are_no_cases():
     cases = FIGURE_14.panels[0].on("hexahedra").values()
     assert [case.degree for case in cases] == [2, 2, 3, 4]
     assert [case.degree for case in FIGURE_14.panels[0].on("NURBS").values()] == [2, 2, 3, 4, 5]
-    data = read_data(STORED / "figure_14_fe.json.gz")
+    data = read_record(STORED / "figure_14_fe.json.gz")
     assert FIGURE_14.measure(data, "hexahedra", Measure("", 0, 4, cea_measures.shift())) is None
     assert FIGURE_14.measure(data, "hexahedra", Measure("", 0, 3, cea_measures.shift())) > 0
 
@@ -292,8 +293,8 @@ def test_shapes_and_lines_of_a_mode(coarse, tmp_path):
     made = make_figure(shapes, "iga", tmp_path, QUIET)
     assert made.pictures[0].stat().st_size > 20_000
     made = make_figure(line, "iga", tmp_path, QUIET)
-    assert "bodies" not in read_data(made.data_file)["families"]["NURBS"]["plain"]
-    found = read_data(tmp_path / "figure_4_iga.json.gz")["families"]["NURBS"]["plain"]
+    assert "bodies" not in read_record(made.data_file)["families"]["NURBS"]["plain"]
+    found = read_record(tmp_path / "figure_4_iga.json.gz")["families"]["NURBS"]["plain"]
     arc, disc, pad = (np.array(found["line"][n], dtype=float) for n in ("arc", "disc", "pad"))
     assert np.abs(disc).max() == pytest.approx(1)
     # The line is a chord: the pad's radial ends cut it at 0.115 tan 20 degrees.
@@ -330,20 +331,22 @@ def test_verdict_on_lumped_spectra_follows_the_data(growth, hertz, verdict):
 
 
 def test_claims_are_written_with_every_mesh(tmp_path):
-    claim = Claim("name", "It is so", "3", "a number", (), lambda e, f: Judgement("holds", 2.0))
+    claim = Claim("name", "It is so", "3", "a number", ("7",), lambda e, f: Judgement("holds", 2.0))
     endless = replace(claim, decide=lambda e, f: Judgement("does not", np.inf))
     every = [judged(each, {"iga": {}, "fe": {}}) for each in (claim, endless)]
     assert "NURBS: holds, 2" in every[0].told()
-    table, file = write_claims(every, tmp_path)
+    table, file = write_claims(every, tmp_path, seconds=1.5)
     rows = list(csv.DictReader(table.open()))
     assert [row["tetrahedra_verdict"] for row in rows] == ["holds", "does not"]
-    assert json.loads(file.read_text())["claims"][1]["hexahedra_value"] is None
+    stored = read_record(file)
+    assert (stored["command"], stored["inputs"]) == ("claims", {"figures": ["7"]})
+    assert stored["claims"][1]["hexahedra_value"] is None
 
 
 def test_every_claim_has_the_number_of_the_stored_data_on_every_mesh():
     names = {name for claim in CLAIMS for name in claim.figures}
     evidence = {
-        backend: {name: read_data(STORED / f"figure_{name}_{backend}.json.gz") for name in names}
+        backend: {name: read_record(STORED / f"figure_{name}_{backend}.json.gz") for name in names}
         for backend in ("iga", "fe")
     }
     rows = {row["name"]: row for row in csv.DictReader((STORED / "claims.csv").open())}

@@ -9,7 +9,7 @@ import pytest
 
 from comparisons.formulations.figures import draw_locking
 from comparisons.formulations.locking import LockingStudy, run_locking
-from comparisons.formulations.patch_problems import PRESSURE, PROBLEMS
+from comparisons.formulations.patch_test_problems import PRESSURE, PROBLEMS
 from comparisons.formulations.patch_tests import PatchTestStudy, run_patch_tests
 from comparisons.formulations.tables import locking_table, patch_tests_table
 from comparisons.kit.progress import Progress

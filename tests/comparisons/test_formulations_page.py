@@ -16,11 +16,11 @@ from comparisons.formulations import words
 from comparisons.formulations.locking import LockingStudy
 from comparisons.formulations.page import read_formulations, tables_of, write_formulations
 from comparisons.formulations.pairings import PairingsStudy, run_pairings
-from comparisons.formulations.paper_numbers import met
 from comparisons.formulations.patch_tests import PatchTestStudy
 from comparisons.formulations.study import FormulationsStudy, run_formulations
 from comparisons.kit.progress import Progress
-from comparisons.paper.figure import Number
+from comparisons.paper.common.figure import Number
+from comparisons.paper.patch_test.numbers import met, run_paper_numbers
 from scenes.read import load_scene
 from scenes.run import run_scene
 
@@ -49,16 +49,19 @@ SMALL = FormulationsStudy(
         only=("segments", "mortar"),
         tied=False,
     ),
-    ("12",),
     PairingsStudy(overrides=COARSE),
 )
+
+
+def figure_12(progress):
+    return run_paper_numbers(progress, ("12",))
 
 
 @pytest.fixture(scope="module")
 def computed():
     """Data of a small study, and the parts as they began."""
     begun = []
-    return run_formulations(QUIET, begun.append, SMALL), begun
+    return run_formulations(QUIET, begun.append, figure_12, SMALL), begun
 
 
 @pytest.fixture

@@ -16,14 +16,15 @@ from cea.contact.formulations import GaussPointToSurface, Greville, NodeToSurfac
 from cea.errors import InputError
 from cea.system.contact_stresses import pressure_along, stress_map
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.figure import Number, numbers_table
-from comparisons.paper.patch_test.case import PatchCase, run_case, shown
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.figure import Number, numbers_table
+from comparisons.paper.common.store import STORED, fingerprint, make_figure
+from comparisons.paper.patch_test.case import PatchTestCase, run_case, shown
 from comparisons.paper.patch_test.quadrature import QUADRATURE, fitted_slope
 from comparisons.paper.registry import FIGURES, chosen
-from comparisons.paper.store import STORED, fingerprint, make_figure, read_data
 from scenes.read import load_scene
 from scenes.run import run_scene
+from scenes.stored import read_record
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 
@@ -53,7 +54,7 @@ def made(tmp_path_factory):
 @pytest.fixture
 def nothing_stored(monkeypatch, tmp_path):
     """No data come with the project."""
-    monkeypatch.setattr("comparisons.paper.store.STORED", tmp_path / "nothing")
+    monkeypatch.setattr("comparisons.paper.common.store.STORED", tmp_path / "nothing")
 
 
 @pytest.mark.parametrize("name", EXPECTED)
@@ -78,7 +79,7 @@ def test_paper_numbers_stand_beside_ours(made):
 
 def test_files_hold_what_was_computed(made):
     out, figures = made
-    data = read_data(out / "figure_12_iga.json.gz")
+    data = read_record(out / "figure_12_iga.json.gz")
     case = data["cases"]["D2C1, Greville, P = 10⁶"]
     stress = {side: np.array(case["map"][side]) for side in "ab"}
     # The map is coarser than the samples of the oscillation.
@@ -185,7 +186,7 @@ def test_every_figure_comes_with_its_data_and_tables(name, tmp_path):
     figure = FIGURES[name]
     for backend in backends(figure):
         stem = f"figure_{name}_{backend}"
-        data = read_data(STORED / f"{stem}.json.gz")
+        data = read_record(STORED / f"{stem}.json.gz")
         assert data["fingerprint"] == fingerprint(figure.inputs(backend))
         for table in (
             numbers_table(figure.numbers(data), stem, ""),
@@ -234,7 +235,7 @@ def test_lagrange_elements_have_the_cases_that_differ_for_them():
     cases = FIGURES["7"].on("fe")
     hexahedra = ["D2C0, GPTS 3 × 3, P = 10⁶", "D4C0, GPTS 5 × 5, P = 10⁶"]
     assert list(cases) == [*hexahedra, *(f"tetrahedra, {label}" for label in hexahedra)]
-    case = PatchCase(Greville(), 1e6, elements=(5, 3))
+    case = PatchTestCase(Greville(), 1e6, elements=(5, 3))
     assert [each.formulation for each in case.on("fe")] == 2 * [NodeToSurface()]
     assert case.on("iga") == (case,)
     upper, lower = case.on("fe")[1].scene("fe").bodies.values()
@@ -246,7 +247,7 @@ def test_lagrange_elements_have_the_cases_that_differ_for_them():
 
 def test_spaces_of_one_continuity_agree_over_backends():
     """Quadratic C0 splines and Lagrange elements span the same functions."""
-    case = PatchCase(GaussPointToSurface(12), 1e6, continuity=0)
+    case = PatchTestCase(GaussPointToSurface(12), 1e6, continuity=0)
     fe, iga = (run_case(case, backend)[0] for backend in ("fe", "iga"))
     assert fe["dofs"] == iga["dofs"]
     found = np.array([[s["line"][side] for side in "ab"] for s in (fe, iga)], dtype=float)
@@ -273,7 +274,7 @@ def test_stress_map_and_line_of_an_exact_contact(backend):
 
 
 def test_stress_map_is_the_stress_at_its_points():
-    case = PatchCase(Greville(), 1e6)
+    case = PatchTestCase(Greville(), 1e6)
     scene = case.scene("iga")
     result = run_scene(replace(scene, analysis=replace(scene.analysis, samples=13)))
     plane = stress_map(result.system, "interface", result.displacement, 13)
@@ -317,7 +318,7 @@ def test_settings_show_the_meshes_of_both_backends(name, tmp_path):
     made = {
         b: make_figure(FIGURES[name], b, tmp_path, QUIET, recompute=True) for b in ("fe", "iga")
     }
-    faces = {b: read_data(m.data_file)["faces"] for b, m in made.items()}
+    faces = {b: read_record(m.data_file)["faces"] for b, m in made.items()}
     for body, surfaces in faces["iga"].items():
         for surface, cells in surfaces.items():
             mesh = [np.array(each).mean(axis=1) for each in (cells, faces["fe"][body][surface])]

@@ -5,7 +5,7 @@ import pytest
 
 from cea.body import Floats
 from comparisons.kit.progress import Progress
-from comparisons.reference.converged import (
+from comparisons.reference.study import (
     GROWTH,
     LEVELS,
     Grading,
@@ -14,7 +14,7 @@ from comparisons.reference.converged import (
     shared_digits,
     stored_reference,
 )
-from comparisons.reference.table import reference_table
+from comparisons.reference.tables import reference_table
 
 SILENT = Progress(step=lambda text: None, stage=lambda text: None)
 COARSE = Grading(2, 0.02, 0.02, (0.02, 30.0, 0.012), (0.03, 20.0, 0.015))

@@ -11,8 +11,7 @@ from typer.testing import CliRunner
 
 from cea.errors import InputError
 from comparisons.cli.exact import app
-from exact_cea import entries, lumped
-from exact_cea import galerkin_problems as layouts
+from exact_cea import entries, galerkin_problems, lumped
 from exact_cea.blocks import Blocks
 from exact_cea.drum import Drum
 from exact_cea.exceptional_points import exceptional_points
@@ -147,7 +146,7 @@ def test_lumped_models_hold_20_digits_and_their_closed_form_thresholds():
 def test_constant_friction_with_corner_singularities_to_9_digits_on_a_coarse_grid():
     entry = stored("blocks_constant_mu")[2]
     problem = Blocks.of(entry["p"], entry["mu"])
-    values = lowest(layouts.blocks(problem, 12, 3, constant=True), 18, problem.scale())
+    values = lowest(galerkin_problems.blocks(problem, 12, 3, constant=True), 18, problem.scale())
     same_set(values, [complex(float(x), float(y)) for x, y in entry["lam"]], 2e-9)
 
 
@@ -164,7 +163,7 @@ def test_constant_friction_to_the_digits_stored(i):
 def test_the_ring_to_8_digits_on_a_coarse_grid():
     entry = stored("ring_rollers")[0]
     problem = Ring.of(entry["m"], entry["p"], entry["mu"])
-    values = lowest(layouts.ring(problem, 18, 0), 20, problem.scale())
+    values = lowest(galerkin_problems.ring(problem, 18, 0), 20, problem.scale())
     same_set(values[:17], [complex(float(x), float(y)) for x, y in entry["lam"][:17]], 3e-9)
 
 
@@ -187,7 +186,7 @@ def far_from(values, entry):
 def test_every_stored_ring_to_10_digits(i):
     entry = stored("ring_rollers")[i]
     problem = ring_of(entry)
-    values = lowest(layouts.ring(problem, 13, 1), 20, problem.scale())
+    values = lowest(galerkin_problems.ring(problem, 13, 1), 20, problem.scale())
     assert far_from(values, entry) < 1e-10
 
 
@@ -219,13 +218,13 @@ def methods_agree(seed, degree=18):
     radii = [f"{r:.2f}" for r in np.cumsum(rng.uniform(0.3, 0.7, 3))]
     drum = Drum.of(int(rng.integers(0, 7)), p, mu, kz, a, b, *radii)
     exact = spectrum(drum, count=8).values
-    same_set(lowest(layouts.drum(drum, 36), 8, drum.scale()), exact, 1e-10)
+    same_set(lowest(galerkin_problems.drum(drum, 36), 8, drum.scale()), exact, 1e-10)
 
     sizes = [f"{s:.2f}" for s in rng.uniform((0.3, 0.5, 1.2), (0.8, 1.2, 2.2))]
     blocks = Blocks.of(p, mu, kz, a, b, *sizes)
     found = spectrum(blocks, count=8)
     exact = found.values + [complex(value) for value in found.contact_free]
-    contact = layouts.blocks(blocks, degree, 0, constant=False)
+    contact = galerkin_problems.blocks(blocks, degree, 0, constant=False)
     galerkin = lowest(contact, len(exact) + 2, blocks.scale())
     # The list may end between the two of a pair: the second is then beyond it.
     inside = galerkin[galerkin.imag < max(value.imag for value in exact) * (1 - 1e-7)]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cea.errors import InputError
-from exact_cea import galerkin_problems as layouts
+from exact_cea import galerkin_problems
 from exact_cea.blocks import Blocks
 from exact_cea.drum import Drum
 from exact_cea.galerkin import lowest, lowest_below
@@ -82,7 +82,7 @@ def test_the_whole_drum_has_every_order_of_both_signs_that_galerkin_finds():
     found = whole_spectrum("drum", max_frequency=2.4, mu=0.7)
     for m in range(8):
         problem = Drum.of(m, mu="0.7")
-        galerkin = lowest_below(layouts.drum(problem), 2.4, problem.scale())
+        galerkin = lowest_below(galerkin_problems.drum(problem), 2.4, problem.scale())
         assert_same(found.values[found.orders == m], galerkin, 1e-9)
         assert_same(found.values[found.orders == -m], -galerkin.conj(), 1e-9)
     assert abs(found.orders).max() == 4
@@ -95,7 +95,9 @@ def test_blocks_with_depth_are_the_union_of_families_with_the_modes_that_contact
     kzs = [None, "pi/2", "pi", "3*pi/2"]
     for j, kz in enumerate(kzs):
         blocks = Blocks.of("1", "0.7", kz)
-        galerkin = lowest_below(layouts.blocks(blocks, 14, 0, constant=False), 1.8, blocks.scale())
+        galerkin = lowest_below(
+            galerkin_problems.blocks(blocks, 14, 0, constant=False), 1.8, blocks.scale()
+        )
         assert_same(found.values[found.families == j], galerkin, 1e-8)
     assert set(found.families) == {0, 1, 2}
     speed = math.sqrt(0.1 / 2.5 / 0.35)
@@ -106,13 +108,13 @@ def test_blocks_with_depth_are_the_union_of_families_with_the_modes_that_contact
 def test_torsion_stands_apart_in_the_drum_of_order_0_in_3d():
     problem = Drum.of(0, kz="pi")
     values = spectrum(problem, count=5).values
-    assert_same(values, lowest(layouts.drum(problem), 5, problem.scale()), 1e-10)
+    assert_same(values, lowest(galerkin_problems.drum(problem), 5, problem.scale()), 1e-10)
 
 
 @pytest.mark.parametrize("spoil", [np.zeros_like, lambda v: np.full_like(v, v[0]), lambda v: v + 1])
 def test_a_useless_guess_costs_time_only(spoil):
     problem = Drum.of(2)
-    helpful = layouts.guess(problem)
+    helpful = galerkin_problems.guess(problem)
     right = spectrum(problem, max_frequency=3.0)
     for guess in (helpful, lambda n: spoil(helpful(n))):
         found = spectrum(problem, max_frequency=3.0, guess=guess)
@@ -141,7 +143,7 @@ def test_where_flutter_begins_with_constant_friction():
     mu = mu_critical("blocks_constant", p=1, max_frequency=3.0)
     blocks = [Blocks.of(1, mu * factor) for factor in (1 - 1e-7, 1 + 1e-7)]
     before, after = (
-        lowest(layouts.blocks(problem, 13, 4, constant=True), 12, problem.scale())
+        lowest(galerkin_problems.blocks(problem, 13, 4, constant=True), 12, problem.scale())
         for problem in blocks
     )
     assert (before.real / abs(before)).max() < 1e-7

@@ -43,3 +43,9 @@ def rotation_of(system):
 def dense(matrix):
     """Entries of a PETSc matrix."""
     return matrix.copy().convert("dense").getDenseArray().copy()
+
+
+def mode_displacement(result, body, mode):
+    """Displacement of the scalar dofs of a body in a mode, one vector at a time, (n, dim)."""
+    parts = [result.system.displacement(x, body) for x in result.modes.vector(mode)]
+    return (parts[0] + 1j * parts[1]).reshape(-1, result.bodies[body].dim)

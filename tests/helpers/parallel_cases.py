@@ -18,10 +18,10 @@ from cea.errors import InputError
 from cea.ranks import agreed
 from cea.timing import StageTimer
 from scenes.build import build_bodies
+from scenes.describe import describe
 from scenes.read import SCENES, load_scene, read_scene
-from scenes.results import describe
+from scenes.results import ModesResult
 from scenes.run import run_scene
-from scenes.run_matching import complex_displacement
 
 GRID, GPTS = {"method": "grid", "points": 5}, {"method": "gpts", "points": 4}
 
@@ -191,23 +191,16 @@ def facts(scene):
         ],
     }
     traces = probes(result)
-    if result.modes is not None:
+    if isinstance(result, ModesResult):
         modes = result.modes
+        shapes = np.concatenate([result.mode_shapes(name, traces[name]) for name in system.bodies])
         shown |= {
             "re": modes.growth_rates.tolist(),
             "im": modes.eigenvalues.imag.tolist(),
             "worst_residual": modes.residuals.max(),
             "count": [modes.window.found_below, modes.window.symmetric_count],
             "unstable": len(data["unstable"]),
-            "shapes": [
-                np.concatenate(
-                    [
-                        np.abs(traces[name] @ complex_displacement(system, name, *modes.vector(i)))
-                        for name in system.bodies
-                    ]
-                ).tolist()
-                for i in range(len(modes.eigenvalues))
-            ],
+            "shapes": np.moveaxis(np.abs(shapes), 2, 0).tolist(),
         }
     else:
         shown["displacements"] = displacements(result)
@@ -219,11 +212,7 @@ def facts(scene):
 
 def displacements(result):
     """Displacements of each body at its probes."""
-    system = result.system
-    return [
-        (trace @ system.displacement(result.displacement, name).reshape(-1, 3)).tolist()
-        for name, trace in probes(result).items()
-    ]
+    return [result.displacements(name, trace).tolist() for name, trace in probes(result).items()]
 
 
 def eigenvalues(result):

@@ -95,6 +95,8 @@ def small_comparison():
     return {
         "command": "compare",
         "versions": {"python": "3.12.0"},
+        "commit": "0123456789abcdef",
+        "warnings": [],
         "machine": {"cpus": 2},
         "seconds": 12.5,
         "patch_test": {
@@ -148,6 +150,9 @@ def small_comparison():
             "full": timings(0.2)["timings"],
             "lean_seconds": timings(0.1)["seconds"],
             "full_seconds": timings(0.2)["seconds"],
+            "pairs": 4,
+            "ratio": {"median": 0.5, "least": 0.45, "largest": 0.55},
+            "noise": 0.1,
         },
     }
 

@@ -13,13 +13,12 @@ from report_data import small_comparison
 from scipy.sparse import eye_array
 
 from cea.body import VolumeSample
-from cea.errors import InputError
 from comparisons.agreement.file_pictures import draw_files
 from comparisons.agreement.page import write_report
 from scenes.drawing import Drawing, largest_deflection
 from scenes.paraview import write_paraview
-from scenes.pictures import chosen_modes, draw_modes
-from scenes.read import read_scene
+from scenes.pictures import draw_modes
+from scenes.read import SceneError, read_scene
 from scenes.run import run_scene
 
 
@@ -55,9 +54,9 @@ def with_growth(result, growth):
 
 def test_most_unstable_modes_are_drawn_first(result):
     assert len(result.modes.eigenvalues) >= 3
-    assert chosen_modes(with_growth(result, [0.5, -0.5, 0.9]), 5) == [2, 0]
-    assert chosen_modes(with_growth(result, [0.5, -0.5, 0.9]), 1) == [2]
-    assert chosen_modes(with_growth(result, [0.0]), 2) == [0, 1]
+    assert with_growth(result, [0.5, -0.5, 0.9]).most_unstable(5) == [2, 0]
+    assert with_growth(result, [0.5, -0.5, 0.9]).most_unstable(1) == [2]
+    assert with_growth(result, [0.0]).most_unstable(2) == [0, 1]
 
 
 def test_modes_are_drawn_and_put_on_the_page(result, backend, tmp_path):
@@ -152,6 +151,8 @@ def test_an_animation_is_a_small_endless_period(result, tmp_path):
     assert np.abs(np.asarray(still, dtype=int) - frames[0]).mean() < 8
 
 
-def test_a_static_scene_has_no_modes_to_draw(result, tmp_path):
-    with pytest.raises(InputError, match=r"output\.pictures"):
-        draw_modes(replace(result, modes=None), 1, tmp_path)
+def test_a_static_scene_has_no_modes_to_draw():
+    data = two_blocks("iga", {"method": "mortar"}, held=True)
+    data |= {"analysis": {"kind": "static"}, "output": {"pictures": 1}}
+    with pytest.raises(SceneError, match=r"output\.pictures = 1: 0 in a static analysis"):
+        read_scene(data)

@@ -11,6 +11,7 @@ from scenes.read import read_scene
 from scenes.run import run_scene, skipped_by
 
 GPTS = {"method": "gpts", "points": 3}
+LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 
 
 def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, monkeypatch):
@@ -60,8 +61,29 @@ def test_scene_without_contacts_searches_nothing(backend):
     assert {"search", "friction"} <= set(result.skipped)
 
 
-def test_known_contact_stiffness_needs_no_newton(backend):
-    assert "newton" in skipped_by(read_scene(two_blocks(backend, GPTS)))
+EVERY_RUN = {"newton", "damping", "gyroscopic", "loads", "pictures", "paraview"}
+
+
+@pytest.mark.parametrize(
+    ("backend", "changes", "expected"),
+    [
+        ("fe", {}, EVERY_RUN),
+        ("iga", {}, EVERY_RUN | {"gmsh"}),
+        ("fe", {"contacts.interface.mu": 0.0}, EVERY_RUN | {"friction"}),
+        ("fe", {"contacts": {}}, EVERY_RUN | {"friction", "search"}),
+        ("fe", {"output.pictures": 1}, EVERY_RUN - {"pictures"}),
+        ("fe", {"output.paraview": 1}, EVERY_RUN - {"paraview"}),
+        ("fe", {"loads": [LOAD]}, EVERY_RUN - {"loads"}),
+        (
+            "fe",
+            {"analysis": {"kind": "static"}, "loads": [LOAD]},
+            EVERY_RUN - {"damping", "gyroscopic", "loads"} | {"mass", "eigenvalues"},
+        ),
+    ],
+)
+def test_a_scene_tells_exactly_what_it_does_not_need(backend, changes, expected):
+    scene = read_scene(two_blocks(backend, GPTS)).change(changes)
+    assert set(skipped_by(scene)) == expected
 
 
 @pytest.mark.parametrize(

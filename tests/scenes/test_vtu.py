@@ -12,6 +12,7 @@ from blocks import block, two_blocks
 from iga_data import STEEL, TILTED, turned
 from iga_data import body as nurbs_body
 from lagrange_bodies import DIMENSION, MATERIAL, ROUND, body_of, csr
+from motions import mode_displacement
 from scipy.interpolate import BSpline
 from vtkmodules.vtkCommonCore import reference
 from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
@@ -23,8 +24,8 @@ from meshes.nurbs_shapes import nurbs_shape
 from meshes.shapes import Annulus, Disc, Ring
 from scenes.paraview import write_paraview
 from scenes.read import read_scene
+from scenes.results import ModesResult
 from scenes.run import run_scene
-from scenes.run_matching import complex_displacement
 from scenes.vtu import cell_grid, in_space, point_grid
 
 RNG = np.random.default_rng(11)
@@ -220,7 +221,7 @@ def test_collections_list_every_mode_of_every_body(result, backend, tmp_path):
         name, body = bodies[part]
         number = int(time) - 1
         assert grid.field_data["frequency"][0] == result.modes.frequencies[number]
-        u = complex_displacement(result.system, name, *result.modes.vector(number))
+        u = mode_displacement(result, name, number)
         cells = body.volume_cells()
         found = grid.point_data["displacement_real"] + 1j * grid.point_data["displacement_imag"]
         np.testing.assert_allclose(found, cells.values @ u, atol=1e-14)
@@ -243,7 +244,7 @@ def test_collections_list_every_mode_of_every_body(result, backend, tmp_path):
 
 
 def test_most_unstable_modes_are_written_first(result, monkeypatch, tmp_path):
-    monkeypatch.setattr("scenes.paraview.chosen_modes", lambda result, count: [2, 0][:count])
+    monkeypatch.setattr(ModesResult, "most_unstable", lambda result, count: [2, 0][:count])
     for count, expected in [(1, [3]), (2, [1, 3]), (3, [1, 2, 3])]:
         modes, _ = write_paraview(result, count, tmp_path)
         assert sorted({int(time) for time, _, _ in listed(modes)}) == expected

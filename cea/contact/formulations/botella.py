@@ -1,13 +1,15 @@
 """Collocation at the maxima of B-splines."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from cea.body import Surface, SurfacePoints
+from cea.contact.formulations.base import Formulation, register
 
 
+@register
 @dataclass(frozen=True)
-class Botella:
+class Botella(Formulation):
     """Contact collocated at the maxima of the B-splines of side a (Botella 2002).
 
     Parameters
@@ -17,8 +19,16 @@ class Botella:
         trace function (Matzen & Bischoff 2016).
     """
 
+    name: ClassVar[str] = "Botella"
+    abscissae: ClassVar[str | None] = "botella"
+
     weights: Literal["equal", "area"] = "equal"
     method: Literal["botella"] = "botella"
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The weights, where they are not equal."""
+        return () if self.weights == "equal" else (self.weights,)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""

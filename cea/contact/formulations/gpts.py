@@ -1,14 +1,17 @@
 """Gauss-point-to-surface contact, half pass."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from cea.body import Surface, SurfacePoints
+from cea.contact.coupling import Coupling
+from cea.contact.formulations.base import Formulation, register
 from cea.errors import InputError
 
 
+@register
 @dataclass(frozen=True)
-class GaussPointToSurface:
+class GaussPointToSurface(Formulation):
     """Contact at Gauss points of side a (GPTS): Mohanasundaram et al. (2023), eqs. 36 and 37.
 
     Parameters
@@ -19,6 +22,8 @@ class GaussPointToSurface:
         Whether the block of each side is summed onto its diagonal (eq. 41).
     """
 
+    name: ClassVar[str] = "GPTS"
+
     points: int
     lumped: bool = False
     method: Literal["gpts"] = "gpts"
@@ -26,6 +31,16 @@ class GaussPointToSurface:
     def __post_init__(self) -> None:
         if self.points < 1:
             raise InputError("points", self.points, "at least 1 per direction")
+
+    @property
+    def coupling(self) -> Coupling:
+        """Lumped, or a penalty at each point."""
+        return "lumped" if self.lumped else "pointwise"
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Whether it is lumped."""
+        return ("lumped",) if self.lumped else ()
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""

@@ -1,13 +1,15 @@
 """Collocation at Greville abscissae."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from cea.body import Surface, SurfacePoints
+from cea.contact.formulations.base import Formulation, register
 
 
+@register
 @dataclass(frozen=True)
-class Greville:
+class Greville(Formulation):
     """Contact collocated at the Greville abscissae of side a.
 
     Parameters
@@ -17,8 +19,16 @@ class Greville:
         section 3). ``area``: the integral of its trace function (Matzen & Bischoff 2016).
     """
 
+    name: ClassVar[str] = "Greville"
+    abscissae: ClassVar[str | None] = "greville"
+
     weights: Literal["equal", "area"] = "equal"
     method: Literal["greville"] = "greville"
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The weights, where they are not equal."""
+        return () if self.weights == "equal" else (self.weights,)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""

@@ -1,14 +1,16 @@
 """Collocation on a grid of equally spaced points."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from cea.body import Surface, SurfacePoints
+from cea.contact.formulations.base import Formulation, register
 from cea.errors import InputError
 
 
+@register
 @dataclass(frozen=True)
-class Grid:
+class Grid(Formulation):
     """Contact collocated at equally spaced points of side a, each with the same share of the area.
 
     Parameters
@@ -17,6 +19,8 @@ class Grid:
         Points per direction over each NURBS face, or per side of each facet of a mesh; both
         include the boundary.
     """
+
+    name: ClassVar[str] = "grid"
 
     points: int
     method: Literal["grid"] = "grid"

@@ -1,13 +1,15 @@
 """Node-to-surface contact."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from cea.body import Surface, SurfacePoints
+from cea.contact.formulations.base import Formulation, register
 
 
+@register
 @dataclass(frozen=True)
-class NodeToSurface:
+class NodeToSurface(Formulation):
     """Contact at the interpolation nodes of side a.
 
     Parameters
@@ -18,8 +20,16 @@ class NodeToSurface:
         vanish at corners of quadratic triangles.
     """
 
+    name: ClassVar[str] = "node-to-surface"
+    abscissae: ClassVar[str | None] = "nodes"
+
     weights: Literal["equal", "tributary"] = "equal"
     method: Literal["node_to_surface"] = "node_to_surface"
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The weights, where they are not equal."""
+        return () if self.weights == "equal" else (self.weights,)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""

@@ -1,15 +1,39 @@
 """Exact integration of the penalty form."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from cea.body import Surface, SurfacePoints
-from cea.contact.segments import segment_points
+from cea.contact.formulations.base import Formulation, register
 from cea.errors import InputError
 
 
 @dataclass(frozen=True)
-class Segments:
+class OnSegments(Formulation):
+    """What formulations share whose quadrature is the common refinement of both surface meshes.
+
+    Parameters
+    ----------
+    points
+        Gauss points per direction in each segment; None takes what is exact on flat interfaces.
+    """
+
+    points: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.points is not None and self.points < 1:
+            raise InputError("points", self.points, "at least 1 per direction")
+
+    def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
+        """Points and weights on side a."""
+        from cea.contact.segments import segment_points  # brings shapely and scipy.spatial
+
+        return segment_points(a, b, self.points, reach)
+
+
+@register
+@dataclass(frozen=True)
+class Segments(OnSegments):
     """Contact at Gauss points on the common refinement of both surface meshes.
 
     The exact integral of the penalty form on flat interfaces: the yardstick of quadrature. It
@@ -21,13 +45,6 @@ class Segments:
         Gauss points per direction in each segment; None takes what is exact on flat interfaces.
     """
 
-    points: int | None = None
+    name: ClassVar[str] = "segments"
+
     method: Literal["segments"] = "segments"
-
-    def __post_init__(self) -> None:
-        if self.points is not None and self.points < 1:
-            raise InputError("points", self.points, "at least 1 per direction")
-
-    def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
-        """Points and weights on side a."""
-        return segment_points(a, b, self.points, reach)

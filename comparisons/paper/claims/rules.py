@@ -10,8 +10,9 @@ from math import inf
 import numpy as np
 
 from comparisons.kit.numbers import number
-from comparisons.paper.claims.judge import Evidence, Judgement, Verdict
-from comparisons.paper.disc_pad.case import Family
+from comparisons.paper.claims.claim import Evidence, Judgement, Verdict
+from comparisons.paper.common.families import Family
+from comparisons.paper.common.figure import Data
 from comparisons.paper.disc_pad.figures import (
     ABOVE_13_KHZ,
     BELOW_10_KHZ,
@@ -33,7 +34,6 @@ from comparisons.paper.disc_pad.measures import (
 )
 from comparisons.paper.disc_pad.stability_diagram import Measure, StabilityFigure
 from comparisons.paper.disc_pad.studies import BOUNDARY, STIFF, YARDSTICKS
-from comparisons.paper.figure import Data
 
 _CONSIDERABLE = 0.05
 """Part of the largest growth rate from which a difference of growth rates is considerable."""

@@ -7,13 +7,14 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
-from cea.contact.operators import Form
+from cea.contact.coupling import Form
+from cea.contact.formulations import Formulation, Greville, Grid, NodeToSurface
 from cea.mesh import Cell
 from comparisons.kit.numbers import number
-from comparisons.paper.figure import Data
-from scenes.read import load_scene
-from scenes.spec import Backend, ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec, Scene
+from comparisons.paper.common.families import BACKEND_OF, Family
+from comparisons.paper.common.figure import Data
+from scenes.read import Scene, load_scene
+from scenes.spec import ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec
 from scenes.variants import on_backend
 
 CONTACT = "pad_disc"
@@ -21,17 +22,9 @@ CONTACT = "pad_disc"
 DISC, PAD = "disc", "pad"
 """Names of the bodies."""
 
-Family = Literal["NURBS", "hexahedra", "tetrahedra"]
-FAMILIES: dict[Backend, tuple[Family, ...]] = {
-    "iga": ("NURBS",),
-    "fe": ("hexahedra", "tetrahedra"),
-}
-"""Kinds of meshes that a backend has."""
-
 Boundary = Literal["traced", "ignored", "refined"]
 """Whether element boundaries of the disc follow the boundary of the pad, and are finer there."""
 
-_BACKENDS: dict[Family, Backend] = {f: b for b, families in FAMILIES.items() for f in families}
 _TOP = 15.5e3
 """Upper end of the modes (Hz): the paper shows 15 kHz, where modes of some formulations lie on
 either side; here none is near."""
@@ -100,15 +93,7 @@ class CeaCase:
     @property
     def rule(self) -> str:
         """Name of the formulation, with its form and passes."""
-        rule = self.formulation
-        name = {"node_to_surface": "node-to-surface", "greville": "Greville"}.get(
-            rule.method, rule.method
-        )
-        if isinstance(rule, GaussPointToSurface):
-            name = f"GPTS {rule.points} × {rule.points}" + (", lumped" if rule.lumped else "")
-        elif isinstance(rule, Grid):
-            name = f"grid {rule.points} × {rule.points}"
-        name += ", full pass" if self.full_pass else ""
+        name = self.formulation.label + (", full pass" if self.full_pass else "")
         return name + (", saddle form" if self.form == "saddle" else "")
 
     @property
@@ -121,7 +106,7 @@ class CeaCase:
     def scene(self, family: Family) -> Scene:
         """The scene of the case on a kind of mesh."""
         case = self.on(family)
-        scene = on_backend(load_scene(Path("disc_pad")), _BACKENDS[family])
+        scene = on_backend(load_scene(Path("disc_pad")), BACKEND_OF[family])
         assert isinstance(scene.analysis, ComplexEigenvalueAnalysis)
         bodies = {
             name: replace(spec, mesh=_mesh(scene, name, family, case))

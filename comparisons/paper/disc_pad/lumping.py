@@ -17,15 +17,18 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
 from cea.body import Body, Floats, Surface
+from cea.eigen.blocks import times
 from cea.matrices import destroy
+from comparisons.kit.plots import AXIS
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.disc_pad.case import DISC, FAMILIES, PAD, Family
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.families import FAMILIES, Family
+from comparisons.paper.common.figure import Data, Number
+from comparisons.paper.common.style import COLOURS, drawing
+from comparisons.paper.disc_pad.case import DISC, PAD
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra
-from comparisons.paper.figure import Data, Number
-from comparisons.paper.style import COLOURS, drawing
-from scenes.run import SceneResult
+from scenes.results import ModesResult
 from scenes.spec import Backend
 
 _MARKERS = "os^"
@@ -91,7 +94,7 @@ class LumpingStudy:
                     markersize=4,
                     label=family,
                 )
-            axes.axline((0, 0), slope=1, color="#555555", linewidth=0.7)
+            axes.axline((0, 0), slope=1, color=AXIS, linewidth=0.7)
             axes.set(xlabel="shift by the false stiffness, first order (%)")
             axes.set(ylabel="shift by lumping (%)", title=self.title)
             axes.grid(visible=True)
@@ -135,32 +138,23 @@ def _compute(family: Family) -> Data:
     }
 
 
-def false_shifts(plain: SceneResult, lumped: SceneResult) -> Floats:
+def false_shifts(plain: ModesResult, lumped: ModesResult) -> Floats:
     """First order relative shifts of all frequencies of a run by what lumping adds, (modes,)."""
     modes = plain.modes
-    assert modes is not None
     difference = _stiffness(lumped).copy()
     difference.axpy(-1.0, _stiffness(plain))
-    product = modes.template.duplicate()
-    energies = []
-    for mode in range(len(modes.eigenvalues)):
-        vector = modes.vector(mode)
-        energy = 0.0
-        for part in vector:  # x^H A x of a real symmetric A has no mixed terms
-            difference.mult(part, product)
-            energy += part.dot(product)
-        energies.append(energy)
-        destroy(*vector)
-    destroy(difference, product)
-    return np.array(energies) / (2 * np.abs(modes.eigenvalues) ** 2)
+    products = np.einsum("ij,ij->j", modes.vectors.conj(), times(difference, modes.vectors)).real
+    energies = difference.comm.tompi4py().allreduce(products)
+    destroy(difference)
+    return energies / (2 * np.abs(modes.eigenvalues) ** 2)
 
 
-def _stiffness(result: SceneResult) -> Any:
+def _stiffness(result: ModesResult) -> Any:
     """K_n, PETSc AIJ (N/m)."""
     return result.system.contacts[0].stiffness
 
 
-def rotation_ratio(result: SceneResult) -> float:
+def rotation_ratio(result: ModesResult) -> float:
     """Energy of a rotation about the x axis in K_n: of both bodies, over that of the pad alone."""
     contact = result.system.contacts[0]
     sides = {contact.half.a: contact.interface.a, contact.half.b: contact.interface.b}

@@ -9,7 +9,7 @@ from math import inf, tau
 from statistics import mean, median
 from typing import Any
 
-from comparisons.paper.figure import Data
+from comparisons.paper.common.figure import Data
 
 WITHIN = 0.01
 """Relative difference below which modes coincide."""

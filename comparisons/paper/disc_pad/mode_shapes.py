@@ -13,20 +13,17 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cea.body import Floats, VolumeSample
-from cea.eigen.modes import Complexes
-from cea.matrices import destroy
+from cea.body import Complexes, Floats, VolumeSample
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.disc_pad.case import DISC, FAMILIES, PAD, CeaCase, Family
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.families import FAMILIES, Family
+from comparisons.paper.common.figure import Data, Number, as_lists
+from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.measures import motion_ratio
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra, displacements
-from comparisons.paper.disc_pad.shape_layout import draw_lines, draw_shapes
-from comparisons.paper.figure import Data, Number
-from comparisons.paper.patch_test.case import plain
-from scenes.run import SceneResult
-from scenes.run_matching import complex_displacement
+from comparisons.paper.disc_pad.shape_drawing import draw_lines, draw_shapes
+from scenes.results import ModesResult
 from scenes.spec import Backend
 
 P = 1e6
@@ -197,10 +194,8 @@ def _common_mode(match: Data, reference: Data) -> tuple[int, int]:
     return max(pairs, key=lambda pair: reference["contact_motion"][pair[1]])
 
 
-def _mode(result: SceneResult, mode: int) -> Data:
-    modes = result.modes
-    assert modes is not None
-    value = modes.eigenvalues[mode]
+def _mode(result: ModesResult, mode: int) -> Data:
+    value = result.eigenvalues[mode]
     return {
         "frequency": float(value.imag / tau),
         "growth": float(value.real),
@@ -209,7 +204,7 @@ def _mode(result: SceneResult, mode: int) -> Data:
     }
 
 
-def _line(result: SceneResult, mode: int) -> Data:
+def _line(result: ModesResult, mode: int) -> Data:
     """Normal displacements of disc and pad, the largest of the disc 1, on the disc's normal."""
     arc = np.linspace(-_HALF, _HALF, _SAMPLES)
     angle = np.radians(_MIDDLE[1])
@@ -219,11 +214,11 @@ def _line(result: SceneResult, mode: int) -> Data:
     x = _MIDDLE[0] * radial + arc[:, None] * tangent + [0.0, 0.0, geometry.top]
     lines = {}
     for body, surface in ((DISC, "top"), (PAD, "bottom")):
-        u, hit = displacements(result, body, surface, x)
+        u, hit = displacements(result, body, surface, x, [mode])
         lines[body] = np.full(_SAMPLES, np.nan + 0j)
-        lines[body][hit] = u[2::3, mode]
+        lines[body][hit] = u[2::3, 0]
     peak = lines[DISC][np.argmax(np.abs(lines[DISC]))]
-    return {"arc": arc.tolist()} | {n: plain((u / peak).real) for n, u in lines.items()}
+    return {"arc": arc.tolist()} | {n: as_lists((u / peak).real) for n, u in lines.items()}
 
 
 def _slope_at_edge(line: Data) -> float:
@@ -233,19 +228,16 @@ def _slope_at_edge(line: Data) -> float:
     return float(slope[np.abs(np.abs(arc) - _EDGE) < _NEAR_EDGE].max())
 
 
-def _bodies(result: SceneResult, mode: int) -> Data:
+def _bodies(result: ModesResult, mode: int) -> Data:
     """Points, cells and real displacements of both bodies at the phase of largest deflection."""
     from scenes.drawing import largest_deflection  # brings pyvista
 
-    assert result.modes is not None
-    vector = result.modes.vector(mode)
     points, cells, shapes = {}, {}, {}
     for name, body in result.system.bodies.items():
-        u = complex_displacement(result.system, name, *vector, everywhere=False)
         sample = body.volume_sample(1)
+        u = result.mode_shapes(name, sample.values, [mode], everywhere=False)[..., 0]
         if body.comm.rank == 0:
-            points[name], cells[name], shapes[name] = _merged(sample, sample.values @ u)
-    destroy(*vector)
+            points[name], cells[name], shapes[name] = _merged(sample, u)
     comm = next(iter(result.system.bodies.values())).comm
     if comm.rank:
         return comm.bcast(None)

@@ -1,24 +1,22 @@
 """Runs of disc and pad, made once, and what is kept of them: modes seen at common points."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
-from cea.body import Body, Floats
+from cea.body import Body, Complexes, Floats
 from cea.eigen.mode_matching import NEAR, GroupMatch, ModeSet, match_modes
-from cea.eigen.modes import Complexes
 from cea.errors import InputError
-from cea.matrices import destroy
-from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase, Family
-from comparisons.paper.figure import Data
-from comparisons.paper.store import fingerprint
+from comparisons.paper.common.families import Family
+from comparisons.paper.common.figure import Data
+from comparisons.paper.common.store import fingerprint
+from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase
 from meshes.shapes import Annulus, Sector
-from scenes.results import describe_modes
-from scenes.run import SceneResult, run_scene
-from scenes.run_matching import complex_displacement
-from scenes.spec import ComplexEigenvalueAnalysis
+from scenes.describe import describe_modes
+from scenes.results import ModesResult
+from scenes.run import run_modes
 
 _SHAPE_GRID = (7, 12)
 """Points across and along the contact at which shapes are compared."""
@@ -68,13 +66,13 @@ class Runs:
             self.result(case, family)
         return self._spectra[mark]
 
-    def result(self, case: CeaCase, family: Family) -> SceneResult:
+    def result(self, case: CeaCase, family: Family) -> ModesResult:
         """Run a case; its spectrum is kept."""
         scene = case.scene(family)
         mesh = fingerprint({name: asdict(body) for name, body in scene.bodies.items()})
         known = self._bodies[1] if self._bodies and self._bodies[0] == mesh else None
         self._bodies = None
-        result = run_scene(scene, bodies=known)
+        result = run_modes(scene, bodies=known)
         self._bodies = mesh, result.system.bodies
         self._spectra[fingerprint(asdict(scene))] = _spectrum(case.on(family).label, result)
         return result
@@ -84,11 +82,9 @@ RUNS = Runs()
 """Runs of this process."""
 
 
-def _spectrum(label: str, result: SceneResult) -> Spectrum:
-    modes, analysis = result.modes, result.scene.analysis
-    assert modes is not None
-    assert isinstance(analysis, ComplexEigenvalueAnalysis)
-    described = describe_modes(modes, analysis.growth_threshold)
+def _spectrum(label: str, result: ModesResult) -> Spectrum:
+    modes = result.modes
+    described = describe_modes(modes, result.analysis.growth_threshold)
     data = {
         "dofs": result.system.size,
         "points": sum(len(interface.points) for interface in result.interfaces.values()),
@@ -102,7 +98,7 @@ def _spectrum(label: str, result: SceneResult) -> Spectrum:
     return Spectrum(label, data, ModeSet(modes.eigenvalues, shapes))
 
 
-def _shapes(result: SceneResult) -> tuple[Complexes, list[float], list[float]]:
+def _shapes(result: ModesResult) -> tuple[Complexes, list[float], list[float]]:
     """What all modes look like at points that do not depend on the mesh.
 
     Returns
@@ -161,9 +157,15 @@ def _polar(r: Floats, theta: Floats, z: float) -> Floats:
 
 
 def displacements(
-    result: SceneResult, body: str, surface: str, x: Floats, *, axis: int = 2
+    result: ModesResult,
+    body: str,
+    surface: str,
+    x: Floats,
+    modes: Sequence[int] | None = None,
+    *,
+    axis: int = 2,
 ) -> tuple[Complexes, Any]:
-    """Displacements of all modes at points of a surface that an axis meets.
+    """Displacements of modes at points of a surface that an axis meets.
 
     Parameters
     ----------
@@ -173,6 +175,8 @@ def displacements(
         The surface.
     x
         Points (m), shape (n, 3).
+    modes
+        Numbers of the modes; None takes all.
     axis
         Axis along which they are looked for.
 
@@ -188,19 +192,13 @@ def displacements(
     InputError
         When none was.
     """
-    assert result.modes is not None
     side = result.system.bodies[body].surfaces[surface]
     found = side.locate(x, np.tile(np.eye(3)[axis], (len(x), 1)), side.mesh_size)
     hit = ~found.missed
     if not hit.any():
         raise InputError("x", f"{len(x)} points", f"points on {body}.{surface}")
-    trace = side.trace(found.at[hit])
-    columns = []
-    for mode in range(len(result.modes.eigenvalues)):
-        vector = result.modes.vector(mode)
-        columns.append((trace @ complex_displacement(result.system, body, *vector)).ravel())
-        destroy(*vector)
-    return np.stack(columns, axis=1), hit
+    u = result.mode_shapes(f"{body}.{surface}", found.at[hit], modes)
+    return u.reshape(-1, u.shape[-1]), hit
 
 
 def compare_spectra(first: Spectrum, second: Spectrum) -> Data:

@@ -6,11 +6,12 @@ from math import tau
 from pathlib import Path
 
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.disc_pad.case import FAMILIES, CeaCase, Family
-from comparisons.paper.disc_pad.diagram_layout import draw_diagrams
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.families import FAMILIES, Family
+from comparisons.paper.common.figure import Data, Number
+from comparisons.paper.disc_pad.case import CeaCase
+from comparisons.paper.disc_pad.diagram_drawing import draw_diagrams
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra
-from comparisons.paper.figure import Data, Number
 from scenes.spec import Backend
 
 

@@ -9,19 +9,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import floor, log10
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cea.body import Body, Floats
-from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
+from cea.contact.formulations import Formulation, Greville, Grid, NodeToSurface
 from cea.system.contact_stresses import pressure_along, stress_map
 from comparisons.kit.numbers import number
-from comparisons.paper.disc_pad.case import FAMILIES, Family
-from comparisons.paper.figure import Data
-from scenes.read import load_scene
-from scenes.run import run_scene
-from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec, Scene
+from comparisons.paper.common.families import FAMILIES, Family
+from comparisons.paper.common.figure import Data, as_lists
+from scenes.read import Scene, load_scene
+from scenes.run import run_static
+from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
 from scenes.variants import on_backend, with_contact
 
 EXACT = -1000.0
@@ -39,7 +38,7 @@ _WIDTH = 9.0
 
 
 @dataclass(frozen=True)
-class PatchCase:
+class PatchTestCase:
     """One run of the contact patch test.
 
     Parameters
@@ -70,11 +69,11 @@ class PatchCase:
     quoted: float | str | None = field(default=None, compare=False)
     remark: str = field(default="", compare=False)
 
-    def on(self, backend: Backend) -> tuple["PatchCase", ...]:
+    def on(self, backend: Backend) -> tuple["PatchTestCase", ...]:
         """The case on every kind of mesh that a backend has."""
         return tuple(self.on_mesh(mesh) for mesh in FAMILIES[backend])
 
-    def on_mesh(self, mesh: Family) -> "PatchCase":
+    def on_mesh(self, mesh: Family) -> "PatchTestCase":
         """The case on a kind of mesh.
 
         Lagrange elements are continuous and no more, have nodes for Greville abscissae, and a grid
@@ -97,15 +96,7 @@ class PatchCase:
     @property
     def rule(self) -> str:
         """Name of the formulation."""
-        rule = self.formulation
-        if isinstance(rule, GaussPointToSurface):
-            lumped = ", lumped" if rule.lumped else ""
-            return f"GPTS {rule.points} × {rule.points}{lumped}"
-        if isinstance(rule, Grid):
-            return f"grid {rule.points} × {rule.points}"
-        return {"node_to_surface": "node-to-surface", "greville": "Greville"}.get(
-            rule.method, rule.method
-        )
+        return self.formulation.label
 
     @property
     def label(self) -> str:
@@ -136,7 +127,7 @@ class PatchCase:
 
 
 def run_case(
-    case: PatchCase, backend: Backend, bodies: Mapping[str, Body] | None = None
+    case: PatchTestCase, backend: Backend, bodies: Mapping[str, Body] | None = None
 ) -> tuple[Data, Mapping[str, Body]]:
     """Run a case.
 
@@ -158,14 +149,12 @@ def run_case(
         The bodies, for other cases.
     """
     scene = case.scene(backend)
-    result = run_scene(scene, bodies=bodies)
-    assert result.stresses is not None
-    assert scene.analysis.kind == "static"
+    result = run_static(scene, bodies=bodies)
     sides = result.stresses[INTERFACE]
     x, system = result.displacement, result.system
     area = result.interfaces[INTERFACE].a.area
     plane = stress_map(system, INTERFACE, x, _MAP_SAMPLES)
-    along = pressure_along(system, INTERFACE, x, case.P / area, scene.analysis.samples)
+    along = pressure_along(system, INTERFACE, x, case.P / area, result.analysis.samples)
     data = {
         "mesh": case.mesh,
         "space": case.space,
@@ -176,10 +165,10 @@ def run_case(
         "oscillation": {side: stress.oscillation for side, stress in sides.items()},
         "oscillation_of_p_gap": float(np.ptp(along[np.isfinite(along)])),
         "seconds": result.timer.total,
-        "line": {"arc": plain(sides["a"].arc), "p_gap": plain(along)}
-        | {side: plain(stress.sigma_n_along) for side, stress in sides.items()},
-        "map": {"x": plain(plane.u), "y": plain(plane.v)}
-        | {side: plain(shown(stress)) for side, stress in plane.sigma_n.items()},
+        "line": {"arc": as_lists(sides["a"].arc), "p_gap": as_lists(along)}
+        | {side: as_lists(stress.sigma_n_along) for side, stress in sides.items()},
+        "map": {"x": as_lists(plane.u), "y": as_lists(plane.v)}
+        | {side: as_lists(shown(stress)) for side, stress in plane.sigma_n.items()},
     }
     return data, system.bodies
 
@@ -188,11 +177,6 @@ def shown(stress: Floats) -> Floats:
     """A map rounded to the digits kept of its range, so that it is small when compressed."""
     extent = float(np.ptp(stress[np.isfinite(stress)]))
     return np.round(stress, _MAP_DIGITS - floor(log10(extent))) if extent else stress
-
-
-def plain(values: Any) -> list[Any]:
-    """Nested lists of numbers, None for NaN."""
-    return np.asarray(np.where(np.isfinite(values), values, None)).tolist()
 
 
 def worse(case: Data) -> float:

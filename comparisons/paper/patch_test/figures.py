@@ -9,10 +9,10 @@ import numpy as np
 from cea.body import Body
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.figure import Data, Number
-from comparisons.paper.patch_test.case import PatchCase, run_case, worse
-from comparisons.paper.patch_test.layout import draw_cases
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.figure import Data, Number
+from comparisons.paper.patch_test.case import PatchTestCase, run_case, worse
+from comparisons.paper.patch_test.drawing import draw_cases
 from scenes.spec import Backend
 
 _OSCILLATION = "Oscillation (N/m²): largest less smallest σₙ over the interface, worse side."
@@ -37,13 +37,13 @@ class Ratio:
         What the paper says of the ratio.
     """
 
-    over: PatchCase
-    under: PatchCase
+    over: PatchTestCase
+    under: PatchTestCase
     paper: str
 
 
 @dataclass(frozen=True)
-class PatchFigure:
+class PatchTestFigure:
     """A figure of the patch test.
 
     Parameters
@@ -62,14 +62,14 @@ class PatchFigure:
 
     name: str
     title: str
-    cases: tuple[PatchCase, ...]
+    cases: tuple[PatchTestCase, ...]
     ratios: tuple[Ratio, ...] = ()
     side_ratios: bool = False
     remark: str = ""
 
-    def on(self, backend: Backend) -> dict[str, PatchCase]:
+    def on(self, backend: Backend) -> dict[str, PatchTestCase]:
         """Cases by label as a backend has them; those that become equal there are the first."""
-        cases: dict[str, PatchCase] = {}
+        cases: dict[str, PatchTestCase] = {}
         for every in zip(*(case.on(backend) for case in self.cases), strict=True):
             for case in every:
                 cases.setdefault(case.label, case)
@@ -83,7 +83,7 @@ class PatchFigure:
         """Run every case."""
         cases: Data = {}
         bodies: Mapping[str, Body] | None = None
-        before: PatchCase | None = None
+        before: PatchTestCase | None = None
         for label, case in self.on(backend).items():
             progress.step(f"figure {self.name}, {backend}, {label}")
             if before is None or before.scene(backend).bodies != case.scene(backend).bodies:
@@ -183,36 +183,36 @@ def _gpts(points: int, *, lumped: bool = False) -> GaussPointToSurface:
     return GaussPointToSurface(points, lumped=lumped)
 
 
-_D2C0 = PatchCase(_gpts(3), 1e6, 2, 0)
-_D2C1 = PatchCase(_gpts(3), 1e6, 2, 1)
-_D4C3 = PatchCase(_gpts(5), 1e6, 4, 3, quoted="negligible")
+_D2C0 = PatchTestCase(_gpts(3), 1e6, 2, 0)
+_D2C1 = PatchTestCase(_gpts(3), 1e6, 2, 1)
+_D4C3 = PatchTestCase(_gpts(5), 1e6, 4, 3, quoted="negligible")
 
-_LUMPED = PatchCase(_gpts(25, lumped=True), 1e6)
-_PLAIN = PatchCase(_gpts(25), 1e6)
+_LUMPED = PatchTestCase(_gpts(25, lumped=True), 1e6)
+_PLAIN = PatchTestCase(_gpts(25), 1e6)
 
-_GAUSS = tuple(PatchCase(_gpts(n), 1e6) for n in (3, 5, 8, 15, 25))
+_GAUSS = tuple(PatchTestCase(_gpts(n), 1e6) for n in (3, 5, 8, 15, 25))
 
-_D4C3_FEW = PatchCase(_gpts(5), 1e6, 4, 3)
-_D4C3_MANY = PatchCase(
+_D4C3_FEW = PatchTestCase(_gpts(5), 1e6, 4, 3)
+_D4C3_MANY = PatchTestCase(
     _gpts(25), 1e6, 4, 3, quoted="not zero", remark="not passed to machine precision"
 )
 
 _EXCHANGED = (5, 3)
 _TEXT, _CAPTION = "points of the text", "points of the caption"
 
-PATCH_FIGURES = (
-    PatchFigure(
+PATCH_TEST_FIGURES = (
+    PatchTestFigure(
         "3",
         "Figure 3: GPTS with and without lumping, 25 × 25 points in a span",
         (
             _PLAIN,
             _LUMPED,
-            PatchCase(_gpts(25), 1e14),
-            PatchCase(_gpts(25, lumped=True), 1e14, quoted="machine precision"),
+            PatchTestCase(_gpts(25), 1e14),
+            PatchTestCase(_gpts(25, lumped=True), 1e14, quoted="machine precision"),
         ),
         ratios=(Ratio(_LUMPED, _PLAIN, "below 1"),),
     ),
-    PatchFigure(
+    PatchTestFigure(
         "7",
         "Figure 7: degree and continuity, as many points in a span as the order, P = 10⁶",
         (_D2C0, _D2C1, _D4C3),
@@ -222,44 +222,44 @@ PATCH_FIGURES = (
         ),
         side_ratios=True,
     ),
-    PatchFigure(
+    PatchTestFigure(
         "8",
         "Figure 8: more Gauss points in a span, P = 10⁶",
         _GAUSS,
         ratios=(Ratio(_GAUSS[-1], _GAUSS[0], "below 1"),),
     ),
-    PatchFigure(
+    PatchTestFigure(
         "9",
         "Figure 9: degree 4, 25 × 25 points in a span, P = 10⁶",
         (_D4C3_MANY, _D4C3_FEW),
         ratios=(Ratio(_D4C3_MANY, _D4C3_FEW, "below 1"),),
     ),
-    PatchFigure(
+    PatchTestFigure(
         "10",
         "Figure 10: collocation and GPTS at low and high P",
         (
-            PatchCase(Greville(), 1e6, quoted=3200.0),
-            PatchCase(Grid(9), 1e6, quoted=1700.0),
-            PatchCase(_gpts(12), 1e6, quoted=34.0, remark=_TEXT),
-            PatchCase(_gpts(15), 1e6, quoted=34.0, remark=_CAPTION),
-            PatchCase(_gpts(12), 1e6, continuity=0, remark="not in the paper"),
-            PatchCase(Greville(), 1e14, quoted=1800.0),
-            PatchCase(Grid(9), 1e14, quoted=0.06),
-            PatchCase(_gpts(12), 1e14, quoted=0.01, remark=_TEXT),
-            PatchCase(_gpts(15), 1e14, quoted=0.01, remark=_CAPTION),
+            PatchTestCase(Greville(), 1e6, quoted=3200.0),
+            PatchTestCase(Grid(9), 1e6, quoted=1700.0),
+            PatchTestCase(_gpts(12), 1e6, quoted=34.0, remark=_TEXT),
+            PatchTestCase(_gpts(15), 1e6, quoted=34.0, remark=_CAPTION),
+            PatchTestCase(_gpts(12), 1e6, continuity=0, remark="not in the paper"),
+            PatchTestCase(Greville(), 1e14, quoted=1800.0),
+            PatchTestCase(Grid(9), 1e14, quoted=0.06),
+            PatchTestCase(_gpts(12), 1e14, quoted=0.01, remark=_TEXT),
+            PatchTestCase(_gpts(15), 1e14, quoted=0.01, remark=_CAPTION),
         ),
         remark="34 N/m² is not met by D2C1: side a oscillates by 0.034 N/m² with 15 × 15 points, "
         "which would be a slip of units, and D2C0 comes near with 12 × 12. At P = 10¹⁴ what is "
         "left of the grid and of GPTS is round-off.",
     ),
-    PatchFigure(
+    PatchTestFigure(
         "12",
         "Figure 12: second patch test, 5 × 5 elements on side a and 3 × 3 on side b",
         (
-            PatchCase(Greville(), 1e6, elements=_EXCHANGED, quoted=2300.0),
-            PatchCase(_gpts(15), 1e6, elements=_EXCHANGED, quoted=0.055),
-            PatchCase(Greville(), 1e14, elements=_EXCHANGED, quoted=0.16),
-            PatchCase(_gpts(15), 1e14, elements=_EXCHANGED, quoted=0.05),
+            PatchTestCase(Greville(), 1e6, elements=_EXCHANGED, quoted=2300.0),
+            PatchTestCase(_gpts(15), 1e6, elements=_EXCHANGED, quoted=0.055),
+            PatchTestCase(Greville(), 1e14, elements=_EXCHANGED, quoted=0.16),
+            PatchTestCase(_gpts(15), 1e14, elements=_EXCHANGED, quoted=0.05),
         ),
         remark="The paper's second mesh is not in its text. This one meets the paper in kind, "
         "not in number: no pair of uniform meshes of 2 to 8 elements a side "

@@ -16,12 +16,13 @@ from cea.body import Floats, Surface, SurfaceCoordinates
 from cea.contact.formulations import Greville, Grid
 from cea.timing import StageTimer
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.figure import Data, Number
-from comparisons.paper.patch_test.case import INTERFACE, PatchCase
-from comparisons.paper.style import SIDES, drawing
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.figure import Data, Number
+from comparisons.paper.common.style import SIDES, drawing
+from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
 from scenes.build import build_bodies, build_interfaces
-from scenes.spec import Backend, Scene
+from scenes.read import Scene
+from scenes.spec import Backend
 from scenes.variants import with_contact
 
 _SEEN = {"upper": ("x_max", "y_min", "z_max"), "lower": ("x_max", "y_min")}
@@ -54,7 +55,7 @@ class SettingFigure:
     name: str
     title: str
     remark: str
-    case: PatchCase
+    case: PatchTestCase
     quoted: Mapping[str, float]
 
     def inputs(self, backend: Backend) -> Data:
@@ -219,19 +220,19 @@ _PAPER = {
 }
 """Numbers of section 3 that hold for both settings."""
 
-SETTINGS = (
+GEOMETRY_FIGURES = (
     SettingFigure(
         "2",
         "Figure 2: contact patch test",
         "Elements are not in the text: 25 Greville points are those of 3 × 3 quadratic spans.",
-        PatchCase(Greville(), 1e6),
+        PatchTestCase(Greville(), 1e6),
         _PAPER | {"Greville points of a": 25.0, "grid points of a": 81.0},
     ),
     SettingFigure(
         "11",
         "Figure 11: second contact patch test, the meshes of both sides exchanged",
         "The paper gives the second mesh in a picture only; this one is a guess.",
-        PatchCase(Greville(), 1e6, elements=(5, 3)),
+        PatchTestCase(Greville(), 1e6, elements=(5, 3)),
         _PAPER,
     ),
 )

@@ -16,12 +16,13 @@ import numpy as np
 from cea.body import Body
 from cea.contact.formulations import GaussPointToSurface
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
-from comparisons.paper.figure import Data, Number
-from comparisons.paper.patch_test.case import INTERFACE, PatchCase
-from comparisons.paper.style import COLOURS, drawing
-from scenes.run import run_scene
-from scenes.spec import Backend, Scene, StaticAnalysis
+from comparisons.kit.tables import Column, Table
+from comparisons.paper.common.figure import Data, Number
+from comparisons.paper.common.style import COLOURS, drawing
+from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
+from scenes.read import Scene
+from scenes.run import run_static
+from scenes.spec import Backend, StaticAnalysis
 
 _SAMPLES = 31
 """Samples across the interface: stresses are polynomials in each span."""
@@ -78,14 +79,13 @@ class QuadratureStudy:
         bodies: Mapping[str, Body] | None = None
         found = []
         for n in self.points:
-            result = run_scene(self._scene(degree, continuity, n, backend), bodies=bodies)
-            assert result.stresses is not None
-            bodies = result.system.bodies
+            result = run_static(self._scene(degree, continuity, n, backend), bodies=bodies)
+            bodies = result.bodies
             found.append(max(s.oscillation for s in result.stresses[INTERFACE].values()))
         return found
 
     def _scene(self, degree: int, continuity: int, n: int, backend: Backend) -> Scene:
-        case = PatchCase(GaussPointToSurface(n), self.P, degree, continuity)
+        case = PatchTestCase(GaussPointToSurface(n), self.P, degree, continuity)
         scene = case.scene(backend)
         return replace(scene, analysis=StaticAnalysis("static", _SAMPLES))
 

@@ -6,11 +6,11 @@ their second ones is held to be right, and the change from one to the next says 
 nearer. The result is stored with the project (:func:`stored_reference`).
 """
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from math import floor, log10, pi, tau
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -19,11 +19,12 @@ from cea.contact.formulations import Mortar
 from cea.eigen.mode_matching import GroupMatch
 from comparisons.kit.progress import Progress
 from meshes.breaks import graded
-from scenes.read import load_scene
-from scenes.results import machine, versions
-from scenes.run import SceneResult, run_scene
+from scenes.read import Scene, load_scene
+from scenes.results import ModesResult
+from scenes.run import run_modes
 from scenes.run_matching import match_runs
-from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec, Scene
+from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
+from scenes.stored import read_record, record
 from scenes.variants import on_backend, with_contact
 
 REFERENCE = Path(__file__).parent / "disc_pad_reference.json"
@@ -91,10 +92,12 @@ def compute_reference(
     Returns
     -------
     dict
-        ``modes``: frequency and growth rate of both backends, the digits they share, the change
-        from coarse to fine of each; ``runs``; ``alone``: modes one backend has for itself.
+        Record with ``modes``: frequency and growth rate of both backends, the digits they share,
+        the change from coarse to fine of each; ``runs``; ``alone``: modes one backend has for
+        itself.
     """
-    finest: dict[Backend, SceneResult] = {}
+    start = perf_counter()
+    finest: dict[Backend, ModesResult] = {}
     changes: dict[Backend, dict[int, tuple[float, float]]] = {}
     runs = []
     for backend, pair in levels.items():
@@ -103,27 +106,26 @@ def compute_reference(
             scene = graded_scene(backend, grading)
             meshes = {name: _elements(body.mesh, backend) for name, body in scene.bodies.items()}
             progress.step(f"disc and pad, {backend}, degree {grading.degree}, {meshes}")
-            results.append(run_scene(scene, listener=progress.stage))
+            results.append(run_modes(scene, listener=progress.stage))
             runs.append(_run(results[-1], backend, grading, meshes))
         coarse, finest[backend] = results
         changes[backend] = _changes(coarse, finest[backend])
     match = match_runs(finest["iga"], finest["fe"])
-    return {
+    data = {
         "modes": sorted((_mode(g, changes) for g in match.groups), key=lambda m: m["frequency"]),
         "alone": {
             "iga": _values(finest["iga"], match.only_first),
             "fe": _values(finest["fe"], match.only_second),
         },
         "runs": runs,
-        "versions": versions(),
-        "machine": machine(),
     }
+    inputs = {"levels": {b: [asdict(grading) for grading in pair] for b, pair in levels.items()}}
+    return record("reference", data, inputs=inputs, seconds=perf_counter() - start)
 
 
 def stored_reference() -> dict[str, Any]:
     """The reference that comes with the project."""
-    data: dict[str, Any] = json.loads(REFERENCE.read_text())
-    return data
+    return read_record(REFERENCE)
 
 
 def graded_scene(backend: Backend, grading: Grading) -> Scene:
@@ -186,7 +188,7 @@ def _elements(mesh: MeshSpec, backend: Backend) -> str:
 
 
 def _run(
-    result: SceneResult, backend: Backend, grading: Grading, meshes: Mapping[str, str]
+    result: ModesResult, backend: Backend, grading: Grading, meshes: Mapping[str, str]
 ) -> dict[str, Any]:
     return {
         "backend": backend,
@@ -195,23 +197,18 @@ def _run(
         "dofs": result.system.size,
         "seconds": result.timer.total,
         "timings": dict(result.timer.seconds),
-        "modes": _values(result, np.arange(len(_eigenvalues(result)))),
+        "modes": _values(result, np.arange(len(result.modes))),
     }
 
 
-def _eigenvalues(result: SceneResult) -> Any:
-    assert result.modes is not None
-    return result.modes.eigenvalues
-
-
-def _values(result: SceneResult, modes: Any) -> list[dict[str, float]]:
+def _values(result: ModesResult, modes: Any) -> list[dict[str, float]]:
     return [
         {"frequency": float(v.imag / tau), "growth": float(v.real)}
-        for v in _eigenvalues(result)[modes]
+        for v in result.eigenvalues[modes]
     ]
 
 
-def _changes(coarse: SceneResult, fine: SceneResult) -> dict[int, tuple[float, float]]:
+def _changes(coarse: ModesResult, fine: ModesResult) -> dict[int, tuple[float, float]]:
     """Relative change of frequency and change of growth rate (1/s), by mode of the fine run."""
     changes = {}
     for each in match_runs(coarse, fine).groups:

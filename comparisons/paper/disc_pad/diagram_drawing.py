@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from comparisons.paper.figure import Data
-from comparisons.paper.style import COLOURS, drawing
+from comparisons.kit.plots import AXIS
+from comparisons.paper.common.figure import Data
+from comparisons.paper.common.style import COLOURS, drawing
 
 _MARKERS = {"NURBS": "o", "hexahedra": "s", "tetrahedra": "^"}
 _PANEL = (5.2, 4.0)
@@ -62,7 +63,7 @@ def _draw_panel(axes: Axes, panels: Mapping[str, Data]) -> None:
                 label=names[label] if len(panels) == 1 else f"{family}: {names[label]}",
             )
             handles.append(line)
-    axes.axhline(0.0, color="#555555", linewidth=0.6)
+    axes.axhline(0.0, color=AXIS, linewidth=0.6)
     axes.grid(visible=True)
     kinds = " and ".join(panels) if len(panels) < 3 else "all meshes"
     title = next(iter(panels.values()))["title"]

@@ -5,13 +5,13 @@ from dataclasses import asdict
 from typing import Any
 
 from comparisons.kit.progress import Progress
-from comparisons.paper.figure import Number
+from comparisons.paper.common.figure import Number
 from comparisons.paper.patch_test.case import EXACT
-from comparisons.paper.registry import FIGURES
+from comparisons.paper.patch_test.figures import PATCH_TEST_FIGURES
 from scenes.spec import Backend
 
-PATCH_FIGURES = ("3", "7", "8", "9", "10", "12")
-"""Figures with results of the patch test; 2 and 11 show its settings."""
+FIGURES = {figure.name: figure for figure in PATCH_TEST_FIGURES}
+"""Figures with results of the patch test, by their numbers; 2 and 11 show its settings."""
 
 WITHIN = 0.1
 """Largest relative difference with which a number of the paper is met."""
@@ -30,7 +30,9 @@ _WORDS: dict[str, Callable[[float], bool]] = {
 """What words of the paper ask of a number."""
 
 
-def run_paper_numbers(progress: Progress, names: tuple[str, ...] = PATCH_FIGURES) -> dict[str, Any]:
+def run_paper_numbers(
+    progress: Progress, names: tuple[str, ...] = tuple(FIGURES)
+) -> dict[str, Any]:
     """Numbers of figures of the paper, computed on NURBS as there.
 
     Parameters
@@ -38,7 +40,7 @@ def run_paper_numbers(progress: Progress, names: tuple[str, ...] = PATCH_FIGURES
     progress
         Where progress is shown.
     names
-        Names of the figures (:mod:`comparisons.paper.registry`).
+        Numbers of the figures.
 
     Returns
     -------

@@ -12,11 +12,11 @@ from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 
 from cea.body import Floats
-from comparisons.agreement.figures import GREY
 from comparisons.kit.numbers import number
-from comparisons.paper.figure import Data
+from comparisons.kit.plots import GREY
+from comparisons.paper.common.figure import Data
+from comparisons.paper.common.style import SIDES, drawing
 from comparisons.paper.patch_test.case import EXACT
-from comparisons.paper.style import SIDES, drawing
 
 _COLUMNS = 5
 _COLUMN_SIZE = (2.9, 6.8)

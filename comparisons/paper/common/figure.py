@@ -5,13 +5,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+import numpy as np
+
 from comparisons.kit.numbers import number
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Column, Table
+from comparisons.kit.tables import Column, Table
 from scenes.spec import Backend
 
 Data = dict[str, Any]
 """Plain data, ready for JSON."""
+
+
+def as_lists(values: Any) -> list[Any]:
+    """Numbers of an array as nested lists, None for NaN."""
+    return np.asarray(np.where(np.isfinite(values), values, None)).tolist()
 
 
 @dataclass(frozen=True)

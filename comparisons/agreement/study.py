@@ -12,13 +12,16 @@ from numpy.typing import NDArray
 from cea.body import Body
 from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.timing import StageTimer
+from comparisons.agreement.time_saved import time_saved
 from comparisons.kit.progress import Progress
 from scenes.build import build_bodies
+from scenes.describe import describe
 from scenes.read import load_scene
-from scenes.results import describe, machine, versions
-from scenes.run import SceneResult, run_scene
+from scenes.results import ModesResult
+from scenes.run import run_modes, run_scene
 from scenes.run_matching import match_unstable
 from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
+from scenes.stored import record
 from scenes.variants import BACKENDS, on_backend, with_contact
 
 EXPECTED_OSCILLATION = {
@@ -38,25 +41,33 @@ def formulations(backend: Backend, grid: int, gauss: Iterable[int]) -> list[Form
     return [collocation, Grid(grid), *(GaussPointToSurface(n) for n in gauss)]
 
 
-def compare(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResult]]:
+def compare(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResult]]:
     """Run everything.
 
     Returns
     -------
     dict
-        Plain data for ``result.json``.
+        Record for ``result.json``.
     dict
         The disc_pad result with GPTS on each backend, for pictures.
     """
     start = perf_counter()
     warm_up(progress)
-    data: dict[str, Any] = {"command": "compare", "versions": versions(), "machine": machine()}
-    data["patch_test"] = patch_test(progress)
-    data["disc_alone"] = disc_alone(progress)
+    data: dict[str, Any] = {"patch_test": patch_test(progress), "disc_alone": disc_alone(progress)}
     data["disc_pad"], results = disc_pad(progress)
     data["time_saved"] = time_saved(progress)
-    data["seconds"] = perf_counter() - start
-    return data, results
+    made = record(
+        "compare",
+        data,
+        inputs={"scenes": ["patch_test", "disc", "disc_pad"]},
+        seconds=perf_counter() - start,
+        warnings=[
+            {"backend": run["backend"], "formulation": run["formulation"], **warning}
+            for run in data["disc_pad"]["runs"]
+            for warning in run["warnings"]
+        ],
+    )
+    return made, results
 
 
 def warm_up(progress: Progress) -> None:
@@ -130,7 +141,6 @@ DISC_REFERENCE = IgaMesh(
 """Reference of the disc alone: graded towards both clamped corners."""
 
 _DISC_MODES = 20
-_REPEATS = 3
 
 
 def disc_alone(progress: Progress) -> dict[str, Any]:
@@ -185,10 +195,10 @@ def _backend_differences(runs: list[dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResult]]:
+def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResult]]:
     """Unstable modes of the disc and pad for every formulation on both backends."""
     runs = []
-    results: dict[tuple[str, Backend], SceneResult] = {}
+    results: dict[tuple[str, Backend], ModesResult] = {}
     for backend in BACKENDS:
         scene = on_backend(load_scene(Path("disc_pad")), backend)
         bodies: Mapping[str, Body] | None = None
@@ -196,9 +206,10 @@ def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResu
         for formulation in formulations(backend, grid, (5,)):
             progress.step(f"disc and pad, {backend}, {formulation.method}")
             variant = with_contact(scene, formulation=formulation)
-            result = run_scene(variant, bodies=bodies, listener=progress.stage)
-            bodies = result.system.bodies
+            result = run_modes(variant, bodies=bodies, listener=progress.stage)
+            bodies = result.bodies
             run = describe(result)
+            run["warnings"] = [warning.plain() for warning in result.modes.warnings]
             runs.append(run | _labels(backend, formulation, run))
             kind = (
                 "collocation"
@@ -213,45 +224,9 @@ def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, SceneResu
     return {"runs": runs, "agreement": agreement}, {b: results["gpts", b] for b in BACKENDS}
 
 
-def time_saved(progress: Progress) -> dict[str, Any]:
-    """One scene without friction: solved as it is, and as if friction could not be left out."""
-    scene = with_contact(on_backend(load_scene(Path("disc_pad")), "fe"), mu=0.0)
-    lean, full = [], []
-    for turn in range(_REPEATS):
-        progress.step(f"disc and pad without friction, lean and in full, {turn + 1} of {_REPEATS}")
-        lean.append(run_scene(scene, listener=progress.stage))
-        full.append(run_scene(scene, leave_out=False, listener=progress.stage))
-    lean_seconds, full_seconds = (_median_seconds(runs) for runs in (lean, full))
-    return {
-        "scene": "disc_pad, finite elements, mu = 0",
-        "dofs": lean[0].system.size,
-        "repeats": _REPEATS,
-        "skipped": dict(lean[0].skipped),
-        "lean": lean_seconds,
-        "full": full_seconds,
-        "lean_seconds": sum(lean_seconds.values()),
-        "full_seconds": sum(full_seconds.values()),
-    }
-
-
-def _median_seconds(runs: list[SceneResult]) -> dict[str, float]:
-    """Median seconds of each stage over repeated runs."""
-    return {
-        stage: float(np.median([run.timer.seconds[stage] for run in runs]))
-        for stage in runs[0].timer.seconds
-    }
-
-
 def _labels(backend: Backend, formulation: Formulation, run: Mapping[str, Any]) -> dict[str, Any]:
     points = next(iter(run["contacts"].values()))["points"]
-    label = {
-        "node_to_surface": "node-to-surface",
-        "greville": "Greville",
-        "grid": "grid",
-        "gpts": "GPTS",
-        "segments": "segments",
-        "mortar": "mortar",
-    }[formulation.method]
+    label = formulation.name
     if isinstance(formulation, GaussPointToSurface):
         label += f" {formulation.points} x {formulation.points}"
     return {

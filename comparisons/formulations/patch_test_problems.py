@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from math import pi
 from pathlib import Path
 
-from scenes.read import load_scene
-from scenes.spec import Backend, LoadSpec, Scene
+from scenes.read import Scene, load_scene
+from scenes.spec import Backend, LoadSpec
 
 PRESSURE = 1000.0
 """Exact contact pressure of every patch test (N/m^2)."""
@@ -31,7 +31,7 @@ def pairs(structured: str, simplices: str) -> tuple[tuple[str, str], ...]:
 
 
 @dataclass(frozen=True)
-class PatchProblem:
+class PatchTestProblem:
     """A contact patch test.
 
     Parameters
@@ -119,9 +119,9 @@ def _curved(P: float) -> list[str]:
 
 
 PROBLEMS = (
-    PatchProblem("flat", "patch_test", pairs(*_SPACE), _flat, (3.0, 1.8), _OBLIQUE),
-    PatchProblem("rotated", "patch_test", pairs(*_SPACE), _rotated, (3.0, 1.8), _OBLIQUE),
-    PatchProblem(
+    PatchTestProblem("flat", "patch_test", pairs(*_SPACE), _flat, (3.0, 1.8), _OBLIQUE),
+    PatchTestProblem("rotated", "patch_test", pairs(*_SPACE), _rotated, (3.0, 1.8), _OBLIQUE),
+    PatchTestProblem(
         "curved",
         "patch_test_curved",
         pairs(*_PLANE),

@@ -8,11 +8,10 @@ import numpy as np
 from matplotlib.lines import Line2D
 from scipy.sparse import csr_array
 
-from cea.body import VolumeSample
-from cea.eigen.modes import Complexes
-from comparisons.agreement.figures import BLUE, GREY, VERMILION
-from comparisons.paper.figure import Data
-from comparisons.paper.style import drawing
+from cea.body import Complexes, VolumeSample
+from comparisons.kit.plots import BLUE, GREY, VERMILION
+from comparisons.paper.common.figure import Data
+from comparisons.paper.common.style import drawing
 
 _COLUMNS = {"lumped": "with lumping", "plain": "without lumping"}
 _PICTURE = (5.0, 3.3)

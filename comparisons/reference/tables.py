@@ -3,7 +3,7 @@
 from typing import Any
 
 from comparisons.kit.numbers import number, shown
-from comparisons.kit.tabular import Column, Table
+from comparisons.kit.tables import Column, Table
 
 _CAPTION = (
     "Converged modes of disc_pad (mortar, P = 1e9 N/m, mu = 0.7): means of near-coalescing groups. "

@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from comparisons.agreement.figures import BLUE, DPI, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from comparisons.kit.plots import AXIS, BLUE, DPI, GREEN, GRID, ORANGE, PURPLE, SKY, VERMILION
 
 SIDES = (("b", BLUE, "-"), ("a", VERMILION, "--"))
 """Sides of a contact with colour and line: solid for b, dashed for a, as in the paper."""
@@ -19,10 +19,10 @@ _STYLE = {
     "font.family": "sans-serif",
     "font.size": 9,
     "axes.titlesize": 8.5,
-    "axes.edgecolor": "#555555",
+    "axes.edgecolor": AXIS,
     "axes.linewidth": 0.7,
     "axes.formatter.useoffset": False,
-    "grid.color": "#E4E4E4",
+    "grid.color": GRID,
     "grid.linewidth": 0.6,
     "legend.frameon": False,
     "legend.fontsize": 8,

@@ -1,17 +1,20 @@
 """A table: raw values for a CSV file, formatted cells for a page."""
 
 import csv
-import gzip
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
 from comparisons.kit.numbers import MISSING
+from scenes.stored import write_whole
 
-_LEVEL = 6
-"""Level of compression: the highest takes three times as long and saves a few per cent."""
+Data = Mapping[str, Any]
+"""Plain data, as JSON holds them, that tables, words and figures are made of."""
+
+VERDICTS = {True: "yes", False: "no"}
+"""How a verdict is shown."""
 
 
 @dataclass(frozen=True)
@@ -78,12 +81,5 @@ class Table:
         writer = csv.writer(stream)
         writer.writerow(column.name for column in self.columns)
         writer.writerows(self.rows)
-        content = stream.getvalue().encode()
-        file = folder / (f"{self.name}.csv.gz" if self.compressed else f"{self.name}.csv")
-        file.write_bytes(compressed(content) if self.compressed else content)
-        return file
-
-
-def compressed(content: bytes) -> bytes:
-    """Content as a gzip file that bears no time: equal contents give equal files."""
-    return gzip.compress(content, _LEVEL, mtime=0)
+        ending = ".csv.gz" if self.compressed else ".csv"
+        return write_whole(stream.getvalue().encode(), folder / f"{self.name}{ending}")

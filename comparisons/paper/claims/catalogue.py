@@ -1,7 +1,7 @@
 """Claims of the paper in the order of its text, with the rule that decides each."""
 
 from comparisons.paper.claims import rules
-from comparisons.paper.claims.judge import Claim
+from comparisons.paper.claims.claim import Claim
 
 _TEXT = "3"
 _OPEN = "3, left open"

@@ -3,23 +3,26 @@
 Data are looked for in the folder that is written to, then among those that come with the project.
 """
 
-import gzip
 import json
-import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
+from time import perf_counter
 
+from cea.errors import InputError
 from cea.petsc import MPI
 from comparisons.kit.progress import Progress
-from comparisons.kit.tabular import Table, compressed
-from comparisons.paper.figure import Data, PaperFigure, numbers_table
-from scenes.results import machine, versions
+from comparisons.kit.tables import Table
+from comparisons.paper.common.figure import Data, PaperFigure, numbers_table
 from scenes.spec import Backend
+from scenes.stored import read_record, record, write_record
 
-STORED = Path(__file__).parent / "results"
+STORED = Path(__file__).parents[1] / "results"
 """Data that come with the project."""
+
+COMMAND = "figure"
+"""Command that a record is marked with."""
 
 
 @dataclass(frozen=True)
@@ -82,17 +85,9 @@ def make_figure(
     if found is not None:
         file, data = found
     else:
-        data = {
-            "figure": figure.name,
-            "title": figure.title,
-            "backend": backend,
-            "fingerprint": mark,
-            "inputs": figure.inputs(backend),
-            "versions": versions(),
-            "machine": machine(),
-        } | figure.compute(backend, progress)
+        data = _computed(figure, backend, mark, progress)
         if comm.rank == 0:
-            write_data(data, file)
+            write_record(data, file)
     numbers = numbers_table(figure.numbers(data), stem, f"{figure.title}, {backend}")
     pictures: list[Path] = []
     if comm.rank == 0:
@@ -104,31 +99,33 @@ def make_figure(
     return MadeFigure(numbers, figure.note(data), file, pictures, reused)
 
 
+def _computed(figure: PaperFigure, backend: Backend, mark: str, progress: Progress) -> Data:
+    """Record of a figure that was computed."""
+    start = perf_counter()
+    described = {
+        "figure": figure.name,
+        "title": figure.title,
+        "backend": backend,
+        "fingerprint": mark,
+    }
+    data = described | figure.compute(backend, progress)
+    seconds = perf_counter() - start
+    return record(COMMAND, data, inputs=figure.inputs(backend), seconds=seconds)
+
+
 def fingerprint(inputs: Data) -> str:
     """Digest of plain data, whatever the order of their fields."""
     text = json.dumps(inputs, sort_keys=True, allow_nan=False)
     return sha256(text.encode()).hexdigest()
 
 
-def write_data(data: Data, file: Path) -> None:
-    """Write computed data, making their folder."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
-    file.write_bytes(compressed(text.encode()))
-
-
-def read_data(file: Path) -> Data:
-    """Read computed data."""
-    return json.loads(gzip.decompress(file.read_bytes()))
-
-
 def _found(files: Iterable[Path], mark: str) -> tuple[Path, Data] | None:
     """The first file with data that equal inputs made, and the data."""
     for file in files:
         try:
-            data = read_data(file)
-        except (OSError, EOFError, zlib.error, ValueError):
+            data = read_record(file)
+        except InputError:
             continue  # there is none, or it is broken
-        if isinstance(data, dict) and data.get("fingerprint") == mark:
+        if data.get("fingerprint") == mark:
             return file, data
     return None

@@ -1,0 +1,54 @@
+"""What commands print: where they are, tables, modes."""
+
+from typing import TYPE_CHECKING
+
+import typer
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from comparisons.kit.tables import Table as ReportTable
+
+if TYPE_CHECKING:
+    from scenes.results import ModesResult, StaticResult
+
+console = Console()
+_TABLE_WIDTH = 120
+
+
+def print_table(table: ReportTable) -> None:
+    """Print a table of a report."""
+    shown = Table(title=table.caption, title_justify="left", box=SIMPLE_HEAD)
+    for column in table.columns:
+        unit = f" ({column.unit})" if column.unit else ""
+        shown.add_column(
+            column.title + unit, no_wrap=True, justify="right" if column.show else "left"
+        )
+    for cells in table.cells():
+        shown.add_row(*cells)
+    Console(width=max(console.width, _TABLE_WIDTH)).print(shown)
+
+
+def print_modes(result: "ModesResult") -> None:
+    """Print the eigenvalues of a run, the unstable ones set off, and why they are all."""
+    table = Table("mode", "frequency (Hz)", "growth rate (1/s)", "residual", "condition")
+    for mode in result.table():
+        table.add_row(
+            str(mode["mode"]),
+            f"{mode['frequency']:.3f}",
+            f"{mode['growth_rate']:+.3f}",
+            f"{mode['residual']:.1e}",
+            f"{mode['condition']:.1f}",
+            style="bold red" if mode["unstable"] else None,
+        )
+    console.print(table)
+    typer.echo(result.modes.window.evidence)
+
+
+def print_stresses(result: "StaticResult") -> None:
+    """Print the range of the normal stress on each side of each contact."""
+    for row in result.table():
+        console.print(
+            f"{row['contact']}, side {row['side']}: sigma_n from {row['min']:.6g} to "
+            f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
+        )

@@ -1,0 +1,59 @@
+"""Look of the plots of every application: colours, markers, style, and how a figure is written."""
+
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from comparisons.kit.tables import Data
+
+DPI = 200
+"""Pixels per inch of the files: twice those a page shows."""
+
+# Colours of Okabe and Ito, told apart with any colour vision.
+ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
+BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
+BLACK, AXIS, GRID = "#222222", "#555555", "#E4E4E4"
+
+MARKERS = {"fe": "s", "iga": "o"}
+"""Marker of each backend."""
+
+_STYLE = {
+    "font.family": "sans-serif",
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.edgecolor": AXIS,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
+    "xtick.color": "#444444",
+    "ytick.color": "#444444",
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+}
+
+
+def styled(draw: Callable[[Data], Figure]) -> Callable[[Data], Figure]:
+    """Give a figure the style of the report."""
+
+    @wraps(draw)
+    def styled(data: Data) -> Figure:
+        with rc_context(_STYLE):
+            figure = draw(data)
+            FigureCanvasAgg(figure)
+            return figure
+
+    return styled
+
+
+def save(figure: Figure, file: Path) -> None:
+    """Write a figure as PNG at :data:`DPI`."""
+    with rc_context(_STYLE):
+        figure.savefig(file, dpi=DPI)

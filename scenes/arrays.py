@@ -1,0 +1,131 @@
+"""Arrays of numpy and scipy from distributed vectors and matrices."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array, eye_array, kron, vstack
+
+from cea.body import Complexes
+from cea.contact.interface import local_rows
+from cea.matrices import destroy, free_operator, scaled_total
+from cea.system.coupled import CoupledSystem
+
+
+def displacements(
+    system: CoupledSystem, body: str, trace: csr_array | None, vectors: Complexes
+) -> Complexes:
+    """Displacements (m) of many vectors of unknowns at points of one body; collective.
+
+    Parameters
+    ----------
+    system
+        The coupled system.
+    body
+        Name of the body.
+    trace
+        Values of the scalar basis functions at the points of this rank, shape
+        (n, num_scalar_dofs); None takes the scalar dofs themselves, this rank's share.
+    vectors
+        Unknowns, the rows of this rank, shape (n_local, k).
+
+    Returns
+    -------
+    ndarray
+        Shape (n, dim, k), the points of this rank.
+    """
+    part = system.bodies[body]
+    start = system.template.getOwnershipRange()[0]
+    own = vectors[system.index_sets[body].indices - start]
+    if trace is None:
+        u = _times(part.expansion, own, part.comm)
+    else:
+        operator = free_operator(csr_array(kron(trace, eye_array(part.dim), format="csr")), part)
+        u = _times(operator, own, part.comm)
+        destroy(operator)
+    return u.reshape(-1, part.dim, vectors.shape[1])
+
+
+def _times(operator: Any, vectors: Complexes, comm: Any) -> Complexes:
+    """The rows of this rank of a PETSc AIJ matrix times a block of vectors; collective.
+
+    Ranks may have rows and no columns, which PETSc's product with a dense matrix does not bear.
+    Only those entries of the vectors travel that some rank needs.
+    """
+    indptr, columns, data = operator.getValuesCSR()
+    needed = np.unique(np.concatenate(comm.allgather(np.unique(columns))))
+    first, last = operator.getOwnershipRangeColumn()
+    mine = needed[(needed >= first) & (needed < last)] - first
+    values = np.concatenate(comm.allgather(vectors[mine]))
+    shape = (len(indptr) - 1, len(needed))
+    return csr_array((data, np.searchsorted(needed, columns), indptr), shape=shape) @ values
+
+
+def gathered_displacements(
+    system: CoupledSystem,
+    body: str,
+    trace: csr_array | None,
+    vectors: Complexes,
+    *,
+    everywhere: bool = True,
+) -> Complexes:
+    """:func:`displacements` at points that are the same on every rank, or are those of rank 0.
+
+    Parameters
+    ----------
+    system, body, vectors
+        As there.
+    trace
+        Of all points, the same on every rank; or counted on rank 0 alone.
+    everywhere
+        Whether every rank gives the trace and gets the answer; otherwise rank 0 does, and others
+        get an empty array.
+
+    Returns
+    -------
+    ndarray
+        Shape (n, dim, k).
+    """
+    comm = system.bodies[body].comm
+    if trace is not None:
+        count = trace.shape[0]
+        rows = local_rows(count, comm) if everywhere else (0, 0 if comm.rank else count)
+        trace = trace[slice(*rows)]
+    u = displacements(system, body, trace, vectors)
+    if everywhere:
+        return np.concatenate(comm.allgather(u))
+    parts = comm.gather(u)
+    return u[:0] if parts is None else np.concatenate(parts)
+
+
+def gathered_sums(
+    pieces: Mapping[str, Sequence[tuple[float, Any]]], template: Any
+) -> dict[str, csr_array]:
+    """Sums of factors times PETSc AIJ matrices by name, as scipy matrices; collective.
+
+    Parameters
+    ----------
+    pieces
+        Factors and matrices; pieces with the factor 0 are left out.
+    template
+        PETSc vector of the layout of their rows.
+
+    Returns
+    -------
+    dict
+        On rank 0; empty on other ranks.
+    """
+    n, comm = template.getSize(), template.comm.tompi4py()
+    sums = {}
+    for name, parts in pieces.items():
+        kept = [(factor, matrix) for factor, matrix in parts if factor]
+        rows = csr_array((template.getLocalSize(), n))
+        if kept:
+            matrix = scaled_total(kept)
+            indptr, indices, data = matrix.getValuesCSR()
+            rows = csr_array((data, indices, indptr), shape=rows.shape)
+            destroy(matrix)
+        sums[name] = comm.gather(rows)
+    if comm.rank:
+        return {}
+    return {name: csr_array(vstack(parts, format="csr")) for name, parts in sums.items()}

@@ -1,0 +1,123 @@
+"""Results as plain data for ``result.json``: scenes as run, timings, eigenvalues, stresses."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cea.contact.interface import Interface
+from cea.eigen.spectrum import Spectrum
+from cea.system.contact_stresses import SideStress
+from scenes.results import ModesResult, StaticResult
+from scenes.stored import in_json, record, write_record
+
+RUN = "run"
+"""Command that a record of a run names."""
+
+
+def save_result(
+    result: ModesResult | StaticResult,
+    file: str | Path,
+    *,
+    inputs: Mapping[str, Any] | None = None,
+    data: Mapping[str, Any] | None = None,
+) -> Path:
+    """Write the record of a run, which :func:`scenes.opened.open_result` opens; collective.
+
+    Parameters
+    ----------
+    result
+        The run.
+    file
+        The file; rank 0 writes it.
+    inputs
+        What the run was asked for in words; by default the name of the scene.
+    data
+        More to be kept beside it.
+    """
+    path, described = Path(file), describe(result)
+    seconds = described.pop("seconds")
+    if next(iter(result.bodies.values())).comm.rank == 0:
+        inputs = {"scene": result.scene.name} if inputs is None else inputs
+        described |= data or {}
+        warnings = result.modes.warnings if isinstance(result, ModesResult) else ()
+        told = [warning.plain() for warning in warnings]
+        write_record(record(RUN, described, inputs=inputs, seconds=seconds, warnings=told), path)
+    return path
+
+
+def describe(result: ModesResult | StaticResult) -> dict[str, Any]:
+    """Everything about a run, ready for JSON."""
+    data: dict[str, Any] = {
+        "scene": in_json(asdict(result.scene)),
+        "dofs": {
+            "free": result.system.size,
+            "bodies": {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()},
+        },
+        "timings": dict(result.timer.seconds),
+        "seconds": result.timer.total,
+        "skipped": dict(result.skipped),
+        "contacts": {name: _interface(i) for name, i in result.interfaces.items()},
+    }
+    if isinstance(result, ModesResult):
+        return data | describe_modes(result.modes, result.analysis.growth_threshold)
+    return data | {
+        "stresses": {
+            name: {side: _stress(stress) for side, stress in sides.items()}
+            for name, sides in result.stresses.items()
+        }
+    }
+
+
+def describe_modes(modes: Spectrum, growth_threshold: float) -> dict[str, Any]:
+    """Eigenvalues with their errors, the window searched, the unstable modes."""
+    unstable = modes.unstable(growth_threshold)
+    return {
+        "eigenvalues": [
+            {
+                "re": float(value.real),
+                "im": float(value.imag),
+                "residual": float(residual),
+                "condition": float(condition),
+            }
+            for value, residual, condition in zip(
+                modes.eigenvalues, modes.residuals, modes.conditions, strict=True
+            )
+        ],
+        "window": asdict(modes.window) | {"evidence": modes.window.evidence},
+        "unstable": [
+            {"mode": int(i), "frequency": float(f), "growth": float(g)}
+            for i, f, g in zip(
+                np.flatnonzero(unstable),
+                modes.frequencies[unstable],
+                modes.growth_rates[unstable],
+                strict=True,
+            )
+        ],
+    }
+
+
+def _stress(stress: SideStress) -> dict[str, Any]:
+    return {
+        "oscillation": stress.oscillation,
+        "min": float(stress.sigma_n.min()),
+        "max": float(stress.sigma_n.max()),
+        "arc": stress.arc.tolist(),
+        "sigma_n_along": [_number(v) for v in stress.sigma_n_along],
+    }
+
+
+def _interface(interface: Interface) -> dict[str, Any]:
+    return {
+        "points": len(interface.points),
+        "area": interface.a.area,
+        "status": dict(interface.statuses),
+        "largest_distance": interface.largest_distance,
+        "tolerance": interface.opposite.tolerance,
+    }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

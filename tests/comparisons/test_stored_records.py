@@ -1,0 +1,31 @@
+"""What comes with the project is stored in one form, which says what made it."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from comparisons.accuracy import page as accuracy_page
+from comparisons.accuracy.runner import COMMAND as ACCURACY
+from comparisons.paper.common.store import COMMAND as FIGURE
+from comparisons.paper.common.store import STORED
+from comparisons.reference.study import REFERENCE
+from scenes.stored import PROVENANCE, read_record
+
+MEASURED = Path(accuracy_page.__file__).with_name("results") / "result.json.gz"
+RECORDS = [
+    *((FIGURE, file) for file in sorted(STORED.glob("*.json.gz"))),
+    (ACCURACY, MEASURED),
+    ("reference", REFERENCE),
+]
+
+
+@pytest.mark.parametrize(("command", "file"), RECORDS, ids=lambda value: getattr(value, "name", ""))
+def test_a_record_says_what_made_it(command, file):
+    data = read_record(file)
+    assert set(PROVENANCE) < set(data)
+    assert data["command"] == command
+    assert data["inputs"]
+    assert re.fullmatch("[0-9a-f]{40}", data["commit"])
+    assert {"python", "petsc", "slepc", "numpy"} <= set(data["versions"])
+    assert data["machine"]["cpus"] > 0

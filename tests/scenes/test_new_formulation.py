@@ -1,0 +1,109 @@
+"""A formulation defined outside the package is one class: scenes name it on both backends."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal
+
+import pytest
+from blocks import two_blocks
+
+from cea.contact.formulations import Formulation, GaussPointToSurface, base, register, registered
+from cea.errors import InputError
+from scenes.checks import suits
+from scenes.read import SceneError, plain_data, read_scene
+from scenes.run import run_scene
+
+
+@dataclass(frozen=True)
+class Midpoints(Formulation):
+    """Contact at the middle of each cell of side a."""
+
+    name: ClassVar[str] = "midpoints"
+
+    softness: float = 1.0
+    method: Literal["midpoints"] = "midpoints"
+
+    def points_on(self, a, b, reach):
+        """Points and weights on side a."""
+        points = a.gauss_points(1)
+        return replace(points, weight=points.weight / self.softness)
+
+
+@pytest.fixture(autouse=True)
+def _registered() -> Iterator[None]:
+    before = dict(base._REGISTER)
+    register(Midpoints)
+    yield
+    base._REGISTER.clear()
+    base._REGISTER.update(before)
+
+
+def test_a_scene_names_it_and_both_backends_run_it(backend):
+    def eigenvalues(formulation):
+        data = two_blocks(backend, formulation, held=True, P=3.0)
+        return run_scene(read_scene(data)).modes.eigenvalues
+
+    found = eigenvalues({"method": "midpoints"})
+    assert found == pytest.approx(eigenvalues({"method": "gpts", "points": 1}), rel=1e-9)
+    others = eigenvalues({"method": "gpts", "points": 3})
+    assert found[:5] != pytest.approx(others[:5], rel=1e-6)
+
+
+def test_its_fields_are_read_checked_and_written():
+    scene = read_scene(two_blocks("iga", {"method": "midpoints", "softness": 2.0}))
+    assert scene.contacts["interface"].formulation == Midpoints(2.0)
+    assert read_scene(plain_data(scene)) == scene
+    with pytest.raises(SceneError, match=r"formulation\.hardness = 1: no such field"):
+        read_scene(two_blocks("iga", {"method": "midpoints", "hardness": 1}))
+
+
+def test_a_method_that_is_not_registered_is_refused_with_those_that_are():
+    with pytest.raises(SceneError, match="'midpoints'") as caught:
+        read_scene(two_blocks("iga", {"method": "corners"}))
+    assert all(method in str(caught.value) for method in registered())
+    del base._REGISTER["midpoints"]
+    with pytest.raises(SceneError, match=r"tag 'midpoints' .* does not match"):
+        read_scene(two_blocks("iga", {"method": "midpoints"}))
+
+
+def test_the_label_tells_name_points_and_options():
+    assert Midpoints().label == "midpoints"
+    assert GaussPointToSurface(5, lumped=True).label == "GPTS 5 × 5, lumped"
+    labels = [registered()[m].name for m in ("node_to_surface", "greville", "bonded")]
+    assert labels == ["node-to-surface", "Greville", "bonded"]
+
+
+def test_abscissae_say_which_backends_a_formulation_suits():
+    found = {
+        method: [backend for backend in ("fe", "iga") if suits(formulation, backend)]
+        for method, formulation in registered().items()
+    }
+    alone = {m: backends for m, backends in found.items() if len(backends) == 1}
+    assert alone == {"node_to_surface": ["fe"], "greville": ["iga"], "botella": ["iga"]}
+
+
+def test_a_second_class_of_one_method_is_refused_and_the_same_once_more_is_not():
+    @dataclass(frozen=True)
+    class Other(Midpoints):
+        """Another class."""
+
+    with pytest.raises(InputError, match=r"Midpoints"):
+        register(Other)
+    assert register(Midpoints) is registered()["midpoints"]
+
+
+def test_a_class_without_a_method_is_refused():
+    class NoDataclass(Formulation):
+        """A class without fields."""
+
+    with pytest.raises(InputError, match="a dataclass"):
+        register(NoDataclass)
+
+    @dataclass(frozen=True)
+    class NoMethod(Formulation):
+        """Fields, but no method."""
+
+        softness: float = 1.0
+
+    with pytest.raises(InputError, match="a field with a default"):
+        register(NoMethod)

@@ -1,0 +1,232 @@
+"""What a run gives: shapes, matrices, tables; bodies and contact points used again."""
+
+import numpy as np
+import pytest
+import pyvista
+from blocks import two_blocks
+from motions import mode_displacement
+from scipy.linalg import eigvals
+
+from cea.body import SurfaceCoordinates
+from cea.errors import InputError
+from scenes import (
+    ModesResult,
+    StaticResult,
+    assemble,
+    read_scene,
+    run_modes,
+    run_scene,
+    run_static,
+)
+from scenes.paraview import write_paraview
+
+GPTS = {"method": "gpts", "points": 3}
+MU = "contacts.interface.mu"
+
+
+def scene_of(backend, **contact):
+    data = two_blocks(backend, GPTS, held=True, P=3.0)
+    data["contacts"]["interface"] |= contact
+    return read_scene(data)
+
+
+def static_scene(backend):
+    data = two_blocks(backend, GPTS, held=True, mu=0.0)
+    data |= {"analysis": {"kind": "static", "samples": 3}}
+    data |= {"loads": [{"surface": "upper.x_min", "pressure": 0.1}]}
+    return read_scene(data)
+
+
+@pytest.fixture(scope="module", params=["fe", "iga"])
+def result(request):
+    return run_modes(scene_of(request.param))
+
+
+@pytest.mark.parametrize("chosen", [None, [2, 0], np.array([1])])
+def test_shapes_are_those_of_one_vector_at_a_time(result, chosen):
+    modes = range(len(result.modes)) if chosen is None else chosen
+    for name, body in result.bodies.items():
+        expected = np.stack([mode_displacement(result, name, i) for i in modes], axis=2)
+        scale = np.abs(expected).max()
+        found = result.mode_shapes(name, modes=chosen)
+        np.testing.assert_allclose(found, expected, atol=1e-13 * scale)
+
+        values = body.volume_sample(1).values
+        at_points = result.mode_shapes(name, values, chosen, everywhere=False)
+        assert at_points.shape == (values.shape[0], 3, len(modes))
+        for i in range(len(modes)):
+            u = values @ expected[..., i]
+            np.testing.assert_allclose(at_points[..., i], u, atol=1e-13 * scale)
+
+        points = body.surfaces["z_max"].gauss_points(2)
+        on_surface = result.mode_shapes(f"{name}.z_max", points.at, chosen)
+        trace = body.surfaces["z_max"].trace(points.at)
+        np.testing.assert_array_equal(on_surface, result.mode_shapes(name, trace, chosen))
+        u = trace @ expected[..., -1]
+        np.testing.assert_allclose(on_surface[..., -1], u, atol=1e-13 * scale)
+
+
+@pytest.mark.parametrize(
+    ("place", "told"), [("middle", "one of upper, lower"), ("upper.top", "upper.z_max")]
+)
+def test_places_that_are_none_are_refused(result, place, told):
+    at = SurfaceCoordinates(np.array([0]), np.zeros((1, 2))) if "." in place else None
+    with pytest.raises(InputError, match=told):
+        result.mode_shapes(place, at)
+
+
+def test_matrices_have_the_eigenvalues(result):
+    matrices = result.matrices()
+    assert list(matrices) == ["K", "M", "K_n", "K_f"]
+    assert {m.shape for m in matrices.values()} == {(result.system.size,) * 2}
+    K = (matrices["K"] + matrices["K_n"] - matrices["K_f"]).toarray()
+    found = np.sqrt(-eigvals(K, matrices["M"].toarray()).astype(complex))
+    found = np.where(found.imag < 0, -found, found)
+    for value in result.eigenvalues:
+        assert np.abs(found - value).min() < 1e-7 * abs(value)
+    inside = (found.imag > 0) & (found.imag < 2 * np.pi * result.analysis.max_frequency)
+    assert inside.sum() == len(result.modes)
+
+
+def test_matrices_without_friction_and_of_the_saddle_form():
+    without = run_modes(scene_of("iga", mu=0.0)).matrices()
+    assert without["K_f"].nnz == 0
+    assert without["K_n"].nnz > 0
+    saddle = run_modes(scene_of("iga", form="saddle"))
+    with pytest.raises(InputError, match=r"contacts\.interface\.form = 'saddle'"):
+        saddle.matrices()
+    assert list(run_static(static_scene("iga")).matrices()) == ["K", "K_n", "K_f"]
+
+
+def test_what_is_printed_begins_with_the_unstable_modes(result):
+    table = result.table()
+    assert [row["mode"] for row in table] == list(range(1, len(result.modes) + 1))
+    assert [row["frequency"] for row in table] == result.frequencies.tolist()
+    assert [row["unstable"] for row in table] == result.unstable.tolist()
+    first, *_ = str(result).splitlines()
+    count = int(result.unstable.sum())
+    assert first == f"two blocks: {count} of {len(table)} modes up to 1 Hz unstable"
+    assert str(result.modes).count("\n") == len(table) + 1
+    assert f"{result.frequencies[-1]:.3f}" in repr(result.modes).splitlines()[-1]
+
+
+def test_the_analysis_decides_what_comes_back():
+    assert isinstance(run_scene(scene_of("iga")), ModesResult)
+    assert isinstance(run_scene(static_scene("iga")), StaticResult)
+    with pytest.raises(InputError, match=r"analysis\.kind = 'static'"):
+        run_modes(static_scene("iga"))
+    with pytest.raises(InputError, match=r"analysis\.kind = 'cea'"):
+        run_static(scene_of("iga"))
+
+
+def test_static_displacements_are_those_of_the_vector(backend):
+    result = run_static(static_scene(backend))
+    for name, body in result.bodies.items():
+        points = body.surfaces["z_min"].gauss_points(2)
+        u = result.system.displacement(result.displacement, name).reshape(-1, 3)
+        expected = body.surfaces["z_min"].trace(points.at) @ u
+        found = result.displacements(f"{name}.z_min", points.at)
+        np.testing.assert_allclose(found, expected, atol=1e-13 * np.abs(u).max())
+    rows = result.table()
+    assert [(row["contact"], row["side"]) for row in rows] == [("interface", s) for s in "ab"]
+    assert f"oscillation {rows[1]['oscillation']:.6g}" in str(result).splitlines()[2]
+
+
+def test_bodies_and_contact_points_are_used_again(result):
+    scene = result.scene.change({MU: 0.2, "contacts.interface.P": 5.0})
+    anew = run_modes(scene)
+    again = run_modes(scene, bodies=result.bodies, interfaces=result.interfaces)
+    assert again.interfaces is result.interfaces
+    assert again.timer.seconds["search"] == again.timer.seconds["meshing"] == 0.0
+    np.testing.assert_allclose(again.eigenvalues, anew.eigenvalues, rtol=1e-9, atol=1e-9)
+
+
+def test_bodies_and_contact_points_of_another_scene_are_refused(result):
+    scene = result.scene
+    bodies = dict(result.bodies)
+    with pytest.raises(InputError, match=r"bodies = \['upper'\]"):
+        run_scene(scene, bodies={"upper": bodies["upper"]})
+    with pytest.raises(InputError, match=r"interfaces = \[\]"):
+        run_scene(scene, bodies=bodies, interfaces={})
+    with pytest.raises(InputError, match=r"interfaces\.interface = .*upper\.z_min of these bodies"):
+        run_scene(scene, interfaces=result.interfaces)
+    sides = {"a": "lower.z_max", "b": "upper.z_min"}
+    turned = scene.change({f"contacts.interface.{side}": place for side, place in sides.items()})
+    with pytest.raises(InputError, match=r"lower\.z_max of these bodies"):
+        run_scene(turned, bodies=bodies, interfaces=result.interfaces)
+
+
+PARAMETERS = [
+    {MU: 0.3},
+    {"contacts.interface.P": 7.0, MU: 0.1},
+    {"bodies.upper.material.E": 4.0, "bodies.lower.material.rho": 2.5},
+    {"analysis.max_frequency": 0.6},
+]
+
+
+@pytest.fixture(scope="module", params=["fe", "iga"])
+def assembled(request):
+    return assemble(scene_of(request.param, mu=0.0))
+
+
+@pytest.mark.parametrize("changes", [{}, *PARAMETERS])
+def test_a_sweep_assembles_nothing_and_finds_the_same(assembled, changes):
+    found, anew = assembled.modes(changes), run_modes(assembled.scene.change(changes))
+    assert found.scene == anew.scene
+    assert found.skipped == anew.skipped
+    assert found.system is assembled.modes().system
+    stages = ("meshing", "search")
+    assert [found.timer.seconds[stage] for stage in stages] == [0.0, 0.0]
+    np.testing.assert_allclose(found.eigenvalues, anew.eigenvalues, rtol=1e-9, atol=1e-9)
+    matrices, expected = found.matrices(), anew.matrices()
+    for name, matrix in matrices.items():
+        scale = abs(expected[name]).max() or 1.0
+        assert abs(matrix - expected[name]).max() <= 1e-13 * scale
+
+
+def test_pressures_of_a_sweep_are_those_of_its_stiffness(assembled, tmp_path):
+    result = assembled.modes({"contacts.interface.P": 7.0})
+    for name, each in (("sweep", result), ("anew", run_modes(result.scene))):
+        write_paraview(each, 1, tmp_path / name)
+    files = [next((tmp_path / name / "contacts").iterdir()) for name in ("sweep", "anew")]
+    found, expected = (abs(pyvista.read(f).point_data["pressure_real"]) for f in files)
+    np.testing.assert_allclose(found, expected, atol=1e-6 * expected.max())
+
+
+def test_an_assembled_scene_builds_again_what_changed(assembled):
+    finer = assembled.modes({"contacts.interface.formulation.points": 4})
+    assert finer.bodies is assembled.bodies
+    assert len(finer.interfaces["interface"].points) > len(assembled.interfaces["interface"].points)
+
+    varying = assembled.modes(mu="0.3 + 0*x")
+    assert varying.interfaces is assembled.interfaces
+    constant = assembled.modes(mu=0.3)
+    assert constant.interfaces is varying.interfaces
+    np.testing.assert_allclose(varying.eigenvalues, constant.eigenvalues, rtol=1e-9, atol=1e-9)
+
+    other = assembled.modes({"bodies.upper.material.nu": 0.2})
+    assert other.bodies["upper"] is not assembled.bodies["upper"]
+
+
+def test_what_an_assembled_scene_cannot_be_is_refused(assembled):
+    with pytest.raises(ValueError, match=r"contacts\.interface\.nu = 0\.3: no such field"):
+        assembled.modes(nu=0.3)
+    with pytest.raises(InputError, match=r"analysis\.kind = 'static'"):
+        assembled.modes({"analysis": {"kind": "static"}})
+    with pytest.raises(InputError, match=r"analysis\.kind = 'static'"):
+        assemble(static_scene("iga"))
+
+
+def test_sensitivities_come_with_left_vectors(assembled):
+    mu, step = 0.4, 1e-4
+    slope = assembled.modes(mu=mu, left=True).modes.sensitivity(MU)
+    ends = [assembled.modes(mu=mu + sign * step).eigenvalues for sign in (1, -1)]
+    expected = (ends[0] - ends[1]) / (2 * step)
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(slope[:5], expected[:5], atol=1e-4 * scale)
+
+
+def test_a_mode_is_drawn():
+    image = run_modes(scene_of("iga")).plot(1)
+    pixels = np.asarray(image.convert("RGB"), dtype=int)
+    assert (np.ptp(pixels, axis=2) > 30).mean() > 0.05
