@@ -56,8 +56,18 @@ def compare(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResul
     data: dict[str, Any] = {"patch_test": patch_test(progress), "disc_alone": disc_alone(progress)}
     data["disc_pad"], results = disc_pad(progress)
     data["time_saved"] = time_saved(progress)
-    inputs = {"scenes": ["patch_test", "disc", "disc_pad"]}
-    return record("compare", data, inputs=inputs, seconds=perf_counter() - start), results
+    made = record(
+        "compare",
+        data,
+        inputs={"scenes": ["patch_test", "disc", "disc_pad"]},
+        seconds=perf_counter() - start,
+        warnings=[
+            {"backend": run["backend"], "formulation": run["formulation"], **warning}
+            for run in data["disc_pad"]["runs"]
+            for warning in run["warnings"]
+        ],
+    )
+    return made, results
 
 
 def warm_up(progress: Progress) -> None:
@@ -199,6 +209,7 @@ def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResu
             result = run_modes(variant, bodies=bodies, listener=progress.stage)
             bodies = result.bodies
             run = describe(result)
+            run["warnings"] = [warning.plain() for warning in result.modes.warnings]
             runs.append(run | _labels(backend, formulation, run))
             kind = (
                 "collocation"

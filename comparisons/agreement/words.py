@@ -166,6 +166,11 @@ def errors_of_modes(data: Data) -> str:
     )
 
 
+def warned(data: Data) -> list[str]:
+    """What runs of the disc and pad warn of."""
+    return [f"{capitalised(_run(warning))}: {warning['message']}." for warning in data["warnings"]]
+
+
 def kept_bodies(data: Data) -> str:
     """How many runs used bodies, and matrices, that an earlier run had built."""
     everything = [run for _, _, run in runs(data)]

@@ -130,6 +130,15 @@ def test_summary_follows_the_data(data):
     assert "modal assurance" not in text
 
 
+def test_warnings_of_runs_are_told(data, tmp_path):
+    assert words.warned(data) == []
+    data["warnings"] = [
+        {"backend": "iga", "formulation": "GPTS 5 x 5", "kind": "window", "message": "3 are lost"}
+    ]
+    text = Page(write_report(data, {}, tmp_path).read_text(encoding="utf-8")).text
+    assert "NURBS, GPTS 5 x 5: 3 are lost." in text
+
+
 def test_no_saving_is_claimed_that_equal_runs_are_apart(data):
     saved = data["time_saved"]
     assert words.saved(data).endswith(

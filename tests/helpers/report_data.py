@@ -96,6 +96,7 @@ def small_comparison():
         "command": "compare",
         "versions": {"python": "3.12.0"},
         "commit": "0123456789abcdef",
+        "warnings": [],
         "machine": {"cpus": 2},
         "seconds": 12.5,
         "patch_test": {
