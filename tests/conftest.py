@@ -6,6 +6,18 @@ from blocks import ROTATED
 import cea.petsc  # noqa: F401  (ahead of anything that imports PETSc, MPI or dolfinx)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Where workers share the tests, those of a file keep to one, which then shares its fixtures.
+
+    Programs on several ranks keep to one worker too: two at a time would wait for each other's
+    cores.
+    """
+    for item in items:
+        group = "mpi" if item.get_closest_marker("mpi") else item.nodeid.split("::")[0]
+        item.add_marker(pytest.mark.xdist_group(group))
+
+
 @pytest.fixture(params=["fe", "iga"])
 def backend(request):
     """Each backend."""

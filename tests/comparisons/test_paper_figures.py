@@ -298,6 +298,7 @@ def test_stress_map_of_a_turned_contact_has_nothing_beside_it():
         assert stress[inside] == pytest.approx(np.full(inside.sum(), -1000.0), rel=1e-9)
 
 
+@pytest.mark.convergence
 @pytest.mark.parametrize(("degree", "continuity"), [(1, 0), (2, 1)])
 def test_error_falls_with_gauss_points_as_continuity_allows(degree, continuity):
     study = replace(QUADRATURE, points=tuple(range(5, 25)))
@@ -305,6 +306,7 @@ def test_error_falls_with_gauss_points_as_continuity_allows(degree, continuity):
     assert slope == pytest.approx(-(continuity + 2), abs=0.3)
 
 
+@pytest.mark.convergence
 @pytest.mark.slow
 def test_error_falls_with_gauss_points_in_every_space(backend):
     data = QUADRATURE.compute(backend, QUIET)
