@@ -18,6 +18,20 @@ def pytest_collection_modifyitems(items):
         item.add_marker(pytest.mark.xdist_group(group))
 
 
+@pytest.fixture(scope="module")
+def first_random_state(request):
+    """State of a module's generator of random numbers before its tests, if it has one."""
+    generator = getattr(request.module, "RNG", None)
+    return None if generator is None else generator.bit_generator.state
+
+
+@pytest.fixture(autouse=True)
+def _same_random_numbers(request, first_random_state):
+    """Each test draws the same numbers, whichever tests ran before it."""
+    if first_random_state is not None:
+        request.module.RNG.bit_generator.state = first_random_state
+
+
 @pytest.fixture(params=["fe", "iga"])
 def backend(request):
     """Each backend."""
