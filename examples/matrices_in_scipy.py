@@ -1,4 +1,4 @@
-"""The matrices of a scene as scipy's: K, M, K_n and K_f are all that a solver of one's own needs."""
+"""The matrices of a scene as scipy's: all that a solver of one's own needs."""
 
 import numpy as np
 from scipy.sparse.linalg import eigs

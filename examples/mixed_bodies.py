@@ -1,4 +1,4 @@
-"""A pad of Lagrange elements on a disc of NURBS: contact does not ask what its sides are made of."""
+"""A pad of Lagrange elements on a disc of NURBS: contact does not ask what its sides are."""
 
 from scenes import load_scene, run_modes
 
