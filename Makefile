@@ -17,8 +17,8 @@ REQUIRE_PYTHON = @test -n "$(BASE_PYTHON)" || { echo >&2 "No Python 3.12 or newe
 	exit 1; }
 
 BIN := .venv/bin
-# The tests of a file, and all those on several ranks, keep to one worker: tests/conftest.py.
-PARALLEL := --numprocesses auto --dist loadgroup
+# The tests of a file, and at last all those on several ranks, keep to one worker: tests/conftest.py.
+PARALLEL := --numprocesses auto --dist loadgroup --no-loadscope-reorder
 INSTALLED := .venv/.installed
 
 # Rank-parallel runs and parallel tests share the cores; threads on top only slow them down.

@@ -10,12 +10,17 @@ import cea.petsc  # noqa: F401  (ahead of anything that imports PETSc, MPI or do
 def pytest_collection_modifyitems(items):
     """Where workers share the tests, those of a file keep to one, which then shares its fixtures.
 
-    Programs on several ranks keep to one worker too: two at a time would wait for each other's
-    cores.
+    Programs on several ranks come last and keep to one worker too, so that they have the cores for
+    themselves: ranks that share one with other work wait for each other most of the time.
     """
+    items.sort(key=_on_several_ranks)
     for item in items:
-        group = "mpi" if item.get_closest_marker("mpi") else item.nodeid.split("::")[0]
+        group = "mpi" if _on_several_ranks(item) else item.nodeid.split("::")[0]
         item.add_marker(pytest.mark.xdist_group(group))
+
+
+def _on_several_ranks(item):
+    return item.get_closest_marker("mpi") is not None
 
 
 @pytest.fixture(scope="module")

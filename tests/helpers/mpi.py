@@ -15,7 +15,7 @@ from pathlib import Path
 
 HELPERS = Path(__file__).parent
 BIN = Path(sys.executable).parent
-TIMEOUT = 300
+TIMEOUT = 600
 """Seconds after which a program hangs."""
 # Ranks that wait give up their core at once: there may be fewer cores than ranks.
 ENVIRONMENT = os.environ | {
