@@ -218,10 +218,12 @@ def same_cells(*files):
     )
 
 
-def test_a_figure_is_drawn_from_the_data_that_come_with_the_project(tmp_path, monkeypatch):
-    monkeypatch.setattr("comparisons.paper.disc_pad.stability_diagram.RUNS", None)
-    made = make_figure(FIGURES["6"], "iga", tmp_path, QUIET)
+def test_a_figure_is_drawn_from_the_data_that_come_with_the_project(tmp_path):
+    runs: list[str] = []
+    progress = Progress(step=runs.append, stage=lambda stage: None)
+    made = make_figure(FIGURES["6"], "iga", tmp_path, progress)
     assert made.reused
+    assert runs == []
     assert made.data_file == STORED / "figure_6_iga.json.gz"
     assert made.pictures[0].parent == tmp_path
     assert made.pictures[0].stat().st_size > 20_000
