@@ -4,7 +4,6 @@ What is stored cannot outlive what made it: seconds, versions and rounding error
 differ, nothing else.
 """
 
-import gzip
 import json
 from functools import cache
 from pathlib import Path
@@ -18,15 +17,16 @@ from comparisons.accuracy.exact_lists import exact
 from comparisons.accuracy.measure import Measurer
 from comparisons.accuracy.study import Case, Method
 from comparisons.kit.progress import Progress
+from comparisons.paper.common.store import STORED, fingerprint
 from comparisons.paper.disc_pad.runs import RUNS
 from comparisons.paper.disc_pad.stability_diagram import StabilityFigure
 from comparisons.paper.patch_test.case import run_case
-from comparisons.paper.patch_test.figures import PatchFigure
+from comparisons.paper.patch_test.figures import PatchTestFigure
 from comparisons.paper.patch_test.quadrature import QuadratureStudy, fitted_slope
 from comparisons.paper.registry import FIGURES
-from comparisons.paper.store import STORED, fingerprint, read_data
-from comparisons.reference.converged import LEVELS, graded_scene, stored_reference
-from scenes.run import run_scene
+from comparisons.reference.study import LEVELS, graded_scene, stored_reference
+from scenes.run import run_modes
+from scenes.stored import read_record
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 NOT_NUMBERS = {"seconds", "timings", "versions", "machine", "growth_uncertainty", "residual"}
@@ -37,7 +37,7 @@ DIGITS = 5e-4
 
 @cache
 def stored(name, backend):
-    return read_data(STORED / f"figure_{name}_{backend}.json.gz")
+    return read_record(STORED / f"figure_{name}_{backend}.json.gz")
 
 
 def every_stored_figure():
@@ -94,7 +94,7 @@ def test_every_figure_is_stored():
 @pytest.mark.parametrize(("name", "backend"), every_stored_figure())
 def test_a_case_of_each_figure_gives_its_stored_numbers(name, backend):
     figure, data = FIGURES[name], stored(name, backend)
-    if isinstance(figure, PatchFigure):
+    if isinstance(figure, PatchTestFigure):
         found, expected = cheapest_patch_case(figure, backend, data)
     elif isinstance(figure, StabilityFigure):
         found, expected = cheapest_spectrum(figure, data)
@@ -110,7 +110,7 @@ def test_a_case_of_each_figure_gives_its_stored_numbers(name, backend):
 @cache
 def accuracy():
     """The stored study of accuracy."""
-    return json.loads(gzip.decompress(ACCURACY.read_bytes()))
+    return read_record(ACCURACY)
 
 
 def cheapest_runs():
@@ -141,7 +141,7 @@ def test_the_cheapest_run_of_the_reference_has_its_stored_modes():
         for run in stored_reference()["runs"]
         if (run["backend"], run["grading"]["degree"]) == ("iga", LEVELS["iga"][0].degree)
     ]
-    result = run_scene(graded_scene("iga", LEVELS["iga"][0]))
+    result = run_modes(graded_scene("iga", LEVELS["iga"][0]))
     assert result.system.size == expected["dofs"]
     for quantity, values in (
         ("frequency", result.modes.frequencies),
