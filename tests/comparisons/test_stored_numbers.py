@@ -113,20 +113,22 @@ def accuracy():
     return read_record(ACCURACY)
 
 
-def cheapest_runs():
-    """Of each problem and backend the complete run that was fastest."""
-    runs = {}
-    for run in accuracy()["runs"]:
-        key = run["problem"], run["method"]["backend"]
-        if run["lambda"]["worst"] is not None:
-            runs[key] = min(runs.get(key, run), run, key=lambda each: each["seconds"][0])
-    return runs
+def cheapest_run(problem, backend):
+    """The run that was fastest, of those that find every mode where there are any."""
+    return min(
+        (
+            run
+            for run in accuracy()["runs"]
+            if (run["problem"], run["method"]["backend"]) == (problem, backend)
+        ),
+        key=lambda run: (run["lambda"]["worst"] is None, run["seconds"][0]),
+    )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("problem", accuracy()["problems"])
 def test_a_case_of_each_problem_has_its_stored_errors(problem, backend):
-    expected = cheapest_runs()[problem, backend]
+    expected = cheapest_run(problem, backend)
     method = Method(**expected["method"])
     case = Case(problem, method, expected["refinement"], expected["stiffness"])
     found = Measurer().measure(case, exact(problem, case.stiffness), repeats=1)
