@@ -211,10 +211,11 @@ class KrylovSchur:
         return self._matrices(dict(values)).mass
 
     def _matrices(self, values: dict[str, float]) -> Matrices:
-        if self._summed is None or self._summed[0] != values:
-            if self._summed is not None:
-                release(self._summed[1])
+        if self._summed is None:
             self._summed = (values, self.pencil.at(values))
+        elif self._summed[0] != values:
+            before, matrices = self._summed
+            self._summed = (values, self.pencil.moved(matrices, before, values))
         return self._summed[1]
 
     def _count(self, matrices: Matrices, values: dict[str, float], upper: float) -> int:

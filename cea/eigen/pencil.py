@@ -171,10 +171,38 @@ class Pencil:
         A piece whose coefficient is zero is left out: without friction the problem is symmetric.
         """
         values = self.values(changes)
+        return self._with_sums(
+            values,
+            self._sum("stiffness", values, symmetric=True),
+            self._sum("mass", values, symmetric=True),
+        )
+
+    def moved(
+        self, matrices: Matrices, before: Mapping[str, float], after: Mapping[str, float]
+    ) -> Matrices:
+        """Matrices at other parameters; S and M stay as they are where they are the same.
+
+        Parameters
+        ----------
+        matrices
+            Those before; what is not taken over is freed.
+        before, after
+            Values of all parameters.
+        """
+        if self.symmetric_values(before) != self.symmetric_values(after):
+            release(matrices)
+            return self.at(after)
+        if matrices.unsymmetric is not None:
+            destroy(matrices.unsymmetric)
+        if matrices.multipliers is not None:
+            matrices.multipliers.free()
+        return self._with_sums(after, matrices.stiffness, matrices.mass)
+
+    def _with_sums(self, values: Mapping[str, float], S: Any, M: Any | None) -> Matrices:
         return Matrices(
-            stiffness=self._sum("stiffness", values, symmetric=True),
+            stiffness=S,
             unsymmetric=self._sum("stiffness", values, symmetric=False),
-            mass=self._sum("mass", values, symmetric=True),
+            mass=M,
             multipliers=stacked([forces.at(values) for forces in self.forces]),
         )
 

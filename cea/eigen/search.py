@@ -90,25 +90,25 @@ class Search:
         """
         size = self._matrices.size
         wanted = min(count + _SPARE, size)
-        kappa, vectors = self._krylov(wanted, 2 * wanted)
+        kappa, vectors = self._krylov(wanted, _basis(wanted))
         for _ in range(_MAX_PASSES):
             if len(kappa) < wanted or wanted == size or self._reach(kappa) >= radius:
                 break
             wanted = min(size, wanted + max(4, wanted // 4))
-            kappa, vectors = self._krylov(wanted, 2 * wanted)
+            kappa, vectors = self._krylov(wanted, _basis(wanted))
         reached = np.inf if len(kappa) >= size else self._reach(kappa)
 
         for _ in range(_MAX_PASSES):
             missing = count - int(np.sum(kappa.real < self._shift + radius))
             if missing <= 0 or reached < radius or len(kappa) >= size:
                 break
-            others, beside = self._krylov(missing, 2 * missing, found=(kappa, vectors))
+            others, beside = self._krylov(missing, _basis(missing), found=(kappa, vectors))
             if self._matrices.symmetric:
                 kappa, vectors = np.append(kappa, others), np.hstack([vectors, beside])
                 continue
             if (np.abs(others - self._shift) < radius).any():
                 wanted = min(size, len(kappa) + missing)
-                larger = self._krylov(wanted, 4 * wanted)
+                larger = self._krylov(wanted, max(4 * wanted, wanted + 16))
                 if len(larger[0]) > len(kappa):
                     kappa, vectors = larger
                     reached = min(reached, self._reach(kappa))
@@ -129,7 +129,7 @@ class Search:
         """
         solver = self._solver()
         size = self._matrices.size
-        ncv = min(max(basis, wanted + 16), size)
+        ncv = min(basis, size)
         solver.setDimensions(nev=wanted, ncv=ncv, mpd=ncv)
         deflated = _real_basis(self._matrices.mass, *found) if found is not None else []
         if deflated:
@@ -162,6 +162,11 @@ class Search:
         pc.setType(PETSc.PC.Type.PYTHON)
         pc.setPythonContext(self._inverse)
         return solver
+
+
+def _basis(wanted: int) -> int:
+    """Vectors of a Krylov space in which so many eigenvalues converge."""
+    return max(2 * wanted, wanted + 16)
 
 
 def _real_basis(mass: Any, kappa: Complexes, vectors: Complexes) -> list[Any]:

@@ -30,7 +30,7 @@ _LEAST_PART = 0.5
 """Least part of a mode in the span of the pair it is taken to continue."""
 _INDEPENDENT = 1e-8
 """Least ratio of squared lengths across and along two vectors that span a plane."""
-_NEIGHBOURS = 6
+_NEIGHBOURS = 4
 """Modes that a pair is looked for among, nearest to where it was."""
 _ASIDE = 1e-3
 """Relative distance from a pair at which it is looked for: a pencil is singular on it."""
