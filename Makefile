@@ -1,7 +1,8 @@
 # make setup      install everything into .venv (the other targets do this first)
 # make compare    run the comparison of the two backends
-# make test       quick tests; ARGS="-k patch" passes options on to pytest
-# make test-slow  the tests that take minutes
+# make test       quick tests on all cores; ARGS="-k patch" passes options on to pytest
+# make test-slow  the tests that take minutes, one after the other
+# make test-mpi   every test on several ranks
 # make lint       ruff and mypy
 # make clean      remove caches and build products; distclean removes .venv too
 # PYTHON=/path/to/python3 is tried first when given.
@@ -16,6 +17,8 @@ REQUIRE_PYTHON = @test -n "$(BASE_PYTHON)" || { echo >&2 "No Python 3.12 or newe
 	exit 1; }
 
 BIN := .venv/bin
+# The tests of a file, and at last all those on several ranks, keep to one worker: tests/conftest.py.
+PARALLEL := --numprocesses auto --dist loadgroup --no-loadscope-reorder
 INSTALLED := .venv/.installed
 
 # Rank-parallel runs and parallel tests share the cores; threads on top only slow them down.
@@ -27,7 +30,7 @@ ifndef DISPLAY
 export VTK_DEFAULT_OPENGL_WINDOW ?= vtkEGLRenderWindow
 endif
 
-.PHONY: setup compare test test-slow lint missing-packages clean distclean
+.PHONY: setup compare test test-slow test-mpi lint missing-packages clean distclean
 
 setup: $(INSTALLED)
 
@@ -43,10 +46,13 @@ compare: $(INSTALLED)
 	$(BIN)/cea compare $(ARGS)
 
 test: $(INSTALLED)
-	$(BIN)/pytest $(ARGS)
+	$(BIN)/pytest $(PARALLEL) $(ARGS)
 
 test-slow: $(INSTALLED)
 	$(BIN)/pytest -m slow $(ARGS)
+
+test-mpi: $(INSTALLED)
+	$(BIN)/pytest -m mpi $(ARGS)
 
 lint: $(INSTALLED)
 	$(BIN)/ruff check

@@ -14,9 +14,13 @@ from cea.location import locate_along
 from iga_cea.chart import FaceChart
 from iga_cea.face import PatchFace, grid_points
 from iga_cea.patch import subdivided
+from iga_cea.splines import find_span
 
 TOLERANCE = 1e-7
 """Distance at which points coincide, relative to the local mesh size."""
+
+_PARTS = 8
+"""Parts of a face, per direction, that have a box of their own."""
 
 _SAME_PARAMETER = 1e-9
 """Difference at which knots, or ratios of weights, are equal."""
@@ -78,6 +82,34 @@ class _Side:
         x, normal, _ = face.normals(xi)
         ends = np.array([knots[[0, -1]] for knots in face.knots])
         return x, normal, ((xi == ends[:, 0]) | (xi == ends[:, 1])).any(axis=1)
+
+    @cached_property
+    def boxes(self) -> list[tuple[Floats, Floats, Floats, Floats]]:
+        """Around the control points of each part: middle, axes along its rows, least, greatest.
+
+        The axes are turned as the part lies, so that a curved face is in thin boxes.
+        """
+        face, along = self.face, []
+        for knots, p, breaks in zip(face.knots, face.degrees, face.breaks, strict=True):
+            first = find_span(knots, p, breaks[:-1]) - p
+            parts = np.array_split(first, min(_PARTS, len(first)))
+            along.append([slice(part[0], part[-1] + p + 1) for part in parts])
+        boxes = []
+        for part in product(*along):
+            points = face.control_points[..., 0, :][part].reshape(-1, face.dim)
+            middle = points.mean(axis=0)
+            axes = np.linalg.svd(points - middle, full_matrices=False)[2]
+            extent = (points - middle) @ axes.T
+            boxes.append((middle, axes, extent.min(axis=0), extent.max(axis=0)))
+        return boxes
+
+    def may_hold(self, x: Floats, margin: float) -> np.ndarray:
+        """True for points within a margin of a box of a part, shape (n,)."""
+        near = np.zeros(len(x), dtype=bool)
+        for middle, axes, low, high in self.boxes:
+            at = (x - middle) @ axes.T
+            near |= np.all((at >= low - margin) & (at <= high + margin), axis=1)
+        return near
 
     @cached_property
     def edge(self) -> KDTree:
@@ -144,6 +176,9 @@ def _touch(a: _Side, b: _Side) -> bool:
     # Most neighbours share the samples of an edge: no need to locate those.
     on_edges = np.flatnonzero(candidate & edge_of_a)
     candidate[on_edges] = b.edge.query(x[on_edges])[0] > reach
+    # Location costs most by far: only for points that a part of b may hold.
+    margin = reach + TOLERANCE * b.face.size
+    candidate[candidate] = b.may_hold(x[candidate], margin)
     if not candidate.any():
         return False
     found = locate_along(b.chart, x[candidate], normal[candidate], reach, TOLERANCE)

@@ -6,6 +6,37 @@ from blocks import ROTATED
 import cea.petsc  # noqa: F401  (ahead of anything that imports PETSc, MPI or dolfinx)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Where workers share the tests, those of a file keep to one, which then shares its fixtures.
+
+    Programs on several ranks come last and keep to one worker too, so that they have the cores for
+    themselves: ranks that share one with other work wait for each other most of the time.
+    """
+    items.sort(key=_on_several_ranks)
+    for item in items:
+        group = "mpi" if _on_several_ranks(item) else item.nodeid.split("::")[0]
+        item.add_marker(pytest.mark.xdist_group(group))
+
+
+def _on_several_ranks(item):
+    return item.get_closest_marker("mpi") is not None
+
+
+@pytest.fixture(scope="module")
+def first_random_state(request):
+    """State of a module's generator of random numbers before its tests, if it has one."""
+    generator = getattr(request.module, "RNG", None)
+    return None if generator is None else generator.bit_generator.state
+
+
+@pytest.fixture(autouse=True)
+def _same_random_numbers(request, first_random_state):
+    """Each test draws the same numbers, whichever tests ran before it."""
+    if first_random_state is not None:
+        request.module.RNG.bit_generator.state = first_random_state
+
+
 @pytest.fixture(params=["fe", "iga"])
 def backend(request):
     """Each backend."""

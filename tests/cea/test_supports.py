@@ -253,6 +253,7 @@ def exact_frequencies(m, upper):
 PLANE = on(("bottom", "top"), "axial", **ABOUT_Z)
 
 
+@pytest.mark.convergence
 @pytest.mark.parametrize("degree", [2, 3])
 def test_projection_keeps_the_order_of_nurbs(degree):
     """Rims with u_r = 0 in plane strain: one u_r-dominated and two sheared modes, m = 0, 1."""

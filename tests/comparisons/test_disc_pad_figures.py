@@ -18,9 +18,8 @@ from comparisons.paper.claims.catalogue import CLAIMS
 from comparisons.paper.claims.claim import Claim, Judgement
 from comparisons.paper.claims.judge import judged, write_claims
 from comparisons.paper.common.store import STORED, make_figure
-from comparisons.paper.disc_pad import case as cea_case
 from comparisons.paper.disc_pad import measures as cea_measures
-from comparisons.paper.disc_pad.case import CONTACT, CeaCase
+from comparisons.paper.disc_pad.case import CONTACT, CeaCase, Resolution
 from comparisons.paper.disc_pad.figures import FIGURE_14, GPTS, LUMPED
 from comparisons.paper.disc_pad.lumping import false_shifts, rotation_ratio
 from comparisons.paper.disc_pad.mode_shapes import SHAPES
@@ -29,25 +28,30 @@ from comparisons.paper.disc_pad.stability_diagram import Measure, Panel, Stabili
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE, NormalCompliance
 from comparisons.paper.registry import FIGURES
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import load_scene
 from scenes.stored import read_record
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 
 
-@pytest.fixture
-def coarse(monkeypatch):
-    """Disc and pad on meshes that run in a second, up to 5 kHz."""
-    elements = {"pad": ([3, 4, 1], [3, 5, 1]), "disc": ([6, 16, 1], [5, 20, 1])}
-    overrides = [
+ELEMENTS = {"pad": ([3, 4, 1], [3, 5, 1]), "disc": ([6, 16, 1], [5, 20, 1])}
+COARSE = Resolution(
+    max_frequency=5e3,
+    disc_size=0.03,
+    pad_size=0.02,
+    overrides=tuple(
         f"bodies.{body}.mesh.{backend}.elements={each}"
-        for body, both in elements.items()
+        for body, both in ELEMENTS.items()
         for backend, each in zip(("fe", "iga"), both, strict=True)
-    ]
-    monkeypatch.setattr(cea_case, "load_scene", lambda path: load_scene(path, overrides))
-    monkeypatch.setattr(cea_case, "_SIZES", {"disc": 0.03, "pad": 0.02})
-    monkeypatch.setattr(cea_case, "_TOP", 5e3)
-    monkeypatch.setattr("comparisons.paper.disc_pad.mode_shapes._COMPUTED", {})
+    ),
+)
+"""Disc and pad on meshes that run in a second, up to 5 kHz."""
+PLAIN, FALSE = (replace(case, resolution=COARSE) for case in (GPTS, LUMPED))
+"""GPTS on these meshes without and with lumping."""
+
+
+def coarse_case(**choices):
+    """GPTS of 5 x 5 points on these meshes."""
+    return CeaCase(GaussPointToSurface(5), 1e9, resolution=COARSE, **choices)
 
 
 def assembled(case, family):
@@ -166,8 +170,8 @@ def test_degrees_that_lagrange_elements_do_not_have_are_no_cases():
     assert FIGURE_14.measure(data, "hexahedra", Measure("", 0, 3, cea_measures.shift())) > 0
 
 
-def test_divided_hexahedra_fill_the_same_bodies(coarse):
-    case = CeaCase(GaussPointToSurface(5), 1e9, divided=True)
+def test_divided_hexahedra_fill_the_same_bodies():
+    case = coarse_case(divided=True)
     hexahedra = build_bodies(case.scene("hexahedra"), StageTimer())
     for name, body in build_bodies(case.scene("tetrahedra"), StageTimer()).items():
         whole = hexahedra[name]
@@ -196,11 +200,11 @@ def test_divided_hexahedra_are_told_in_the_inputs_of_figures():
     assert whole.inputs("hexahedra") == asdict(whole.scene("hexahedra"))
 
 
-def test_tetrahedra_trace_the_pad_where_hexahedra_are_divided(coarse):
-    case = CeaCase(GaussPointToSurface(5), 1e9, divided=True)
-    assert case.on("hexahedra") == CeaCase(GaussPointToSurface(5), 1e9).on("hexahedra")
+def test_tetrahedra_trace_the_pad_where_hexahedra_are_divided():
+    case = coarse_case(divided=True)
+    assert case.on("hexahedra") == coarse_case().on("hexahedra")
     assert case.on("tetrahedra").boundary == "traced"
-    assert CeaCase(GaussPointToSurface(5), 1e9).on("tetrahedra").boundary == "ignored"
+    assert coarse_case().on("tetrahedra").boundary == "ignored"
     runs = Runs()
     tetrahedra = runs.spectrum(case, "tetrahedra")
     hexahedra = runs.spectrum(case, "hexahedra")
@@ -224,20 +228,20 @@ def test_pad_has_as_many_greville_points_as_the_paper_says():
 
 
 @pytest.mark.parametrize("family", ["NURBS", "hexahedra", "tetrahedra"])
-def test_rotation_of_both_bodies_is_free_without_lumping(coarse, family):
-    assert abs(rotation_ratio(assembled(GPTS, family))) < 1e-12
+def test_rotation_of_both_bodies_is_free_without_lumping(family):
+    assert abs(rotation_ratio(assembled(PLAIN, family))) < 1e-12
 
 
-def test_lumping_gives_a_rotation_false_stiffness_on_nurbs_only(coarse):
+def test_lumping_gives_a_rotation_false_stiffness_on_nurbs_only():
     """On traced quadratic hexahedra lumping is Simpson's rule, exact for squares of rotations."""
-    nurbs, hexahedra = (rotation_ratio(assembled(LUMPED, f)) for f in ("NURBS", "hexahedra"))
+    nurbs, hexahedra = (rotation_ratio(assembled(FALSE, f)) for f in ("NURBS", "hexahedra"))
     assert nurbs > 0.05
     assert abs(hexahedra) < 1e-3
 
 
-def test_false_stiffness_shifts_modes_as_lumping_does_at_low_stiffness(coarse):
+def test_false_stiffness_shifts_modes_as_lumping_does_at_low_stiffness():
     runs = Runs()
-    plain, lumped = (replace(case, P=1e6) for case in (GPTS, LUMPED))
+    plain, lumped = (replace(case, P=1e6) for case in (PLAIN, FALSE))
     expected = false_shifts(runs.result(plain, "NURBS"), runs.result(lumped, "NURBS"))
     spectra = [runs.spectrum(case, "NURBS") for case in (lumped, plain)]
     groups = compare_spectra(*spectra)["groups"]
@@ -248,10 +252,10 @@ def test_false_stiffness_shifts_modes_as_lumping_does_at_low_stiffness(coarse):
     assert found == pytest.approx(false, rel=0.05, abs=0.02 * max(false))
 
 
-def test_spectrum_agrees_with_itself_and_its_parts_are_sound(coarse):
+def test_spectrum_agrees_with_itself_and_its_parts_are_sound():
     runs = Runs()
-    spectrum = runs.spectrum(GPTS, "NURBS")
-    assert runs.spectrum(replace(GPTS), "NURBS") is spectrum
+    spectrum = runs.spectrum(PLAIN, "NURBS")
+    assert runs.spectrum(replace(PLAIN), "NURBS") is spectrum
     match = compare_spectra(spectrum, spectrum)
     assert cea_measures.largest_distance(match) == 0
     assert cea_measures.unpaired(match) == 0
@@ -264,7 +268,7 @@ def small_figure():
     return StabilityFigure(
         "small",
         "small",
-        (Panel("P = 10⁹", (GPTS, LUMPED)),),
+        (Panel("P = 10⁹", (PLAIN, FALSE)),),
         (
             Measure("shift", 0, 1, cea_measures.shift()),
             Measure("nothing", 0, 0, cea_measures.shift()),
@@ -272,7 +276,7 @@ def small_figure():
     )
 
 
-def test_diagrams_of_both_backends_are_stored_and_overlaid(coarse, tmp_path, monkeypatch):
+def test_diagrams_of_both_backends_are_stored_and_overlaid(tmp_path):
     figure = small_figure()
     made = make_both(figure, tmp_path, QUIET)
     assert [path.name for path in made.pictures] == ["figure_small_both.png"]
@@ -284,12 +288,17 @@ def test_diagrams_of_both_backends_are_stored_and_overlaid(coarse, tmp_path, mon
     matches = list(csv.DictReader((tmp_path / "figure_small_iga_matches.csv").open()))
     ratios = [float(row["frequency"]) / float(row["reference_frequency"]) for row in matches]
     assert made.made["iga"].numbers.rows[0][2] == pytest.approx(max(abs(r - 1) for r in ratios))
-    monkeypatch.setattr("comparisons.paper.disc_pad.stability_diagram.RUNS", None)
-    assert all(each.reused for each in make_both(figure, tmp_path, QUIET).made.values())
+    runs: list[str] = []
+    again = make_both(figure, tmp_path, Progress(step=runs.append, stage=lambda stage: None))
+    assert all(each.reused for each in again.made.values())
+    assert runs == []
 
 
-def test_shapes_and_lines_of_a_mode(coarse, tmp_path):
-    shapes, line = SHAPES
+SOFT = {"plain": replace(PLAIN, P=1e6), "lumped": replace(FALSE, P=1e6)}
+
+
+def test_shapes_and_lines_of_a_mode(tmp_path):
+    shapes, line = (replace(figure, **SOFT) for figure in SHAPES)
     made = make_figure(shapes, "iga", tmp_path, QUIET)
     assert made.pictures[0].stat().st_size > 20_000
     made = make_figure(line, "iga", tmp_path, QUIET)

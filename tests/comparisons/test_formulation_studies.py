@@ -133,6 +133,7 @@ def test_curved_interfaces_need_the_same_geometry_on_both_sides():
     assert (lagrange < 1e-3).all()
 
 
+@pytest.mark.convergence
 @pytest.mark.parametrize(
     ("meshes", "backend", "order"), [("quadrilaterals", "fe", 3.0), ("NURBS", "iga", 3.9)]
 )

@@ -2,13 +2,11 @@
 
 import csv
 import json
-import os
-import subprocess
-import sys
 from copy import deepcopy
 from pathlib import Path
 
 import pytest
+from mpi import BIN, mpiexec
 from report_data import Page
 
 from cea.errors import InputError
@@ -25,7 +23,6 @@ from scenes.read import load_scene
 from scenes.run import run_scene
 
 QUIET = Progress(lambda step: None, lambda stage: None)
-BIN = Path(sys.executable).parent
 COARSE = (
     "bodies.pad.mesh.fe.elements=[2, 3, 1]",
     "bodies.pad.mesh.iga.elements=[2, 3, 1]",
@@ -252,19 +249,12 @@ def test_other_folders_are_refused(tmp_path):
         read_formulations(tmp_path)
 
 
+@pytest.mark.mpi
 def test_two_ranks_draw_one_page(report):
     """The command line names the page once, and the page is that of one rank."""
     before = report.read_text(encoding="utf-8")
     report.unlink()
-    command = [BIN / "mpiexec", "-n", "2", BIN / "cea", "formulations", "--redraw"]
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "MPIR_CVAR_POLLS_BEFORE_YIELD": "1"}
-    done = subprocess.run(
-        [*command, "--out", report.parent],
-        capture_output=True,
-        text=True,
-        env=environment,
-        timeout=120,
-    )
+    done = mpiexec(2, BIN / "cea", "formulations", "--redraw", "--out", report.parent)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("The report to open: ") == 1
     assert report.read_text(encoding="utf-8") == before

@@ -218,10 +218,12 @@ def same_cells(*files):
     )
 
 
-def test_a_figure_is_drawn_from_the_data_that_come_with_the_project(tmp_path, monkeypatch):
-    monkeypatch.setattr("comparisons.paper.disc_pad.stability_diagram.RUNS", None)
-    made = make_figure(FIGURES["6"], "iga", tmp_path, QUIET)
+def test_a_figure_is_drawn_from_the_data_that_come_with_the_project(tmp_path):
+    runs: list[str] = []
+    progress = Progress(step=runs.append, stage=lambda stage: None)
+    made = make_figure(FIGURES["6"], "iga", tmp_path, progress)
     assert made.reused
+    assert runs == []
     assert made.data_file == STORED / "figure_6_iga.json.gz"
     assert made.pictures[0].parent == tmp_path
     assert made.pictures[0].stat().st_size > 20_000
@@ -298,6 +300,7 @@ def test_stress_map_of_a_turned_contact_has_nothing_beside_it():
         assert stress[inside] == pytest.approx(np.full(inside.sum(), -1000.0), rel=1e-9)
 
 
+@pytest.mark.convergence
 @pytest.mark.parametrize(("degree", "continuity"), [(1, 0), (2, 1)])
 def test_error_falls_with_gauss_points_as_continuity_allows(degree, continuity):
     study = replace(QUADRATURE, points=tuple(range(5, 25)))
@@ -305,6 +308,7 @@ def test_error_falls_with_gauss_points_as_continuity_allows(degree, continuity):
     assert slope == pytest.approx(-(continuity + 2), abs=0.3)
 
 
+@pytest.mark.convergence
 @pytest.mark.slow
 def test_error_falls_with_gauss_points_in_every_space(backend):
     data = QUADRATURE.compute(backend, QUIET)

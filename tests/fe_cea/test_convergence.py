@@ -14,6 +14,7 @@ from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box, Rectangle, Ring
 
+pytestmark = pytest.mark.convergence
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 RING = Ring(0.5, 1.0)
 

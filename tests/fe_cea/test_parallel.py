@@ -1,30 +1,16 @@
 """Lagrange bodies on 2 and 3 ranks: the same numbers as on one."""
 
-import json
-import os
-import subprocess
-import sys
-from functools import cache
-from pathlib import Path
-
 import numpy as np
 import pytest
+from mpi import on_ranks
 
-PROGRAM = Path(__file__).parents[1] / "helpers" / "fe_parallel_numbers.py"
+pytestmark = pytest.mark.mpi
 EVERYTHING = ("tetrahedron", "hexahedron", "triangle", "quadrilateral", "contact")
 
 
-@cache
 def numbers(ranks, names=EVERYTHING):
     """Numbers of the cases by name, on so many ranks."""
-    mpiexec = Path(sys.executable).with_name("mpiexec")
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(PROGRAM.parents[1])}
-    command = [mpiexec, "-n", str(ranks), sys.executable, PROGRAM, *names]
-    run = subprocess.run(
-        command, capture_output=True, text=True, timeout=300, env=environment, check=False
-    )
-    assert run.returncode == 0, run.stdout + run.stderr
-    return json.loads(run.stdout)
+    return on_ranks(ranks, "fe_parallel_numbers.of_cases", *names)
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,7 @@
-"""Numbers of small NURBS bodies as JSON on rank 0; run under mpiexec by test_iga_parallel."""
-
-import json
-import sys
+"""Numbers of small NURBS bodies that must not depend on the number of ranks."""
 
 import numpy as np
 from iga_data import STEEL, TURNED, body, turned
-from mpi4py import MPI
 
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.pencil import Pencil
@@ -79,7 +75,6 @@ def numbers(name):
     return {"same": shown, "asymmetry": symmetry}
 
 
-if __name__ == "__main__":
-    results = {name: numbers(name) for name in sys.argv[1:]}
-    if MPI.COMM_WORLD.rank == 0:
-        sys.stdout.write(json.dumps(results))
+def of_cases(*names):
+    """Numbers of some cases by name."""
+    return {name: numbers(name) for name in names}

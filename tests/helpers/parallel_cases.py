@@ -1,13 +1,9 @@
-"""Small scenes run on any number of ranks; rank 0 prints what must not depend on that number.
+"""Small scenes on any number of ranks: what must not depend on that number.
 
-Under mpiexec, ``python parallel_cases.py`` runs every case, ``parallel_cases.py few`` those of few
-messages, ``parallel_cases.py formulations`` every formulation on coarse meshes of two scenes that
-come with the project, ``parallel_cases.py disc_pad`` finds the eigenvalues of a scene on both
-backends.
+`every` runs every case, `few` those of few messages, `formulations` every formulation on coarse
+meshes of two scenes that come with the project, `disc_pad` that scene on both backends.
 """
 
-import json
-import sys
 import tomllib
 from pathlib import Path
 
@@ -15,6 +11,7 @@ import numpy as np
 from blocks import block, two_blocks
 
 from cea.errors import InputError
+from cea.petsc import MPI
 from cea.ranks import agreed
 from cea.timing import StageTimer
 from scenes.build import build_bodies
@@ -237,28 +234,22 @@ def refusals(comm):
     return comm.allgather(heard)
 
 
-def main():
-    from mpi4py import MPI
-
-    comm = MPI.COMM_WORLD
-    chosen = sys.argv[1] if sys.argv[1:] else "every"
-    if chosen in ("every", "few"):
-        everything = {
-            name: facts(read_scene(data))
-            for name, data in scenes()
-            if chosen == "every" or name.endswith(FEW)
-        }
-        everything["refusals"] = sorted(set(refusals(comm)))
-    elif chosen == "formulations":
-        everything = formulations()
-    else:
-        everything = {
-            backend: eigenvalues(run_scene(load_scene(Path(chosen), backend=backend)))
-            for backend in ("fe", "iga")
-        }
-    if comm.rank == 0:
-        sys.stdout.write(json.dumps(everything))
+def every(suffixes=("",)):
+    """Facts of the cases whose names have one of these ends, and how a refusal is heard."""
+    found = {
+        name: facts(read_scene(data)) for name, data in scenes() if name.endswith(tuple(suffixes))
+    }
+    return found | {"refusals": sorted(set(refusals(MPI.COMM_WORLD)))}
 
 
-if __name__ == "__main__":
-    main()
+def few():
+    """Facts of the cases of few messages."""
+    return every(FEW)
+
+
+def disc_pad():
+    """Eigenvalues of the disc and pad on both backends."""
+    return {
+        backend: eigenvalues(run_scene(load_scene(Path("disc_pad"), backend=backend)))
+        for backend in ("fe", "iga")
+    }

@@ -188,6 +188,7 @@ def test_supports_hold_components_of_whole_surfaces() -> None:
     np.testing.assert_array_equal(motion[dofs], np.tile([0, 1, 0], (len(dofs), 1)))
 
 
+@pytest.mark.convergence
 @pytest.mark.parametrize("degree", [2, 3])
 def test_first_frequency_converges_at_twice_the_degree(degree: int) -> None:
     """A bar held laterally, nu = 0: kappa = (pi / 2L)^2 E / rho."""

@@ -13,6 +13,7 @@ from iga_cea import NurbsBody
 from meshes.placement import Placement
 from meshes.shapes import Box, Disc, Rectangle, Ring
 
+pytestmark = pytest.mark.convergence
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 LAM, MU = MATERIAL.lame
 RHO = 1.5

@@ -1,30 +1,17 @@
 """NURBS bodies on 2 and 3 ranks: the same numbers as on one."""
 
-import json
-import os
-import subprocess
-import sys
-from functools import cache
-from pathlib import Path
-
 import numpy as np
 import pytest
+from mpi import on_ranks
 
-PROGRAM = Path(__file__).parents[1] / "helpers" / "iga_parallel_numbers.py"
+pytestmark = pytest.mark.mpi
 CASES = {1: ("ring", "disc", "hub", "odd"), 2: ("ring", "disc", "hub", "odd"), 3: ("disc", "odd")}
 """By number of ranks; three of them wait for each other on two cores."""
 
 
-@cache
 def numbers(ranks: int) -> dict:
-    mpiexec = Path(sys.executable).with_name("mpiexec")
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(PROGRAM.parents[1])}
-    command = [mpiexec, "-n", str(ranks), sys.executable, PROGRAM, *CASES[ranks]]
-    run = subprocess.run(
-        command, capture_output=True, text=True, timeout=300, env=environment, check=False
-    )
-    assert run.returncode == 0, run.stdout + run.stderr
-    return json.loads(run.stdout)
+    """Numbers of the cases by name, on so many ranks."""
+    return on_ranks(ranks, "iga_parallel_numbers.of_cases", *CASES[ranks])
 
 
 @pytest.mark.parametrize(

@@ -232,12 +232,13 @@ def test_location_on_a_cylinder(
     ring: NurbsBody, name: str, radius: float, gap: float, reach: float
 ) -> None:
     """Random oblique lines, 60 degrees at most from the radius, also past the rims."""
-    angle, height = RNG.uniform(0, 2 * np.pi, 2000), RNG.uniform(BOTTOM - 0.1, TOP + 0.1, 2000)
-    outward = np.stack([np.cos(angle), np.sin(angle), np.zeros(2000)], axis=1)
+    n = 2500
+    angle, height = RNG.uniform(0, 2 * np.pi, n), RNG.uniform(BOTTOM - 0.1, TOP + 0.1, n)
+    outward = np.stack([np.cos(angle), np.sin(angle), np.zeros(n)], axis=1)
     x = (radius + gap) * outward
     x[:, 2] = height
-    direction = outward + 0.9 * RNG.uniform(-1, 1, (2000, 3))
-    direction *= (RNG.choice([-1, 1], 2000) / np.linalg.norm(direction, axis=1))[:, None]
+    direction = outward + 0.9 * RNG.uniform(-1, 1, (n, 3))
+    direction *= (RNG.choice([-1, 1], n) / np.linalg.norm(direction, axis=1))[:, None]
     exact = cylinder_distance(x, direction, radius, reach)
     found = ring.surfaces[name].locate(x, direction, reach)
     np.testing.assert_array_equal(found.missed, np.isnan(exact))

@@ -28,6 +28,7 @@ from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box
 
+pytestmark = pytest.mark.convergence
 NU = 0.3
 MATERIAL = IsotropicMaterial(E=1.0, nu=NU, rho=1.0)
 SIZE = (0.5, 0.4, 0.3)

@@ -1,38 +1,19 @@
 """The same answers on 1, 2 and 3 ranks, and one voice whatever goes wrong."""
 
 import json
-import os
-import subprocess
 import sys
-from functools import cache
-from pathlib import Path
 from time import monotonic
 
 import numpy as np
 import pytest
+from mpi import BIN, mpiexec, on_ranks, run
 from scipy.optimize import linear_sum_assignment
 
-HELPERS = Path(__file__).parents[1] / "helpers"
-BIN = Path(sys.executable).parent
-# Ranks that wait give up their core at once: there may be fewer cores than ranks.
-ENVIRONMENT = os.environ | {"OMP_NUM_THREADS": "1", "MPIR_CVAR_POLLS_BEFORE_YIELD": "1"}
+pytestmark = pytest.mark.mpi
 
 
-def mpiexec(ranks, *command):
-    return subprocess.run(
-        [BIN / "mpiexec", "-n", str(ranks), *command],
-        capture_output=True,
-        text=True,
-        env=ENVIRONMENT,
-        timeout=300,
-    )
-
-
-@cache
 def cases(ranks, chosen="every"):
-    done = mpiexec(ranks, sys.executable, HELPERS / "parallel_cases.py", chosen)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    return on_ranks(ranks, f"parallel_cases.{chosen}")
 
 
 def assert_same_eigenvalues(found, expected):
@@ -142,10 +123,8 @@ def test_command_line_prints_and_writes_once(tmp_path):
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("result.json") == 1
     assert done.stdout.count("side b") == 1
-    alone = subprocess.run(
-        [*cea, "--set", "analysis.samples=4", "--out", tmp_path / "alone"], env=ENVIRONMENT
-    )
-    assert alone.returncode == 0
+    alone = run(*cea, "--set", "analysis.samples=4", "--out", tmp_path / "alone")
+    assert alone.returncode == 0, alone.stderr
     together, single = (
         json.loads((folder / "result.json").read_text())
         for folder in (tmp_path, tmp_path / "alone")
@@ -177,8 +156,7 @@ if MPI.COMM_WORLD.rank == 0:
 
 
 def test_rank_0_writes_the_report_and_the_others_wait(tmp_path):
-    program = [sys.executable, "-c", REPORT, tmp_path / "new"]
-    done = mpiexec(2, "-env", "PYTHONPATH", HELPERS, *program)
+    done = mpiexec(2, sys.executable, "-c", REPORT, tmp_path / "new")
     assert done.returncode == 0, done.stderr
     assert done.stdout.split("\n")[-2] == "[0] True"
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from reference_data import compare, exact, plane_meshes, solve
 
+pytestmark = pytest.mark.convergence
 HIGHEST = {"drum": 2.0, "blocks": 2.9}
 
 # Elements grow with n in every direction and never match across the contact. The solution of the

@@ -4,7 +4,6 @@ Sections 3 and 4 of the paper: mu = 0.7, the knots of the disc trace the boundar
 """
 
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import Literal
 
 from cea.contact.coupling import Form
@@ -25,19 +24,44 @@ DISC, PAD = "disc", "pad"
 Boundary = Literal["traced", "ignored", "refined"]
 """Whether element boundaries of the disc follow the boundary of the pad, and are finer there."""
 
-_TOP = 15.5e3
-"""Upper end of the modes (Hz): the paper shows 15 kHz, where modes of some formulations lie on
-either side; here none is near."""
 _DIVIDED = "Each hexahedron is divided into six tetrahedra."
 """What tells cases on divided hexahedra in the inputs of figures."""
 _HIGHEST_LAGRANGE = 4
 _SPANS_KEPT_TO = 3
 """Degree up to which NURBS keep their spans; at degree 5 those would take 9 GB and more."""
 _FE_GRID = 4
-_SIZES = {DISC: 0.010, PAD: 0.0075}
-"""Edge lengths of quadratic tetrahedra (m): about as many dofs as the NURBS."""
 _REFINED = {"r": 0.003, "theta": 1.5}
 """Distances of more element boundaries on both sides of the pad's boundary (m, degrees)."""
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How finely disc and pad are meshed, and how far up modes are sought.
+
+    Parameters
+    ----------
+    max_frequency
+        Upper end of the modes (Hz): the paper shows 15 kHz, where modes of some formulations lie on
+        either side; none is near the default.
+    disc_size, pad_size
+        Edge lengths of quadratic tetrahedra (m); by default they have about as many dofs as the
+        NURBS.
+    overrides
+        Fields of the scene to be set, as "path.to.field=value".
+    """
+
+    max_frequency: float = 15.5e3
+    disc_size: float = 0.010
+    pad_size: float = 0.0075
+    overrides: tuple[str, ...] = ()
+
+    def size(self, body: str) -> float:
+        """Edge length of quadratic tetrahedra of a body (m)."""
+        return {DISC: self.disc_size, PAD: self.pad_size}[body]
+
+
+PAPER = Resolution()
+"""That of the figures."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +86,8 @@ class CeaCase:
         trace it.
     divided
         Whether tetrahedra are hexahedra each divided into six, which can.
+    resolution
+        Size of the elements and highest frequency.
     """
 
     formulation: Formulation
@@ -71,6 +97,7 @@ class CeaCase:
     full_pass: bool = False
     boundary: Boundary = "traced"
     divided: bool = False
+    resolution: Resolution = PAPER
 
     def on(self, family: Family) -> "CeaCase":
         """The case as a kind of mesh has it: nodes for Greville points, a grid on every facet."""
@@ -106,7 +133,7 @@ class CeaCase:
     def scene(self, family: Family) -> Scene:
         """The scene of the case on a kind of mesh."""
         case = self.on(family)
-        scene = on_backend(load_scene(Path("disc_pad")), BACKEND_OF[family])
+        scene = on_backend(load_scene("disc_pad", case.resolution.overrides), BACKEND_OF[family])
         assert isinstance(scene.analysis, ComplexEigenvalueAnalysis)
         bodies = {
             name: replace(spec, mesh=_mesh(scene, name, family, case))
@@ -119,7 +146,7 @@ class CeaCase:
             form=case.form,
             full_pass=case.full_pass,
         )
-        analysis = replace(scene.analysis, max_frequency=_TOP)
+        analysis = replace(scene.analysis, max_frequency=case.resolution.max_frequency)
         return replace(
             scene,
             bodies=bodies,
@@ -146,7 +173,7 @@ def _mesh(scene: Scene, name: str, family: Family, case: CeaCase) -> MeshSpec:
     assert spec.fe is not None
     assert spec.fe.elements is not None
     if family == "tetrahedra" and not case.divided:
-        size = _SIZES[name] * case.degree / 2
+        size = case.resolution.size(name) * case.degree / 2
         return MeshSpec(fe=FeMesh("tetrahedron", case.degree, size=size))
     through = {} if case.boundary == "ignored" else spec.iga.through
     added = 0

@@ -5,7 +5,7 @@ contact, relative to elsewhere. Figure 4 shows it, Figure 5 its normal displacem
 the disc that crosses the boundary of the pad twice.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from math import tau
 from pathlib import Path
@@ -28,7 +28,8 @@ from scenes.spec import Backend
 
 P = 1e6
 """Contact stiffness of the figures (N/m)."""
-CASES: dict[str, CeaCase] = {"plain": replace(GPTS, P=P), "lumped": replace(LUMPED, P=P)}
+_PLAIN, _LUMPED = replace(GPTS, P=P), replace(LUMPED, P=P)
+_NAMES = ("plain", "lumped")
 """Runs that are compared."""
 
 _MIDDLE = (0.115, 45.0)
@@ -46,8 +47,8 @@ _DIGITS = 6
 _SHAPE_DIGITS = 4
 """Decimals of displacements relative to the largest."""
 
-_COMPUTED: dict[Backend, Data] = {}
-"""What both figures show, kept while the program runs."""
+_COMPUTED: dict[tuple[CeaCase, CeaCase, Backend], Data] = {}
+"""What both figures show of two cases, kept while the program runs."""
 
 
 @dataclass(frozen=True)
@@ -60,34 +61,44 @@ class ShapeFigure:
         Number of the figure, and what it shows.
     kind
         Deformed bodies, or normal displacement along the line.
+    plain, lumped
+        The runs that are compared.
     """
 
     name: str
     title: str
     kind: Literal["shapes", "line"]
+    plain: CeaCase = _PLAIN
+    lumped: CeaCase = _LUMPED
+
+    @property
+    def cases(self) -> dict[str, CeaCase]:
+        """The runs by name."""
+        return dict(zip(_NAMES, (self.plain, self.lumped), strict=True))
 
     def inputs(self, backend: Backend) -> Data:
         """Scenes of both runs on every kind of mesh, and the line."""
         scenes = {
-            family: {name: asdict(case.scene(family)) for name, case in CASES.items()}
+            family: {name: asdict(case.scene(family)) for name, case in self.cases.items()}
             for family in FAMILIES[backend]
         }
         return {"scenes": scenes, "line": [*_MIDDLE, _HALF, _SAMPLES], "alike": _ALIKE}
 
     def compute(self, backend: Backend, progress: Progress) -> Data:
         """Run both cases on every kind of mesh and take the mode from each."""
-        if backend not in _COMPUTED:
+        key = (self.plain, self.lumped, backend)
+        if key not in _COMPUTED:
             families = {}
             for family in FAMILIES[backend]:
                 progress.step(f"figures 4 and 5, {family}")
-                families[family] = _compute(family)
-            _COMPUTED[backend] = {"families": families}
+                families[family] = _compute(self.cases, family)
+            _COMPUTED[key] = {"families": families}
         if self.kind == "shapes":
-            return _COMPUTED[backend]
+            return _COMPUTED[key]
         return {
             "families": {
-                family: found | {name: _without_bodies(found[name]) for name in CASES}
-                for family, found in _COMPUTED[backend]["families"].items()
+                family: found | {name: _without_bodies(found[name]) for name in _NAMES}
+                for family, found in _COMPUTED[key]["families"].items()
             }
         }
 
@@ -103,7 +114,7 @@ class ShapeFigure:
 
     def _shapes(self, data: Data) -> Iterator[Number]:
         for family, found in data["families"].items():
-            for name in CASES:
+            for name in _NAMES:
                 mode = found[name]
                 yield Number(f"{family}, {name}: frequency", None, mode["frequency"], "Hz")
                 yield Number(f"{family}, {name}: growth rate", None, mode["growth"], "1/s")
@@ -137,7 +148,7 @@ class ShapeFigure:
         every = [
             (family, name, found[name])
             for family, found in data["families"].items()
-            for name in CASES
+            for name in _NAMES
         ]
         lines = [
             (family, name, *row)
@@ -167,9 +178,9 @@ def _without_bodies(mode: Data) -> Data:
     return {key: value for key, value in mode.items() if key != "bodies"}
 
 
-def _compute(family: Family) -> Data:
-    results = {name: RUNS.result(case, family) for name, case in CASES.items()}
-    spectra = {name: RUNS.spectrum(case, family) for name, case in CASES.items()}
+def _compute(cases: Mapping[str, CeaCase], family: Family) -> Data:
+    results = {name: RUNS.result(case, family) for name, case in cases.items()}
+    spectra = {name: RUNS.spectrum(case, family) for name, case in cases.items()}
     match = compare_spectra(spectra["lumped"], spectra["plain"])
     pair = _common_mode(match, spectra["plain"].data)
     found: Data = {

@@ -1,0 +1,153 @@
+"""Stored numbers are still those of the program: of each stored file something cheap is run anew.
+
+What is stored cannot outlive what made it: seconds, versions and rounding errors (residuals) may
+differ, nothing else.
+"""
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from same_numbers import assert_same
+
+import comparisons.accuracy
+from comparisons.accuracy.exact_lists import exact
+from comparisons.accuracy.measure import Measurer
+from comparisons.accuracy.study import Case, Method
+from comparisons.kit.progress import Progress
+from comparisons.paper.common.store import STORED, fingerprint
+from comparisons.paper.disc_pad.runs import RUNS
+from comparisons.paper.disc_pad.stability_diagram import StabilityFigure
+from comparisons.paper.patch_test.case import run_case
+from comparisons.paper.patch_test.figures import PatchTestFigure
+from comparisons.paper.patch_test.quadrature import QuadratureStudy, fitted_slope
+from comparisons.paper.registry import FIGURES
+from comparisons.reference.study import LEVELS, graded_scene, stored_reference
+from scenes.run import run_modes
+from scenes.stored import read_record
+
+QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
+NOT_NUMBERS = {"seconds", "timings", "versions", "machine", "growth_uncertainty", "residual"}
+ACCURACY = Path(comparisons.accuracy.__file__).parent / "results" / "result.json.gz"
+DIGITS = 5e-4
+"""The study of accuracy keeps four digits."""
+
+
+@cache
+def stored(name, backend):
+    return read_record(STORED / f"figure_{name}_{backend}.json.gz")
+
+
+def every_stored_figure():
+    """Name and backend of each file."""
+    names = sorted(file.name.removesuffix(".json.gz") for file in STORED.glob("*.json.gz"))
+    return [tuple(name.removeprefix("figure_").rsplit("_", 1)) for name in names]
+
+
+def numbers(data):
+    """Plain data without what differs from run to run."""
+    if isinstance(data, dict):
+        return {key: numbers(value) for key, value in data.items() if key not in NOT_NUMBERS}
+    return [numbers(value) for value in data] if isinstance(data, list) else data
+
+
+def cheapest_patch_case(figure, backend, data):
+    """Of the softest contact, which leaves more than rounding, the case that ran fastest."""
+    cases = figure.on(backend)
+    label = min(data["cases"], key=lambda each: (cases[each].P, data["cases"][each]["seconds"]))
+    found, _ = run_case(cases[label], backend)
+    expected = data["cases"][label]
+    assert_same(found.pop("map"), expected["map"], "map", rel=1e-4)  # it is stored rounded
+    return found, {key: value for key, value in expected.items() if key != "map"}
+
+
+def cheapest_spectrum(figure, data):
+    """The case that ran fastest, on whatever kind of mesh."""
+    _, family, panel, label = min(
+        (case["seconds"], family, i, label)
+        for family, panels in data["families"].items()
+        for i, panel in enumerate(panels)
+        for label, case in panel["cases"].items()
+    )
+    case = figure.panels[panel].on(family)[label]
+    return RUNS.spectrum(case, family).data, data["families"][family][panel]["cases"][label]
+
+
+def cheapest_space(study, backend, data):
+    """The lowest degree."""
+    space, expected = next(iter(data["spaces"].items()))
+    errors = study.errors(int(space[1]), expected["continuity"], backend)
+    found = expected | {"oscillation": errors, "slope": fitted_slope(study.points, errors)}
+    return found, expected
+
+
+def test_every_figure_is_stored():
+    found = {name for name, _ in every_stored_figure()}
+    assert found == set(FIGURES)
+    for name, backend in every_stored_figure():
+        assert stored(name, backend)["fingerprint"] == fingerprint(FIGURES[name].inputs(backend))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "backend"), every_stored_figure())
+def test_a_case_of_each_figure_gives_its_stored_numbers(name, backend):
+    figure, data = FIGURES[name], stored(name, backend)
+    if isinstance(figure, PatchTestFigure):
+        found, expected = cheapest_patch_case(figure, backend, data)
+    elif isinstance(figure, StabilityFigure):
+        found, expected = cheapest_spectrum(figure, data)
+    elif isinstance(figure, QuadratureStudy):
+        found, expected = cheapest_space(figure, backend, data)
+    else:
+        found = figure.compute(backend, QUIET)
+        expected = {key: data[key] for key in found}
+    found = json.loads(json.dumps(found))
+    assert_same(numbers(found), numbers(expected), f"figure {name}, {backend}", rel=1e-8)
+
+
+@cache
+def accuracy():
+    """The stored study of accuracy."""
+    return read_record(ACCURACY)
+
+
+def cheapest_run(problem, backend):
+    """The run that was fastest, of those that find every mode where there are any."""
+    return min(
+        (
+            run
+            for run in accuracy()["runs"]
+            if (run["problem"], run["method"]["backend"]) == (problem, backend)
+        ),
+        key=lambda run: (run["lambda"]["worst"] is None, run["seconds"][0]),
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("problem", accuracy()["problems"])
+def test_a_case_of_each_problem_has_its_stored_errors(problem, backend):
+    expected = cheapest_run(problem, backend)
+    method = Method(**expected["method"])
+    case = Case(problem, method, expected["refinement"], expected["stiffness"])
+    found = Measurer().measure(case, exact(problem, case.stiffness), repeats=1)
+    kept = ("dofs", "points", "modes", "lambda", "frequency", "growth", "missing", "spurious")
+    assert_same({key: found[key] for key in kept}, {key: expected[key] for key in kept}, rel=DIGITS)
+
+
+@pytest.mark.slow
+def test_the_cheapest_run_of_the_reference_has_its_stored_modes():
+    (expected,) = [
+        run
+        for run in stored_reference()["runs"]
+        if (run["backend"], run["grading"]["degree"]) == ("iga", LEVELS["iga"][0].degree)
+    ]
+    result = run_modes(graded_scene("iga", LEVELS["iga"][0]))
+    assert result.system.size == expected["dofs"]
+    for quantity, values in (
+        ("frequency", result.modes.frequencies),
+        ("growth", result.modes.growth_rates),
+    ):
+        kept = np.array([mode[quantity] for mode in expected["modes"]])
+        np.testing.assert_allclose(values, kept, rtol=1e-8, atol=1e-8 * np.abs(kept).max())

@@ -1,0 +1,62 @@
+"""Documents name files that exist, and what is said in two places is the same."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import cea
+
+ROOT = Path(__file__).parents[2]
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+ROOMS = ("cea", "fe_cea", "iga_cea", "exact_cea", "meshes", "scenes", "comparisons")
+PLACES = (*ROOMS, "docs", "examples", "tests")
+
+
+def named_files(text):
+    """Paths in code type that begin in a folder of the project."""
+    named = re.findall(r"`([\w./]+)`", text)
+    return {path for path in named if path.split("/")[0] in PLACES and "/" in path}
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_every_file_that_is_named_exists(document):
+    text = document.read_text(encoding="utf-8")
+    missing = [path for path in named_files(text) if not (ROOT / path).exists()]
+    links = re.findall(r"\]\(([^):#]+)\)", text)
+    missing += [link for link in links if not (document.parent / link).exists()]
+    assert not missing
+
+
+def test_paths_are_found_in_text():
+    assert named_files("`cea/body.py`, `docs/` and `cea run`") == {"cea/body.py", "docs/"}
+
+
+def test_who_wants_to_change_something_finds_the_file():
+    text = (ROOT / "docs" / "where_to_change_what.md").read_text(encoding="utf-8")
+    rows = [line for line in text.splitlines() if line.startswith("| ") and "`" in line]
+    assert len(rows) >= 20
+    assert all(len(named_files(row.split("|")[2])) == 1 for row in rows)
+
+
+def test_the_index_names_every_document():
+    text = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    others = {path.name for path in (ROOT / "docs").glob("*.md")} - {"index.md"}
+    assert others == {name for name in others if f"]({name})" in text}
+    assert len(others) >= 4
+
+
+def test_version_and_license_are_the_same_everywhere():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert f"version: {cea.__version__}\n" in citation
+    assert f"license: {project['license']}\n" in citation
+    assert "BSD 3-Clause" in (ROOT / "LICENSE").read_text(encoding="utf-8")
+
+
+def test_every_package_offers_its_types():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    found = project["tool"]["setuptools"]["packages"]["find"]["include"]
+    assert {name.rstrip("*") for name in found} == set(ROOMS)
+    assert all((ROOT / name / "py.typed").is_file() for name in ROOMS)

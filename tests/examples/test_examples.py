@@ -1,0 +1,72 @@
+"""Each example runs, and one number of it stays what it is."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from examples import (
+    compare_formulations,
+    exact_errors,
+    friction_sweep,
+    matrices_in_scipy,
+    mixed_bodies,
+    own_scene,
+    unstable_modes,
+)
+
+ROOT = Path(__file__).parents[2]
+SAME = 1e-8
+"""Relative difference at which numbers are the same."""
+
+
+def test_unstable_modes():
+    ((frequency, growth),) = unstable_modes.unstable_modes()
+    assert frequency == pytest.approx(6559.699174715652, rel=SAME)
+    assert growth == pytest.approx(332.8704443645315, rel=SAME)
+
+
+def test_formulations():
+    assert compare_formulations.largest_growth_rates() == {
+        "collocation": pytest.approx(153.21917722552962, rel=SAME),
+        "GPTS": pytest.approx(332.87799690711506, rel=SAME),
+        "GPTS, lumped": pytest.approx(422.823067723299, rel=SAME),
+        "segments": pytest.approx(332.86259393612795, rel=SAME),
+        "mortar": pytest.approx(332.88038492205175, rel=SAME),
+    }
+
+
+def test_own_scene():
+    assert own_scene.lowest_frequency() == pytest.approx(0.13398734709299248, rel=SAME)
+
+
+def test_mixed_bodies():
+    assert mixed_bodies.most_unstable_frequency() == pytest.approx(6559.60358017531, rel=SAME)
+
+
+def test_friction_sweep():
+    found = friction_sweep.growth_rates(np.array([0.0, 0.2, 1.0]))
+    assert found[0] == 0.0
+    assert found[1:] == pytest.approx([81.67269168, 480.89011511], rel=SAME)
+
+
+@pytest.mark.parametrize(
+    ("backend", "error"), [("fe", 3.185220321316957e-06), ("iga", 1.066108497603393e-06)]
+)
+def test_exact_errors(backend, error):
+    assert exact_errors.worst_error(backend) == pytest.approx(error, abs=1e-10)
+
+
+def test_matrices_in_scipy():
+    scipy, ours = matrices_in_scipy.eigenvalue_by_scipy()
+    assert scipy == pytest.approx(ours, rel=SAME)
+    assert ours == pytest.approx(1.374601243291j, rel=SAME)
+
+
+def test_examples_are_short_and_every_one_is_run():
+    files = sorted((ROOT / "examples").glob("*.py"))
+    text = Path(__file__).read_text()
+    for file in files:
+        assert f"{file.stem}." in text, file
+        assert len(file.read_text().splitlines()) <= 40, file
+    assert len(files) >= 6
