@@ -16,13 +16,13 @@ LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 
 def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, monkeypatch):
     taken = []
-    original = cea.eigen.krylov_schur._shift_invert
+    original = cea.eigen.krylov_schur.Search
 
-    def recorded(*arguments, symmetric):
-        taken.append(symmetric)
-        return original(*arguments, symmetric=symmetric)
+    def recorded(matrices, *arguments):
+        taken.append(matrices.symmetric)
+        return original(matrices, *arguments)
 
-    monkeypatch.setattr(cea.eigen.krylov_schur, "_shift_invert", recorded)
+    monkeypatch.setattr(cea.eigen.krylov_schur, "Search", recorded)
     results = {
         mu: run_scene(read_scene(two_blocks(backend, GPTS, held=True, mu=mu))) for mu in (0.0, 0.4)
     }
