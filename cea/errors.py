@@ -41,3 +41,9 @@ class ConvergenceError(RuntimeError):
     def __init__(self, message: str, best: Any = None) -> None:
         self.best = best
         super().__init__(message)
+
+
+def require(condition: bool, field: str, value: object, allowed: str) -> None:
+    """Raise :class:`InputError` unless a condition holds."""
+    if not condition:
+        raise InputError(field, value, allowed)

@@ -1,6 +1,6 @@
 """Agreement between ranks, so that a fault on one leaves no other waiting."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -29,3 +29,26 @@ def agreed(comm: Any) -> Iterator[None]:
     first = next((r for r in comm.allgather(refusal) if r is not None), None)
     if first is not None:
         raise first
+
+
+def made_on_first[T](comm: Any, make: Callable[[], T]) -> T | None:
+    """What a function makes on rank 0, None on the others; what it raises there, all ranks raise.
+
+    Parameters
+    ----------
+    comm
+        MPI communicator (mpi4py); the call is collective.
+    make
+        The function; it sends no messages.
+    """
+    made: T | None = None
+    fault: Exception | None = None
+    if comm.rank == 0:
+        try:
+            made = make()
+        except Exception as error:
+            fault = error
+    fault = comm.bcast(fault, root=0)
+    if fault is not None:
+        raise fault
+    return made

@@ -13,14 +13,15 @@ from cea.checks import check_density, check_jacobians
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import symmetrised
+from cea.mesh import Mesh
 from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
 from cea.supports.boundary import Pressure, Spring, Support, check_boundary
 from cea.supports.constraints import Constraints
 from fe_cea.cells import lagrange_cells
+from fe_cea.distribution import distribute
 from fe_cea.facets import gather_facets
 from fe_cea.forms import mass_form, pressure_form, spring_form, stiffness_form
-from fe_cea.gmsh_reader import read_gmsh
 from fe_cea.sampling import cell_jacobians, sample_volume
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
@@ -86,10 +87,10 @@ class FEBody:
         self._space = functionspace(mesh, ("Lagrange", degree, (mesh.geometry.dim,)))
 
     @classmethod
-    def from_gmsh(
+    def from_mesh(
         cls,
         name: str,
-        model: Any,
+        mesh: Mesh | None,
         *,
         degree: int,
         material: IsotropicMaterial,
@@ -98,23 +99,40 @@ class FEBody:
         pressures: Sequence[Pressure] = (),
         comm: Any = MPI.COMM_WORLD,
     ) -> Self:
-        """Body on the mesh of a gmsh model, whose physical surfaces become its surfaces.
+        """Body on a mesh given as plain arrays, whose named surfaces become its surfaces.
 
         Parameters
         ----------
-        model
-            Meshed gmsh model; only that of rank 0 is read.
+        mesh
+            The mesh; only that of rank 0 is read, other ranks may give None.
         comm
             Communicator to spread the mesh over.
         name, degree, material, supports, springs, pressures
             As for :class:`FEBody`.
+
+        Raises
+        ------
+        InputError
+            When rank 0 has no mesh, cells are inverted, or as for :class:`FEBody`.
+
+        Examples
+        --------
+        A steel cube of one hexahedron, held at its bottom:
+
+        >>> corners = [[x, y, z] for x in (0, 0.1) for y in (0, 0.1) for z in (0, 0.1)]
+        >>> surfaces = {"bottom": [[0, 2, 4, 6]], "top": [[1, 3, 5, 7]]}
+        >>> mesh = Mesh("hexahedron", 1, corners, [range(8)], surfaces)
+        >>> steel = IsotropicMaterial(E=2.1e11, nu=0.3, rho=7800.0)
+        >>> held = [Support("bottom")]
+        >>> body = FEBody.from_mesh("cube", mesh, degree=2, material=steel, supports=held)
+        >>> stiffness, mass = body.stiffness(), body.mass()
         """
-        data = read_gmsh(model, comm)
+        spread = distribute(mesh, comm, f"bodies.{name}.mesh")
         return cls(
             name,
-            data.mesh,
-            data.facet_tags,
-            data.surface_tags,
+            spread.mesh,
+            spread.facet_tags,
+            spread.surface_tags,
             degree=degree,
             material=material,
             supports=supports,
@@ -200,7 +218,7 @@ class FEBody:
         if not self._springs:
             return None
         form = spring_form(self._space, self._tagged_springs, self._facet_tags)
-        return _without_zeros(self._assembled(form))
+        return self._assembled(form, with_zeros=False)
 
     @property
     def _tagged_springs(self) -> list[tuple[Spring, int]]:
@@ -219,12 +237,14 @@ class FEBody:
     @cached_property
     def _mass(self) -> Any:
         rho = check_density(self._material, f"bodies.{self._name}.material")
-        return _without_zeros(self._assembled(mass_form(self._space, rho)))
+        return self._assembled(mass_form(self._space, rho), with_zeros=False)
 
-    def _assembled(self, form: Any) -> Any:
+    def _assembled(self, form: Any, *, with_zeros: bool = True) -> Any:
         """Matrix (free x free) of a symmetric form, symmetric to the last bit."""
         full = assemble_matrix(form)
         full.assemble()
+        if not with_zeros:  # ahead of all that copies it
+            full = _without_zeros(full, self.comm)
         free = self._constraints.restrict(full, self.expansion)
         if free is not full:
             full.destroy()
@@ -263,11 +283,11 @@ class FEBody:
         return lagrange_cells(self._space)
 
 
-def _without_zeros(matrix: Any) -> Any:
-    """Copy of an AIJ matrix without stored zeros, two thirds of a mass matrix in 3D."""
+def _without_zeros(matrix: Any, comm: Any) -> Any:
+    """AIJ matrix without stored zeros, two thirds of a mass matrix in 3D; the given one goes."""
+    sizes = matrix.getSizes()
     indptr, indices, values = matrix.getValuesCSR()
-    rows = csr_array((values, indices, indptr), shape=(len(indptr) - 1, matrix.getSize()[1]))
+    matrix.destroy()
+    rows = csr_array((values, indices, indptr), shape=(len(indptr) - 1, sizes[1][1]))
     rows.eliminate_zeros()
-    return PETSc.Mat().createAIJ(
-        matrix.getSizes(), csr=(rows.indptr, rows.indices, rows.data), comm=matrix.comm
-    )
+    return PETSc.Mat().createAIJ(sizes, csr=(rows.indptr, rows.indices, rows.data), comm=comm)

@@ -1,4 +1,4 @@
-"""Geometry: the shapes scenes are made of, and builders of gmsh meshes and NURBS patches of them.
+"""Geometry: the shapes scenes are made of, their meshes as plain arrays and as NURBS patches.
 
-Knows no other room: returns gmsh models and plain NURBS data that the backends take in.
+Knows no backend: hands out :class:`cea.mesh.Mesh` and plain NURBS data, which the backends take in.
 """

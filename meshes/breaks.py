@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.errors import require
+from cea.errors import require
 from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 
 Floats = NDArray[np.float64]

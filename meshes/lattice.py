@@ -4,14 +4,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from meshes.breaks import Breaks, Floats
-from meshes.errors import require
+from cea.errors import require
+from cea.mesh import Floats, Ints
+from meshes.breaks import Breaks
 from meshes.nodes import interpolate_arc
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, Shape
 
-Ints = NDArray[np.int64]
 Region = tuple[slice | int, ...]
 """Part of a lattice: a range of its cells along a direction, or the number of a break across it."""
 
@@ -70,7 +69,7 @@ def lattices(shape: Shape, breaks: Breaks, order: int) -> tuple[Floats, list[Lat
 
     Raises
     ------
-    ShapeError
+    InputError
         When the breaks do not suit a disc.
     """
     if isinstance(shape, Disc):

@@ -18,8 +18,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.errors import require
 from meshes.breaks import Breaks
-from meshes.errors import require
 from meshes.patches import Face, GivenPatch, Patches
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
@@ -93,7 +93,7 @@ def nurbs_shape(
 
     Raises
     ------
-    ShapeError
+    InputError
         When breaks do not rise from one end of the shape to the other, or leave out a joint of
         its patches.
     """

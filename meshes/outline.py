@@ -1,40 +1,20 @@
 """Unstructured meshes of the shapes: triangles in an outline, tetrahedra in what it sweeps."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import NamedTuple
 
 import gmsh
 import numpy as np
-from numpy.typing import NDArray
 
+from cea.errors import InputError
+from cea.mesh import Mesh, reference_nodes
+from meshes.gmsh_model import gmsh_session, read_gmsh
 from meshes.nodes import simplex_changes
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
-
-@dataclass(frozen=True)
-class MeshArrays:
-    """Mesh as plain arrays, nodes of cells and facets in gmsh's order.
-
-    Parameters
-    ----------
-    points
-        Nodes (m), (n, dim).
-    cells
-        Nodes of each cell, (n_cells, n_nodes).
-    facets
-        Nodes of the facets of each named surface, (n_facets, n_nodes).
-    """
-
-    points: Floats
-    cells: Ints
-    facets: Mapping[str, Ints]
-
-
-def mesh_outline(shape: Shape, order: int, size: float) -> MeshArrays:
+def outline_mesh(shape: Shape, order: int, size: float) -> Mesh:
     """Mesh a shape with triangles or tetrahedra.
 
     Parameters
@@ -48,12 +28,22 @@ def mesh_outline(shape: Shape, order: int, size: float) -> MeshArrays:
 
     Raises
     ------
+    InputError
+        When curved cells of that size are inverted.
     RuntimeError
-        When gmsh fails, or leaves inverted cells.
+        When gmsh is in use already.
     """
-    gmsh.model.add(shape.shape)
-    surfaces = _revolved_hub(shape) if isinstance(shape, Hub) else _extruded(shape)
-    dim = len(shape.directions)
+    with gmsh_session():
+        gmsh.model.add(shape.shape)
+        surfaces = _revolved_hub(shape) if isinstance(shape, Hub) else _extruded(shape)
+        _generate(len(shape.directions), order, size)
+        _name(len(shape.directions), surfaces)
+        mesh = read_gmsh(gmsh.model)
+    return _through_lobatto_points(shape, mesh) if order > 2 else mesh
+
+
+def _generate(dim: int, order: int, size: float) -> None:
+    """Mesh the current model."""
     for option in ("MeshSizeMin", "MeshSizeMax"):
         gmsh.option.setNumber(f"Mesh.{option}", size)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
@@ -65,40 +55,22 @@ def mesh_outline(shape: Shape, order: int, size: float) -> MeshArrays:
         gmsh.model.mesh.optimize("HighOrder")
         (cells,) = gmsh.model.mesh.getElements(dim)[1]
         if gmsh.model.mesh.getElementQualities(cells, "minSJ").min() <= 0:
-            raise RuntimeError(f"size = {size} m leaves inverted curved cells: take less")
-    mesh = _arrays(dim, surfaces)
-    gmsh.model.remove()
-    return _through_lobatto_points(shape, mesh, order) if order > 2 else mesh
+            raise InputError("size", size, "less (m): curved cells of that size are inverted")
 
 
-def _arrays(dim: int, surfaces: Mapping[str, list[int]]) -> MeshArrays:
-    """Mesh of the current gmsh model, with the entities of each named surface."""
-    tags, positions, _ = gmsh.model.mesh.getNodes()
-    points = np.zeros((int(tags.max()) + 1, dim))
-    points[tags.astype(np.int64)] = positions.reshape(-1, 3)[:, :dim]
-
-    def elements(dim: int, entity: int) -> Ints:
-        (kind,), _, (nodes,) = gmsh.model.mesh.getElements(dim, entity)
-        per_element = gmsh.model.mesh.getElementProperties(kind)[3]
-        return nodes.astype(np.int64).reshape(-1, per_element)
-
-    facets = {
-        name: np.concatenate([elements(dim - 1, entity) for entity in entities])
-        for name, entities in surfaces.items()
-    }
-    return MeshArrays(points, elements(dim, -1), facets)
+def _name(dim: int, surfaces: Mapping[str, list[int]]) -> None:
+    """Physical groups of the current model: its surfaces by name, and all cells."""
+    for name, entities in surfaces.items():
+        gmsh.model.addPhysicalGroup(dim - 1, entities, name=name)
+    gmsh.model.addPhysicalGroup(dim, [tag for _, tag in gmsh.model.getEntities(dim)])
 
 
-def _through_lobatto_points(shape: Shape, mesh: MeshArrays, order: int) -> MeshArrays:
+def _through_lobatto_points(shape: Shape, mesh: Mesh) -> Mesh:
     """Mesh whose cells meet the circles at Gauss-Lobatto points rather than at their nodes."""
-    dim = mesh.points.shape[1]
-    kind = gmsh.model.mesh.getElementType("Tetrahedron" if dim == 3 else "Triangle", order)
-    nodes = np.reshape(gmsh.model.mesh.getElementProperties(kind)[4], (-1, dim))
-    to_lobatto, back = simplex_changes(nodes, order)
-
+    to_lobatto, back = simplex_changes(reference_nodes(mesh.cell, mesh.order), mesh.order)
     radius = np.zeros(len(mesh.points))
     for name, value in _radii(shape).items():
-        radius[mesh.facets[name]] = value
+        radius[mesh.surfaces[name]] = value
     curved = mesh.cells[radius[mesh.cells].any(axis=1)]
     lobatto = mesh.points.copy()
     lobatto[curved] = to_lobatto @ mesh.points[curved]
@@ -106,7 +78,7 @@ def _through_lobatto_points(shape: Shape, mesh: MeshArrays, order: int) -> MeshA
     lobatto[on, :2] *= (radius[on] / np.linalg.norm(lobatto[on, :2], axis=1))[:, None]
     points = mesh.points.copy()
     points[curved] = back @ lobatto[curved]
-    return MeshArrays(points, mesh.cells, mesh.facets)
+    return replace(mesh, points=points)
 
 
 def _radii(shape: Shape) -> dict[str, float]:

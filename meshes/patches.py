@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.errors import ShapeError, require
+from cea.errors import InputError, require
 
 Floats = NDArray[np.float64]
 Face = tuple[int, int, int]
@@ -31,7 +31,7 @@ class GivenPatch:
 
     Raises
     ------
-    ShapeError
+    InputError
         When numbers do not fit together, knots do not rise, or weights are not positive.
     """
 
@@ -87,7 +87,7 @@ class Patches:
 
     Raises
     ------
-    ShapeError
+    InputError
         When patches differ in dimension, or faces do not exist.
     """
 
@@ -129,7 +129,7 @@ def _array(nested: tuple[Any, ...], field: str) -> Floats:
     try:
         values = np.asarray(nested, dtype=float)
     except (TypeError, ValueError) as error:
-        raise ShapeError(field, nested, allowed) from error
+        raise InputError(field, nested, allowed) from error
     require(bool(np.isfinite(values).all()), field, nested, allowed)
     return values
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from meshes.errors import require
+from cea.errors import require
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ class Placement:
 
         Raises
         ------
-        ShapeError
+        InputError
             When points of the plane would leave it.
         """
         dim = points.shape[-1]

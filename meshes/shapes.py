@@ -8,7 +8,7 @@ by breaks (:mod:`meshes.breaks`).
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from meshes.errors import require
+from cea.errors import require
 from meshes.patches import Patches
 
 

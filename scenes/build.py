@@ -1,8 +1,7 @@
 """Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +12,9 @@ from cea.contact.laws import Friction, LinearLaw
 from cea.contact.operators import HalfPass
 from cea.errors import InputError
 from cea.fields import Expression, evaluate
+from cea.mesh import Mesh
 from cea.petsc import MPI
+from cea.ranks import made_on_first
 from cea.supports.boundary import Pressure
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
@@ -40,58 +41,38 @@ def build_bodies(scene: Scene, timer: StageTimer) -> dict[str, Body]:
 def build_body(name: str, spec: BodySpec, pressures: tuple[Pressure, ...] = ()) -> Body:
     """One body of a scene on its backend."""
     if spec.backend == "fe" and spec.mesh.fe is not None:
-        return fe_body(name, spec, spec.mesh.fe, pressures)
+        return _fe_body(name, spec, spec.mesh.fe, pressures)
     if spec.backend == "iga" and spec.mesh.iga is not None:
         return _iga_body(name, spec, spec.mesh.iga, pressures)
     raise InputError(f"bodies.{name}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
 
 
-def fe_body(
-    name: str,
-    spec: BodySpec,
-    mesh: FeMesh,
-    pressures: tuple[Pressure, ...] = (),
-    change: Callable[[Any, int], None] | None = None,
-) -> Body:
-    """Build one body of Lagrange elements.
-
-    Parameters
-    ----------
-    name, spec
-        Its name and the section of the scene.
-    mesh
-        Its mesh.
-    pressures
-        Loads on its surfaces.
-    change
-        Called on rank 0 with the gmsh model and the degree of its cells, to change the mesh.
-    """
+def _fe_body(name: str, spec: BodySpec, mesh: FeMesh, pressures: tuple[Pressure, ...]) -> Body:
     from fe_cea import FEBody
-    from meshes.gmsh_shapes import gmsh_mesh
+    from meshes.shape_mesh import shape_mesh
 
-    breaks, order = None, mesh.geometry_degree or mesh.degree
-    if mesh.elements is not None:
-        breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
-    with gmsh_mesh(
-        spec.geometry,
-        mesh.cell,
-        order,
-        breaks=breaks,
-        size=mesh.size,
-        placement=spec.placement,
-        comm=MPI.COMM_WORLD,
-    ) as model:
-        if change is not None and MPI.COMM_WORLD.rank == 0:
-            change(model, order)
-        return FEBody.from_gmsh(
-            name,
-            model,
-            degree=mesh.degree,
-            material=spec.material,
-            supports=[s.support() for s in spec.supports],
-            springs=spec.springs,
-            pressures=pressures,
+    def make() -> Mesh:
+        breaks = None
+        if mesh.elements is not None:
+            breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
+        return shape_mesh(
+            spec.geometry,
+            mesh.cell,
+            mesh.geometry_degree or mesh.degree,
+            breaks=breaks,
+            size=mesh.size,
+            placement=spec.placement,
         )
+
+    return FEBody.from_mesh(
+        name,
+        made_on_first(MPI.COMM_WORLD, make),
+        degree=mesh.degree,
+        material=spec.material,
+        supports=[s.support() for s in spec.supports],
+        springs=spec.springs,
+        pressures=pressures,
+    )
 
 
 def _iga_body(name: str, spec: BodySpec, mesh: IgaMesh, pressures: tuple[Pressure, ...]) -> Body:

@@ -9,7 +9,6 @@ from pydantic import ValidationError
 from cea.checks import check_density, check_surface
 from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError
-from meshes.errors import ShapeError
 from scenes.spec import Backend, BodySpec, ContactSpec, SceneSpec
 
 
@@ -22,7 +21,7 @@ def faults_told_by(error: ValidationError) -> list[InputError]:
         allowed = detail["msg"][0].lower() + detail["msg"][1:]
         if detail["type"] in ("unexpected_keyword_argument", "extra_forbidden"):
             allowed = "no such field; remove it or mend its name"
-        if isinstance(cause, InputError | ShapeError):
+        if isinstance(cause, InputError):
             place, value, allowed = (
                 f"{place}.{cause.field.split('.')[-1]}",
                 cause.value,

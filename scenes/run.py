@@ -155,6 +155,7 @@ def skipped_by(scene: Scene) -> dict[str, str]:
         skipped["pictures"] = "none asked for"
     if not scene.output.paraview:
         skipped["paraview"] = "no files for ParaView asked for"
-    if all(body.backend == "iga" for body in scene.bodies.values()):
-        skipped["gmsh"] = "no body is meshed"
+    meshes = [body.mesh.fe for body in scene.bodies.values() if body.backend == "fe"]
+    if not any(mesh.size for mesh in meshes if mesh is not None):
+        skipped["gmsh"] = "no body has an unstructured mesh"
     return skipped

@@ -12,6 +12,7 @@ from cea.contact.friction import FrictionDirection
 from cea.errors import InputError
 from cea.fields import Expression
 from cea.material import IsotropicMaterial
+from cea.mesh import SIMPLICES, Cell
 from cea.supports.boundary import Spring, Support
 from cea.supports.frames import Cartesian, Cylindrical, SurfaceNormal
 from meshes.placement import Placement
@@ -39,15 +40,15 @@ class FeMesh:
     geometry_degree
         Degree of the geometry; by default that of the elements. 1 gives straight facets.
     elements
-        Hexahedra or quadrilaterals along each direction of the shape; of closed shapes, all the
-        way round.
+        Cells of a structured mesh along each direction of the shape; of closed shapes, all the way
+        round. Tetrahedra or triangles are such cells each divided into six or two.
     size
-        Target edge length of tetrahedra or triangles (m).
+        Target edge length of unstructured tetrahedra or triangles (m), given instead.
     through
         Coordinates that must be element boundaries of a structured mesh, by direction.
     """
 
-    cell: Literal["hexahedron", "tetrahedron", "quadrilateral", "triangle"] = "hexahedron"
+    cell: Cell = "hexahedron"
     degree: Annotated[int, Field(ge=1, le=4)] = 2
     geometry_degree: Annotated[int, Field(ge=1, le=4)] | None = None
     elements: tuple[int, ...] | None = None
@@ -55,12 +56,16 @@ class FeMesh:
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        structured = self.cell in ("hexahedron", "quadrilateral")
-        needed, other = ("elements", "size")[:: 1 if structured else -1]
-        if getattr(self, needed) is None:
-            raise InputError(needed, None, f"needed for cell = {self.cell!r}")
-        if getattr(self, other) is not None:
-            raise InputError(other, getattr(self, other), f"left out for cell = {self.cell!r}")
+        if self.cell not in SIMPLICES:
+            if self.elements is None:
+                raise InputError("elements", None, f"needed for cell = {self.cell!r}")
+            if self.size is not None:
+                raise InputError("size", self.size, f"left out for cell = {self.cell!r}")
+        elif (self.elements is None) == (self.size is None):
+            allowed = "either size, unstructured, or elements, boxes divided"
+            raise InputError("size", self.size, f"{allowed}, for cell = {self.cell!r}")
+        if self.elements is None and self.through:
+            raise InputError("through", self.through, "left out where size is given")
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,8 @@ from typing import Any
 
 from cea.errors import ConvergenceError, InputError
 from comparisons.cli.extras import MissingExtraError
-from meshes.errors import ShapeError
 
-_EXPECTED = (InputError, ShapeError, ConvergenceError, MissingExtraError)
+_EXPECTED = (InputError, ConvergenceError, MissingExtraError)
 """Faults told in a line each, as those of scenes are; any other is told with its traceback."""
 
 _PATIENCE = 5.0

@@ -12,9 +12,9 @@ from iga_cea import NurbsBody
 from iga_cea.botella import botella
 from iga_cea.splines import greville, knots_with_breaks
 from meshes.breaks import breaks_of
-from meshes.gmsh_shapes import gmsh_mesh
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
+from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Rectangle, Ring, Shape
 
 MATERIAL = IsotropicMaterial(1.0, 0.3)
@@ -46,8 +46,8 @@ def lagrange(shape: Shape, cell: str, elements, degree: int) -> FEBody:
     structured = cell in ("hexahedron", "quadrilateral")
     mesh = {"breaks": breaks_of(shape, elements)} if structured else {"size": 0.4}
     placement = TILTED if len(shape.directions) == 3 else Placement()
-    with gmsh_mesh(shape, cell, degree, placement=placement, **mesh) as model:
-        return FEBody.from_gmsh("part", model, degree=degree, material=MATERIAL)
+    made = shape_mesh(shape, cell, degree, placement=placement, **mesh)
+    return FEBody.from_mesh("part", made, degree=degree, material=MATERIAL)
 
 
 KNOTS = [

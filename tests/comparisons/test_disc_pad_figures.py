@@ -1,7 +1,7 @@
 """Figures of complex eigenvalue analysis: measures, false stiffness of lumping, claims, files."""
 
 import csv
-from dataclasses import replace
+from dataclasses import asdict, replace
 from math import tau
 from types import SimpleNamespace
 
@@ -21,7 +21,6 @@ from comparisons.paper.common.store import STORED, make_figure
 from comparisons.paper.disc_pad import case as cea_case
 from comparisons.paper.disc_pad import measures as cea_measures
 from comparisons.paper.disc_pad.case import CONTACT, CeaCase
-from comparisons.paper.disc_pad.divided import divided_bodies
 from comparisons.paper.disc_pad.figures import FIGURE_14, GPTS, LUMPED
 from comparisons.paper.disc_pad.lumping import false_shifts, rotation_ratio
 from comparisons.paper.disc_pad.mode_shapes import SHAPES
@@ -168,9 +167,9 @@ def test_degrees_that_lagrange_elements_do_not_have_are_no_cases():
 
 
 def test_divided_hexahedra_fill_the_same_bodies(coarse):
-    scene = CeaCase(GaussPointToSurface(5), 1e9, divided=True).scene("tetrahedra")
-    hexahedra = build_bodies(scene, StageTimer())
-    for name, body in divided_bodies(scene).items():
+    case = CeaCase(GaussPointToSurface(5), 1e9, divided=True)
+    hexahedra = build_bodies(case.scene("hexahedra"), StageTimer())
+    for name, body in build_bodies(case.scene("tetrahedra"), StageTimer()).items():
         whole = hexahedra[name]
         assert body._mesh.topology.cell_name() == "tetrahedron"
         assert body.num_scalar_dofs == whole.num_scalar_dofs
@@ -181,6 +180,20 @@ def test_divided_hexahedra_fill_the_same_bodies(coarse):
         body._mesh.topology.create_connectivity(2, 3)
         outside = exterior_facet_indices(body._mesh.topology)
         assert len(outside) == sum(side.num_elements for side in body.surfaces.values())
+
+
+def test_divided_hexahedra_are_told_in_the_inputs_of_figures():
+    """As stored figures tell them; the scene itself says what is meshed."""
+    case = CeaCase(GaussPointToSurface(5), 1e9, divided=True)
+    inputs, scene = case.inputs("tetrahedra"), case.scene("tetrahedra")
+    assert "divided into six" in inputs["description"]
+    for name, body in scene.bodies.items():
+        assert body.mesh.fe.cell == "tetrahedron"
+        described = inputs["bodies"][name]["mesh"]["fe"]
+        assert described == asdict(body)["mesh"]["fe"] | {"cell": "hexahedron"}
+    whole = replace(case, divided=False)
+    assert whole.inputs("hexahedra") == case.inputs("hexahedra")
+    assert whole.inputs("hexahedra") == asdict(whole.scene("hexahedra"))
 
 
 def test_tetrahedra_trace_the_pad_where_hexahedra_are_divided(coarse):

@@ -12,8 +12,8 @@ from cea.material import IsotropicMaterial
 from cea.supports.boundary import Pressure, Spring, Support
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
-from meshes.gmsh_shapes import gmsh_mesh
 from meshes.placement import Placement
+from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Sector
 
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
@@ -28,8 +28,8 @@ every_element = pytest.mark.parametrize(("cell", "degree"), ELEMENTS)
 def body_of(shape, cell, degree, *, elements=None, size=None, placement=None, **options):
     mesh = {"size": size} if cell == "tetrahedron" else {"breaks": breaks_of(shape, *elements)}
     material = options.pop("material", MATERIAL)
-    with gmsh_mesh(shape, cell, degree, placement=placement or Placement(), **mesh) as model:
-        return FEBody.from_gmsh("part", model, degree=degree, material=material, **options)
+    made = shape_mesh(shape, cell, degree, placement=placement or Placement(), **mesh)
+    return FEBody.from_mesh("part", made, degree=degree, material=material, **options)
 
 
 def box(cell, degree, **options):
@@ -333,11 +333,9 @@ def test_two_dimensions(cell):
 )
 def test_wrong_input_is_refused_by_name(field, options):
     options = {"degree": 1, "material": MATERIAL} | options
-    with (
-        gmsh_mesh(ANNULUS, "tetrahedron", 1, size=0.5) as model,
-        pytest.raises(InputError) as refused,
-    ):
-        FEBody.from_gmsh("part", model, **options)
+    made = shape_mesh(ANNULUS, "tetrahedron", 1, size=0.5)
+    with pytest.raises(InputError) as refused:
+        FEBody.from_mesh("part", made, **options)
     assert refused.value.field == field
     if field.endswith("surface"):
         assert all(name in refused.value.allowed for name in ANNULUS.surfaces)

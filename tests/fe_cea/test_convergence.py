@@ -11,7 +11,7 @@ from cea.material import IsotropicMaterial
 from cea.supports.boundary import Support
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
-from meshes.gmsh_shapes import gmsh_mesh
+from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box, Rectangle, Ring
 
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
@@ -40,8 +40,8 @@ def csr(matrix):
 
 def error(shape, cell, degree, order, exact, supports, **mesh):
     """Relative error of the eigenvalue nearest to an exact one."""
-    with gmsh_mesh(shape, cell, order, **mesh) as model:
-        body = FEBody.from_gmsh("part", model, degree=degree, material=MATERIAL, supports=supports)
+    made = shape_mesh(shape, cell, order, **mesh)
+    body = FEBody.from_mesh("part", made, degree=degree, material=MATERIAL, supports=supports)
     K, M = csr(body.stiffness()).tocsc(), csr(body.mass()).tocsc()
     found = eigsh(K, k=4, M=M, sigma=0.999 * exact, return_eigenvectors=False, tol=1e-14)
     return np.abs(found / exact - 1).min()
@@ -49,8 +49,9 @@ def error(shape, cell, degree, order, exact, supports, **mesh):
 
 def ring_error(cell, degree, order, n):
     mesh = {"size": 0.5 / n}
-    if cell == "quadrilateral":
+    if cell != "triangle":
         mesh = {"breaks": breaks_of(RING, (n, 12 * n))}
+        cell = {"divided quadrilateral": "triangle"}.get(cell, cell)
     held = [Support("inner", (0, 1))]
     return error(RING, cell, degree, order, torsion_of_the_ring(), held, **mesh)
 
@@ -83,6 +84,13 @@ def test_curved_triangles_gain_with_the_degree(degree, bound):
     assert np.log2(coarse / fine) > 2 * degree - 1.5
 
 
+@pytest.mark.parametrize(("degree", "n", "within"), [(1, 6, 0.2), (2, 6, 0.2), (3, 6, 0.2)])
+def test_divided_rings_converge_like_h_to_2q(degree, n, within):
+    coarse, fine = (ring_error("divided quadrilateral", degree, degree, m) for m in (n, 2 * n))
+    assert fine < {1: 1e-2, 2: 1e-6, 3: 1e-10}[degree]
+    assert np.log2(coarse / fine) == pytest.approx(2 * degree, abs=within)
+
+
 def sliding(shape):
     """Supports that let a box slide along its walls: the shear wave of wave vector (pi, pi)."""
     return [Support(name, ("xyz".index(name[0]),)) for name in shape.surfaces]
@@ -95,6 +103,8 @@ def sliding(shape):
         ("quadrilateral", 2, 4),
         ("quadrilateral", 3, 3),
         ("hexahedron", 3, 2),
+        ("tetrahedron", 1, 8),
+        ("tetrahedron", 2, 4),
     ],
 )
 def test_boxes_between_sliding_walls_converge_like_h_to_2q(cell, degree, n):

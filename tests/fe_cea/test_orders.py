@@ -17,7 +17,7 @@ from cea.location import locate_along
 from cea.supports.boundary import Pressure, Support
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
-from meshes.gmsh_shapes import gmsh_mesh
+from meshes.shape_mesh import shape_mesh
 
 every_element = pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSION, (1, 2, 3, 4))))
 
@@ -168,15 +168,15 @@ def test_patch_test_under_pressure(cell, degree):
     mesh = {"size": 0.6}
     if cell in ("hexahedron", "quadrilateral"):
         mesh = {"breaks": breaks_of(shape, (2, 1, 2)[:dim])}
-    with gmsh_mesh(shape, cell, degree, **mesh) as model:
-        body = FEBody.from_gmsh(
-            "part",
-            model,
-            degree=degree,
-            material=MATERIAL,
-            supports=rollers,
-            pressures=[Pressure(f"{axes[-1]}_max", 0.07)],
-        )
+    made = shape_mesh(shape, cell, degree, **mesh)
+    body = FEBody.from_mesh(
+        "part",
+        made,
+        degree=degree,
+        material=MATERIAL,
+        supports=rollers,
+        pressures=[Pressure(f"{axes[-1]}_max", 0.07)],
+    )
     free = spsolve(csr(body.stiffness()).tocsc(), body.load().getArray())
     u = (csr(body.expansion) @ free).reshape(-1, dim)
     E, nu = MATERIAL.E, MATERIAL.nu

@@ -11,8 +11,8 @@ from cea.location import locate_along
 from cea.material import IsotropicMaterial
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
-from meshes.gmsh_shapes import gmsh_mesh
 from meshes.placement import Placement
+from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box
 
 ELEMENTS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
@@ -32,9 +32,9 @@ def make(kind, cell, degree, placement=PLACEMENT):
     mesh = (
         {"size": size} if cell == "tetrahedron" else {"breaks": breaks_of(shape, elements, through)}
     )
-    with gmsh_mesh(shape, cell, degree, placement=placement, **mesh) as model:
-        material = IsotropicMaterial(1.0, 0.3)
-        return FEBody.from_gmsh("part", model, degree=degree, material=material)
+    made = shape_mesh(shape, cell, degree, placement=placement, **mesh)
+    material = IsotropicMaterial(1.0, 0.3)
+    return FEBody.from_mesh("part", made, degree=degree, material=material)
 
 
 def coordinates(body, degree):
@@ -257,8 +257,8 @@ def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell):
     """Facets of a quarter circle leave the boxes of their corners by far more than the reach."""
     ring = Annulus(0.5, 1.0, 0.0, 0.3)
     mesh = {"size": 0.6} if cell == "tetrahedron" else {"breaks": breaks_of(ring, (1, 4, 1))}
-    with gmsh_mesh(ring, cell, 2, placement=Placement(angle=45.0), **mesh) as model:
-        body = FEBody.from_gmsh("ring", model, degree=2, material=IsotropicMaterial(1.0, 0.3))
+    made = shape_mesh(ring, cell, 2, placement=Placement(angle=45.0), **mesh)
+    body = FEBody.from_mesh("ring", made, degree=2, material=IsotropicMaterial(1.0, 0.3))
     for name in ("inner", "outer"):
         surface = body.surfaces[name]
         points = surface.gauss_points(8)

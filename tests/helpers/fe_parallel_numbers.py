@@ -14,11 +14,12 @@ from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.material import IsotropicMaterial
 from cea.matrices import gather
+from cea.ranks import made_on_first
 from cea.supports.boundary import Pressure, Spring, Support
 from cea.system.coupled import couple
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
-from meshes.gmsh_shapes import gmsh_mesh
+from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Disc, Rectangle, Ring
 
 MATERIAL = IsotropicMaterial(2.0, 0.3, 1.5)
@@ -37,8 +38,8 @@ def body_of(name, cell, shape, degree, **conditions):
     mesh = {"size": 0.5}
     if cell in ELEMENTS:
         mesh = {"breaks": breaks_of(shape, ELEMENTS[cell])}
-    with gmsh_mesh(shape, cell, degree, comm=MPI.COMM_WORLD, **mesh) as model:
-        return FEBody.from_gmsh(name, model, degree=degree, material=MATERIAL, **conditions)
+    made = made_on_first(MPI.COMM_WORLD, lambda: shape_mesh(shape, cell, degree, **mesh))
+    return FEBody.from_mesh(name, made, degree=degree, material=MATERIAL, **conditions)
 
 
 def numbers(cell):
@@ -81,11 +82,10 @@ def contact():
     bodies = {}
     for name, y, n, held in (("a", 0.0, (3, 2), "y_max"), ("b", -1.0, (4, 1), "y_min")):
         shape = Rectangle((2.0, 1.0), origin=(0.0, y))
-        breaks = breaks_of(shape, n)
-        with gmsh_mesh(shape, "quadrilateral", 2, breaks=breaks, comm=MPI.COMM_WORLD) as model:
-            bodies[name] = FEBody.from_gmsh(
-                name, model, degree=2, material=MATERIAL, supports=[Support(held, (0, 1))]
-            )
+        made = shape_mesh(shape, "quadrilateral", 2, breaks=breaks_of(shape, n))
+        bodies[name] = FEBody.from_mesh(  # every rank has the mesh: that of rank 0 is read
+            name, made, degree=2, material=MATERIAL, supports=[Support(held, (0, 1))]
+        )
     a, b = bodies["a"].surfaces["y_min"], bodies["b"].surfaces["y_max"]
     interface = pair(a, b, a.gauss_points(3))
     friction = Friction(0.4, AlongVector((1.0, 0.0)))

@@ -5,8 +5,8 @@ import scipy.sparse as sp
 from cea.material import IsotropicMaterial
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
-from meshes.gmsh_shapes import gmsh_mesh
 from meshes.placement import Placement
+from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Rectangle, Ring
 
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
@@ -23,8 +23,8 @@ def body_of(shapes, cell, degree, *, order=None, elements=(1, 8, 1), **options):
     mesh = {"size": 0.6}
     if cell in ("hexahedron", "quadrilateral"):
         mesh = {"breaks": breaks_of(shape, elements[:dim])}
-    with gmsh_mesh(shape, cell, order or degree, placement=placement, **mesh) as model:
-        return FEBody.from_gmsh("part", model, degree=degree, material=MATERIAL, **options)
+    made = shape_mesh(shape, cell, order or degree, placement=placement, **mesh)
+    return FEBody.from_mesh("part", made, degree=degree, material=MATERIAL, **options)
 
 
 def csr(matrix):

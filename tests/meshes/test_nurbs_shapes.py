@@ -12,7 +12,6 @@ from pydantic import TypeAdapter
 from cea.errors import InputError
 from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
-from meshes.errors import ShapeError
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.patches import GivenPatch, Patches
 from meshes.placement import Placement
@@ -84,7 +83,7 @@ def test_disc_is_collapsed_at_its_axis_only() -> None:
 
 
 def test_shapes_of_the_plane_stay_in_it() -> None:
-    with pytest.raises(ShapeError, match="a rotation about z"):
+    with pytest.raises(InputError, match="a rotation about z"):
         nurbs_shape(Rectangle((1.0, 1.0)), breaks_of(Rectangle((1.0, 1.0)), (1, 1)), TILTED)
 
 
@@ -95,7 +94,7 @@ def test_breaks_without_the_joints_are_refused(shape, axis: int, name: str) -> N
     elements = (4, 8, 5)[: len(shape.directions)]
     breaks = list(breaks_of(shape, elements))
     breaks[axis] = np.linspace(*shape.extent[axis], 4)
-    with pytest.raises(ShapeError, match=f"breaks along {name}"):
+    with pytest.raises(InputError, match=f"breaks along {name}"):
         nurbs_shape(shape, tuple(breaks))
 
 
@@ -201,7 +200,7 @@ PLAIN = GivenPatch((1, 1), (LINE, LINE), SQUARE)
     ],
 )
 def test_wrong_patches_are_refused(change: dict, field: str) -> None:
-    with pytest.raises(ShapeError, match=field):
+    with pytest.raises(InputError, match=field):
         replace(PLAIN, **change)
 
 
@@ -218,7 +217,7 @@ def test_wrong_patches_are_refused(change: dict, field: str) -> None:
     ],
 )  # fmt: skip
 def test_wrong_faces_are_refused(patches, faces: dict, field: str) -> None:
-    with pytest.raises(ShapeError, match=field):
+    with pytest.raises(InputError, match=field):
         Patches(patches, faces)
 
 

@@ -23,9 +23,9 @@ from cea.supports.boundary import Support
 from fe_cea import FEBody
 from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
-from meshes.gmsh_shapes import gmsh_mesh
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
+from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box
 
 NU = 0.3
@@ -68,8 +68,8 @@ def body_of(backend, shape, breaks, degree, supports, order=None):
             material=MATERIAL,
             supports=supports,
         )
-    with gmsh_mesh(shape, "hexahedron", order or degree, breaks=breaks) as model:
-        return FEBody.from_gmsh("part", model, degree=degree, material=MATERIAL, supports=supports)
+    made = shape_mesh(shape, "hexahedron", order or degree, breaks=breaks)
+    return FEBody.from_mesh("part", made, degree=degree, material=MATERIAL, supports=supports)
 
 
 def assert_order(counts, errors, order, within=0.2):

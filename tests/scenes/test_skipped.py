@@ -88,7 +88,10 @@ def test_a_scene_tells_exactly_what_it_does_not_need(backend, changes, expected)
 
 @pytest.mark.parametrize(
     ("backend", "absent"),
-    [("iga", {"gmsh", "pyvista", "vtk", "dolfinx", "fe_cea"}), ("fe", {"pyvista", "iga_cea"})],
+    [
+        ("iga", {"gmsh", "pyvista", "vtk", "dolfinx", "fe_cea"}),
+        ("fe", {"gmsh", "pyvista", "iga_cea"}),
+    ],
 )
 def test_nothing_unused_is_imported(backend, absent, tmp_path):
     code = (

@@ -13,7 +13,6 @@ from comparisons.paper.common.families import Family
 from comparisons.paper.common.figure import Data
 from comparisons.paper.common.store import fingerprint
 from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase
-from comparisons.paper.disc_pad.divided import divided_bodies
 from meshes.shapes import Annulus, Sector
 from scenes.describe import describe_modes
 from scenes.results import ModesResult
@@ -70,13 +69,9 @@ class Runs:
     def result(self, case: CeaCase, family: Family) -> ModesResult:
         """Run a case; its spectrum is kept."""
         scene = case.scene(family)
-        divided = case.on(family).divided
-        described: Data = {name: asdict(body) for name, body in scene.bodies.items()}
-        mesh = fingerprint({"bodies": described, "divided": divided})
+        mesh = fingerprint({name: asdict(body) for name, body in scene.bodies.items()})
         known = self._bodies[1] if self._bodies and self._bodies[0] == mesh else None
         self._bodies = None
-        if known is None and divided:
-            known = divided_bodies(scene)
         result = run_modes(scene, bodies=known)
         self._bodies = mesh, result.system.bodies
         self._spectra[fingerprint(asdict(scene))] = _spectrum(case.on(family).label, result)

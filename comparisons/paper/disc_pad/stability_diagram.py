@@ -1,7 +1,7 @@
 """Stability diagrams of disc and pad: growth rate against frequency, formulations overlaid."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import tau
 from pathlib import Path
 
@@ -90,7 +90,7 @@ class StabilityFigure:
         """Scenes of all cases on every kind of mesh."""
         return {
             family: [
-                {label: asdict(case.scene(family)) for label, case in panel.on(family).items()}
+                {label: case.inputs(family) for label, case in panel.on(family).items()}
                 for panel in self.panels
             ]
             for family in FAMILIES[backend]

@@ -1,14 +1,19 @@
-"""Gmsh meshes of the shapes: nodes where the breaks and circles say, names, refusals."""
+"""Meshes of the shapes: nodes where the breaks and circles say, names, refusals."""
 
+import subprocess
+import sys
 from itertools import product
 
 import gmsh
 import numpy as np
 import pytest
+from gmsh_models import gmsh_model
 
+from cea.errors import InputError
 from meshes.breaks import breaks_of
-from meshes.gmsh_shapes import gmsh_mesh
+from meshes.gmsh_model import gmsh_session
 from meshes.placement import Placement
+from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
 
 BOX = Box((0.3, 0.2, 0.1), origin=(-0.1, 0.05, 0.02))
@@ -52,7 +57,9 @@ CASES = list(product(SHAPES, ("tetrahedron", "hexahedron"), (1, 2)))
 @pytest.mark.parametrize(("kind", "cell", "order"), CASES)
 def test_every_surface_is_named_and_lies_where_it_should(kind, cell, order):
     shape = SHAPES[kind]
-    with gmsh_mesh(shape, cell, order, placement=PLACEMENT, **options(shape, cell)) as model:
+    with gmsh_model(
+        shape_mesh(shape, cell, order, placement=PLACEMENT, **options(shape, cell))
+    ) as model:
         names = [model.getPhysicalName(*group) for group in model.getPhysicalGroups(2)]
         assert sorted(names) == sorted(shape.surfaces)
         assert len(model.getPhysicalGroups(3)) == 1
@@ -66,7 +73,7 @@ def test_every_surface_is_named_and_lies_where_it_should(kind, cell, order):
 @pytest.mark.parametrize(("kind", "cell", "order"), CASES)
 def test_cells_fill_the_shape_without_inversion(kind, cell, order):
     shape = SHAPES[kind]
-    with gmsh_mesh(shape, cell, order, **options(shape, cell)) as model:
+    with gmsh_model(shape_mesh(shape, cell, order, **options(shape, cell))) as model:
         _, (cells,), (connected,) = model.mesh.getElements(3)
         assert model.mesh.getElementQualities(cells, "minSJ").min() > 0
         nodes = model.mesh.getNodes()[0]
@@ -89,7 +96,9 @@ def test_hexahedra_lie_between_breaks(kind, order):
     """Every node, inner ones too, is on a break or half way; every cell spans one interval."""
     shape = SHAPES[kind]
     breaks = options(shape, "hexahedron")["breaks"]
-    with gmsh_mesh(shape, "hexahedron", order, breaks=breaks, placement=PLACEMENT) as model:
+    with gmsh_model(
+        shape_mesh(shape, "hexahedron", order, breaks=breaks, placement=PLACEMENT)
+    ) as model:
         tags, points, _ = model.mesh.getNodes()
         points = native(shape, points)[np.argsort(tags)]
         _, (cells,), (connected,) = model.mesh.getElements(3)
@@ -111,7 +120,7 @@ def test_hexahedra_lie_between_breaks(kind, order):
 
 def test_tetrahedra_have_about_the_size_asked_for():
     for size in (0.03, 0.015):
-        with gmsh_mesh(BOX, "tetrahedron", 1, size=size) as model:
+        with gmsh_model(shape_mesh(BOX, "tetrahedron", 1, size=size)) as model:
             count = len(model.mesh.getElements(3)[1][0])
         edge_if_regular = (np.prod(BOX.size) / count * 6 * np.sqrt(2)) ** (1 / 3)
         assert 0.9 < edge_if_regular / size < 1.3
@@ -119,10 +128,8 @@ def test_tetrahedra_have_about_the_size_asked_for():
 
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
 def test_placement_moves_the_same_mesh(cell):
-    with gmsh_mesh(SECTOR, cell, 2, **options(SECTOR, cell)) as model:
-        here = model.mesh.getNodes()[1].reshape(-1, 3)
-    with gmsh_mesh(SECTOR, cell, 2, placement=PLACEMENT, **options(SECTOR, cell)) as model:
-        there = model.mesh.getNodes()[1].reshape(-1, 3)
+    here = shape_mesh(SECTOR, cell, 2, **options(SECTOR, cell)).points
+    there = shape_mesh(SECTOR, cell, 2, placement=PLACEMENT, **options(SECTOR, cell)).points
     np.testing.assert_allclose(there, PLACEMENT.apply(here), atol=1e-15)
 
 
@@ -141,7 +148,8 @@ BREAKS = breaks_of(BOX, (1, 1, 1))
         ("size", (BOX, "tetrahedron", 1), {}),
         ("size", (BOX, "tetrahedron", 1), {"size": -0.1}),
         ("size", (BOX, "hexahedron", 1), {"size": 0.1, "breaks": BREAKS}),
-        ("breaks", (BOX, "tetrahedron", 1), {"size": 0.1, "breaks": BREAKS}),
+        ("size", (BOX, "tetrahedron", 1), {"size": 0.1, "breaks": BREAKS}),
+        ("breaks", (BOX, "tetrahedron", 1), {"breaks": BREAKS[:2]}),
         ("breaks", (BOX, "hexahedron", 1), {}),
         ("breaks of x", (BOX, "hexahedron", 1), {"breaks": (BREAKS[0][::-1], *BREAKS[1:])}),
         ("breaks of y", (BOX, "hexahedron", 1), {"breaks": (BREAKS[0], 2 * BREAKS[1], BREAKS[2])}),
@@ -153,26 +161,26 @@ BREAKS = breaks_of(BOX, (1, 1, 1))
     ],
 )
 def test_wrong_input_is_refused_by_name(field, arguments, keywords):
-    with pytest.raises(ValueError, match=f"^{field} = "), gmsh_mesh(*arguments, **keywords):
-        pass
+    with pytest.raises(InputError) as refused:
+        shape_mesh(*arguments, **keywords)
+    assert refused.value.field == field
     assert not gmsh.isInitialized()
 
 
 def test_gmsh_ends_with_the_block_even_on_errors(capfd):
-    with pytest.raises(KeyError), gmsh_mesh(BOX, "tetrahedron", 2, size=0.1):
+    with pytest.raises(KeyError), gmsh_session():
         raise KeyError
     assert not gmsh.isInitialized()
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_second_mesh_within_the_first_is_refused():
-    with gmsh_mesh(BOX, "hexahedron", 1, breaks=BREAKS) as model:
-        with (
-            pytest.raises(RuntimeError, match="in use"),
-            gmsh_mesh(BOX, "tetrahedron", 1, size=0.1),
-        ):
-            pass
-        assert len(model.mesh.getNodes()[0]) == 8
+def test_gmsh_that_is_in_use_is_left_alone():
+    """Structured meshes need none."""
+    with gmsh_session():
+        with pytest.raises(RuntimeError, match="in use"):
+            shape_mesh(BOX, "tetrahedron", 1, size=0.1)
+        assert gmsh.isInitialized()
+        assert len(shape_mesh(BOX, "hexahedron", 1, breaks=BREAKS).points) == 8
 
 
 def hub_areas(hub):
@@ -233,7 +241,7 @@ def test_shapes_have_their_volume_and_the_areas_of_their_surfaces(name, order, s
     else:
         cell, mesh = {2: "triangle", 3: "tetrahedron"}[dim], {"size": 0.2}
     rel = {1: 5e-2, 2: 2e-3, 3: 5e-4, 4: 5e-6}[order]
-    with gmsh_mesh(shape, cell, order, **mesh) as model:
+    with gmsh_model(shape_mesh(shape, cell, order, **mesh)) as model:
         assert measure(model, dim) == pytest.approx(volume, rel=rel)
         found = {
             model.getPhysicalName(dim - 1, tag): measure(
@@ -255,7 +263,7 @@ def test_arcs_are_exact_at_lobatto_points(order):
     xi = np.array([[t, 0.0, 0.0] for t in [-1.0, 1.0, *inner[order]]])
     for cell in ("triangle", "quadrilateral"):
         mesh = {"size": 0.4} if cell == "triangle" else {"breaks": breaks_of(RING, (1, 12))}
-        with gmsh_mesh(RING, cell, order, **mesh) as model:
+        with gmsh_model(shape_mesh(RING, cell, order, **mesh)) as model:
             for radius, (_, tag) in zip((0.5, 1.0), model.getPhysicalGroups(1), strict=True):
                 (entity,) = model.getEntitiesForPhysicalGroup(1, tag)
                 kind = model.mesh.getElementTypes(1, entity)[0]
@@ -267,14 +275,24 @@ def test_a_disc_of_hexahedra_follows_uneven_quarters():
     """Five blocks: a square within half the radius, rings around; opposite quarters may differ."""
     angles = np.array([0.0, 30.0, 90.0, 120.0, 160.0, 180.0, 250.0, 270.0, 290.0, 330.0, 360.0])
     breaks = (np.array([0.0, 0.45, 0.8, 1.0]), angles, np.array([0.1, 0.3]))
-    with gmsh_mesh(DISC, "hexahedron", 3, breaks=breaks) as model:
+    with gmsh_model(shape_mesh(DISC, "hexahedron", 3, breaks=breaks)) as model:
         (cells,) = model.mesh.getElements(3)[1]
         assert len(cells) == 2 * 3 + 2 * 10
         assert model.mesh.getElementQualities(cells, "minSJ").min() > 0
         assert measure(model, 3) == pytest.approx(0.2 * np.pi, rel=1e-4)
     uneven = (breaks[0], angles[[0, 2, 3, 5, 7, 10]], breaks[2])
-    with (
-        pytest.raises(ValueError, match=r"^breaks of theta"),
-        gmsh_mesh(DISC, "hexahedron", 1, breaks=uneven),
-    ):
-        pass
+    with pytest.raises(InputError, match=r"^breaks of theta"):
+        shape_mesh(DISC, "hexahedron", 1, breaks=uneven)
+
+
+def test_structured_meshes_bring_in_no_gmsh():
+    program = """
+import sys
+from meshes.breaks import breaks_of
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Box
+box = Box((1.0, 1.0, 1.0))
+shape_mesh(box, "tetrahedron", 2, breaks=breaks_of(box, (1, 1, 1)))
+sys.exit("gmsh" in sys.modules)
+"""
+    subprocess.run([sys.executable, "-c", program], check=True, timeout=60)

@@ -1,0 +1,229 @@
+"""Mesh as plain arrays: what any source of geometry hands to the finite element backend."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cea.errors import InputError, require
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Cell = Literal["triangle", "quadrilateral", "tetrahedron", "hexahedron"]
+
+MAX_ORDER = 4
+"""Highest order of a mesh."""
+
+DIMENSION: dict[Cell, int] = {
+    "triangle": 2,
+    "quadrilateral": 2,
+    "tetrahedron": 3,
+    "hexahedron": 3,
+}
+"""Dimension of each kind of cell."""
+
+SIMPLICES: tuple[Cell, ...] = ("triangle", "tetrahedron")
+"""Cells that are simplices; the others are boxes."""
+
+_SAME = 1e-6
+"""Reference nodes nearer than this are one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Lagrange mesh of one kind of cell, with named parts of its boundary.
+
+    Nodes of a cell are those of a lattice on the reference cell, (i, j, k)/order with
+    0 <= i, j, k <= order in boxes (squares in the plane), i + j + k <= order in simplices besides,
+    and listed in C order: the last index runs fastest (:func:`reference_nodes`), as in
+    :class:`cea.body.VolumeCells`. So
+
+    - linear triangles and tetrahedra list their corners in any order;
+    - a linear quadrilateral lists (0,0), (0,1), (1,0), (1,1): of corners that go around,
+      ``cells[:, [0, 3, 1, 2]]``;
+    - a linear hexahedron lists (0,0,0), (0,0,1), (0,1,0), (0,1,1), (1,0,0), ...: of corners that
+      go around the bottom, then around the top, ``cells[:, [0, 4, 3, 7, 1, 5, 2, 6]]``.
+
+    :func:`node_order` finds such an order for any cell and program. Cells of either handedness are
+    taken, so that lists in which the first index runs fastest do as well.
+
+    Parameters
+    ----------
+    cell
+        Kind of every cell: triangle, quadrilateral (plane strain), tetrahedron, hexahedron.
+    order
+        Order of the geometry, 1 to 4: each edge has ``order + 1`` nodes.
+    points
+        Positions of the nodes (m), shape (n_points, 2) or (n_points, 3); some may be of no cell.
+    cells
+        Nodes of each cell, as rows of ``points`` counted from 0, shape (n_cells, n_nodes).
+    surfaces
+        Facets (edges in the plane) of each named surface by all their nodes, in any order, shape
+        (n_facets, n_facet_nodes); kept in the order in which their cells list them. A facet lies
+        on the boundary of the mesh and belongs to one surface at most; the rest of the boundary
+        needs no name.
+
+    Raises
+    ------
+    InputError
+        When arrays have wrong shapes or numbers, or a named facet is none of exactly one cell, or
+        is named twice.
+    """
+
+    cell: Cell
+    order: int
+    points: Floats
+    cells: Ints
+    surfaces: Mapping[str, Ints]
+
+    def __post_init__(self) -> None:
+        require(self.cell in DIMENSION, "cell", self.cell, f"one of {', '.join(get_args(Cell))}")
+        whole = isinstance(self.order, int) and 1 <= self.order <= MAX_ORDER
+        require(whole, "order", self.order, f"1 to {MAX_ORDER}")
+        object.__setattr__(self, "points", _positions(self.points, self.dim))
+        n = len(lattice(self.dim, self.order, self.is_simplex))
+        object.__setattr__(self, "cells", self._numbers("cells", self.cells, n))
+        object.__setattr__(self, "surfaces", self._facets_of_cells())
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space, 2 or 3."""
+        return DIMENSION[self.cell]
+
+    @property
+    def is_simplex(self) -> bool:
+        """Whether its cells are triangles or tetrahedra."""
+        return self.cell in SIMPLICES
+
+    def without_loose_points(self) -> "Mesh":
+        """The mesh without points of no cell, the others in their order."""
+        used = np.zeros(len(self.points), dtype=bool)
+        used[self.cells] = True
+        if used.all():
+            return self
+        number = np.cumsum(used) - 1
+        surfaces = {name: number[facets] for name, facets in self.surfaces.items()}
+        return Mesh(self.cell, self.order, self.points[used], number[self.cells], surfaces)
+
+    def _numbers(self, field: str, nodes: ArrayLike, per_row: int) -> Ints:
+        """Node numbers as an array, checked."""
+        array = np.asarray(nodes)
+        fits = array.ndim == 2 and array.shape[1] == per_row and len(array) > 0
+        allowed = f"shape (n, {per_row}), n > 0, for cell = {self.cell!r} of order {self.order}"
+        require(fits, field, array.shape, allowed)
+        require(array.dtype.kind in "iu", field, array.dtype.name, "whole numbers")
+        ends, last = (int(array.min()), int(array.max())), len(self.points) - 1
+        require(ends[0] >= 0 and ends[1] <= last, field, ends, f"numbers of points, 0 to {last}")
+        return array.astype(np.int64, copy=False)
+
+    def _facets_of_cells(self) -> dict[str, Ints]:
+        """Named facets with their nodes as their cells list them, checked."""
+        if not self.surfaces:
+            return {}
+        per_facet = len(lattice(self.dim - 1, self.order, self.is_simplex))
+        given = {
+            name: self._numbers(f"surfaces[{name!r}]", facets, per_facet)
+            for name, facets in self.surfaces.items()
+        }
+        named, ends = np.concatenate(list(given.values())), np.cumsum([*map(len, given.values())])
+        found = self._facets_on(named)
+        group = _same_rows(np.sort(np.concatenate([named, found]), axis=1))
+        own, others = group[: len(named)], group[len(named) :]
+        of_cells, times = (np.bincount(g, minlength=group.max() + 1)[own] for g in (others, own))
+        for wrong, allowed in (
+            (of_cells == 0, "the nodes of a facet of a cell"),
+            (of_cells > 1, "a facet on the boundary: this one lies between two cells"),
+            (times > 1, "a facet of one surface, once: this one is named twice"),
+        ):
+            if wrong.any():
+                first = int(np.argmax(wrong))
+                name = list(given)[int(np.searchsorted(ends, first, side="right"))]
+                raise InputError(f"surfaces[{name!r}]", named[first].tolist(), allowed)
+        place = np.empty(group.max() + 1, dtype=np.int64)
+        place[others] = np.arange(len(others))
+        return dict(zip(given, np.split(found[place[own]], ends[:-1]), strict=True))
+
+    def _facets_on(self, named: Ints) -> Ints:
+        """Facets of cells whose nodes are all nodes of some named ones, (n, n_facet_nodes)."""
+        on = np.zeros(len(self.points), dtype=bool)
+        on[named] = True
+        facets = (self.cells[:, facet] for facet in facet_nodes(self.cell, self.order))
+        return np.concatenate([nodes[on[nodes].all(axis=1)] for nodes in facets])
+
+
+def lattice(dim: int, order: int, simplex: bool) -> Ints:
+    """Lattice points of a box or a simplex in C order, (n_nodes, dim), from 0 to ``order``."""
+    points = np.indices((order + 1,) * dim).reshape(dim, -1).T
+    return points[points.sum(axis=1) <= order] if simplex else points
+
+
+def reference_nodes(cell: Cell, order: int) -> Floats:
+    """Nodes of the reference cell in the order of :class:`Mesh`, (n_nodes, dim), from 0 to 1."""
+    return lattice(DIMENSION[cell], order, cell in SIMPLICES) / order
+
+
+def facet_nodes(cell: Cell, order: int) -> list[Ints]:
+    """Nodes of each facet of a cell among those of the cell, in C order of the facet's lattice."""
+    places = lattice(DIMENSION[cell], order, cell in SIMPLICES)
+    if cell in SIMPLICES:
+        sides = [*(places.T == 0), places.sum(axis=1) == order]
+    else:
+        sides = [line == end for line in places.T for end in (0, order)]
+    return [np.flatnonzero(side) for side in sides]
+
+
+def node_order(cell: Cell, order: int, nodes: ArrayLike) -> Ints:
+    """Order that turns another program's list of the nodes of a cell into that of :class:`Mesh`.
+
+    Parameters
+    ----------
+    cell, order
+        Kind and order of the cell.
+    nodes
+        Nodes of the reference cell in the order of the other program, shape (n_nodes, dim); its
+        reference cell reaches from 0 to 1.
+
+    Returns
+    -------
+    ndarray
+        Numbers such that ``cells[:, numbers]`` are in the order of :class:`Mesh`, (n_nodes,).
+
+    Raises
+    ------
+    InputError
+        When the nodes are not those of the cell.
+    """
+    return matching_nodes(reference_nodes(cell, order), np.asarray(nodes, dtype=float))
+
+
+def matching_nodes(wanted: Floats, nodes: Floats) -> Ints:
+    """Number among ``nodes`` of each wanted node, (n_nodes,); both (n_nodes, dim)."""
+    require(nodes.shape == wanted.shape, "nodes", nodes.shape, f"shape {wanted.shape}")
+    apart = np.linalg.norm(wanted[:, None] - nodes, axis=2)
+    require(
+        bool((apart.min(axis=1) < _SAME).all()),
+        "nodes",
+        nodes.tolist(),
+        f"in some order {wanted.tolist()}",
+    )
+    return np.argmin(apart, axis=1).astype(np.int64)
+
+
+def _positions(points: ArrayLike, dim: int) -> Floats:
+    array = np.asarray(points, dtype=float)
+    fits = array.ndim == 2 and array.shape[1] == dim
+    require(fits, "points", array.shape, f"shape (n_points, {dim})")
+    require(bool(np.isfinite(array).all()), "points", "not finite", "finite numbers (m)")
+    return array
+
+
+def _same_rows(rows: Ints) -> Ints:
+    """Number of each row, equal for equal rows, (n,)."""
+    order = np.lexsort(rows.T)
+    new = np.ones(len(rows), dtype=bool)
+    new[1:] = (np.diff(rows[order], axis=0) != 0).any(axis=1)
+    group = np.empty(len(rows), dtype=np.int64)
+    group[order] = np.cumsum(new) - 1
+    return group

@@ -1,0 +1,85 @@
+"""Meshes given as plain arrays, spread over the ranks as dolfinx meshes with tagged facets."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import basix
+import basix.ufl
+import numpy as np
+from dolfinx.graph import adjacencylist
+from dolfinx.io.utils import distribute_entity_data
+from dolfinx.mesh import create_mesh, meshtags_from_entities
+
+from cea.errors import InputError
+from cea.mesh import DIMENSION, SIMPLICES, Cell, Floats, Ints, Mesh, lattice, matching_nodes
+
+
+class TaggedMesh(NamedTuple):
+    """Mesh (dolfinx), tags of its boundary facets, and the tag of each named surface."""
+
+    mesh: Any
+    facet_tags: Any
+    surface_tags: Mapping[str, int]
+
+
+def distribute(mesh: Mesh | None, comm: Any, field: str) -> TaggedMesh:
+    """Spread a mesh over the ranks; collective.
+
+    Parameters
+    ----------
+    mesh
+        The mesh; only that of rank 0 is read.
+    comm
+        Communicator (mpi4py).
+    field
+        Name of the mesh, for the message.
+
+    Raises
+    ------
+    InputError
+        When rank 0 has no mesh.
+    """
+    said = (mesh.cell, mesh.order, tuple(mesh.surfaces)) if mesh is not None else None
+    said = comm.bcast(said, root=0)
+    if said is None:
+        raise InputError(field, None, "a mesh, on rank 0 at least")
+    cell, order, names = said
+    dim = DIMENSION[cell]
+    element = basix.ufl.element(
+        "Lagrange",
+        cell,
+        order,
+        lagrange_variant=basix.LagrangeVariant.equispaced,
+        shape=(dim,),
+    )
+    points, cells, facets, tags = _arrays(mesh if comm.rank == 0 else None, cell, order)
+    spread = create_mesh(comm, cells, element, points)
+    spread.topology.create_entities(dim - 1)
+    spread.topology.create_connectivity(dim - 1, dim)
+    entities, values = distribute_entity_data(spread, dim - 1, facets, tags)
+    facet_tags = meshtags_from_entities(spread, dim - 1, adjacencylist(entities), values)
+    return TaggedMesh(spread, facet_tags, {name: tag for tag, name in enumerate(names, start=1)})
+
+
+def _arrays(mesh: Mesh | None, cell: Cell, order: int) -> tuple[Floats, Ints, Ints, Any]:
+    """Points, cells, facets and their tags in the order of basix; of no mesh, none of each."""
+    dim = DIMENSION[cell]
+    kind = basix.CellType[cell]
+    in_cell = _order_of_basix(kind, dim, order)
+    in_facet = _order_of_basix(basix.cell.sub_entity_type(kind, dim - 1, 0), dim - 1, order)
+    if mesh is None:
+        none = np.empty((0, len(in_cell)), dtype=np.int64)
+        no_facets = np.empty((0, len(in_facet)), dtype=np.int64)
+        return np.empty((0, dim)), none, no_facets, np.empty(0, dtype=np.int32)
+    mesh = mesh.without_loose_points()  # dolfinx takes none
+    facets = [np.empty((0, len(in_facet)), dtype=np.int64), *mesh.surfaces.values()]
+    tags = np.repeat(np.arange(len(facets), dtype=np.int32), [len(part) for part in facets])
+    return mesh.points, mesh.cells[:, in_cell], np.concatenate(facets)[:, in_facet], tags
+
+
+def _order_of_basix(kind: Any, dim: int, order: int) -> Ints:
+    """Number in a :class:`cea.mesh.Mesh` of each node of a Lagrange cell of basix, (n_nodes,)."""
+    element = basix.create_element(
+        basix.ElementFamily.P, kind, order, basix.LagrangeVariant.equispaced
+    )
+    return matching_nodes(element.points, lattice(dim, order, kind.name in SIMPLICES) / order)

@@ -1,0 +1,95 @@
+"""Meshes of the shapes: structured between breaks, or unstructured of a given size."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from cea.errors import InputError, require
+from cea.mesh import DIMENSION, MAX_ORDER, SIMPLICES, Cell, Mesh
+from meshes.breaks import Breaks
+from meshes.division import divided
+from meshes.patches import Patches
+from meshes.placement import Placement
+from meshes.shapes import Shape
+from meshes.structured import structured_mesh
+
+_IN_PLACE = Placement()
+
+
+def shape_mesh(
+    shape: Shape,
+    cell: Cell,
+    order: int,
+    *,
+    breaks: Breaks | None = None,
+    size: float | None = None,
+    placement: Placement = _IN_PLACE,
+) -> Mesh:
+    """Mesh a shape; its surfaces (curves in the plane) bear the names ``shape.surfaces``.
+
+    Curved cells are polynomials through the Gauss-Lobatto points of the circles (see
+    :mod:`meshes.nodes`); up to order 2 these are the nodes. Only unstructured meshes need gmsh.
+
+    Parameters
+    ----------
+    shape
+        The shape.
+    cell
+        ``hexahedron``, ``quadrilateral``: one element per cell of the breaks; ``tetrahedron``,
+        ``triangle``: unstructured, or those of the breaks divided into six or two.
+    order
+        Order of the geometry, 1 to 4.
+    breaks
+        Element boundaries of a structured mesh along the directions of the shape (m, degrees).
+    size
+        Target edge length of an unstructured mesh (m).
+    placement
+        Where the shape is put.
+
+    Raises
+    ------
+    InputError
+        When the input is refused.
+    RuntimeError
+        When gmsh is in use already.
+    """
+    _check(shape, cell, order, breaks, size)
+    if size is not None:
+        from meshes.outline import outline_mesh  # brings in gmsh
+
+        mesh = outline_mesh(shape, order, size)
+        return replace(mesh, points=placement.apply(mesh.points))
+    boxes = structured_mesh(shape, breaks or (), order, placement)
+    return divided(boxes) if cell in SIMPLICES else boxes
+
+
+def _check(shape: Shape, cell: Cell, order: int, breaks: Breaks | None, size: float | None) -> None:
+    require(not isinstance(shape, Patches), "shape", shape.shape, "a shape that can be meshed")
+    fitting = [name for name, dim in DIMENSION.items() if dim == len(shape.directions)]
+    require(cell in fitting, "cell", cell, f"{' or '.join(fitting)} for shape = {shape.shape!r}")
+    require(1 <= order <= MAX_ORDER, "order", order, f"1 to {MAX_ORDER}")
+    if cell in SIMPLICES:
+        if breaks is None:
+            allowed = "a positive length (m), or breaks of a structured mesh"
+            require(size is not None and 0 < size < np.inf, "size", size, allowed)
+            return
+        require(size is None, "size", size, f"None: a {cell} mesh of breaks follows them")
+    require(size is None, "size", size, f"None: a {cell} mesh follows the breaks")
+    _check_breaks(shape, breaks)
+
+
+def _check_breaks(shape: Shape, breaks: Breaks | None) -> None:
+    along = ", ".join(shape.directions)
+    if breaks is None or len(breaks) != len(shape.directions):
+        raise InputError("breaks", breaks, f"one array along each of {along}")
+    for name, values, (low, high) in zip(shape.directions, breaks, shape.extent, strict=True):
+        rising = len(values) > 1 and bool((np.diff(values) > 0).all())
+        require(
+            rising and bool(np.isclose([values[0], values[-1]], [low, high], rtol=1e-12).all()),
+            f"breaks of {name}",
+            values,
+            f"rising, from {low} to {high}",
+        )
+    if shape.directions[1] == "theta":
+        step = float(np.diff(breaks[1]).max())
+        require(step < 180, "breaks of theta", step, "less than 180 degrees apart")

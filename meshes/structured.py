@@ -1,0 +1,41 @@
+"""Structured meshes of the shapes: quadrilaterals or hexahedra between breaks."""
+
+import numpy as np
+
+from cea.mesh import Ints, Mesh, lattice
+from meshes.breaks import Breaks
+from meshes.lattice import lattices
+from meshes.placement import Placement
+from meshes.shapes import Shape
+
+
+def structured_mesh(shape: Shape, breaks: Breaks, order: int, placement: Placement) -> Mesh:
+    """Mesh a shape with one cell between each two breaks.
+
+    Parameters
+    ----------
+    shape
+        The shape.
+    breaks
+        Element boundaries along the directions of the shape (m, degrees).
+    order
+        Order of the geometry, 1 to 4.
+    placement
+        Where the shape is put.
+    """
+    dim = len(shape.directions)
+    points, parts = lattices(shape, tuple(np.asarray(b, dtype=float) for b in breaks), order)
+    in_cell, in_facet = (lattice(d, order, simplex=False) for d in (dim, dim - 1))
+    facets: dict[str, list[Ints]] = {name: [] for name in shape.surfaces}
+    for part in parts:
+        for name, region in part.sides:
+            facets[name].append(part.cells(region, in_facet, order))
+    cells = np.concatenate([p.cells(region, in_cell, order) for p in parts for region in p.solids])
+    mesh = Mesh(
+        cell="quadrilateral" if dim == 2 else "hexahedron",
+        order=order,
+        points=placement.apply(points),
+        cells=cells,
+        surfaces={name: np.concatenate(parts) for name, parts in facets.items()},
+    )
+    return mesh.without_loose_points()  # a hub stands out of a lattice that is otherwise empty

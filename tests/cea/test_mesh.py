@@ -1,0 +1,124 @@
+"""Meshes as plain arrays: the order of nodes, facets in any order, refusals."""
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from cea.errors import InputError
+from cea.mesh import DIMENSION, Mesh, facet_nodes, node_order, reference_nodes
+
+SQUARE = [[0, 0], [0, 1], [1, 0], [1, 1], [2, 0], [2, 1]]
+"""Two unit squares side by side."""
+PAIR = {
+    "cell": "quadrilateral",
+    "order": 1,
+    "points": SQUARE,
+    "cells": [[0, 1, 2, 3], [2, 3, 4, 5]],
+    "surfaces": {"bottom": [[0, 2], [2, 4]], "left": [[0, 1]]},
+}
+EVERY = [(cell, order) for cell in DIMENSION for order in (1, 2, 3, 4)]
+
+
+def test_lists_become_arrays():
+    mesh = Mesh(**PAIR)
+    assert mesh.points.dtype == np.float64
+    assert mesh.points.shape == (6, 2)
+    assert mesh.cells.dtype == np.int64
+    assert (mesh.dim, mesh.is_simplex) == (2, False)
+    assert {name: len(facets) for name, facets in mesh.surfaces.items()} == {"bottom": 2, "left": 1}
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"cell": "prism"}, "cell"),
+        ({"order": 0}, "order"),
+        ({"order": 5}, "order"),
+        ({"order": 1.0}, "order"),
+        ({"points": [[*x, 0] for x in SQUARE]}, "points"),
+        ({"points": [*SQUARE[:5], [2, np.nan]]}, "points"),
+        ({"order": 2}, "cells"),
+        ({"cell": "triangle"}, "cells"),
+        ({"cells": []}, "cells"),
+        ({"cells": np.empty((0, 4), dtype=int)}, "cells"),
+        ({"cells": [[0.0, 1.0, 2.0, 3.0]]}, "cells"),
+        ({"cells": [[0, 1, 2, 3], [2, 3, 4, 6]]}, "cells"),
+        ({"cells": [[0, 1, 2, 3], [2, 3, 4, -1]]}, "cells"),
+        ({"surfaces": {"bottom": [[0, 2]], "top": [[1, 3, 5]]}}, "surfaces['top']"),
+        ({"surfaces": {"bottom": [[0, 2]], "top": np.empty((0, 2), int)}}, "surfaces['top']"),
+        ({"surfaces": {"bottom": [[0, 2]], "top": [[1, 6]]}}, "surfaces['top']"),
+        ({"surfaces": {"bottom": [[0, 2]], "top": [[1, 5]]}}, "surfaces['top']"),
+        ({"surfaces": {"bottom": [[0, 2]], "top": [[1, 1]]}}, "surfaces['top']"),
+        ({"surfaces": {"bottom": [[0, 2]], "joint": [[2, 3]]}}, "surfaces['joint']"),
+        ({"surfaces": {"bottom": [[0, 2], [2, 4], [2, 0]]}}, "surfaces['bottom']"),
+        ({"surfaces": {"floor": [[2, 0]], "bottom": [[0, 2]]}}, "surfaces['floor']"),
+    ],
+)
+def test_wrong_arrays_are_refused_by_name(change, field):
+    with pytest.raises(InputError) as refused:
+        Mesh(**PAIR | change)
+    assert refused.value.field == field
+
+
+def test_refusals_of_facets_say_what_is_wrong():
+    for facet, words in (([1, 5], "a facet of a cell"), ([2, 3], "lies between two cells")):
+        with pytest.raises(InputError, match=words) as refused:
+            Mesh(**PAIR | {"surfaces": {"top": [[1, 3], facet]}})
+        assert refused.value.value == facet
+
+
+@pytest.mark.parametrize(("cell", "order"), EVERY)
+def test_facets_may_list_their_nodes_in_any_order(cell, order):
+    nodes = reference_nodes(cell, order)
+    whole = np.arange(len(nodes))[None]
+    rng = np.random.default_rng(2)
+    for facet in facet_nodes(cell, order):
+        mesh = Mesh(cell, order, nodes, whole, {"side": rng.permutation(facet)[None]})
+        assert np.array_equal(mesh.surfaces["side"], facet[None])
+
+
+@pytest.mark.parametrize(("cell", "order"), EVERY)
+def test_facets_of_reference_cells_are_flat_and_cover_the_boundary(cell, order):
+    nodes, dim = reference_nodes(cell, order), DIMENSION[cell]
+    inside = (nodes.min(axis=1) > 1e-12) & (nodes.max(axis=1) < 1 - 1e-12)
+    if cell in ("triangle", "tetrahedron"):
+        inside &= nodes.sum(axis=1) < 1 - 1e-12
+    sides = facet_nodes(cell, order)
+    assert np.array_equal(np.unique(np.concatenate(sides)), np.flatnonzero(~inside))
+    for side in sides:
+        assert np.linalg.matrix_rank(nodes[side] - nodes[side[0]], tol=1e-9) == dim - 1
+
+
+@pytest.mark.parametrize(
+    ("cell", "around", "documented"),
+    [
+        ("quadrilateral", [[0, 0], [1, 0], [1, 1], [0, 1]], [0, 3, 1, 2]),
+        (
+            "hexahedron",
+            [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))],
+            [0, 4, 3, 7, 1, 5, 2, 6],
+        ),
+    ],
+)
+def test_corners_that_go_around_are_put_in_order_as_documented(cell, around, documented):
+    assert node_order(cell, 1, around).tolist() == documented
+
+
+def test_node_order_inverts_any_order():
+    nodes = reference_nodes("tetrahedron", 3)
+    shuffled = np.random.default_rng(0).permutation(len(nodes))
+    order = node_order("tetrahedron", 3, nodes[shuffled])
+    assert np.array_equal(nodes[shuffled][order], nodes)
+    for wrong in (nodes[:-1], nodes + 0.01, 2 * nodes - 1):
+        with pytest.raises(InputError, match=r"^nodes = "):
+            node_order("tetrahedron", 3, wrong)
+
+
+def test_the_first_of_two_wrong_surfaces_is_named():
+    """Facets are looked for together; the message finds its way back to the name."""
+    for names in permutations(("a", "b", "c")):
+        surfaces = dict(zip(names, ([[0, 2]], [[1, 5]], [[0, 5]]), strict=True))
+        with pytest.raises(InputError) as refused:
+            Mesh(**PAIR | {"surfaces": surfaces})
+        assert refused.value.field == f"surfaces[{names[1]!r}]"

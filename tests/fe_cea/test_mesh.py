@@ -1,0 +1,230 @@
+"""Bodies on meshes written out by hand, and as gmsh makes them."""
+
+import doctest
+
+import gmsh
+import numpy as np
+import pytest
+from lagrange_bodies import MATERIAL, csr
+from mpi4py import MPI
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import eigsh, spsolve
+
+import fe_cea.body
+from cea.errors import InputError
+from cea.material import IsotropicMaterial
+from cea.mesh import Mesh, node_order, reference_nodes
+from cea.supports.boundary import Support
+from fe_cea.body import FEBody
+from meshes.gmsh_model import gmsh_session, read_gmsh
+
+CORNERS = {
+    "triangle": [[0.0, 0.0], [1.0, 0.1], [0.9, 1.2], [-0.1, 1.0]],
+    "quadrilateral": [[0.0, 0.0], [1.0, 0.1], [2.1, 0.0], [0.0, 1.0], [0.9, 1.2], [2.0, 1.0]],
+    "tetrahedron": [[0.0, 0, 0], [1.0, 0.1, 0], [0.1, 1.0, 0], [0, 0.1, 1.0], [0.9, 0.8, 1.1]],
+    "hexahedron": [
+        [x + 0.1 * y * z, y - 0.1 * x * z, z + 0.2 * y] for x in (0, 1, 2) for y in (0, 1)
+        for z in (0, 1)
+    ],
+}  # fmt: skip
+"""Corners of two distorted cells."""
+
+GMSH = {
+    "triangle": ("Triangle", [[0, 1, 2], [2, 3, 0]], "Line", [[1, 2]]),
+    "quadrilateral": ("Quadrangle", [[0, 1, 4, 3], [1, 2, 5, 4]], "Line", [[0, 1], [1, 2]]),
+    "tetrahedron": ("Tetrahedron", [[0, 1, 2, 3], [1, 2, 3, 4]], "Triangle", [[0, 1, 2]]),
+    "hexahedron": (
+        "Hexahedron",
+        [[0, 4, 6, 2, 1, 5, 7, 3], [4, 8, 10, 6, 5, 9, 11, 7]],
+        "Quadrangle",
+        [[0, 4, 6, 2], [4, 8, 10, 6]],
+    ),
+}
+"""Cells, and facets of the surface ``side``, as gmsh lists their corners."""
+
+ORDERED = {
+    "triangle": [[0, 1, 2], [2, 3, 0]],
+    "quadrilateral": [[0, 3, 1, 4], [1, 4, 2, 5]],
+    "tetrahedron": [[0, 1, 2, 3], [1, 2, 3, 4]],
+    "hexahedron": [[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11]],
+}
+"""The cells as a mesh lists their corners."""
+
+HALVES = {
+    "triangle": [(0,), (0, 2), (2,), (0, 1), (1, 2), (1,)],
+    "quadrilateral": [(0,), (0, 1), (1,), (0, 2), (0, 1, 2, 3), (1, 3), (2,), (2, 3), (3,)],
+    "tetrahedron": [(0,), (0, 3), (3,), (0, 2), (2, 3), (2,), (0, 1), (1, 3), (1, 2), (1,)],
+    "hexahedron": [
+        (0,), (0, 1), (1,), (0, 2), (0, 1, 2, 3), (1, 3), (2,), (2, 3), (3,),
+        (0, 4), (0, 1, 4, 5), (1, 5), (0, 2, 4, 6), tuple(range(8)), (1, 3, 5, 7), (2, 6),
+        (2, 3, 6, 7), (3, 7), (4,), (4, 5), (5,), (4, 6), (4, 5, 6, 7), (5, 7), (6,), (6, 7), (7,),
+    ],
+}  # fmt: skip
+"""Corners, by place in a cell, whose mean each node of order 2 is: C order written out.
+
+Corners of a simplex are its first, then the ends of its edges along x, y, z."""
+
+
+def bent(points):
+    """Points moved smoothly, so that cells of order 2 are curved."""
+    x = np.array(points, dtype=float)
+    return x + 0.05 * np.sin(2 * np.roll(x, 1, axis=1))
+
+
+def straight(points):
+    """Points where they are: stiffness is integrated exactly on simplices, however they lie."""
+    return np.array(points, dtype=float)
+
+
+def by_hand(cell, order, place=bent):
+    corners, cells = np.array(CORNERS[cell]), np.array(ORDERED[cell])
+    facets = GMSH[cell][3]
+    if order == 1:
+        if cell == "triangle":
+            cells = cells[:, [0, 2, 1]]  # C order, though any would do
+        return Mesh(cell, 1, place(corners), cells, {"side": facets})
+    halves = [[tuple(sorted(c[list(half)])) for half in HALVES[cell]] for c in cells]
+    means = sorted({mean for nodes in halves for mean in nodes})
+    points = [corners[list(mean)].mean(axis=0) for mean in means]
+    cells = [[means.index(mean) for mean in nodes] for nodes in halves]
+    on = [[i for i, mean in enumerate(means) if set(mean) <= set(facet)] for facet in facets]
+    return Mesh(cell, 2, place(points), cells, {"side": on})
+
+
+def by_gmsh(cell, order):
+    family, cells, side, facets = GMSH[cell]
+    corners = np.array(CORNERS[cell])
+    dim = corners.shape[1]
+    with gmsh_session():
+        gmsh.model.add("pair")
+        volume, surface = (gmsh.model.addDiscreteEntity(d) for d in (dim, dim - 1))
+        positions = np.zeros((len(corners), 3))
+        positions[:, :dim] = corners
+        tags = 10 + 3 * np.arange(len(corners))  # gmsh's numbers may have gaps
+        gmsh.model.mesh.addNodes(dim, volume, tags, positions.ravel())
+        for entity, name, elements in ((volume, family, cells), (surface, side, facets)):
+            kind = gmsh.model.mesh.getElementType(name, 1)
+            nodes = tags[np.array(elements)].ravel()
+            gmsh.model.mesh.addElementsByType(entity, kind, [], nodes)
+        gmsh.model.mesh.reclassifyNodes()
+        gmsh.model.addPhysicalGroup(dim, [volume])
+        gmsh.model.addPhysicalGroup(dim - 1, [surface], name="side")
+        gmsh.model.mesh.setOrder(order)
+        tags, positions, _ = gmsh.model.mesh.getNodes()
+        positions = positions.reshape(-1, 3)
+        positions[:, :dim] = bent(positions[:, :dim])
+        for tag, x in zip(tags, positions, strict=True):
+            gmsh.model.mesh.setNode(tag, x, [])
+        return read_gmsh(gmsh.model)
+
+
+def matrices(mesh, degree):
+    """Stiffness, mass, spring on the side, each with rows in the order of the dofs' positions."""
+    body = FEBody.from_mesh("pair", mesh, degree=degree, material=MATERIAL)
+    sample = body.volume_sample(degree)
+    x = spsolve(csr_array(sample.values).tocsc(), sample.points)
+    order = np.lexsort(np.round(x, 8).T)
+    rows = (body.dim * order[:, None] + np.arange(body.dim)).ravel()
+    side = body.surfaces["side"]
+    points = side.gauss_points(4)
+    N = side.trace(points.at)
+    contact = (N.T @ csr_array(N * points.weight[:, None])).toarray()
+    K, M = (csr(A).toarray()[np.ix_(rows, rows)] for A in (body.stiffness(), body.mass()))
+    return x[order], K, M, contact[np.ix_(order, order)]
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("cell", ORDERED)
+def test_two_cells_by_hand_have_the_matrices_of_those_of_gmsh(cell, order, degree):
+    ours, gmshs = (matrices(make(cell, order), degree) for make in (by_hand, by_gmsh))
+    assert ours[3].sum() > 0.4  # the area of the side
+    for a, b in zip(ours, gmshs, strict=True):
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-13 * np.abs(b).max())
+
+
+@pytest.mark.parametrize("cell", ORDERED)
+def test_the_first_index_may_run_fastest_instead(cell):
+    """The same cells, seen with their axes in reverse."""
+    mesh = by_hand(cell, 2, straight)
+    reference = reference_nodes(cell, 2)
+    reverse = node_order(cell, 2, reference[:, ::-1])
+    assert not np.array_equal(reverse, np.arange(len(reverse)))
+    mirrored = Mesh(cell, 2, mesh.points, mesh.cells[:, reverse], mesh.surfaces)
+    for a, b in zip(matrices(mirrored, 2), matrices(mesh, 2), strict=True):
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-13 * np.abs(b).max())
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("cell", ORDERED)
+def test_cells_that_a_body_gives_out_can_be_taken_in_again(cell, order):
+    mesh = by_hand(cell, order, straight)
+    given = FEBody.from_mesh("pair", mesh, degree=order, material=MATERIAL).volume_cells()
+    again = Mesh(cell, given.degree, given.points, given.cells, {})
+    bodies = [FEBody.from_mesh("pair", m, degree=2, material=MATERIAL) for m in (mesh, again)]
+    first, second = (np.linalg.eigvalsh(csr(body.stiffness()).toarray()) for body in bodies)
+    np.testing.assert_allclose(second, first, rtol=0, atol=1e-13 * first.max())
+
+
+def test_models_that_are_no_mesh_of_one_kind_are_refused():
+    with gmsh_session():
+        gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
+        gmsh.model.occ.synchronize()
+        gmsh.model.mesh.generate(2)
+        with pytest.raises(InputError, match=r"^model = \[\]: elements of one kind"):
+            read_gmsh(gmsh.model)
+        gmsh.model.addPhysicalGroup(2, [1])
+        assert read_gmsh(gmsh.model).surfaces == {}
+        nodes = gmsh.model.mesh.getNodes()[0][:4]
+        quadrangle = gmsh.model.mesh.getElementType("Quadrangle", 1)
+        gmsh.model.mesh.addElementsByType(1, quadrangle, [], nodes)
+        with pytest.raises(InputError, match=r"Triangle 3.*Quadrilateral 4"):
+            read_gmsh(gmsh.model)
+
+
+def test_a_bar_of_cells_from_elsewhere_has_its_frequency():
+    """As readers of files give them: corners of cells and facets go around."""
+    square = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]]
+    points = [[x, y, z] for x in (0.0, 0.25, 0.5, 0.75, 1.0) for y, z in square]
+    around = np.arange(16).reshape(4, 4)
+    cells = np.hstack([around, around + 4])
+    walls = [[4 * i + j, 4 * i + k, 4 * i + k + 4, 4 * i + j + 4]
+             for i in range(4) for j, k in ((0, 1), (1, 2), (2, 3), (3, 0))]  # fmt: skip
+
+    corners = [[0, *c] for c in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    corners += [[1, *c] for _, *c in corners]
+    ordered = cells[:, node_order("hexahedron", 1, corners)]
+    mesh = Mesh("hexahedron", 1, points, ordered, {"root": [[0, 1, 2, 3]], "walls": walls})
+    steel = IsotropicMaterial(E=2.1e11, nu=0.0, rho=7800.0)
+    held = [Support("root"), Support("walls", (1, 2))]
+    bar = FEBody.from_mesh("bar", mesh, degree=4, material=steel, supports=held)
+    K, M = csr(bar.stiffness()), csr(bar.mass())
+
+    lowest = eigsh(K.tocsc(), k=1, M=M.tocsc(), sigma=0, return_eigenvectors=False)
+    quarter_wave = np.sqrt(steel.E / 7800.0) * np.pi / 2
+    assert np.sqrt(lowest) == pytest.approx([quarter_wave], rel=1e-9)
+
+
+def test_the_example_of_the_docstring_runs():
+    tests = doctest.DocTestFinder().find(FEBody.from_mesh, globs=vars(fe_cea.body))
+    results = [doctest.DocTestRunner().run(test) for test in tests if test.examples]
+    assert [(r.failed, r.attempted > 4) for r in results] == [(0, True)]
+
+
+def test_points_of_no_cell_are_left_aside():
+    mesh = by_hand("hexahedron", 2)
+    points = np.insert(mesh.points, 3, 77.0, axis=0)
+    number = np.delete(np.arange(len(points)), 3)
+    surfaces = {name: number[facets] for name, facets in mesh.surfaces.items()}
+    more = Mesh(mesh.cell, 2, points, number[mesh.cells], surfaces)
+    for a, b in zip(matrices(more, 2), matrices(mesh, 2), strict=True):
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-13 * np.abs(b).max())
+
+
+def test_no_mesh_and_inverted_cells_are_refused():
+    with pytest.raises(InputError, match=r"^bodies\.part\.mesh = None"):
+        FEBody.from_mesh("part", None, degree=1, material=MATERIAL)
+    square = [[0, 0], [1, 0], [0, 1], [1, 1]]
+    crossed = Mesh("quadrilateral", 1, square, [[0, 1, 3, 2]], {})
+    with pytest.raises(InputError, match=r"^bodies\.part\.mesh = '1 of 1 cells'"):
+        FEBody.from_mesh("part", crossed, degree=1, material=MATERIAL, comm=MPI.COMM_SELF)

@@ -1,0 +1,125 @@
+"""Boxes divided into simplices: neighbours fit, volumes and surfaces stay."""
+
+import numpy as np
+import pytest
+from gmsh_models import gmsh_model
+
+from cea.errors import InputError
+from cea.mesh import Mesh, facet_nodes, reference_nodes
+from meshes.breaks import breaks_of
+from meshes.division import divided
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
+
+SHAPES = {
+    shape.shape: shape
+    for shape in (
+        Box((0.3, 0.2, 0.1)),
+        Annulus(0.5, 1.0, 0.0, 0.3),
+        Sector(0.5, 1.0, -25.0, 60.0, 0.0, 0.3),
+        Hub(0.2, 0.5, 1.0, 0.0, 0.2, -0.1, 0.4),
+        Disc(1.0, 0.1, 0.3),
+        Rectangle((0.3, 0.2)),
+        Ring(0.5, 1.0),
+        RingSector(0.5, 1.0, -25.0, 60.0),
+    )
+}
+
+
+def boxes(shape, order):
+    dim = len(shape.directions)
+    cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
+    return shape_mesh(shape, cell, order, breaks=breaks_of(shape, (3, 12, 4)[:dim]))
+
+
+def outer_facets(mesh):
+    """Facets of one cell only, as sorted nodes."""
+    facets = [mesh.cells[:, facet] for facet in facet_nodes(mesh.cell, mesh.order)]
+    rows, count = np.unique(np.sort(np.concatenate(facets), axis=1), axis=0, return_counts=True)
+    assert count.max() <= 2
+    return rows[count == 1]
+
+
+def assert_outer_facets_are_named(mesh):
+    """Every shape names its whole boundary: a face that neighbours divide unlike is none of it."""
+    named = np.sort(np.concatenate(list(mesh.surfaces.values())), axis=1)
+    assert np.array_equal(outer_facets(mesh), np.unique(named, axis=0))
+
+
+def volumes(mesh):
+    """Volumes of the cells by gmsh's quadrature, each with a Jacobian of one sign."""
+    with gmsh_model(mesh) as model:
+        (kind,) = model.mesh.getElementTypes(mesh.dim)
+        xi, weights = model.mesh.getIntegrationPoints(kind, "Gauss8")
+        found = model.mesh.getJacobians(kind, xi)[1].reshape(-1, len(weights))
+    assert (np.abs(np.sign(found).sum(axis=1)) == len(weights)).all()
+    return np.abs(found @ weights)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("name", SHAPES)
+def test_simplices_of_every_shape_fit_and_fill_it(name, order):
+    whole = boxes(SHAPES[name], order)
+    parts = divided(whole)
+    many = {2: 2, 3: 6}[whole.dim]
+    assert parts.is_simplex
+    assert len(parts.cells) == many * len(whole.cells)
+    assert np.array_equal(parts.points, whole.points)
+    assert np.array_equal(np.unique(parts.cells), np.unique(whole.cells))
+    for surface, facets in whole.surfaces.items():
+        assert len(parts.surfaces[surface]) == (whole.dim - 1) * len(facets)
+    assert_outer_facets_are_named(parts)
+    # A bilinear map is a polynomial of degree 1 on neither half: only their sum is the same.
+    each = volumes(parts).reshape(-1, many).sum(axis=1)
+    rel = 1e-12 if order == 1 or "radius" not in str(SHAPES[name]) else 2e-2
+    np.testing.assert_allclose(each, volumes(whole), rtol=rel)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_hexahedra_that_list_their_nodes_in_any_way_are_divided_alike(order):
+    """Each cell turned at random, as files have them."""
+    whole = boxes(SHAPES["disc"], order)
+    rng = np.random.default_rng(3)
+    lattice = whole.cells.reshape(-1, *(order + 1,) * 3)
+    turned = [
+        np.flip(cell, [a for a in range(3) if rng.random() < 0.5]).transpose(rng.permutation(3))
+        for cell in lattice
+    ]
+    shuffled = Mesh(
+        "hexahedron",
+        order,
+        whole.points,
+        np.reshape(turned, whole.cells.shape),
+        {name: rng.permuted(facets, axis=1) for name, facets in whole.surfaces.items()},
+    )
+    assert_outer_facets_are_named(divided(shuffled))
+
+
+def test_straight_lattices_are_divided_along_their_own_diagonals():
+    """From the first to the last corner of each box, whatever its neighbours."""
+    whole = boxes(SHAPES["annulus"], 1)
+    tetrahedra = divided(whole).cells.reshape(-1, 6, 4)
+    both_ends = whole.cells[:, None, [0, -1]]
+    assert (np.isin(both_ends, tetrahedra)).all()
+    for end in (0, 7):
+        assert (tetrahedra == whole.cells[:, None, end, None]).any(axis=2).all()
+
+
+def test_a_twisted_ring_of_hexahedra_is_refused():
+    """Half a turn on the way around: edges across come back the other way."""
+    n = 5
+    layers = np.arange(4 * n).reshape(n, 4)
+    after = np.vstack([layers[1:], layers[:1, ::-1]])
+    twisted = Mesh("hexahedron", 1, np.zeros((4 * n, 3)), np.hstack([layers, after]), {})
+    with pytest.raises(InputError, match="parallel edges") as refused:
+        divided(twisted)
+    assert (refused.value.field, refused.value.value) == ("cells", "5 of 5 hexahedra")
+    after[-1] = layers[0]
+    straight = Mesh("hexahedron", 1, np.zeros((4 * n, 3)), np.hstack([layers, after]), {})
+    assert len(divided(straight).cells) == 6 * n
+
+
+def test_simplices_are_not_divided():
+    triangle = Mesh("triangle", 1, reference_nodes("triangle", 1), [[0, 1, 2]], {})
+    with pytest.raises(InputError, match=r"^cell = 'triangle'"):
+        divided(triangle)
