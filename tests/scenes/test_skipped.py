@@ -61,14 +61,17 @@ def test_scene_without_contacts_searches_nothing(backend):
     assert {"search", "friction"} <= set(result.skipped)
 
 
-EVERY_RUN = {"newton", "damping", "gyroscopic", "loads", "pictures", "paraview"}
+EVERY_RUN = {"newton", "damping", "gyroscopic", "loads", "pictures", "paraview", "gmsh"}
+TETRAHEDRA = {"cell": "tetrahedron", "size": 0.2}
 
 
 @pytest.mark.parametrize(
     ("backend", "changes", "expected"),
     [
         ("fe", {}, EVERY_RUN),
-        ("iga", {}, EVERY_RUN | {"gmsh"}),
+        ("iga", {}, EVERY_RUN),
+        ("fe", {"bodies.upper.mesh.fe": TETRAHEDRA}, EVERY_RUN - {"gmsh"}),
+        ("iga", {"bodies.upper.mesh.fe": TETRAHEDRA}, EVERY_RUN),
         ("fe", {"contacts.interface.mu": 0.0}, EVERY_RUN | {"friction"}),
         ("fe", {"contacts": {}}, EVERY_RUN | {"friction", "search"}),
         ("fe", {"output.pictures": 1}, EVERY_RUN - {"pictures"}),
