@@ -16,13 +16,13 @@ LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 
 def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, monkeypatch):
     taken = []
-    original = cea.eigen.krylov_schur._shift_invert
+    original = cea.eigen.krylov_schur.Search
 
-    def recorded(*arguments, symmetric):
-        taken.append(symmetric)
-        return original(*arguments, symmetric=symmetric)
+    def recorded(matrices, *arguments):
+        taken.append(matrices.symmetric)
+        return original(matrices, *arguments)
 
-    monkeypatch.setattr(cea.eigen.krylov_schur, "_shift_invert", recorded)
+    monkeypatch.setattr(cea.eigen.krylov_schur, "Search", recorded)
     results = {
         mu: run_scene(read_scene(two_blocks(backend, GPTS, held=True, mu=mu))) for mu in (0.0, 0.4)
     }
@@ -61,14 +61,17 @@ def test_scene_without_contacts_searches_nothing(backend):
     assert {"search", "friction"} <= set(result.skipped)
 
 
-EVERY_RUN = {"newton", "damping", "gyroscopic", "loads", "pictures", "paraview"}
+EVERY_RUN = {"newton", "damping", "gyroscopic", "loads", "pictures", "paraview", "gmsh"}
+TETRAHEDRA = {"cell": "tetrahedron", "size": 0.2}
 
 
 @pytest.mark.parametrize(
     ("backend", "changes", "expected"),
     [
         ("fe", {}, EVERY_RUN),
-        ("iga", {}, EVERY_RUN | {"gmsh"}),
+        ("iga", {}, EVERY_RUN),
+        ("fe", {"bodies.upper.mesh.fe": TETRAHEDRA}, EVERY_RUN - {"gmsh"}),
+        ("iga", {"bodies.upper.mesh.fe": TETRAHEDRA}, EVERY_RUN),
         ("fe", {"contacts.interface.mu": 0.0}, EVERY_RUN | {"friction"}),
         ("fe", {"contacts": {}}, EVERY_RUN | {"friction", "search"}),
         ("fe", {"output.pictures": 1}, EVERY_RUN - {"pictures"}),
