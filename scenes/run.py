@@ -82,7 +82,7 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
         raise InputError("analysis.kind", scene.analysis.kind, "'cea', which gives modes")
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
-        pencil = system.pencil()
+        pencil = system.pencil(leave_out=options.get("leave_out", True))
     modes = solve_modes(pencil, scene.analysis.max_frequency, left=left, timer=timer)
     return ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
 
@@ -99,7 +99,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
         raise InputError("analysis.kind", scene.analysis.kind, "'static'")
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
-        pencil = system.pencil()
+        pencil = system.pencil(leave_out=options.get("leave_out", True))
     x = solve_static(pencil, system.load, timer)
     with timer("post-processing"):
         stresses = {

@@ -63,6 +63,11 @@ class Interface:
     comm: Any
 
     @property
+    def initial_gap(self) -> Floats:
+        """Distance (m) from side a to side b along the normal at the points of this rank."""
+        return self.opposite.distance
+
+    @property
     def local_points(self) -> SurfacePoints:
         """Points of this rank."""
         return self.points[self.rows]

@@ -80,12 +80,10 @@ class Mumps:
 
     def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
         """Solve for every column of b: the rows of this rank, shape (n_local, columns)."""
-        if transposed:
-            return _column_by_column(self, b)
         size = (self.matrix.getSizes()[0], (PETSc.DECIDE, b.shape[1]))
         right = PETSc.Mat().createDense(size, array=np.asfortranarray(b), comm=self.matrix.comm)
         left = PETSc.Mat().createDense(size, comm=self.matrix.comm).setUp()
-        self._pc.matApply(right, left)
+        (self._pc.matApplyTranspose if transposed else self._pc.matApply)(right, left)
         solution = left.getDenseArray().copy()
         destroy(right, left)
         return solution
@@ -191,7 +189,7 @@ def matrix_size(matrix: Any) -> int:
     return int(matrix.getSize()[0])
 
 
-def _column_by_column(factors: Any, b: Floats, *, transposed: bool = True) -> Floats:
+def _column_by_column(factors: Refined, b: Floats, *, transposed: bool) -> Floats:
     x, right = factors.matrix.createVecs()
     columns = np.empty_like(b)
     for i, column in enumerate(b.T):

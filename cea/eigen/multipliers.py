@@ -37,11 +37,10 @@ class ForcesOfContact:
     compliance: Coefficient
     friction: Coefficient
 
-    def at(self, values: Mapping[str, float]) -> "Multipliers":
-        """Matrices at given parameters."""
-        factor = self.friction.at(values) if self.slip is not None else 0.0
-        reaction = self.closure
-        if factor != 0:
+    def at(self, values: Mapping[str, float], *, leave_out: bool = True) -> "Multipliers":
+        """Matrices at given parameters; without friction L is J, if what is zero is left out."""
+        factor, reaction = self.friction.at(values), self.closure
+        if self.slip is not None and (factor != 0 or not leave_out):
             reaction = self.closure.copy()
             structure = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
             reaction.axpy(-factor, self.slip, structure=structure)

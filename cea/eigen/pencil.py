@@ -96,6 +96,9 @@ class Pencil:
         Every parameter that a coefficient names.
     forces
         Contact forces that are unknowns, by contact.
+    leave_out
+        Whether pieces whose coefficient is zero are left out: without friction the problem is then
+        symmetric.
 
     Raises
     ------
@@ -108,7 +111,10 @@ class Pencil:
         terms: Iterable[Term],
         parameters: Iterable[Parameter] = (),
         forces: Sequence[ForcesOfContact] = (),
+        *,
+        leave_out: bool = True,
     ) -> None:
+        self.leave_out = leave_out
         self.terms = tuple(terms)
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
@@ -166,10 +172,7 @@ class Pencil:
         return self.parameters[name]
 
     def at(self, changes: Mapping[str, float] | None = None) -> Matrices:
-        """Matrices at given parameters; those not named keep their values.
-
-        A piece whose coefficient is zero is left out: without friction the problem is symmetric.
-        """
+        """Matrices at given parameters; those not named keep their values."""
         values = self.values(changes)
         return self._with_sums(
             values,
@@ -203,7 +206,7 @@ class Pencil:
             stiffness=S,
             unsymmetric=self._sum("stiffness", values, symmetric=False),
             mass=M,
-            multipliers=stacked([forces.at(values) for forces in self.forces]),
+            multipliers=stacked([f.at(values, leave_out=self.leave_out) for f in self.forces]),
         )
 
     def symmetric_values(self, values: Mapping[str, float]) -> tuple[float, ...]:
@@ -217,7 +220,7 @@ class Pencil:
             for term in self.terms
             if term.role == role
             and term.symmetric == symmetric
-            and (coefficient := term.coefficient.at(values)) != 0
+            and ((coefficient := term.coefficient.at(values)) != 0 or not self.leave_out)
         ]
         if not parts:
             return None

@@ -71,17 +71,23 @@ class CoupledSystem:
         vector.set(0.0)
         return vector
 
-    def pencil(self) -> Pencil:
+    def pencil(self, *, leave_out: bool = True) -> Pencil:
         """The parametric pencil of the system, whose matrices are its pieces.
 
         Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
         ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor on it
         where it varies. Without friction, if that was left out, there is no mu.
+
+        Parameters
+        ----------
+        leave_out
+            Whether friction that is zero is left out of what is solved.
         """
         return Pencil(
             [*self._body_terms(), *self._contact_terms()],
             self._parameters(),
             tuple(self._contact_forces()),
+            leave_out=leave_out,
         )
 
     def _body_terms(self) -> Iterator[Term]:

@@ -9,42 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from cea.body import Floats
+from cea.contact.laws import NormalCompliance
 from comparisons.kit.plots import AXIS, BLACK
 from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.common.style import COLOURS, drawing
 from scenes.spec import Backend
-
-
-@dataclass(frozen=True)
-class NormalCompliance:
-    """Normal compliance.
-
-    Parameters
-    ----------
-    c
-        c_n (N/m^(2 + m_n)).
-    m
-        m_n, 1 or more.
-    """
-
-    c: float
-    m: float
-
-    def pressure(self, closure: Floats) -> Floats:
-        """Pressure (N/m^2) for closures u_n - g_n (m); none where the contact is open."""
-        return self.c * np.maximum(closure, 0.0) ** self.m
-
-    def stiffness(self, closure: float) -> float:
-        """Contact stiffness p (N/m^3) of small perturbations of a closure (m)."""
-        return self.m * self.c * max(closure, 0.0) ** (self.m - 1)
-
-    def linearised(self, perturbation: Floats, closure: float) -> Floats:
-        """Pressure (N/m^2) at perturbations (m) of a closure (m), to first order."""
-        steady = self.pressure(np.array(closure))
-        return steady + self.stiffness(closure) * perturbation
 
 
 @dataclass(frozen=True)
@@ -67,6 +38,11 @@ class NormalComplianceFigure:
     name: str = "1"
     title: str = "Figure 1: normal compliance and its linearisation at steady sliding"
 
+    @property
+    def stiffness(self) -> float:
+        """Contact stiffness p (N/m^3) of small perturbations of steady sliding."""
+        return float(self.law.slope(np.array(self.closure)))
+
     def inputs(self, backend: Backend) -> Data:
         """Constants; the same for every backend."""
         return asdict(self)
@@ -75,14 +51,14 @@ class NormalComplianceFigure:
         """The law and its linearisation over closures from open to twice the steady one."""
         progress.step(f"figure {self.name}")
         closure = np.linspace(-0.5, 2.0, 126) * self.closure
-        steady = self.law.pressure(np.array(self.closure))
-        linear = self.law.linearised(closure - self.closure, self.closure)
+        steady = float(self.law.pressure(np.array(self.closure)))
+        linear = steady + self.stiffness * (closure - self.closure)
         return {
             "closure": closure.tolist(),
             "pressure": self.law.pressure(closure).tolist(),
             "linearised": linear.tolist(),
-            "steady": [self.closure, float(steady)],
-            "stiffness": self.law.stiffness(self.closure),
+            "steady": [self.closure, steady],
+            "stiffness": self.stiffness,
         }
 
     def draw(self, data: Data, stem: Path) -> list[Path]:
@@ -141,7 +117,7 @@ class NormalComplianceFigure:
         """Relative error of the change of pressure when the closure grows by a part of itself."""
         change = self.law.pressure(np.array([1.0 + part, 1.0]) * self.closure)
         exact = float(change[0] - change[1])
-        return 1 - self.law.stiffness(self.closure) * part * self.closure / exact
+        return 1 - self.stiffness * part * self.closure / exact
 
     def note(self, data: Data) -> str:
         """Where the constants come from."""

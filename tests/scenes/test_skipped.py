@@ -14,15 +14,21 @@ GPTS = {"method": "gpts", "points": 3}
 LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 
 
-def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, monkeypatch):
-    taken = []
+@pytest.fixture
+def taken(monkeypatch):
+    """Whether each search that is made takes the symmetric path."""
+    paths = []
     original = cea.eigen.krylov_schur.Search
 
     def recorded(matrices, *arguments):
-        taken.append(matrices.symmetric)
+        paths.append(matrices.symmetric)
         return original(matrices, *arguments)
 
     monkeypatch.setattr(cea.eigen.krylov_schur, "Search", recorded)
+    return paths
+
+
+def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, taken):
     results = {
         mu: run_scene(read_scene(two_blocks(backend, GPTS, held=True, mu=mu))) for mu in (0.0, 0.4)
     }
@@ -34,9 +40,13 @@ def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, monke
     assert "friction" not in results[0.4].skipped
 
 
-def test_leaving_friction_out_changes_no_frequency(backend):
-    scene = read_scene(two_blocks(backend, GPTS, held=True, mu=0.0))
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+def test_leaving_friction_out_changes_no_frequency(backend, form, taken):
+    data = two_blocks(backend, GPTS, held=True, mu=0.0)
+    data["contacts"]["interface"]["form"] = form
+    scene = read_scene(data)
     lean, full = run_scene(scene), run_scene(scene, leave_out=False)
+    assert taken == [True, False]
     assert full.system.contacts[0].slip is not None
     assert full.modes.frequencies == pytest.approx(lean.modes.frequencies, rel=1e-8)
 
