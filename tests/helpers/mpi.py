@@ -17,10 +17,12 @@ HELPERS = Path(__file__).parent
 BIN = Path(sys.executable).parent
 TIMEOUT = 600
 """Seconds after which a program hangs."""
-# Ranks that wait give up their core at once: there may be fewer cores than ranks.
+# Ranks that wait sleep a little: there may be fewer cores than ranks, and other work on them.
 ENVIRONMENT = os.environ | {
     "OMP_NUM_THREADS": "1",
     "MPIR_CVAR_POLLS_BEFORE_YIELD": "1",
+    "MPIR_CVAR_CH4_PROGRESS_THROTTLE": "1",
+    "MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT": "100",
     "PYTHONPATH": os.pathsep.join((str(HELPERS.parents[1]), str(HELPERS))),
 }
 
