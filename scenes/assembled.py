@@ -6,6 +6,7 @@ from typing import Any
 
 from cea.body import Body
 from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
 from cea.timing import StageTimer
 from scenes.read import Scene
@@ -101,6 +102,34 @@ class AssembledScene:
         timer = StageTimer(listener)
         modes = self._driver.solve(scene.analysis.max_frequency, values, left=left, timer=timer)
         return ModesResult(scene, self._system, self.interfaces, timer, skipped_by(scene), modes)
+
+    def threshold(
+        self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
+    ) -> Threshold:
+        """Value of a parameter at which a pair of modes begins to flutter, or ceases to.
+
+        Parameters
+        ----------
+        parameter
+            Path of mu or P of a contact, of E or rho of a body, e.g. ``contacts.pad_disc.mu``; a
+            factor where the field is an expression.
+        real, flutter
+            Values on either side: at one the pair does not grow, at the other it does.
+        frequency
+            The growing mode nearest to it (Hz) is followed; None follows the fastest.
+
+        Raises
+        ------
+        InputError
+            When there is no such parameter, or the values do not enclose a threshold.
+        ConvergenceError
+            When the pair is lost on the way.
+        """
+        assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
+        top = self.scene.analysis.max_frequency
+        return flutter_threshold(
+            self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
+        )
 
     def _reusable(self, scene: Scene) -> RunOptions:
         """What a changed scene shares with this one."""

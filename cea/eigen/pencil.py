@@ -1,6 +1,6 @@
 """The parametric pencil: everything that is solved, as sums of fixed pieces.
 
-    lambda^2 M(t) + lambda C(t) + K(t),    M, C, K = sum_j c_j(t) A_j
+    lambda^2 M(t) + K(t),    M, K = sum_j c_j(t) A_j
 
 with coefficients c_j in named parameters t. K of a body scales with its E, M with its rho, K_n and
 K_f of a contact with P and mu P. Contact forces may be unknowns beside the displacements
@@ -16,7 +16,7 @@ from cea.eigen.parameters import CONSTANT, Coefficient, Parameter
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
 
-Role = Literal["mass", "damping", "stiffness"]
+Role = Literal["mass", "stiffness"]
 
 FRICTION = "friction"
 """Name of the factor on the friction of a pencil made of given matrices."""
@@ -86,7 +86,7 @@ class Matrices:
 
 
 class Pencil:
-    """Pieces of M, C and K with their coefficients in named parameters.
+    """Pieces of M and K with their coefficients in named parameters.
 
     Parameters
     ----------

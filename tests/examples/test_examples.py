@@ -8,6 +8,7 @@ import pytest
 from examples import (
     compare_formulations,
     exact_errors,
+    flutter_threshold,
     friction_sweep,
     matrices_in_scipy,
     mixed_bodies,
@@ -55,6 +56,13 @@ def test_friction_sweep():
 )
 def test_exact_errors(backend, error):
     assert exact_errors.worst_error(backend) == pytest.approx(error, abs=1e-10)
+
+
+@pytest.mark.parametrize("backend", ["fe", "iga"])
+def test_flutter_threshold(backend):
+    assert flutter_threshold.threshold(backend) == pytest.approx(
+        flutter_threshold.exact_threshold(), abs=2e-5
+    )
 
 
 def test_matrices_in_scipy():
