@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cea.body import Body, Floats
@@ -127,9 +128,10 @@ def scaled_total(parts: Sequence[tuple[float, Any]]) -> Any:
 def block_diagonal(blocks: Sequence[Any]) -> Any:
     """Nest of matrices along the diagonal; convert it to AIJ to compute with it."""
     n = len(blocks)
-    return PETSc.Mat().createNest(
-        [[blocks[i] if i == j else None for j in range(n)] for i in range(n)]
-    )
+    rows: list[list[Any]] = [[None] * n for _ in blocks]
+    for i, block in enumerate(blocks):
+        rows[i][i] = block
+    return PETSc.Mat().createNest(rows)
 
 
 def empty(columns: tuple[int, int], comm: Any) -> Any:
@@ -140,11 +142,28 @@ def empty(columns: tuple[int, int], comm: Any) -> Any:
     return matrix
 
 
+def dense(columns: NDArray[Any], layout: tuple[int, int], comm: Any) -> Any:
+    """PETSc dense matrix of columns, of which each rank has its rows; their memory is shared.
+
+    Parameters
+    ----------
+    columns
+        The rows of this rank, shape (n_local, columns); best in Fortran order.
+    layout
+        Rows of this rank and of all.
+    comm
+        Communicator.
+    """
+    size: Any = (layout, (PETSc.DECIDE, columns.shape[1]))
+    array: Any = np.asfortranarray(columns)
+    return PETSc.Mat().createDense(size, array=array, comm=comm)
+
+
 def gather(vector: Any, *, everywhere: bool = True) -> Floats:
     """Whole PETSc vector on every rank, or on rank 0 only and empty on others."""
     scatter, whole = (PETSc.Scatter.toAll if everywhere else PETSc.Scatter.toZero)(vector)
     scatter.scatter(vector, whole)
-    values = np.array(whole.array)
+    values = np.array(whole.array, dtype=float)
     destroy(scatter, whole)
     return values
 

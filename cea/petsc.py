@@ -9,4 +9,9 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
-__all__ = ["MPI", "PETSc", "SLEPc"]
+Mat = PETSc.Mat
+"""A distributed matrix."""
+Vec = PETSc.Vec
+"""A distributed vector."""
+
+__all__ = ["MPI", "Mat", "PETSc", "SLEPc", "Vec"]

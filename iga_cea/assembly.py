@@ -101,9 +101,7 @@ def _elasticity(H: Floats, lam: float, mu: float) -> Floats:
     return K
 
 
-def _matrix(
-    multipatch: Multipatch, pattern: Pattern, csr: tuple[Any, Any, Floats], comm: Any
-) -> Any:
+def _matrix(multipatch: Multipatch, pattern: Pattern, csr: Any, comm: Any) -> Any:
     """AIJ matrix from the local contributions of each rank."""
     dim = multipatch.dim
     local = dim * len(pattern.dofs)
@@ -114,7 +112,8 @@ def _matrix(
         return part
     owned = dim * int(np.diff(multipatch.dof_ranges)[comm.rank])
     sizes = ((owned, dim * multipatch.num_scalar_dofs),) * 2
-    numbering = PETSc.LGMap().create(pattern.dofs.astype(PETSc.IntType), bsize=dim, comm=comm)
+    dofs: Any = pattern.dofs.astype(PETSc.IntType)
+    numbering = PETSc.LGMap().create(dofs, bsize=dim, comm=comm)
     whole = PETSc.Mat().createIS(sizes, bsize=dim, lgmapr=numbering, lgmapc=numbering, comm=comm)
     whole.setISLocalMat(part)
     whole.assemble()

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats
-from cea.matrices import destroy
+from cea.matrices import dense, destroy
 from cea.petsc import PETSc
 
 _COLUMNS = 64
@@ -26,13 +26,11 @@ def column_blocks(columns: int) -> Iterator[slice]:
 def times(matrix: Any, vectors: Complexes) -> Complexes:
     """Matrix times a block of vectors, real and imaginary parts in one sparse-dense product."""
     n = vectors.shape[1]
-    block = np.asfortranarray(np.hstack([vectors.real, vectors.imag]))
-    columns = matrix.getSizes()[1]
-    dense = PETSc.Mat().createDense((columns, (PETSc.DECIDE, 2 * n)), array=block, comm=matrix.comm)
-    product = matrix.matMult(dense)
+    parts = dense(np.hstack([vectors.real, vectors.imag]), matrix.getSizes()[1], matrix.comm)
+    product = matrix.matMult(parts)
     result = product.getDenseArray()
     image = result[:, :n] + 1j * result[:, n:]
-    destroy(product, dense)
+    destroy(product, parts)
     return image
 
 

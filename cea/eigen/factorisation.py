@@ -7,7 +7,7 @@ import numpy as np
 
 from cea.body import Floats
 from cea.errors import ConvergenceError
-from cea.matrices import destroy
+from cea.matrices import dense, destroy
 from cea.petsc import PETSc
 
 _SOLVED = 1e-11
@@ -67,7 +67,8 @@ class Mumps:
             factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
             factor.setMumpsIcntl(24, 1)
         self._pc.setUp()
-        if self._pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
+        reason: Any = self._pc.getFailedReason()
+        if reason != PETSc.PC.FailedReason.NOERROR:
             self.free()
             raise ConvergenceError(f"a matrix of {matrix_size(matrix)} rows is singular")
 
@@ -80,11 +81,10 @@ class Mumps:
 
     def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
         """Solve for every column of b: the rows of this rank, shape (n_local, columns)."""
-        size = (self.matrix.getSizes()[0], (PETSc.DECIDE, b.shape[1]))
-        right = PETSc.Mat().createDense(size, array=np.asfortranarray(b), comm=self.matrix.comm)
-        left = PETSc.Mat().createDense(size, comm=self.matrix.comm).setUp()
+        solution = np.zeros(b.shape, order="F")
+        layout, comm = self.matrix.getSizes()[0], self.matrix.comm
+        right, left = dense(b, layout, comm), dense(solution, layout, comm)
         (self._pc.matApplyTranspose if transposed else self._pc.matApply)(right, left)
-        solution = left.getDenseArray().copy()
         destroy(right, left)
         return solution
 

@@ -58,6 +58,8 @@ class KrylovSchur:
     def __init__(
         self, pencil: Pencil, *, tolerance: float = 1e-13, max_restarts: int = 200
     ) -> None:
+        if not any(term.role == "mass" for term in pencil.terms):
+            raise InputError("mass", None, "a mass: modes have none without")
         self.pencil = pencil
         self.factorisations = 0
         self.solves = 0

@@ -9,11 +9,10 @@ c_c = 1/P. Multipliers carry no mass.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from cea.eigen.parameters import Coefficient
-from cea.matrices import destroy
-from cea.petsc import PETSc
+from cea.matrices import destroy, scaled_total
+from cea.petsc import Mat, PETSc, Vec
 
 
 @dataclass(frozen=True)
@@ -32,8 +31,8 @@ class ForcesOfContact:
         c_f.
     """
 
-    closure: Any
-    slip: Any | None
+    closure: Mat
+    slip: Mat | None
     compliance: Coefficient
     friction: Coefficient
 
@@ -41,9 +40,7 @@ class ForcesOfContact:
         """Matrices at given parameters; without friction L is J, if what is zero is left out."""
         factor, reaction = self.friction.at(values), self.closure
         if self.slip is not None and (factor != 0 or not leave_out):
-            reaction = self.closure.copy()
-            structure = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
-            reaction.axpy(-factor, self.slip, structure=structure)
+            reaction = scaled_total([(1.0, self.closure), (-factor, self.slip)])
         compliance = self.closure.createVecLeft()
         compliance.set(self.compliance.at(values))
         return Multipliers(self.closure, reaction, compliance)
@@ -63,9 +60,9 @@ class Multipliers:
         Diagonal of C = 1/P (m/N), PETSc vector (multipliers); zero where the sides are tied.
     """
 
-    closure: Any
-    reaction: Any
-    compliance: Any
+    closure: Mat
+    reaction: Mat
+    compliance: Vec
 
     @property
     def symmetric(self) -> bool:
@@ -103,5 +100,5 @@ def stacked(parts: Sequence[Multipliers]) -> Multipliers | None:
     return Multipliers(closure, reaction, compliance)
 
 
-def _one_below_the_other(blocks: Sequence[Any]) -> Any:
+def _one_below_the_other(blocks: Sequence[Mat]) -> Mat:
     return PETSc.Mat().createNest([[block] for block in blocks]).convert("aij")

@@ -15,6 +15,7 @@ from cea.eigen.multipliers import ForcesOfContact, Multipliers, stacked
 from cea.eigen.parameters import CONSTANT, Coefficient, Parameter
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
+from cea.petsc import Mat
 
 Role = Literal["mass", "stiffness"]
 
@@ -39,7 +40,7 @@ class Term:
     """
 
     role: Role
-    matrix: Any
+    matrix: Mat
     coefficient: Coefficient = CONSTANT
     symmetric: bool = True
 
@@ -60,9 +61,9 @@ class Matrices:
         Contact forces that are unknowns; None without.
     """
 
-    stiffness: Any
-    unsymmetric: Any | None
-    mass: Any | None
+    stiffness: Mat
+    unsymmetric: Mat | None
+    mass: Any
     multipliers: Multipliers | None
 
     @property
@@ -75,12 +76,12 @@ class Matrices:
         """Number of displacements over all ranks."""
         return int(self.stiffness.getSize()[0])
 
-    def operator(self, kappa: float = 0.0, *, symmetric_part: bool = False) -> Any:
+    def operator(self, kappa: float = 0.0, *, symmetric_part: bool = False) -> Mat:
         """K - kappa M, or S - kappa M, on the displacements: a new PETSc AIJ matrix."""
         parts = [(1.0, self.stiffness)]
         if self.unsymmetric is not None and not symmetric_part:
             parts.append((1.0, self.unsymmetric))
-        if kappa:
+        if kappa and self.mass is not None:
             parts.append((-kappa, self.mass))
         return scaled_total(parts)
 
@@ -125,7 +126,7 @@ class Pencil:
             raise InputError("parameters", sorted(self.parameters), f"with {sorted(unknown)}")
 
     @classmethod
-    def of(cls, stiffness: Any, mass: Any | None = None, friction: Any | None = None) -> "Pencil":
+    def of(cls, stiffness: Mat, mass: Mat | None = None, friction: Mat | None = None) -> "Pencil":
         """Pencil of given matrices: lambda^2 M + S - s F with one parameter, the factor s.
 
         Parameters
@@ -174,11 +175,10 @@ class Pencil:
     def at(self, changes: Mapping[str, float] | None = None) -> Matrices:
         """Matrices at given parameters; those not named keep their values."""
         values = self.values(changes)
-        return self._with_sums(
-            values,
-            self._sum("stiffness", values, symmetric=True),
-            self._sum("mass", values, symmetric=True),
-        )
+        stiffness = self._sum("stiffness", values, symmetric=True)
+        if stiffness is None:
+            raise InputError("terms", len(self.terms), "a symmetric piece of the stiffness")
+        return self._with_sums(values, stiffness, self._sum("mass", values, symmetric=True))
 
     def moved(
         self, matrices: Matrices, before: Mapping[str, float], after: Mapping[str, float]
@@ -201,7 +201,7 @@ class Pencil:
             matrices.multipliers.free()
         return self._with_sums(after, matrices.stiffness, matrices.mass)
 
-    def _with_sums(self, values: Mapping[str, float], S: Any, M: Any | None) -> Matrices:
+    def _with_sums(self, values: Mapping[str, float], S: Mat, M: Mat | None) -> Matrices:
         return Matrices(
             stiffness=S,
             unsymmetric=self._sum("stiffness", values, symmetric=False),
@@ -214,7 +214,7 @@ class Pencil:
         parts = [t.coefficient.at(values) for t in self.terms if t.symmetric]
         return (*parts, *(f.compliance.at(values) for f in self.forces))
 
-    def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Any | None:
+    def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Mat | None:
         parts = [
             (coefficient, term.matrix)
             for term in self.terms

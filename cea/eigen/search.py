@@ -141,10 +141,10 @@ class Search:
         return result
 
     def _solver(self) -> Any:
-        solver = SLEPc.EPS().create(self._matrices.stiffness.comm)
+        solver: Any = SLEPc.EPS().create(self._matrices.stiffness.comm)
         # Of K only the factors are used: the first operator stands for its size.
         solver.setOperators(self._matrices.stiffness, self._matrices.mass)
-        kind = SLEPc.EPS.ProblemType
+        kind: Any = SLEPc.EPS.ProblemType
         solver.setProblemType(kind.GHEP if self._matrices.symmetric else kind.GNHEP)
         solver.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
         solver.setPurify(False)  # the mass is nonsingular: nothing to purify

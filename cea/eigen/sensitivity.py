@@ -16,6 +16,7 @@ from cea.eigen.blocks import all_inner, column_blocks, times
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
 from cea.eigen.pencil import Pencil
 from cea.errors import ConvergenceError
+from cea.petsc import Mat
 
 _SAME = 1e-4
 """Relative distance of left and right eigenvalues beyond which they are not the same."""
@@ -41,7 +42,7 @@ class LeftVectors:
 
 
 def biorthonormal(
-    mass: Any,
+    mass: Mat,
     kappa: Complexes,
     vectors: Complexes,
     left_kappa: Complexes,
@@ -81,7 +82,7 @@ def biorthonormal(
     return left
 
 
-def dual_norms(mass: Any, vectors: Complexes) -> Floats:
+def dual_norms(mass: Mat, vectors: Complexes) -> Floats:
     """M-norms of vectors, the columns of this rank's rows, shape (n,)."""
     squares = np.empty(vectors.shape[1])
     for block in column_blocks(vectors.shape[1]):
@@ -139,7 +140,7 @@ def derivatives(
         return -moved / (2 * eigenvalues)
 
 
-def _projected(matrix: Any, left: Complexes, right: Complexes) -> Complexes:
+def _projected(matrix: Mat, left: Complexes, right: Complexes) -> Complexes:
     """Y^H A X, shape (n, n)."""
     n = right.shape[1]
     result = np.empty((n, n), dtype=complex)

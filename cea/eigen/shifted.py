@@ -63,7 +63,7 @@ class Shifted:
         self._x: Any | None = None
         self._b: Any | None = None
         if self._multipliers is not None:
-            self._x, self._b = operator.createVecs()
+            self._x, self._b = operator.createVecRight(), operator.createVecLeft()
 
     def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
         """Displacements x for forces b on the bodies, PETSc vectors."""
@@ -130,10 +130,11 @@ def count_below(matrices: Matrices, kappa: float) -> int:
 
 def _scale(operator: Any, multipliers: Multipliers) -> float:
     """Factor on multipliers that makes rows of J as large as those of the bodies."""
+    closure: Any = multipliers.closure
     diagonal = operator.getDiagonal()
     largest = diagonal.norm(PETSc.NormType.INFINITY)
     destroy(diagonal)
-    rows = multipliers.closure.norm(PETSc.NormType.INFINITY)
+    rows = closure.norm(PETSc.NormType.INFINITY)
     return float(largest / rows) if largest > 0 and rows > 0 else 1.0
 
 

@@ -1,16 +1,15 @@
 """Static equilibrium K x = load by one factorisation."""
 
-from typing import Any
-
 from cea.eigen.pencil import Pencil, release
 from cea.eigen.shifted import Shifted
-from cea.errors import ConvergenceError
+from cea.errors import ConvergenceError, InputError
+from cea.petsc import Vec
 from cea.timing import StageTimer
 
 _SINGULAR = "the stiffness is singular: the bodies are not held by supports and contacts"
 
 
-def solve_static(pencil: Pencil, load: Any, timer: StageTimer | None = None) -> Any:
+def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = None) -> Vec:
     """Displacements under a load.
 
     Parameters
@@ -29,9 +28,13 @@ def solve_static(pencil: Pencil, load: Any, timer: StageTimer | None = None) -> 
 
     Raises
     ------
+    InputError
+        When there is no load.
     ConvergenceError
         When the stiffness is singular.
     """
+    if load is None:
+        raise InputError("load", None, "forces: the system was coupled without")
     timer = timer or StageTimer()
     with timer("assembly"):
         matrices = pencil.at()
