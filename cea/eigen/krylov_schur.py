@@ -10,17 +10,15 @@ from typing import Any, Self
 
 import numpy as np
 
-from cea.body import Floats
 from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
-from cea.eigen.modes import Modes
+from cea.eigen.modes import Modes, modes_of
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.search import Search
-from cea.eigen.sensitivity import LeftVectors, biorthonormal, dual_norms
+from cea.eigen.sensitivity import LeftVectors, biorthonormal
 from cea.eigen.shifted import Shifted, count_below
 from cea.eigen.spectrum import Window
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 
 _MARGIN = 1.05
 """Radius of the searched disc relative to half the window: room for growth at its upper end."""
@@ -28,8 +26,6 @@ _NEARBY_STEPS = 3
 """Steps of refinement up to which factors of nearby parameters are worth keeping."""
 _INSIDE = 1 - 1e-9
 """Part of the radius of a disc within which eigenvalues on its rim do not lie."""
-_LARGE_RESIDUAL = 1e-6
-"""Relative residual above which a mode is warned of."""
 
 
 class KrylovSchur:
@@ -141,7 +137,7 @@ class KrylovSchur:
         left_vectors = None
         if left and reached >= radius:
             left_vectors = self._left(matrices, factors, pairs, timer)
-        modes = self._modes(matrices, values, pairs, left_vectors, window)
+        modes = modes_of(self.pencil, values, matrices, pairs, left_vectors, window)
         if reached < radius:
             raise ConvergenceError(
                 f"{len(kappa)} eigenvalues converged; they fill a disc of radius {reached:.4g} "
@@ -206,7 +202,7 @@ class KrylovSchur:
             pairs = checked(matrices, factors, found, vectors, abs(kappa) + radius)
         if factors is not self._factors:
             factors.free()
-        return self._modes(matrices, values, pairs, None, window)
+        return modes_of(self.pencil, values, matrices, pairs, None, window)
 
     def mass(self, values: Mapping[str, float]) -> Any:
         """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
@@ -270,36 +266,6 @@ class KrylovSchur:
                 y, g = inverse_step(matrices, factors, pairs.kappa.conj(), y, transposed=True)
         return LeftVectors(y, g)
 
-    def _modes(
-        self,
-        matrices: Matrices,
-        values: Mapping[str, float],
-        pairs: Eigenpairs,
-        left: LeftVectors | None,
-        window: Window,
-    ) -> Modes:
-        """Modes lambda^2 = -kappa with Im lambda >= 0 up to the end of the window."""
-        eigenvalues = np.sqrt(-pairs.kappa).astype(complex)
-        eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
-        order = np.lexsort((eigenvalues.real, eigenvalues.imag))
-        order = order[eigenvalues.imag[order] <= 2 * np.pi * window.max_frequency]
-        conditions = pairs.conditions
-        if left is not None and not matrices.symmetric:  # y^H M x = 1 and x^H M x = 1
-            conditions = dual_norms(matrices.mass, left.vectors)
-        return Modes(
-            eigenvalues=eigenvalues[order],
-            residuals=pairs.residuals[order],
-            conditions=conditions[order],
-            vectors=pairs.vectors[:, order],
-            forces=pairs.forces[:, order],
-            left=left[order] if left is not None else None,
-            template=matrices.stiffness.createVecRight(),
-            window=window,
-            pencil=self.pencil,
-            values=values,
-            warnings=_warnings(window, pairs.residuals[order]),
-        )
-
 
 def solve_modes(
     pencil: Pencil,
@@ -317,30 +283,6 @@ def solve_modes(
     """
     with KrylovSchur(pencil, tolerance=tolerance, max_restarts=max_restarts) as driver:
         return driver.solve(max_frequency, changes, left=left, timer=timer)
-
-
-def _warnings(window: Window, residuals: Floats) -> tuple[ResultWarning, ...]:
-    """What modes must be read with."""
-    warnings = []
-    if window.symmetric_count is not None and window.found_below != window.symmetric_count:
-        warnings.append(
-            ResultWarning(
-                "count-differs",
-                f"{window.found_below} eigenvalues found where the symmetric part counts "
-                f"{window.symmetric_count}: friction moved the others, or they were missed",
-                {"found": window.found_below, "counted": window.symmetric_count},
-            )
-        )
-    worst = float(residuals.max(initial=0.0))
-    if worst > _LARGE_RESIDUAL:
-        warnings.append(
-            ResultWarning(
-                "residual",
-                f"the largest residual of a mode is {worst:.1e}: it is not to be trusted",
-                {"largest": worst, "modes": int((residuals > _LARGE_RESIDUAL).sum())},
-            )
-        )
-    return tuple(warnings)
 
 
 def _growth_covered(top: float, shift: float, radius: float) -> float:
