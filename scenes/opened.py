@@ -148,6 +148,14 @@ def open_result(file: str | Path) -> StoredModes | StoredStatic | StoredResult:
         raise InputError("file", str(file), f"a stored result; {', '.join(missing)} not in it")
     common = {name: data.pop(name) for name in PROVENANCE} | {"data": data}
     common["warnings"] = tuple(common["warnings"])
+    try:
+        return _typed(common, data)
+    except (KeyError, TypeError) as error:
+        raise InputError("file", str(file), f"a stored result; broken at {error}") from error
+
+
+def _typed(common: dict[str, Any], data: dict[str, Any]) -> StoredResult:
+    """The result of the kind that its data say."""
     if "eigenvalues" in data and "scene" in data:
         modes = _spectrum(data, common["warnings"])
         return StoredModes(**common, scene=read_scene(data["scene"]), modes=modes)

@@ -185,7 +185,8 @@ def assemble_contact(
 
     slip = direction = None
     field, mu = _friction_at(half)
-    if half.friction is not None and (half.friction.acts or not leave_out):
+    keeps = not leave_out and half.coupling != "bonded"
+    if half.friction is not None and (half.friction.acts or keeps):
         with agreed(interface.comm):
             direction = half.friction.direction.at(points.x, points.normal)
         slip = _system_operator(bodies, sides, rule.jump(direction, field))

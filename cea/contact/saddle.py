@@ -58,6 +58,8 @@ def contact_forces(contacts: Sequence[Contact]) -> dict[str, ContactForces]:
     forces = {}
     for name, halves in pairs.items():
         closure, slip = _compressed(halves)
+        if not closure.shape[0]:
+            continue  # both sides are held: no gap can open
         template = halves[0].gap
         frictional = any(half.slip is not None for half in halves)
         forces[name] = ContactForces(
@@ -86,7 +88,7 @@ def _compressed(halves: Sequence[Contact]) -> tuple[csr_array, csr_array]:
         projected = q.T @ np.vstack([projected, slip[rows][:, columns].toarray()])
     q, pivoted, order = qr(triangle, pivoting=True, mode="economic")
     pivots = np.abs(np.diag(pivoted))
-    kept = pivots > _DEPENDENT * pivots[0]
+    kept = pivots > _DEPENDENT * pivots.max(initial=0.0)
     closure = np.empty((int(kept.sum()), len(columns)))
     closure[:, order] = pivoted[kept]
     size = gap.shape[1]

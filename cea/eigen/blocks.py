@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats
 from cea.matrices import dense, destroy
-from cea.petsc import PETSc
 
 _COLUMNS = 64
 """Columns at a time."""
@@ -25,6 +24,9 @@ def column_blocks(columns: int) -> Iterator[slice]:
 
 def times(matrix: Any, vectors: Complexes) -> Complexes:
     """Matrix times a block of vectors, real and imaginary parts in one sparse-dense product."""
+    if matrix.getSize()[0] != matrix.getSize()[1]:
+        x, y = matrix.createVecRight(), matrix.createVecLeft()
+        return _one_by_one(matrix.mult, x, y, vectors)
     n = vectors.shape[1]
     parts = dense(np.hstack([vectors.real, vectors.imag]), matrix.getSizes()[1], matrix.comm)
     product = matrix.matMult(parts)
@@ -36,10 +38,20 @@ def times(matrix: Any, vectors: Complexes) -> Complexes:
 
 def transposed_times(matrix: Any, vectors: Complexes) -> Complexes:
     """Transposed matrix times a block of vectors."""
-    transpose = matrix.transpose(PETSc.Mat())
-    result = times(transpose, vectors)
-    destroy(transpose)
-    return result
+    x, y = matrix.createVecLeft(), matrix.createVecRight()
+    return _one_by_one(matrix.multTranspose, x, y, vectors)
+
+
+def _one_by_one(product: Any, x: Any, y: Any, vectors: Complexes) -> Complexes:
+    """Products column by column, for matMult does not bear ranks with rows and no columns."""
+    image = np.empty((y.getLocalSize(), vectors.shape[1]), dtype=complex)
+    for i, column in enumerate(vectors.T):
+        for part in ("real", "imag"):
+            x.array[:] = getattr(column, part)
+            product(x, y)
+            getattr(image, part)[:, i] = y.array_r
+    destroy(x, y)
+    return image
 
 
 def columns_inner(left: Complexes, right: Complexes, comm: Any) -> Complexes:

@@ -69,8 +69,9 @@ class Mumps:
         self._pc.setUp()
         reason: Any = self._pc.getFailedReason()
         if reason != PETSc.PC.FailedReason.NOERROR:
+            rows = matrix_size(matrix)
             self.free()
-            raise ConvergenceError(f"a matrix of {matrix_size(matrix)} rows is singular")
+            raise ConvergenceError(f"a matrix of {rows} rows is singular")
 
     def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
         """Solve A x = b, or A^T x = b, with PETSc vectors."""

@@ -179,6 +179,8 @@ class KrylovSchur:
         ConvergenceError
             When fewer converge.
         """
+        if wanted < 1:
+            raise InputError("wanted", wanted, "1 or more")
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
             matrices = self._matrices(values)
@@ -206,13 +208,14 @@ class KrylovSchur:
 
     def mass(self, values: Mapping[str, float]) -> Any:
         """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
-        return self._matrices(dict(values)).mass
+        return self._matrices(self.pencil.values(values)).mass
 
     def _matrices(self, values: dict[str, float]) -> Matrices:
         if self._summed is None:
             self._summed = (values, self.pencil.at(values))
         elif self._summed[0] != values:
             before, matrices = self._summed
+            self._summed = None  # an interruption leaves nothing that was freed
             self._summed = (values, self.pencil.moved(matrices, before, values))
         return self._summed[1]
 

@@ -58,11 +58,14 @@ class Multipliers:
         L, PETSc AIJ (multipliers x displacements); the same object as J without friction.
     compliance
         Diagonal of C = 1/P (m/N), PETSc vector (multipliers); zero where the sides are tied.
+    stacked
+        Whether J was made of those of several contacts, rather than being a piece itself.
     """
 
     closure: Mat
     reaction: Mat
     compliance: Vec
+    stacked: bool = False
 
     @property
     def symmetric(self) -> bool:
@@ -78,6 +81,8 @@ class Multipliers:
         """Free what was made of the pieces, not the pieces."""
         if not self.symmetric:
             destroy(self.reaction)
+        if self.stacked:
+            destroy(self.closure)
         destroy(self.compliance)
 
 
@@ -97,7 +102,7 @@ def stacked(parts: Sequence[Multipliers]) -> Multipliers | None:
         compliance.array[first:last] = part.compliance.array_r
         first = last
         part.free()
-    return Multipliers(closure, reaction, compliance)
+    return Multipliers(closure, reaction, compliance, stacked=True)
 
 
 def _one_below_the_other(blocks: Sequence[Mat]) -> Mat:

@@ -76,6 +76,14 @@ class Matrices:
         """Number of displacements over all ranks."""
         return int(self.stiffness.getSize()[0])
 
+    @property
+    def tied(self) -> int:
+        """Number of constraints: multipliers without compliance; so many kappa are infinite."""
+        if self.multipliers is None:
+            return 0
+        tied = int((self.multipliers.compliance.array_r == 0).sum())
+        return self.stiffness.comm.tompi4py().allreduce(tied)
+
     def operator(self, kappa: float = 0.0, *, symmetric_part: bool = False) -> Mat:
         """K - kappa M, or S - kappa M, on the displacements: a new PETSc AIJ matrix."""
         parts = [(1.0, self.stiffness)]

@@ -49,6 +49,7 @@ class Search:
         transposed: bool = False,
     ) -> None:
         self._matrices = matrices
+        self._size = matrices.size - matrices.tied
         self._shift = factors.kappa
         self._inverse = Applied(factors, transposed=transposed)
         self._limits = tolerance, max_restarts
@@ -62,7 +63,7 @@ class Search:
         ConvergenceError
             When fewer converge.
         """
-        wanted = min(wanted, self._matrices.size)
+        wanted = min(wanted, self._size)
         kappa, vectors = self._krylov(wanted, 3 * wanted)
         if len(kappa) < wanted:
             raise ConvergenceError(f"{len(kappa)} of {wanted} eigenvalues converged", best=kappa)
@@ -88,7 +89,7 @@ class Search:
         tuple
             kappa, vectors, and the radius of the disc that is full.
         """
-        size = self._matrices.size
+        size = self._size
         wanted = min(count + _SPARE, size)
         kappa, vectors = self._krylov(wanted, _basis(wanted))
         for _ in range(_MAX_PASSES):
@@ -136,9 +137,10 @@ class Search:
             solver.setDeflationSpace(deflated)
         with self._timer("krylov"):
             solver.solve()
-            result = _eigenpairs(solver, self._matrices.mass)
+            kappa, vectors = _eigenpairs(solver, self._matrices.mass)
         destroy(solver, *deflated)
-        return result
+        finite = self._size - (len(found[0]) if found is not None else 0)
+        return kappa[:finite], vectors[:, :finite]  # ties have infinite ones, found last
 
     def _solver(self) -> Any:
         solver: Any = SLEPc.EPS().create(self._matrices.stiffness.comm)

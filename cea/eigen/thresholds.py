@@ -32,6 +32,8 @@ _INDEPENDENT = 1e-8
 """Least ratio of squared lengths across and along two vectors that span a plane."""
 _NEIGHBOURS = 4
 """Modes that a pair is looked for among, nearest to where it was."""
+_ROOT = 1e-6
+"""Discriminant at a threshold, relative to that of the real pair, beyond which it jumps there."""
 _ASIDE = 1e-3
 """Relative distance from a pair at which it is looked for: a pencil is singular on it."""
 
@@ -108,10 +110,15 @@ def flutter_threshold(
     solves, factorisations = driver.solves, driver.factorisations
     follower = _Follower(driver, parameter, max_frequency)
     follower.start(flutter, frequency)
-    if not follower.discriminant(real) > 0:
+    before = follower.discriminant(real)
+    if not before > 0:
         raise InputError("real", real, f"a value at which the pair growing at {flutter} is real")
-    value = float(brentq(follower.discriminant, real, flutter, xtol=tolerance * flutter))
-    follower.discriminant(value)
+    value = float(brentq(follower.discriminant, real, flutter, xtol=tolerance * max(real, flutter)))
+    if abs(follower.discriminant(value)) > _ROOT * before:
+        raise ConvergenceError(
+            f"no two modes coalesce at {parameter} = {value:.6g}, where one pair was taken for "
+            "another; take values nearer to each other"
+        )
     return Threshold(
         parameter,
         value,
@@ -139,7 +146,7 @@ class _Follower:
     def start(self, value: float, frequency: float | None) -> None:
         """Choose the pair of a growing mode."""
         modes = self._all(value)
-        growing = np.flatnonzero(modes.unstable())
+        growing = np.flatnonzero(modes.unstable() & (modes.eigenvalues.imag > 0))
         if not len(growing):
             raise InputError("flutter", value, "a value at which a mode grows")
         if frequency is None:

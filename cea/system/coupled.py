@@ -6,7 +6,7 @@ On every rank the unknowns are the free dofs of the first body, then those of th
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -105,22 +105,23 @@ class CoupledSystem:
 
     def _contact_terms(self) -> Iterator[Term]:
         """K_n and K_f of each half pass in the penalty form."""
-        total = self._stiffnesses()
+        total, references = self._stiffnesses(), self._references()
         for contact in self.contacts:
             P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
             if contact.stiffness is not None:
                 yield Term("stiffness", contact.stiffness, Coefficient.of(P))
-            if contact.friction is not None:
-                mu = {f"contacts.{contact.pair}.mu": (contact.mu, 1.0)}
+            if contact.friction is not None and self._rubs(contact):
+                mu = {f"contacts.{contact.pair}.mu": (references[contact.pair], 1.0)}
                 coefficient = Coefficient.of(P | mu, factor=-1.0)
                 yield Term("stiffness", contact.friction, coefficient, symmetric=False)
 
     def _contact_forces(self) -> Iterator[ForcesOfContact]:
         """Forces of each contact in the saddle form."""
-        first = {contact.pair: contact for contact in reversed(self.contacts)}
-        for name, forces in contact_forces(self.contacts).items():
+        references = self._references()
+        rubbing = [c if self._rubs(c) else replace(c, slip=None) for c in self.contacts]
+        for name, forces in contact_forces(rubbing).items():
             P, mu = f"contacts.{name}.P", f"contacts.{name}.mu"
-            slips = Coefficient.of({mu: (first[name].mu, 1.0)}) if forces.slip else NOTHING
+            slips = Coefficient.of({mu: (references[name], 1.0)}) if forces.slip else NOTHING
             compliance = Coefficient.of({P: (1.0, -1.0)})
             yield ForcesOfContact(forces.closure, forces.slip, compliance, slips)
 
@@ -141,10 +142,25 @@ class CoupledSystem:
         for name, P in self._stiffnesses().items():
             finite = name not in saddle
             yield Parameter(f"contacts.{name}.P", P, "N/m", positive=True, finite=finite)
-        for contact in {c.pair: c for c in self.contacts if c.slip is not None}.values():
-            friction = contact.half.friction
-            acts = friction is not None and friction.acts
-            yield Parameter(f"contacts.{contact.pair}.mu", contact.mu if acts else 0.0)
+        for name, reference in self._references().items():
+            acts = any(_acts(c) for c in self._halves(name))
+            yield Parameter(f"contacts.{name}.mu", reference if acts else 0.0)
+
+    def _halves(self, name: str) -> list[Contact]:
+        return [c for c in self.contacts if c.pair == name]
+
+    def _rubs(self, contact: Contact) -> bool:
+        """Whether a half has friction where its contact has any: on one side mu may vanish."""
+        return _acts(contact) or not any(_acts(c) for c in self._halves(contact.pair))
+
+    def _references(self) -> dict[str, float]:
+        """What mu of each contact is relative to; 1 where its halves do not have the same."""
+        found: dict[str, set[float]] = {}
+        for contact in self.contacts:
+            if any(c.slip is not None for c in self._halves(contact.pair)):
+                own = contact.mu if self._rubs(contact) else 0.0
+                found.setdefault(contact.pair, set()).add(own)
+        return {name: each.pop() if len(each) == 1 else 1.0 for name, each in found.items()}
 
     def _embedded(self, body: str, matrix: Any) -> Any:
         """Matrix of one body among the unknowns of all."""
@@ -177,6 +193,10 @@ class CoupledSystem:
         displacement = gather(full, everywhere=everywhere)
         destroy(full)
         return displacement
+
+
+def _acts(contact: Contact) -> bool:
+    return contact.half.friction is not None and contact.half.friction.acts
 
 
 def couple(

@@ -6,9 +6,9 @@ import scipy.linalg
 from petsc_matrices import to_petsc
 from scipy.sparse import csr_array, diags_array, eye_array, random_array
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.krylov_schur import KrylovSchur, solve_modes
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Pencil
+from cea.eigen.pencil import FRICTION, Pencil
 from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError
 
@@ -179,6 +179,29 @@ def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones(chain):
     assert modes.window.symmetric_count == 30
     assert modes.window.found_below == 29
     assert (-(modes.eigenvalues**2)).real == pytest.approx(np.arange(1.0, 30.0))
+
+
+def test_a_shift_that_is_an_eigenvalue_is_told():
+    driver = KrylovSchur(pencil(np.diag([1.0, 2.0, 3.0, 4.0]), np.eye(4)))
+    with pytest.raises(ConvergenceError, match="singular"):
+        driver.nearest(1.0, 1)
+    assert len(driver.nearest(1.1, 1)) >= 1
+    with pytest.raises(InputError, match="wanted"):
+        driver.nearest(1.1, 0)
+
+
+def test_an_interrupted_change_leaves_a_driver_that_works(monkeypatch):
+    driver = KrylovSchur(pencil(np.diag([1.0, 2.0, 30.0]), np.eye(3), np.diag([0.1, 0.0], 1)))
+    before = driver.solve(0.3).eigenvalues
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Pencil, "_with_sums", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            driver.solve(0.3, {FRICTION: 0.5})
+    assert driver.solve(0.3).eigenvalues == pytest.approx(before)
 
 
 def test_window_must_be_positive(chain):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from blocks import assemble, two_blocks
 from motions import dense
+from scipy.linalg import eigvals, null_space
 
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.shifted import count_below
@@ -116,3 +117,61 @@ def test_pressure_of_gaps_is_refused_where_forces_are_unknowns(backend):
     system = assemble(with_form(two_blocks(backend, {"method": "mortar"}), "saddle"))
     with pytest.raises(InputError, match="penalty"):
         system.contacts[0].pressure(system.vector())
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_ties_are_no_modes_where_the_whole_spectrum_is_asked_for(mu):
+    """At P = infinity each tie takes one eigenvalue away; the others are those of null spaces."""
+    data = with_form(two_blocks("iga", {"method": "mortar"}, mu=mu, held=True, P=np.inf), "saddle")
+    for body in data["bodies"].values():
+        body["mesh"]["iga"] |= {"elements": [2, 2, 2], "degree": [1, 1, 1]}
+    pencil = assemble(data).pencil()
+    matrices = pencil.at()
+    closure, reaction = dense(matrices.multipliers.closure), dense(matrices.multipliers.reaction)
+    Z, Y = null_space(closure), null_space(reaction)
+    K, M = dense(matrices.operator()), dense(matrices.mass)
+    exact = eigvals(Y.T @ K @ Z, Y.T @ M @ Z)
+    modes = solve_modes(pencil, 20.0, left=True)
+    found = -(modes.eigenvalues**2)
+    assert len(found) == len(exact) == matrices.size - matrices.tied
+    distance = np.abs(found[:, None] - exact) / np.abs(exact)
+    assert distance.min(axis=0).max() < 1e-6
+    assert distance.min(axis=1).max() < 1e-6
+    assert not [w for w in modes.warnings if w.kind == "residual"]
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+def test_contact_between_held_sides_does_nothing(form):
+    data = with_form(two_blocks("fe", {"method": "gpts", "points": 2}, mu=0.3), form)
+    data["bodies"]["upper"]["supports"] = [{"surface": "z_min"}]
+    data["bodies"]["lower"]["supports"] = [{"surface": "z_max"}]
+    alone = modes_of(data | {"contacts": {}}).eigenvalues
+    assert modes_of(data).eigenvalues == pytest.approx(alone, rel=1e-9)
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize("leave_out", [True, False])
+@pytest.mark.parametrize("changed", [0.5, 0.0, 1.0])
+def test_friction_that_varies_over_the_points_of_one_side_alone(form, leave_out, changed):
+    """Constant, or zero, on the coarse points of the other: both halves keep their own."""
+    matrices = []
+    for mu in (f"0.4*where(x<0.683,1,{changed})", f"0.4*where(x<0.683,1,{changed})+1e-13*x"):
+        data = two_blocks("fe", {"method": "grid", "points": 4}, mu=mu, held=True, P=30.0)
+        data["contacts"]["interface"] |= {"full_pass": True, "form": form}
+        pencil = assemble(data, leave_out=leave_out).pencil().at()
+        if form == "penalty":
+            matrices.append(dense(pencil.unsymmetric))
+        else:
+            m = pencil.multipliers
+            matrices.append(dense(m.reaction).T @ dense(m.closure))
+    assert np.abs(matrices[0] - matrices[1]).max() <= 1e-10 * np.abs(matrices[1]).max()
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+def test_a_bonded_joint_may_be_assembled_for_sweeps(form):
+    data = with_form(two_blocks("iga", {"method": "bonded"}, mu=0.0, held=True), form)
+    both = [
+        solve_modes(assemble(data, leave_out=leave_out).pencil(), 0.6).eigenvalues
+        for leave_out in (True, False)
+    ]
+    assert both[1] == pytest.approx(both[0], rel=1e-9)

@@ -8,7 +8,8 @@ from petsc_matrices import to_petsc
 from reference_data import plane_meshes, stored
 
 from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.pencil import FRICTION, Pencil
+from cea.eigen.parameters import Coefficient, Parameter
+from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.eigen.thresholds import flutter_threshold
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
@@ -124,6 +125,35 @@ def test_a_pair_that_no_two_modes_continue_is_told():
 def test_a_pair_is_followed_beyond_the_modes_it_was_chosen_among():
     """Without friction the second mode lies above the window in which the pair was chosen."""
     threshold = flutter_threshold(lumped(1.0), FRICTION, 0.0, 0.6, max_frequency=1.3 / (2 * np.pi))
+    assert threshold.value == pytest.approx(0.5, rel=1e-12)
+
+
+def test_a_pair_taken_for_another_is_no_threshold():
+    """Far apart values on coarse blocks: what changes sign between them jumps."""
+    driver = blocks("iga", 2, 1, 1.0)
+    with pytest.raises(ConvergenceError, match="no two modes coalesce"):
+        flutter_threshold(driver, MU, 0.1, 0.8, max_frequency=0.5)
+
+
+def test_divergence_is_no_flutter():
+    """A mode that grows without oscillation is passed over; the pair beside it is followed."""
+    stiffness, friction = np.diag(np.r_[1.0, 2.0, 0.05, 3.0, 4, 5, 6, 7]), np.zeros((8, 8))
+    friction[0, 1], friction[1, 0] = -0.6, 0.6
+    friction[2, 3], friction[3, 2] = 1.0, 0.16
+    driver = KrylovSchur(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(8), friction))))
+    modes = driver.solve(TOP)
+    assert modes.unstable()[modes.eigenvalues.imag == 0].any()
+    threshold = flutter_threshold(driver, FRICTION, 0.0, 1.0, max_frequency=TOP, frequency=0.0)
+    assert threshold.value == pytest.approx(0.5 / 0.6, rel=1e-12)
+
+
+def test_flutter_may_lie_at_zero():
+    """A second friction works against the first, and brings the pair to rest as it grows."""
+    stiffness, mass, friction = lumped(1.0).pencil.terms
+    against = Term("stiffness", friction.matrix, Coefficient.of({"s": (1.0, 1.0)}), symmetric=False)
+    first = Term("stiffness", friction.matrix, Coefficient.of({}, factor=-1.0), symmetric=False)
+    driver = KrylovSchur(Pencil([stiffness, mass, first, against], [Parameter("s", 0.0)]))
+    threshold = flutter_threshold(driver, "s", real=0.9, flutter=0.0, max_frequency=TOP)
     assert threshold.value == pytest.approx(0.5, rel=1e-12)
 
 

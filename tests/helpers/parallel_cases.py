@@ -18,7 +18,7 @@ from scenes.build import build_bodies
 from scenes.describe import describe
 from scenes.read import SCENES, load_scene, read_scene
 from scenes.results import ModesResult
-from scenes.run import run_scene
+from scenes.run import run_modes, run_scene
 
 GRID, GPTS = {"method": "grid", "points": 5}, {"method": "gpts", "points": 4}
 
@@ -69,6 +69,22 @@ def mixed_pairing(a, b):
 def collocation(backend):
     """Collocation in the manner of the backend."""
     return {"method": {"fe": "node_to_surface", "iga": "greville"}[backend]}
+
+
+def few_columns():
+    """Fewer dofs than some rank needs to have any, beside multipliers on every rank."""
+    data = blocks("fe", {"method": "gpts", "points": 1}, mu=0.3)
+    for body in data["bodies"].values():
+        body["mesh"]["fe"] |= {"elements": [1, 1, 1], "degree": 1}
+    data["contacts"]["interface"]["form"] = "saddle"
+    return data | {"analysis": {"kind": "cea", "max_frequency": 1.0}}
+
+
+def saddle():
+    """Eigenvalues and derivatives where some ranks have contact forces and no displacements."""
+    modes = run_modes(read_scene(few_columns()), left=True).modes
+    slopes = modes.sensitivity("contacts.interface.mu")
+    return {"im": modes.eigenvalues.imag.tolist(), "slopes": np.abs(slopes).tolist()}
 
 
 def scenes():

@@ -92,6 +92,14 @@ def test_cases_meet_what_they_are_meant_to_meet():
 
 
 @pytest.mark.parametrize("ranks", [2, 3])
+def test_forces_on_ranks_without_displacements(ranks):
+    found, expected = cases(ranks, "saddle"), cases(1, "saddle")
+    assert len(found["im"]) > 3
+    for name, values in expected.items():
+        assert sorted(found[name]) == pytest.approx(sorted(values), rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
 def test_every_formulation(ranks):
     """Displacements of the patch test and eigenvalues of the disc and pad, on coarse meshes."""
     found, expected = cases(ranks, "formulations"), cases(1, "formulations")
