@@ -125,6 +125,13 @@ def scaled_total(parts: Sequence[tuple[float, Any]]) -> Any:
     return result
 
 
+def absolute(matrix: Any) -> Any:
+    """Absolute values of the entries of a PETSc AIJ matrix, a new one."""
+    indptr, indices, values = matrix.getValuesCSR()
+    size = matrix.getSizes()
+    return PETSc.Mat().createAIJ(size, csr=(indptr, indices, np.abs(values)), comm=matrix.comm)
+
+
 def block_diagonal(blocks: Sequence[Any]) -> Any:
     """Nest of matrices along the diagonal; convert it to AIJ to compute with it."""
     n = len(blocks)

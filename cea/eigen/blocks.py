@@ -36,6 +36,15 @@ def times(matrix: Any, vectors: Complexes) -> Complexes:
     return image
 
 
+def image_of(matrix: Any, vectors: Floats) -> Floats:
+    """Square matrix times a block of real vectors, in one sparse-dense product."""
+    block = dense(vectors, matrix.getSizes()[1], matrix.comm)
+    product = matrix.matMult(block)
+    image = product.getDenseArray().copy()
+    destroy(product, block)
+    return image
+
+
 def transposed_times(matrix: Any, vectors: Complexes) -> Complexes:
     """Transposed matrix times a block of vectors."""
     x, y = matrix.createVecLeft(), matrix.createVecRight()

@@ -8,10 +8,7 @@ from cea.body import Complexes, Floats
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, norms, times, transposed_times
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
-
-_NEGLIGIBLE = 1e-10
-"""Eigenvalues below this part of the largest searched count as zero in relative residuals."""
-
+from cea.matrices import absolute, destroy
 
 @dataclass(frozen=True)
 class Eigenpairs:
@@ -26,9 +23,13 @@ class Eigenpairs:
     forces
         Contact forces that are unknowns, shape (multipliers of this rank, n).
     residuals
-        Norm of (K - kappa M) x relative to abs(kappa) times that of M x, shape (n,).
+        Norm of (K - kappa M) x relative to abs(kappa) times that of M x, shape (n,); where kappa is
+        nothing but rounding, relative to that.
     conditions
         Condition numbers of kappa within the computed invariant subspace, shape (n,).
+    errors
+        Backward errors of kappa (1/s^2), shape (n,): what the residual amounts to, and what
+        rounding the entries of K does.
     """
 
     kappa: Complexes
@@ -36,15 +37,21 @@ class Eigenpairs:
     forces: Complexes
     residuals: Floats
     conditions: Floats
+    errors: Floats
 
 
 def checked(
-    matrices: Matrices, factors: Shifted, kappa: Complexes, vectors: Complexes, largest: float
+    matrices: Matrices, factors: Shifted, kappa: Complexes, vectors: Complexes
 ) -> Eigenpairs:
-    """Normalise eigenpairs and find their residuals and condition numbers.
+    """Normalise eigenpairs and find their residuals, condition numbers and backward errors.
 
     Where contact forces are unknowns, one step of inverse iteration gives displacements that obey
-    the contact, and the forces.
+    the contact, and the forces. With the residual r and the shift sigma,
+
+        abs(kappa - sigma) || (K - sigma M)^-1 r ||_M
+
+    is the backward error of kappa in the inverse problem, which is the one that was solved; to it
+    rounding of the entries of K adds u abs(x)^T abs(K) abs(x).
 
     Parameters
     ----------
@@ -56,12 +63,10 @@ def checked(
         Eigenvalues (1/s^2), shape (n,).
     vectors
         Eigenvectors, the rows of this rank, shape (n_local, n). They are normalised in place.
-    largest
-        Upper end of the eigenvalues searched (1/s^2).
     """
     n, mass, comm = len(kappa), matrices.mass, matrices.stiffness.comm
     kappa, residuals, gram = kappa.copy(), np.empty(n), np.zeros((n, n), dtype=complex)
-    contact = []
+    errors, contact, sizes = np.empty(n), [], _Sizes(matrices)
     for block in column_blocks(n):
         x = vectors[:, block]
         f = np.empty((0, x.shape[1]), dtype=complex)
@@ -76,13 +81,49 @@ def checked(
             kappa[block] = columns_inner(x, force, comm).real
         else:
             gram[block, : block.stop] = all_inner(inertia, vectors[:, : block.stop], comm)
-        scale = np.maximum(np.abs(kappa[block]), _NEGLIGIBLE * largest)
-        residuals[block] = norms(force - inertia * kappa[block], comm) / (
-            scale * norms(inertia, comm)
-        )
+        rounding = np.finfo(float).eps * sizes.of(x, f)
+        defect = force - inertia * kappa[block]
+        scale = np.maximum(np.abs(kappa[block]), rounding)
+        residuals[block] = norms(defect, comm) / (scale * norms(inertia, comm))
+        step = solved(factors, defect)
+        length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
+        errors[block] = rounding + np.abs(kappa[block] - factors.kappa) * length
+    sizes.free()
     conditions = np.ones(n) if matrices.symmetric else _conditions(gram)
     nothing = np.empty((len(contact[0]) if contact else 0, 0), dtype=complex)
-    return Eigenpairs(kappa, vectors, np.hstack([nothing, *contact]), residuals, conditions)
+    return Eigenpairs(kappa, vectors, np.hstack([nothing, *contact]), residuals, conditions, errors)
+
+
+class _Sizes:
+    """abs(x)^T abs(K) abs(x): how large the parts are whose sum x^H K x is."""
+
+    def __init__(self, matrices: Matrices) -> None:
+        operator = matrices.operator()
+        self._stiffness = absolute(operator)
+        destroy(operator)
+        self._reaction = None
+        if matrices.multipliers is not None:
+            self._reaction = absolute(matrices.multipliers.reaction)
+        self._comm = self._stiffness.comm
+
+    def of(self, x: Complexes, f: Complexes) -> Floats:
+        """For columns of displacements and contact forces, shape (n,)."""
+        size = np.abs(x).astype(complex)
+        force = times(self._stiffness, size)
+        if self._reaction is not None:
+            force += 2 * transposed_times(self._reaction, np.abs(f).astype(complex))
+        return columns_inner(size, force, self._comm).real
+
+    def free(self) -> None:
+        """Free the matrices."""
+        destroy(self._stiffness, *([self._reaction] if self._reaction is not None else []))
+
+
+def solved(factors: Shifted, columns: Complexes) -> Complexes:
+    """(K - sigma M)^-1 times a block of complex columns."""
+    n = columns.shape[1]
+    parts = factors.solve_block(np.hstack([columns.real, columns.imag]))
+    return parts[:, :n] + 1j * parts[:, n:]
 
 
 def inverse_step(

@@ -66,6 +66,9 @@ class Mumps:
             factor = self._pc.getFactorMatrix()
             factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
             factor.setMumpsIcntl(24, 1)
+        elif not symmetric:
+            self._pc.setFactorSetUpSolverType()
+            self._pc.getFactorMatrix().setMumpsIcntl(33, 1)  # its determinant
         self._pc.setUp()
         reason: Any = self._pc.getFailedReason()
         if reason != PETSc.PC.FailedReason.NOERROR:
@@ -97,6 +100,10 @@ class Mumps:
         """Number of negative eigenvalues of a symmetric A, by its inertia."""
         negative, _, _ = self._pc.getFactorMatrix().getInertia()
         return int(negative)
+
+    def sign(self) -> int:
+        """Sign of the determinant of an unsymmetric A."""
+        return int(np.sign(self._pc.getFactorMatrix().getMumpsRinfog(12)))
 
     def free(self) -> None:
         """Free the factors and the matrix."""

@@ -6,6 +6,7 @@ bodies, and keeps inertia counts and factors for the solves that follow.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, Self
 
 import numpy as np
@@ -13,19 +14,18 @@ import numpy as np
 from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.search import Search
+from cea.eigen.nearest import NearestSearch
+from cea.eigen.search import WindowSearch, upper_end
 from cea.eigen.sensitivity import LeftVectors, biorthonormal
 from cea.eigen.shifted import Shifted, count_below
 from cea.eigen.spectrum import Window
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
 
-_MARGIN = 1.05
-"""Radius of the searched disc relative to half the window: room for growth at its upper end."""
 _NEARBY_STEPS = 3
 """Steps of refinement up to which factors of nearby parameters are worth keeping."""
-_INSIDE = 1 - 1e-9
-"""Part of the radius of a disc within which eigenvalues on its rim do not lie."""
+_EDGE = 1e-9
+"""Rounding at the end of a window within which modes still belong to it."""
 
 
 class KrylovSchur:
@@ -112,43 +112,48 @@ class KrylovSchur:
             raise InputError("max_frequency", max_frequency, "a positive number (Hz)")
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         top = (2 * np.pi * max_frequency) ** 2
-        shift, radius = 0.5 * top, 0.5 * top * _MARGIN
+        shift, upper, counted = 0.5 * top, upper_end(top), None
         with timer("assembly"):
             matrices = self._matrices(values)
         with timer("factorisation"):
-            count = self._count(matrices, values, shift + radius)
             factors = self._factorised(matrices, values, shift)
-        search = Search(matrices, factors, self._tolerance, self._max_restarts, timer)
-        kappa, vectors, reached = search.disc(radius, count)
+            if matrices.symmetric:
+                counted = self._count(matrices, values, upper)
+        search = WindowSearch(
+            matrices,
+            partial(self._other_factors, matrices),
+            tolerance=self._tolerance,
+            max_restarts=self._max_restarts,
+            timer=timer,
+        )
+        if counted is None:
+            found = search.complex(factors, top)
+        else:
+            found = search.real(factors, top, counted)
         self.solves += 1
-        found_below = int(np.sum(kappa.real < shift + radius))
+        kappa, vectors = found.subspace.eigenpairs()
         window = Window(
             max_frequency=max_frequency,
             shift=shift,
-            radius=reached,
-            found=int(np.sum(np.abs(kappa - shift) <= reached)),
-            upper=shift + radius,
-            found_below=found_below,
-            symmetric_count=count,
-            max_growth=_growth_covered(top, shift, reached),
+            radius=found.discs[0].radius,
+            found=len(kappa),
+            discs=len(found.discs),
+            max_growth=np.inf if found.bounded else float(np.sqrt(max(found.depth, 0.0))),
+            bounded=found.bounded,
+            odd=found.odd,
+            upper=upper,
+            found_below=int(np.sum(kappa.real < upper)),
+            symmetric_count=counted,
         )
+        inside = np.abs(kappa) + kappa.real <= 2 * top * (1 + _EDGE)
         with timer("post-processing"):
-            pairs = checked(matrices, factors, kappa, vectors, window.upper)
-        left_vectors = None
-        if left and reached >= radius:
-            left_vectors = self._left(matrices, factors, pairs, timer)
+            pairs = checked(matrices, factors, kappa[inside], vectors[:, inside])
+        left_vectors = self._left(matrices, factors, pairs, search, timer) if left else None
         modes = modes_of(self.pencil, values, matrices, pairs, left_vectors, window)
-        if reached < radius:
+        if counted is not None and not window.complete:
             raise ConvergenceError(
-                f"{len(kappa)} eigenvalues converged; they fill a disc of radius {reached:.4g} "
-                f"about kappa = {shift:.4g}, {radius:.4g} is needed for every mode to "
-                f"{max_frequency:g} Hz",
-                best=modes,
-            )
-        if matrices.symmetric and found_below != count:
-            raise ConvergenceError(
-                f"{found_below} eigenvalues found below kappa = {window.upper:.6g}, "
-                f"the inertia of S - kappa M counts {count}",
+                f"{window.found_below} eigenvalues found below kappa = {upper:.6g}, "
+                f"the inertia of S - kappa M counts {counted}",
                 best=modes,
             )
         return modes
@@ -186,22 +191,24 @@ class KrylovSchur:
             matrices = self._matrices(values)
         with timer("factorisation"):
             factors = self._nearby(matrices, values, kappa)
-        search = Search(matrices, factors, self._tolerance, self._max_restarts, timer)
+        search = NearestSearch(matrices, factors, self._tolerance, self._max_restarts, timer)
         found, vectors = search.nearest(wanted)
         self.solves += 1
-        radius = float(np.abs(found - kappa).max(initial=0.0))
         window = Window(
             max_frequency=np.inf,
             shift=kappa,
-            radius=radius,
+            radius=float(np.abs(found - kappa).max(initial=0.0)),
             found=len(found),
-            upper=kappa + radius,
+            discs=1,
+            max_growth=0.0,
+            bounded=False,
+            odd=False,
+            upper=np.inf,
             found_below=len(found),
             symmetric_count=None,
-            max_growth=0.0,
         )
         with timer("post-processing"):
-            pairs = checked(matrices, factors, found, vectors, abs(kappa) + radius)
+            pairs = checked(matrices, factors, found, vectors)
         if factors is not self._factors:
             factors.free()
         return modes_of(self.pencil, values, matrices, pairs, None, window)
@@ -246,22 +253,23 @@ class KrylovSchur:
             refined.free()
         return self._factorised(matrices, values, kappa)
 
+    def _other_factors(self, matrices: Matrices, kappa: float) -> Shifted:
+        """Factors at a shift that are not kept."""
+        self.factorisations += 1
+        return Shifted(matrices, kappa)
+
     def _left(
         self,
         matrices: Matrices,
         factors: Shifted,
         pairs: Eigenpairs,
+        search: WindowSearch,
         timer: StageTimer,
     ) -> LeftVectors:
-        """Left vectors of eigenpairs that fill a disc: the transposed problem fills the same."""
+        """Left vectors of the eigenpairs found."""
         if matrices.symmetric:
             return LeftVectors(pairs.vectors, pairs.forces)
-        search = Search(
-            matrices, factors, self._tolerance, self._max_restarts, timer, transposed=True
-        )
-        radius = _INSIDE * float(np.abs(pairs.kappa - factors.kappa).max(initial=0.0))
-        count = int(np.sum(pairs.kappa.real < factors.kappa + radius))
-        kappa, vectors, _ = search.disc(radius, count)
+        kappa, vectors = search.left()
         with timer("post-processing"):
             y = biorthonormal(matrices.mass, pairs.kappa, pairs.vectors, kappa, vectors)
             g = np.empty((0, len(pairs.kappa)), dtype=complex)
@@ -287,11 +295,3 @@ def solve_modes(
     with KrylovSchur(pencil, tolerance=tolerance, max_restarts=max_restarts) as driver:
         return driver.solve(max_frequency, changes, left=left, timer=timer)
 
-
-def _growth_covered(top: float, shift: float, radius: float) -> float:
-    """Largest Re lambda at Im lambda = sqrt(top) with abs(-lambda^2 - shift) <= radius."""
-    if not np.isfinite(radius):
-        return float("inf")
-    b, c = 2 * (top + shift), (top - shift) ** 2 - radius**2
-    square = 0.5 * (-b + np.sqrt(b * b - 4 * c))
-    return float(np.sqrt(max(square, 0.0)))

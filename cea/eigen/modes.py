@@ -1,7 +1,7 @@
 """Modes of a complex eigenvalue analysis."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,11 +11,11 @@ from cea.eigen.eigenpairs import Eigenpairs
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.sensitivity import LeftVectors, derivatives, dual_norms
 from cea.eigen.spectrum import Spectrum, Window
-from cea.errors import InputError
+from cea.errors import ConvergenceError, InputError
 from cea.warned import ResultWarning
 
-_LARGE_RESIDUAL = 1e-6
-"""Relative residual above which a mode is warned of."""
+_NO_MODE = 0.5
+"""Uncertainty of lambda, relative to its speed, above which it is no mode at all."""
 
 
 @dataclass(frozen=True)
@@ -105,10 +105,11 @@ def modes_of(
     conditions = pairs.conditions
     if left is not None and not matrices.symmetric:  # y^H M x = 1 and x^H M x = 1
         conditions = dual_norms(matrices.mass, left.vectors)
-    return Modes(
+    modes = Modes(
         eigenvalues=eigenvalues[order],
         residuals=pairs.residuals[order],
         conditions=conditions[order],
+        growth_uncertainties=_uncertainties(eigenvalues, pairs.errors * conditions)[order],
         vectors=pairs.vectors[:, order],
         forces=pairs.forces[:, order],
         left=left[order] if left is not None else None,
@@ -116,29 +117,43 @@ def modes_of(
         window=window,
         pencil=pencil,
         values=values,
-        warnings=_warnings(window, pairs.residuals[order]),
     )
-
-
-def _warnings(window: Window, residuals: Floats) -> tuple[ResultWarning, ...]:
-    """What modes must be read with."""
-    warnings = []
-    if window.symmetric_count is not None and window.found_below != window.symmetric_count:
-        warnings.append(
-            ResultWarning(
-                "count-differs",
-                f"{window.found_below} eigenvalues found where the symmetric part counts "
-                f"{window.symmetric_count}: friction moved the others, or they were missed",
-                {"found": window.found_below, "counted": window.symmetric_count},
-            )
+    lost = int(np.sum(modes.growth_uncertainties > _NO_MODE * modes.speeds))
+    if lost:
+        worst = float((modes.growth_uncertainties / modes.speeds).max())
+        raise ConvergenceError(
+            f"{lost} of {len(modes)} modes are lost to rounding: their errors come to {worst:.1e} "
+            "times themselves; stiffnesses, sizes or elements of this system are too far apart",
+            best=modes,
         )
-    worst = float(residuals.max(initial=0.0))
-    if worst > _LARGE_RESIDUAL:
+    return replace(modes, warnings=_warnings(modes))
+
+
+def _uncertainties(eigenvalues: Complexes, errors: Floats) -> Floats:
+    """Errors of lambda (1/s) that errors of lambda^2 make: their half relative, or their root."""
+    sizes = np.maximum(np.abs(eigenvalues), np.finfo(float).tiny)
+    return np.minimum(errors / (2 * sizes), np.sqrt(errors))
+
+
+def _warnings(modes: Modes) -> tuple[ResultWarning, ...]:
+    """What modes must be read with."""
+    warnings, window = [], modes.window
+    if np.isfinite(window.max_frequency) and not window.complete:
+        message = (
+            "the sign of a determinant shows that a mode of growth without oscillation is missing"
+            if window.odd
+            else f"modes that grow faster than {window.max_growth:.3g} 1/s are not excluded"
+        )
+        data = {"max_growth": window.max_growth, "odd": window.odd}
+        warnings.append(ResultWarning("window-not-complete", message, data))
+    unsure = np.flatnonzero(~modes.trusted)
+    if len(unsure):
+        worst = float((modes.growth_uncertainties / modes.speeds)[unsure].max())
         warnings.append(
             ResultWarning(
-                "residual",
-                f"the largest residual of a mode is {worst:.1e}: it is not to be trusted",
-                {"largest": worst, "modes": int((residuals > _LARGE_RESIDUAL).sum())},
+                "not-trusted",
+                f"{len(unsure)} modes are uncertain by up to {worst:.1e} of themselves",
+                {"modes": (unsure + 1).tolist(), "worst": worst},
             )
         )
     return tuple(warnings)

@@ -1,203 +1,265 @@
-"""Search for the eigenvalues around a shift, outwards until a disc is full."""
+"""Search of a window: every eigenvalue in it, its copies too, and what shows that none is missing.
 
-from typing import Any
+Eigenvalues around the middle of the window come first. A second shift, left of all of them, then
+covers the whole window with another disc: it looks beside what was found, in random directions,
+until it finds nothing more. Where friction might move eigenvalues farther to the left than that
+disc reaches, further discs follow.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
-from cea.body import Complexes, Floats
-from cea.eigen.factorisation import Applied
+from cea.body import Complexes
+from cea.eigen.block_krylov import BlockKrylov, InvariantSubspace
+from cea.eigen.coverage import bounded_below, distance_within, touching_disc
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
-from cea.matrices import destroy
-from cea.petsc import PETSc, SLEPc
 from cea.timing import StageTimer
 
-_SPARE = 2
-"""Eigenvalues asked for beyond the inertia count."""
-_MAX_PASSES = 8
-"""Krylov runs, each larger than the last or beside the copies already found."""
+_MARGIN = 1.05
+"""Radius of the disc about the middle of the window relative to half the window."""
+_DEPTH = 0.1
+"""Depth X of the first covering disc relative to omega^2, where friction reaches no farther."""
+_DEEP = 3.0
+"""The same where friction may reach farther: modes that grow by 1.7 omega."""
+_DEEPER = 5.0
+"""Growth of the depth from one covering disc to the next."""
+_REACHED = 0.8
+"""Part of the depth of a disc that it answers for."""
+_SMALL = 10_000
+"""Unknowns up to which covering discs are cheap."""
+_MOST_DISCS = {True: 16, False: 3}
+"""Most covering discs of small systems, and of others."""
+_MOST_SEARCHES = 20
+"""Searches of one disc, each beside what those before it found."""
+_INSIDE = 1 + 1e-9
+"""Radius of a disc of left eigenvalues relative to the farthest right one in it."""
 
 
-class Search:
-    """Krylov-Schur runs of SLEPc on A(shift)^-1 M, or on its transposed problem.
+@dataclass(frozen=True)
+class Disc:
+    """A disc of kappa = -lambda^2 in which every eigenvalue was found.
+
+    Parameters
+    ----------
+    centre, radius
+        In 1/s^2.
+    found
+        Eigenvalues in it.
+    """
+
+    centre: float
+    radius: float
+    found: int
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search of a window found.
+
+    Parameters
+    ----------
+    subspace
+        Invariant subspace of the eigenvalues found.
+    discs
+        Discs that are full.
+    depth
+        Every eigenvalue of the window with Re kappa >= -depth was found (1/s^2).
+    bounded
+        Whether no eigenvalue of the window has Re kappa < -depth.
+    odd
+        Whether the sign of a determinant shows that a real kappa is missing.
+    """
+
+    subspace: InvariantSubspace
+    discs: tuple[Disc, ...]
+    depth: float
+    bounded: bool
+    odd: bool = False
+
+
+class WindowSearch:
+    """Searches of the windows of one pencil at given parameters.
 
     Parameters
     ----------
     matrices
         The pencil at given parameters.
-    factors
-        The pencil factorised at the shift.
-    tolerance
-        Relative tolerance on 1 / (kappa - shift).
-    max_restarts
-        Restarts before a run is given up.
+    factorised
+        Factorises it at a shift; the search frees what it asked for.
+    tolerance, max_restarts
+        Of each search (:class:`cea.eigen.block_krylov.BlockKrylov`).
     timer
-        Counts krylov.
-    transposed
-        Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
+        Counts factorisation and krylov.
     """
 
     def __init__(
         self,
         matrices: Matrices,
-        factors: Shifted,
+        factorised: Callable[[float], Shifted],
+        *,
         tolerance: float,
         max_restarts: int,
         timer: StageTimer,
-        *,
-        transposed: bool = False,
     ) -> None:
-        self._matrices = matrices
-        self._size = matrices.size - matrices.tied
-        self._shift = factors.kappa
-        self._inverse = Applied(factors, transposed=transposed)
+        self._matrices, self._factorised = matrices, factorised
+        self._finite = matrices.size - matrices.tied
         self._limits = tolerance, max_restarts
         self._timer = timer
+        self._discs: list[Disc] = []
+        self._farthest: dict[float, float] = {}
 
-    def nearest(self, wanted: int) -> tuple[Complexes, Complexes]:
-        """So many eigenvalues nearest to the shift, or a few more, and their vectors.
-
-        Raises
-        ------
-        ConvergenceError
-            When fewer converge.
-        """
-        wanted = min(wanted, self._size)
-        kappa, vectors = self._krylov(wanted, 3 * wanted)
-        if len(kappa) < wanted:
-            raise ConvergenceError(f"{len(kappa)} of {wanted} eigenvalues converged", best=kappa)
-        return kappa, vectors
-
-    def disc(self, radius: float, count: int) -> tuple[Complexes, Complexes, float]:
-        """Eigenpairs outwards from the shift until the disc is full.
-
-        A Krylov space holds one vector of a multiple eigenvalue and meets further copies by
-        rounding only. Where fewer are found than the inertia counts, it is searched beside those
-        found: a symmetric problem has then more of them. An unsymmetric one may have lost them to
-        friction; if not, it is searched once more in a larger space.
+    def real(self, factors: Shifted, top: float, counted: int) -> Found:
+        """A window of a symmetric pencil: all that the inertia counts.
 
         Parameters
         ----------
-        radius
-            Radius of the disc (1/s^2).
-        count
-            Eigenvalues that are expected below its upper end.
-
-        Returns
-        -------
-        tuple
-            kappa, vectors, and the radius of the disc that is full.
+        factors
+            The pencil factorised in the middle of the window.
+        top
+            Upper end omega^2 (1/s^2).
+        counted
+            Eigenvalues below :func:`upper_end`, by inertia.
         """
-        size = self._size
-        wanted = min(count + _SPARE, size)
-        kappa, vectors = self._krylov(wanted, _basis(wanted))
-        for _ in range(_MAX_PASSES):
-            if len(kappa) < wanted or wanted == size or self._reach(kappa) >= radius:
+        upper = upper_end(top)
+        radius = upper - factors.kappa
+        known = self._filled(factors, self._nothing(), radius, searches=1)
+        for seed in range(1, _MOST_SEARCHES):
+            if _below(known, upper) >= counted:
                 break
-            wanted = min(size, wanted + max(4, wanted // 4))
-            kappa, vectors = self._krylov(wanted, _basis(wanted))
-        reached = np.inf if len(kappa) >= size else self._reach(kappa)
+            known = self._filled(factors, known, radius, searches=1, seed=seed)
+        depth = radius - factors.kappa
+        while _below(known, upper) < counted and len(self._discs) < _MOST_DISCS[True]:
+            depth = _DEEPER * max(depth, top)  # a stiffness that is not positive definite
+            known, _ = self._covered(known, top, depth, right=upper)
+        return self._found(known, depth, bounded=_below(known, upper) == counted)
 
-        for _ in range(_MAX_PASSES):
-            missing = count - int(np.sum(kappa.real < self._shift + radius))
-            if missing <= 0 or reached < radius or len(kappa) >= size:
-                break
-            others, beside = self._krylov(missing, _basis(missing), found=(kappa, vectors))
-            if self._matrices.symmetric:
-                kappa, vectors = np.append(kappa, others), np.hstack([vectors, beside])
-                continue
-            if (np.abs(others - self._shift) < radius).any():
-                wanted = min(size, len(kappa) + missing)
-                larger = self._krylov(wanted, max(4 * wanted, wanted + 16))
-                if len(larger[0]) > len(kappa):
-                    kappa, vectors = larger
-                    reached = min(reached, self._reach(kappa))
-            break
-        return kappa, vectors, float(reached)
+    def complex(self, factors: Shifted, top: float) -> Found:
+        """A window of a pencil with friction.
 
-    def _reach(self, kappa: Complexes) -> float:
-        return float(np.abs(kappa - self._shift).max(initial=0.0))
-
-    def _krylov(
-        self, wanted: int, basis: int, found: tuple[Complexes, Complexes] | None = None
-    ) -> tuple[Complexes, Complexes]:
-        """One run for the eigenvalues nearest the shift.
-
-        Beside eigenpairs already found, the run stays outside their invariant subspace: what it
-        finds are eigenvalues of the whole problem, its vectors eigenvectors only if that is
-        symmetric.
+        Parameters
+        ----------
+        factors
+            The pencil factorised in the middle of the window.
+        top
+            Upper end omega^2 (1/s^2).
         """
-        solver = self._solver()
-        size = self._matrices.size
-        ncv = min(basis, size)
-        solver.setDimensions(nev=wanted, ncv=ncv, mpd=ncv)
-        deflated = _real_basis(self._matrices.mass, *found) if found is not None else []
-        if deflated:
-            solver.setDeflationSpace(deflated)
-        with self._timer("krylov"):
-            solver.solve()
-            kappa, vectors = _eigenpairs(solver, self._matrices.mass)
-        destroy(solver, *deflated)
-        finite = self._size - (len(found[0]) if found is not None else 0)
-        return kappa[:finite], vectors[:, :finite]  # ties have infinite ones, found last
+        radius = upper_end(top) - factors.kappa
+        known = self._filled(factors, self._nothing(), radius, searches=1)
+        most = _MOST_DISCS[self._matrices.size <= _SMALL]
+        depth, reached, odd = _DEPTH * top, -top, False
+        bounded = self._bounded(depth)
+        if not bounded:
+            depth = _DEEP * top
+        while known.size < self._finite:
+            known, odd = self._covered(
+                known, top, depth, left=1.0 if bounded else _REACHED, right=-reached
+            )
+            reached = depth if bounded else _REACHED * depth
+            bounded = bounded or self._bounded(reached)
+            covering = len(self._discs) - 1
+            if (bounded and not odd) or covering >= (_MOST_DISCS[True] if odd else most):
+                break
+            depth *= _DEEPER
+        else:
+            reached, bounded, odd = np.inf, True, False
+        return self._found(known, reached, bounded=bounded, odd=odd)
 
-    def _solver(self) -> Any:
-        solver: Any = SLEPc.EPS().create(self._matrices.stiffness.comm)
-        # Of K only the factors are used: the first operator stands for its size.
-        solver.setOperators(self._matrices.stiffness, self._matrices.mass)
-        kind: Any = SLEPc.EPS.ProblemType
-        solver.setProblemType(kind.GHEP if self._matrices.symmetric else kind.GNHEP)
-        solver.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
-        solver.setPurify(False)  # the mass is nonsingular: nothing to purify
-        solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-        solver.setTarget(self._shift)
+    def left(self) -> tuple[Complexes, Complexes]:
+        """Left eigenvectors, with the conjugates of their eigenvalues, of all that was found."""
+        known = self._nothing()
+        for shift, distance in self._farthest.items():
+            with self._timer("factorisation"):
+                factors = self._factorised(shift)
+            known = self._filled(
+                factors, known, _INSIDE * distance, searches=_MOST_SEARCHES, transposed=True
+            )
+            factors.free()
+        return known.eigenpairs()
+
+    def _covered(
+        self,
+        known: InvariantSubspace,
+        top: float,
+        depth: float,
+        *,
+        right: float,
+        left: float = 1.0,
+    ) -> tuple[InvariantSubspace, bool]:
+        """What lies between two real parts; and whether a determinant shows that one is missing."""
+        centre = touching_disc(top, depth)
+        radius = distance_within(top, centre, -left * depth, right)
+        with self._timer("factorisation"):
+            factors = self._factorised(centre)
+        known = self._filled(factors, known, radius)
+        sign = factors.parity()
+        factors.free()
+        return known, sign is not None and sign != _below(known, centre) % 2
+
+    def _filled(
+        self,
+        factors: Shifted,
+        known: InvariantSubspace,
+        radius: float,
+        *,
+        searches: int = _MOST_SEARCHES,
+        seed: int = 0,
+        transposed: bool = False,
+    ) -> InvariantSubspace:
+        """Search a disc, again and again beside what was found, until nothing more is."""
         tolerance, max_restarts = self._limits
-        solver.setTolerances(tol=tolerance, max_it=max_restarts)
-        transform = solver.getST()
-        transform.setType(SLEPc.ST.Type.SINVERT)
-        transform.setShift(self._shift)
-        transform.setMatMode(SLEPc.ST.MatMode.SHELL)
-        krylov = transform.getKSP()
-        krylov.setType(PETSc.KSP.Type.PREONLY)
-        pc = krylov.getPC()
-        pc.setType(PETSc.PC.Type.PYTHON)
-        pc.setPythonContext(self._inverse)
-        return solver
+        krylov = BlockKrylov(
+            self._matrices.mass,
+            factors,
+            self._finite,
+            tolerance=tolerance,
+            max_restarts=max_restarts,
+            timer=self._timer,
+            transposed=transposed,
+        )
+        for attempt in range(searches):
+            before = known.size
+            known = krylov.search(known, radius, seed + attempt)
+            kappa = known.eigenvalues()
+            new = np.abs(known.eigenvalues(before) - factors.kappa)
+            if not transposed and len(new):
+                farthest = max(self._farthest.get(factors.kappa, 0.0), float(new.max()))
+                self._farthest[factors.kappa] = farthest
+            if not (new < radius).any():
+                break
+        else:
+            if searches == _MOST_SEARCHES:
+                raise ConvergenceError(
+                    f"the disc of radius {radius:.4g} about kappa = {factors.kappa:.4g} is not "
+                    f"full after {searches} searches",
+                    best=known,
+                )
+        if not transposed:
+            inside = int(np.sum(np.abs(kappa - factors.kappa) < radius))
+            self._discs.append(Disc(factors.kappa, radius, inside))
+        return known
+
+    def _bounded(self, depth: float) -> bool:
+        with self._timer("factorisation"):
+            return bounded_below(self._matrices, depth)
+
+    def _nothing(self) -> InvariantSubspace:
+        rows = self._matrices.stiffness.getLocalSize()[0]
+        return InvariantSubspace.empty(rows, symmetric=self._matrices.symmetric)
+
+    def _found(
+        self, known: InvariantSubspace, depth: float, *, bounded: bool, odd: bool = False
+    ) -> Found:
+        return Found(known, tuple(self._discs), depth, bounded, odd)
 
 
-def _basis(wanted: int) -> int:
-    """Vectors of a Krylov space in which so many eigenvalues converge."""
-    return max(2 * wanted, wanted + 16)
+def upper_end(top: float) -> float:
+    """Upper end of the disc about the middle of a window that ends at omega^2 (1/s^2)."""
+    return 0.5 * top * (1 + _MARGIN)
 
 
-def _real_basis(mass: Any, kappa: Complexes, vectors: Complexes) -> list[Any]:
-    """Real PETSc vectors that span eigenvectors with their conjugates."""
-    columns = [*vectors[:, kappa.imag >= 0].real.T, *vectors[:, kappa.imag > 0].imag.T]
-    return [_as_vector(mass, column) for column in columns]
-
-
-def _as_vector(mass: Any, values: Floats) -> Any:
-    vector = mass.createVecRight()
-    vector.array[:] = values
-    return vector
-
-
-def _eigenpairs(solver: Any, mass: Any) -> tuple[Complexes, Complexes]:
-    """Converged kappa and vectors; a complex pair is read once and its conjugate added."""
-    converged = solver.getConverged()
-    real, imaginary = mass.createVecRight(), mass.createVecRight()
-    values = np.empty(converged, dtype=complex)
-    vectors = np.empty((real.getLocalSize(), converged), dtype=complex, order="F")
-    i = 0
-    while i < converged:
-        values[i] = solver.getEigenpair(i, real, imaginary)
-        vectors[:, i] = real.array
-        if values[i].imag != 0:
-            vectors[:, i] += 1j * imaginary.array
-            if i + 1 < converged:
-                values[i + 1], vectors[:, i + 1] = values[i].conj(), vectors[:, i].conj()
-            i += 1
-        i += 1
-    destroy(real, imaginary)
-    return values, vectors
+def _below(known: InvariantSubspace, kappa: float) -> int:
+    return int(np.sum(known.eigenvalues().real < kappa))

@@ -19,7 +19,7 @@ from cea.eigen.factorisation import Mumps, Refined
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.pencil import Matrices
 from cea.matrices import destroy
-from cea.petsc import PETSc
+from cea.petsc import MPI, PETSc
 
 
 class Shifted:
@@ -47,9 +47,11 @@ class Shifted:
         operator = matrices.operator(kappa)
         self._local = operator.getLocalSize()[0]
         self._multipliers = matrices.multipliers
+        self._symmetric = matrices.symmetric
+        self._comm = matrices.stiffness.comm.tompi4py()
         self._scale = 1.0
         if self._multipliers is not None:
-            self._scale = near._scale if near else _scale(operator, self._multipliers)
+            self._scale = near._scale if near else force_scale(operator, self._multipliers)
             whole = _bordered(
                 operator, self._multipliers, self._scale, symmetric=matrices.symmetric
             )
@@ -94,6 +96,23 @@ class Shifted:
         solution = self._factors.solve_block(whole, transposed=transposed)
         return solution[: self._local], solution[self._local :] * self._scale
 
+    def parity(self) -> int | None:
+        """Whether the number of real eigenvalues kappa below the shift is odd (1) or even (0).
+
+        The determinant of A(kappa) has the sign of (-1)^m, m contact forces, far to the left, and
+        changes it at each real eigenvalue. None where that is not known: for a symmetric pencil,
+        refined factors, forces without compliance.
+        """
+        if self._symmetric or isinstance(self._factors, Refined):
+            return None
+        forces = 0
+        if self._multipliers is not None:
+            tied = bool((self._multipliers.compliance.array_r == 0).any())
+            if self._comm.allreduce(tied, MPI.LOR):
+                return None
+            forces = self._multipliers.size
+        return int(self._factors.sign() != (-1) ** forces)
+
     def steps(self) -> int:
         """Steps that a system takes: 1 with factors of its own."""
         return self._factors.steps()
@@ -118,7 +137,7 @@ def count_below(matrices: Matrices, kappa: float) -> int:
     extra = 0
     if matrices.multipliers is not None:
         symmetric = replace(matrices.multipliers, reaction=matrices.multipliers.closure)
-        scale = _scale(shifted, symmetric)
+        scale = force_scale(shifted, symmetric)
         bordered = _bordered(shifted, symmetric, scale, symmetric=True)
         destroy(shifted)
         shifted, extra = bordered, symmetric.size
@@ -128,7 +147,7 @@ def count_below(matrices: Matrices, kappa: float) -> int:
     return negative - extra
 
 
-def _scale(operator: Any, multipliers: Multipliers) -> float:
+def force_scale(operator: Any, multipliers: Multipliers) -> float:
     """Factor on multipliers that makes rows of J as large as those of the bodies."""
     closure: Any = multipliers.closure
     diagonal = operator.getDiagonal()

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,54 +10,84 @@ from numpy.typing import NDArray
 from cea.body import Complexes, Floats
 from cea.warned import ResultWarning
 
+Verdict = Literal["stable", "unstable", "undecided"]
+
+RELATIVE_GROWTH = 1e-4
+"""Growth rate relative to abs(lambda) above which a mode is called unstable by default."""
+_SLOW = 0.1
+"""Modes slower than this part of the window are judged by it: rigid motions have no speed."""
+_TRUSTED = 1e-2
+"""Uncertainty of lambda, relative likewise, up to which a mode is trusted."""
+
 
 @dataclass(frozen=True)
 class Window:
     """What was searched, and why it is believed complete.
 
+    A window holds the modes with 0 <= Im lambda <= omega of any growth; kappa = -lambda^2.
+
     Parameters
     ----------
     max_frequency
-        Upper end (Hz) of the modes asked for.
-    shift
-        Centre sigma of the searched disc of kappa = -lambda^2 (1/s^2).
-    radius
-        Every kappa with abs(kappa - shift) < radius was found (1/s^2).
+        omega / (2 pi) (Hz).
+    shift, radius
+        Disc about the middle of the window in which every kappa was found (1/s^2).
     found
-        Number of eigenvalues in the disc.
+        Number of eigenvalues kappa found, in all discs and around them.
+    discs
+        Number of discs, this one included.
+    max_growth
+        Growth rate (1/s) up to which every mode of the window was found; infinite where none can
+        grow faster.
+    bounded
+        Whether it was shown that none can grow faster.
+    odd
+        Whether the sign of a determinant shows that a real kappa was not found.
     upper
         Upper end of kappa for the count (1/s^2), a little above the window's.
     found_below
         Eigenvalues found with Re kappa below ``upper``.
     symmetric_count
-        Eigenvalues of S x = kappa M x, without friction, below ``upper``, by inertia; None where
-        they were not counted.
-    max_growth
-        Largest growth rate (1/s) a mode at the upper end can have and still lie in the disc.
+        Without friction, eigenvalues below ``upper`` by inertia; None with friction, where
+        nothing counts them.
     """
 
     max_frequency: float
     shift: float
     radius: float
     found: int
+    discs: int
+    max_growth: float
+    bounded: bool
+    odd: bool
     upper: float
     found_below: int
     symmetric_count: int | None
-    max_growth: float
+
+    @property
+    def complete(self) -> bool:
+        """Whether every mode of the window was found, whatever its growth."""
+        if self.symmetric_count is not None:
+            return self.found_below == self.symmetric_count
+        return self.bounded and not self.odd
 
     @property
     def evidence(self) -> str:
-        """Why the window is believed complete, in words."""
-        disc = (
-            f"shift-and-invert converged outwards to all {self.found} eigenvalues in the disc "
-            f"|kappa - {self.shift:.5g}| <= {self.radius:.5g}"
+        """Why the window is believed complete, or how far it is not, in words."""
+        if self.symmetric_count is not None:
+            return (
+                f"below kappa = {self.upper:.5g} {self.found_below} eigenvalues were found, and "
+                f"the inertia of S - kappa M counts {self.symmetric_count}"
+            )
+        found = (
+            f"{self.found} eigenvalues fill {self.discs} disc{'s' * (self.discs > 1)}, the last "
+            "of which was searched beside them until nothing more was found"
         )
-        if self.symmetric_count is None:
-            return disc
-        return (
-            f"{disc}; below kappa = {self.upper:.5g} it found {self.found_below}, and the inertia "
-            f"of the symmetric part counts {self.symmetric_count}"
-        )
+        if self.odd:
+            return f"{found}; the sign of a determinant shows that a real one is missing"
+        if self.bounded:
+            return f"{found}; the field of values shows that none lies outside"
+        return f"{found}; modes that grow faster than {self.max_growth:.4g} 1/s are not excluded"
 
 
 @dataclass(frozen=True)
@@ -73,6 +103,9 @@ class Spectrum:
     conditions
         Condition numbers of lambda^2 in the M-norm, shape (n,): 1 for a symmetric problem, large
         near a coalescence. Without left vectors, those within the computed invariant subspace.
+    growth_uncertainties
+        What backward error and rounding of the matrices, times the condition, can make of lambda
+        (1/s), shape (n,).
     window
         What was searched.
     warnings
@@ -82,6 +115,7 @@ class Spectrum:
     eigenvalues: Complexes
     residuals: Floats
     conditions: Floats
+    growth_uncertainties: Floats
     window: Window
     warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
 
@@ -102,49 +136,91 @@ class Spectrum:
         return self.eigenvalues.real
 
     @property
-    def growth_uncertainties(self) -> Floats:
-        """Growth rates (1/s) that backward error times condition can explain.
+    def speeds(self) -> Floats:
+        """abs(lambda), but no less than a tenth of the window (1/s): what errors are relative to.
 
-        An error e of lambda^2 moves lambda by e / (2 abs(lambda)), or by sqrt(e) near 0. Near a
-        coalescence the condition number carries the square root of the rounding.
+        Rigid motions have lambda = 0 but for rounding, and no speed of their own.
         """
-        square = np.abs(self.eigenvalues) ** 2
-        floor = np.maximum(np.abs(self.eigenvalues), np.finfo(float).tiny)
-        error = np.maximum(self.residuals, np.finfo(float).eps) * self.conditions * square
-        return np.minimum(error / (2 * floor), np.sqrt(error))
+        end = 2 * np.pi * self.window.max_frequency
+        sizes = np.abs(self.eigenvalues)
+        return np.maximum(sizes, _SLOW * end) if np.isfinite(end) else sizes
 
-    def unstable(self, threshold: float = 0.0) -> NDArray[np.bool_]:
-        """Modes that grow faster than a threshold (1/s) and than their errors explain, (n,)."""
-        return self.growth_rates > np.maximum(threshold, self.growth_uncertainties)
+    @property
+    def trusted(self) -> NDArray[np.bool_]:
+        """Modes that are known to a hundredth of their speed, shape (n,)."""
+        return self.growth_uncertainties <= _TRUSTED * self.speeds
 
-    def table(self, threshold: float = 0.0) -> list[dict[str, Any]]:
+    def thresholds(self, threshold: float | None = None) -> Floats:
+        """Growth rates (1/s) above which modes are called unstable, shape (n,).
+
+        Parameters
+        ----------
+        threshold
+            The same for all (1/s); None takes 1e-4 of :attr:`speeds`.
+        """
+        if threshold is None:
+            return RELATIVE_GROWTH * self.speeds
+        return np.full(len(self), float(threshold))
+
+    def unstable(self, threshold: float | None = None) -> NDArray[np.bool_]:
+        """Modes that grow faster than a threshold whatever their errors, shape (n,)."""
+        return self.growth_rates - self.growth_uncertainties > self.thresholds(threshold)
+
+    def verdicts(self, threshold: float | None = None) -> list[Verdict]:
+        """For each mode whether it is stable, unstable, or its errors leave that open."""
+        limits = self.thresholds(threshold)
+        above = self.growth_rates - self.growth_uncertainties > limits
+        below = self.trusted & (self.growth_rates + self.growth_uncertainties <= limits)
+        return [
+            "unstable" if grows else "stable" if decays else "undecided"
+            for grows, decays in zip(above.tolist(), below.tolist(), strict=True)
+        ]
+
+    def verdict(self, threshold: float | None = None) -> Verdict:
+        """Of the whole window: stable only where it is complete and every mode is stable."""
+        each = self.verdicts(threshold)
+        if "unstable" in each:
+            return "unstable"
+        return "stable" if self.window.complete and "undecided" not in each else "undecided"
+
+    def table(self, threshold: float | None = None) -> list[dict[str, Any]]:
         """A row for each mode: its number from 1, frequency (Hz), growth rate (1/s), errors.
 
         Parameters
         ----------
         threshold
-            Growth rate (1/s) above which a mode is called unstable.
+            Growth rate (1/s) above which a mode is called unstable; see :meth:`thresholds`.
         """
         columns: dict[str, Iterable[Any]] = {
             "mode": range(1, len(self) + 1),
             "frequency": self.frequencies.tolist(),
             "growth_rate": self.growth_rates.tolist(),
             "unstable": self.unstable(threshold).tolist(),
+            "verdict": self.verdicts(threshold),
+            "uncertainty": self.growth_uncertainties.tolist(),
             "residual": self.residuals.tolist(),
             "condition": self.conditions.tolist(),
         }
         return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
-    def text(self, threshold: float = 0.0) -> str:
-        """How many modes are unstable, and all of them in a table; a star marks unstable ones."""
-        count = int(self.unstable(threshold).sum())
+    def text(self, threshold: float | None = None) -> str:
+        """How many modes are unstable, and all of them in a table.
+
+        A star marks unstable modes, a question mark those whose errors leave it open.
+        """
+        rows = self.table(threshold)
+        count = sum(row["verdict"] == "unstable" for row in rows)
+        unsure = sum(row["verdict"] == "undecided" for row in rows)
         lines = [
-            f"{count} of {len(self)} modes up to {self.window.max_frequency:g} Hz unstable",
-            " mode  frequency (Hz)  growth rate (1/s)  residual  condition",
+            f"{count} of {len(self)} modes up to {self.window.max_frequency:g} Hz unstable"
+            + (f", {unsure} undecided" if unsure else ""),
+            " mode  frequency (Hz)  growth rate (1/s)  uncertainty  residual  condition",
         ]
+        signs = {"unstable": " *", "undecided": " ?", "stable": ""}
         lines += [
             f"{row['mode']:5d}  {row['frequency']:14.3f}  {row['growth_rate']:+17.3f}"
-            f"  {row['residual']:8.1e}  {row['condition']:9.1f}{' *' if row['unstable'] else ''}"
-            for row in self.table(threshold)
+            f"  {row['uncertainty']:11.1e}  {row['residual']:8.1e}  {row['condition']:9.1f}"
+            f"{signs[row['verdict']]}"
+            for row in rows
         ]
         return "\n".join(lines)

@@ -146,7 +146,7 @@ class _Follower:
     def start(self, value: float, frequency: float | None) -> None:
         """Choose the pair of a growing mode."""
         modes = self._all(value)
-        growing = np.flatnonzero(modes.unstable() & (modes.eigenvalues.imag > 0))
+        growing = np.flatnonzero(modes.unstable(0.0) & (modes.eigenvalues.imag > 0))
         if not len(growing):
             raise InputError("flutter", value, "a value at which a mode grows")
         if frequency is None:

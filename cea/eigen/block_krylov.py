@@ -1,0 +1,346 @@
+"""Block Krylov-Schur search: eigenvalues around a shift, from many start vectors at once.
+
+With OP = (K - sigma M)^-1 M eigenvalues near the shift sigma are the largest theta = 1 / (kappa -
+sigma). A block of random vectors spans the Krylov space: as many copies of an eigenvalue are found
+as the block has columns, and a block is solved for at a fraction of the price of its columns one by
+one. What has converged is locked; further searches stay outside of it,
+
+    OP [Q V] = [Q V] [ T  C ]
+                     [ 0  H ] + residual,
+
+so that Q and V together remain an invariant subspace, friction or not (Stewart, A Krylov-Schur
+algorithm for large eigenproblems, SIAM J. Matrix Anal. Appl. 23 (2002)).
+"""
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import schur
+
+from cea.body import Complexes, Floats
+from cea.eigen.blocks import image_of
+from cea.eigen.shifted import Shifted
+from cea.errors import ConvergenceError
+from cea.timing import StageTimer
+
+_BLOCK = 16
+"""Columns of a block."""
+_GROWTH = 1.3
+"""Growth of the Krylov space between two looks at its eigenvalues."""
+_RESTART = 2.5
+"""Size of the space, relative to the eigenvalues wanted of it, at which it is restarted."""
+_NOISE = 1e-13
+"""Part of a vector that projections leave below which it lies in the space already."""
+_PAIR = 1e-9
+"""Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
+_CLEAR = 3.0
+"""Residuals by which an eigenvalue outside a disc must lie outside."""
+
+
+@dataclass(frozen=True)
+class InvariantSubspace:
+    """Vectors Q, M-orthonormal, with M^-1 K Q = Q R.
+
+    Parameters
+    ----------
+    basis
+        Q, the rows of this rank, shape (n_local, k).
+    projected
+        R (1/s^2), shape (k, k), block upper triangular.
+    symmetric
+        Whether R is symmetric but for rounding, as without friction.
+    """
+
+    basis: Floats
+    projected: Floats
+    symmetric: bool
+
+    @classmethod
+    def empty(cls, rows: int, *, symmetric: bool) -> "InvariantSubspace":
+        """The subspace of nothing, with so many rows on this rank."""
+        return cls(np.empty((rows, 0)), np.empty((0, 0)), symmetric)
+
+    @property
+    def size(self) -> int:
+        """Number of eigenvalues, with multiplicity."""
+        return len(self.projected)
+
+    def eigenvalues(self, first: int = 0) -> Complexes:
+        """kappa, shape (k,), or those added since the subspace had a size."""
+        part = self.projected[first:, first:]
+        values = np.linalg.eigvalsh(_mean(part)) if self.symmetric else np.linalg.eigvals(part)
+        return values.astype(complex)
+
+    def eigenpairs(self) -> tuple[Complexes, Complexes]:
+        """kappa, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k)."""
+        if not self.size:
+            return np.empty(0, dtype=complex), np.empty((len(self.basis), 0), dtype=complex)
+        values, vectors = _eigenpairs(self.projected, symmetric=self.symmetric)
+        return values, (self.basis @ vectors).astype(complex)
+
+    def inverted(self, shift: float) -> Floats:
+        """(R - shift)^-1, what OP is on the subspace."""
+        return np.linalg.inv(self.projected - shift * np.eye(self.size))
+
+    def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: float) -> Self:
+        """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
+        upper = np.block(
+            [[self.inverted(shift), coupling], [np.zeros((len(form), self.size)), form]]
+        )
+        projected = np.linalg.inv(upper) + shift * np.eye(len(upper))
+        projected[self.size :, : self.size] = 0.0
+        return type(self)(np.hstack([self.basis, basis]), projected, self.symmetric)
+
+
+class BlockKrylov:
+    """Searches around one shift, beside what is known.
+
+    Parameters
+    ----------
+    mass
+        M, PETSc AIJ, symmetric positive definite.
+    factors
+        The pencil factorised at the shift.
+    finite
+        Number of finite eigenvalues of the pencil.
+    tolerance
+        Residual of OP relative to theta below which an eigenvalue has converged.
+    max_restarts
+        Restarts before a search is given up.
+    timer
+        Counts krylov.
+    transposed
+        Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
+    """
+
+    def __init__(
+        self,
+        mass: Any,
+        factors: Shifted,
+        finite: int,
+        *,
+        tolerance: float,
+        max_restarts: int,
+        timer: StageTimer,
+        transposed: bool = False,
+    ) -> None:
+        self._mass, self._factors, self._transposed = mass, factors, transposed
+        self._timer = timer
+        self.finite = finite
+        self.tolerance, self.max_restarts = tolerance, max_restarts
+        self.shift = factors.kappa
+        self.comm = mass.comm.tompi4py()
+
+    def search(self, known: InvariantSubspace, radius: float, seed: int = 0) -> InvariantSubspace:
+        """What is known together with what lies beside it in a disc, and a little around it.
+
+        It ends when every eigenvalue of the space inside the disc has converged and the first one
+        outside lies clearly outside, or when the space is exhausted.
+
+        Parameters
+        ----------
+        known
+            An invariant subspace found before, at any shift.
+        radius
+            Radius of the disc about the shift (1/s^2).
+        seed
+            Of the random start vectors.
+
+        Raises
+        ------
+        ConvergenceError
+            When the disc does not become full; ``best`` is the invariant subspace known so far.
+        """
+        with self._timer("krylov"):
+            return _Run(self, known, radius, seed).complete()
+
+    def apply(self, image: Floats) -> Floats:
+        """OP on a block whose product with M is given."""
+        return self._factors.solve_block(image, transposed=self._transposed)
+
+    def image(self, block: Floats) -> Floats:
+        """M times a block."""
+        return image_of(self._mass, block)
+
+    def inner(self, left: Floats, right: Floats) -> Floats:
+        """Inner products of every column of one block with every column of another."""
+        return self.comm.allreduce(left.T @ right)
+
+
+class _Run:
+    """One search: its Krylov space V, M-orthonormal and beside Q, with OP on it.
+
+    Vectors stand in one array: those of Q, those of V, and a block U that OP is applied to next,
+
+        OP V = Q C + [V U] H.
+    """
+
+    def __init__(
+        self, owner: BlockKrylov, known: InvariantSubspace, radius: float, seed: int
+    ) -> None:
+        self._owner, self._known = owner, known
+        self._least = 1.0 / radius
+        self._shift = owner.shift
+        self._room = owner.finite - known.size
+        self._vectors = np.empty((len(known.basis), known.size + 8 * _BLOCK), order="F")
+        self._vectors[:, : known.size] = known.basis
+        self._size = self._next = 0
+        self._coupling, self._operator = np.empty((known.size, 0)), np.empty((0, 0))
+        if self._room > 0:
+            columns = min(_BLOCK, self._room)
+            random = np.random.default_rng([seed, owner.comm.rank])
+            start = owner.image(random.standard_normal((len(known.basis), columns)))
+            self._append(owner.apply(start))
+
+    def complete(self) -> InvariantSubspace:
+        """The known with all that is in the disc."""
+        restarts, look = 0, 2 * _BLOCK
+        while self._room > 0:
+            exhausted = not self._next or self._size >= self._room
+            if self._size < look and not exhausted:
+                self._extend()
+                continue
+            theta, residuals = self._ritz()
+            inside = np.abs(theta) >= self._least
+            converged = residuals <= self._owner.tolerance * np.abs(theta)
+            if exhausted:
+                return self._locked(theta, np.ones_like(inside))
+            if converged[inside].all() and self._clear(theta, residuals, inside):
+                return self._locked(theta, converged)
+            wanted = int(inside.sum())
+            if self._size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
+                if restarts == self._owner.max_restarts:
+                    raise ConvergenceError(
+                        f"{int((inside & ~converged).sum())} eigenvalues in the disc of radius "
+                        f"{1 / self._least:.4g} about kappa = {self._shift:.4g} did not converge",
+                        best=self._locked(theta, converged),
+                    )
+                restarts += 1
+                self._restart(theta, wanted + 3 * _BLOCK)
+            look = max(self._size + _BLOCK, int(_GROWTH * self._size))
+        return self._known
+
+    def _extend(self) -> None:
+        """Take U into V, and OP U beside them as the next U."""
+        size, columns = self._size, self._next
+        fresh = self._owner.apply(self._image)
+        self._size += columns
+        coefficients = self._append(fresh)
+        known = self._known.size
+        whole = np.zeros((self._size + self._next, self._size))
+        whole[: len(self._operator), :size] = self._operator
+        whole[:, size:] = coefficients[known:]
+        self._operator = whole
+        self._coupling = np.hstack([self._coupling, coefficients[:known]])
+
+    def _append(self, w: Floats) -> Floats:
+        """Put the part of a block outside Q and V behind them: w = [Q V U] c.
+
+        Columns of w that lie in Q and V but for rounding leave no column of U.
+
+        Returns
+        -------
+        ndarray
+            c.
+        """
+        owner, first = self._owner, self._known.size + self._size
+        before = self._vectors[:, :first]
+        image = owner.image(w)
+        lengths = np.sqrt(np.maximum(owner.inner(w, image).diagonal(), np.finfo(float).tiny))
+        u, image = w / lengths, image / lengths
+        inside, rest, least = np.zeros((first, w.shape[1])), np.diag(lengths), _NOISE**2
+        for _ in range(2):
+            part = owner.inner(before, image)
+            inside += part @ rest
+            u -= before @ part
+            image = owner.image(u)
+            values, axes = np.linalg.eigh(owner.inner(u, image))
+            kept = values > least
+            scaled = axes[:, kept] / np.sqrt(values[kept])
+            u, image = u @ scaled, image @ scaled
+            rest = (axes[:, kept] * np.sqrt(values[kept])).T @ rest
+            least = 0.1  # what a second projection takes most of was rounding
+        self._next, self._image = u.shape[1], image
+        if first + self._next > self._vectors.shape[1]:
+            wider = np.empty((len(u), int(1.5 * first) + _BLOCK), order="F")
+            wider[:, :first] = before
+            self._vectors = wider
+        self._vectors[:, first : first + self._next] = u
+        return np.vstack([inside, rest])
+
+    def _square(self) -> Floats:
+        square = self._operator[: self._size]
+        return _mean(square) if self._known.symmetric else square
+
+    def _space(self, vectors: Floats) -> Floats:
+        """V times columns."""
+        known = self._known.size
+        return self._vectors[:, known : known + self._size] @ vectors
+
+    def _ritz(self) -> tuple[Complexes, Floats]:
+        """Eigenvalues of OP on the space and the residuals of their vectors."""
+        theta, vectors = _eigenpairs(self._square(), symmetric=self._known.symmetric)
+        rest = self._operator[self._size :]
+        return theta, np.linalg.norm(rest @ vectors, axis=0)
+
+    def _clear(self, theta: Complexes, residuals: Floats, inside: NDArray[np.bool_]) -> bool:
+        """Whether the first eigenvalue outside has converged enough to be outside."""
+        if inside.all():
+            return False
+        sizes = np.where(inside, 0.0, np.abs(theta))
+        first = int(np.argmax(sizes))
+        return bool(_CLEAR * residuals[first] <= self._least - sizes[first])
+
+    def _leading(self, theta: Complexes, number: int) -> tuple[Floats, Floats]:
+        """Schur form of OP on so many eigenvalues of largest modulus; no pair is split."""
+        sizes = np.sort(np.abs(theta))[::-1]
+        while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:
+            number += 1
+        if number >= len(sizes):
+            form, vectors = schur(self._square(), output="real")
+            return form, vectors
+        cut = 0.5 * (sizes[number - 1] + sizes[number])
+        form, vectors, kept = schur(
+            self._square(), output="real", sort=lambda re, im=0.0: bool(np.hypot(re, im) >= cut)
+        )
+        return form[:kept, :kept], vectors[:, :kept]
+
+    def _restart(self, theta: Complexes, number: int) -> None:
+        """Keep the leading eigenvalues, and U."""
+        form, vectors = self._leading(theta, number)
+        known, size = self._known.size, self._size
+        block = self._vectors[:, known + size : known + size + self._next].copy()
+        kept = self._space(vectors)
+        rest = self._operator[size:] @ vectors
+        self._size = len(form)
+        end = known + self._size
+        self._vectors[:, known:end] = kept
+        self._vectors[:, end : end + self._next] = block
+        self._operator = np.vstack([form, rest])
+        self._coupling = self._coupling @ vectors
+
+    def _locked(self, theta: Complexes, converged: NDArray[np.bool_]) -> InvariantSubspace:
+        """The known with the leading eigenvalues, as far as they have converged."""
+        order = np.argsort(-np.abs(theta))
+        number = len(order) if converged.all() else int(np.argmin(converged[order]))
+        sizes = np.abs(theta[order])
+        while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:
+            number -= 1
+        if not number:
+            return self._known
+        form, vectors = self._leading(theta, number)
+        coupling = self._coupling @ vectors
+        return self._known.extended(self._space(vectors), coupling, form, self._shift)
+
+
+def _mean(matrix: Floats) -> Floats:
+    """Symmetric part."""
+    return 0.5 * (matrix + matrix.T)
+
+
+def _eigenpairs(matrix: Floats, *, symmetric: bool) -> tuple[Complexes, Complexes]:
+    """Eigenvalues and vectors of a small matrix."""
+    values, vectors = np.linalg.eigh(_mean(matrix)) if symmetric else np.linalg.eig(matrix)
+    return values.astype(complex), vectors

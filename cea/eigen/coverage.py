@@ -1,0 +1,135 @@
+"""Which eigenvalues a window may hold, and the discs that cover it.
+
+Modes with 0 <= Im lambda <= omega, of any growth, have kappa = -lambda^2 inside the parabola
+
+    |kappa| + Re kappa <= 2 omega^2,   (Im kappa)^2 <= 4 omega^2 (omega^2 - Re kappa).
+
+Friction opens it to the left: how far is bounded by the field of values (Bendixson),
+
+    Re kappa >= smallest eigenvalue of H x = kappa M x,   H = (K + K^T) / 2,
+
+so that H + X M without negative eigenvalues shows that none has Re kappa below -X. The disc that
+touches the parabola at its tip and meets it at Re kappa = -X,
+
+    centre -(X + 3 omega^2) / 2,   radius (X + 5 omega^2) / 2,
+
+holds all of it to the right of there, and no more of the positive axis than the window itself.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from cea.eigen.factorisation import Mumps
+from cea.eigen.pencil import Matrices
+from cea.body import Floats
+from cea.eigen.shifted import count_below, force_scale
+from cea.matrices import destroy, scaled_total
+from cea.petsc import MPI, PETSc
+
+_TIP = 1.01
+"""Tip of the covered parabola relative to omega^2: room between the window and the first mode
+beyond it."""
+
+
+def touching_disc(top: float, depth: float) -> float:
+    """Centre of the disc that covers the window to Re kappa = -depth (1/s^2).
+
+    Parameters
+    ----------
+    top
+        omega^2 (1/s^2).
+    depth
+        X, zero or more (1/s^2).
+    """
+    return -0.5 * (depth + 3 * _TIP * top)
+
+
+def distance_within(top: float, centre: float, left: float, right: float) -> float:
+    """Largest distance from a centre of points of the parabola with Re kappa from left to right.
+
+    The distance is convex along the parabola: it is largest at an end.
+    """
+    tip = _TIP * top
+    ends = np.array([left, right])
+    heights = 4 * tip * np.maximum(tip - ends, 0.0)
+    return float(np.sqrt((ends - centre) ** 2 + heights).max())
+
+
+def bounded_below(matrices: Matrices, depth: float) -> bool:
+    """Whether no eigenvalue can have Re kappa < -depth: H + depth M has no negative eigenvalue.
+
+    Contact forces f that are unknowns enter H through M = (J + L) / 2 and D = (J - L) / 2,
+
+        H = K_b + M^T C^-1 M - D^T C^-1 D,
+
+    as two sets of unknowns; where friction acts without compliance there is no bound.
+
+    Raises
+    ------
+    ConvergenceError
+        When the factorisation fails.
+    """
+    if matrices.symmetric:
+        return count_below(matrices, -depth) == 0
+    hermitian = _hermitian(matrices, depth)
+    expected = 0
+    if matrices.multipliers is not None:
+        bordered = _with_forces(hermitian, matrices)
+        destroy(hermitian)
+        if bordered is None:
+            return False
+        hermitian, expected = bordered, matrices.multipliers.size
+    factors = Mumps(hermitian, symmetric=True, inertia=True)
+    negative = factors.negative_eigenvalues()
+    factors.free()
+    return negative == expected
+
+
+def _hermitian(matrices: Matrices, depth: float) -> Any:
+    parts = [(1.0, matrices.stiffness), (depth, matrices.mass)]
+    if matrices.unsymmetric is None:
+        return scaled_total(parts)
+    transpose = matrices.unsymmetric.transpose(PETSc.Mat())
+    total = scaled_total([*parts, (0.5, matrices.unsymmetric), (0.5, transpose)])
+    destroy(transpose)
+    return total
+
+
+def _with_forces(hermitian: Any, matrices: Matrices) -> Any | None:
+    """H with the forces of contacts as two sets of unknowns; None where there is no bound."""
+    forces = matrices.multipliers
+    assert forces is not None
+    mean, half = forces.closure.copy(), forces.closure.copy()
+    pattern = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
+    mean.axpy(1.0, forces.reaction, structure=pattern)
+    half.axpy(-1.0, forces.reaction, structure=pattern)
+    scale = 0.5 * force_scale(hermitian, forces)
+    mean.scale(scale)
+    half.scale(scale)
+    indptr, _, values = half.getValuesCSR()
+    rubs = np.diff(np.append(0.0, np.cumsum(np.abs(values)))[indptr]) > 0
+    compliance = 4 * scale**2 * forces.compliance.array_r
+    unbounded = bool((rubs & (compliance == 0)).any())
+    bordered = None
+    if not hermitian.comm.tompi4py().allreduce(unbounded, MPI.LOR):
+        pushed, pulled = mean.transpose(PETSc.Mat()), half.transpose(PETSc.Mat())
+        corner = _diagonal(-compliance, forces.compliance)
+        other = _diagonal(np.where(rubs, compliance, 1.0), forces.compliance)
+        blocks = [[hermitian, pushed, pulled], [mean, corner, None], [half, None, other]]
+        bordered = PETSc.Mat().createNest(blocks).convert("aij")
+        destroy(pushed, pulled, corner, other)
+    destroy(mean, half)
+    return bordered
+
+
+def _diagonal(values: Floats, template: Any) -> Any:
+    vector = template.duplicate()
+    vector.array[:] = values
+    size = template.getSizes()
+    matrix = PETSc.Mat().createAIJ(size=(size, size), nnz=1, comm=template.comm)
+    matrix.setUp()
+    matrix.setDiagonal(vector)
+    matrix.assemble()
+    destroy(vector)
+    return matrix
