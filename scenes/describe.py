@@ -71,8 +71,8 @@ def describe(result: ModesResult | StaticResult) -> dict[str, Any]:
     }
 
 
-def describe_modes(modes: Spectrum, growth_threshold: float) -> dict[str, Any]:
-    """Eigenvalues with their errors, the window searched, the unstable modes."""
+def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str, Any]:
+    """Eigenvalues with their errors, the window searched, verdicts, the unstable modes."""
     unstable = modes.unstable(growth_threshold)
     return {
         "eigenvalues": [
@@ -81,12 +81,21 @@ def describe_modes(modes: Spectrum, growth_threshold: float) -> dict[str, Any]:
                 "im": float(value.imag),
                 "residual": float(residual),
                 "condition": float(condition),
+                "uncertainty": float(uncertainty),
+                "verdict": verdict,
             }
-            for value, residual, condition in zip(
-                modes.eigenvalues, modes.residuals, modes.conditions, strict=True
+            for value, residual, condition, uncertainty, verdict in zip(
+                modes.eigenvalues,
+                modes.residuals,
+                modes.conditions,
+                modes.growth_uncertainties,
+                modes.verdicts(growth_threshold),
+                strict=True,
             )
         ],
-        "window": asdict(modes.window) | {"evidence": modes.window.evidence},
+        "window": asdict(modes.window)
+        | {"complete": modes.window.complete, "evidence": modes.window.evidence},
+        "verdict": modes.verdict(growth_threshold),
         "unstable": [
             {"mode": int(i), "frequency": float(f), "growth": float(g)}
             for i, f, g in zip(

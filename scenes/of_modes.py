@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats
-from cea.eigen.spectrum import Spectrum
+from cea.eigen.spectrum import Spectrum, Verdict
 from scenes.names import backend_name
 from scenes.read import Scene
 from scenes.spec import ComplexEigenvalueAnalysis
@@ -51,6 +51,11 @@ class OfModes:
     def unstable(self) -> NDArray[np.bool_]:
         """Modes that grow faster than the scene's threshold and their errors explain, (n,)."""
         return self.modes.unstable(self.analysis.growth_threshold)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Of the whole window: stable, unstable, or undecided."""
+        return self.modes.verdict(self.analysis.growth_threshold)
 
     def most_unstable(self, count: int) -> list[int]:
         """Numbers, from 0, of the most unstable modes; of the first ones where none is."""

@@ -171,12 +171,19 @@ def _typed(common: dict[str, Any], data: dict[str, Any]) -> StoredResult:
 def _spectrum(data: Mapping[str, Any], warnings: Iterable[Mapping[str, Any]]) -> Spectrum:
     columns = {
         name: np.array([value[name] for value in data["eigenvalues"]], dtype=float)
-        for name in ("re", "im", "residual", "condition")
+        for name in ("re", "im", "residual", "condition", "uncertainty")
     }
     window = Window(**{field.name: data["window"][field.name] for field in fields(Window)})
     eigenvalues = columns["re"] + 1j * columns["im"]
     told = tuple(ResultWarning(**warning) for warning in warnings)
-    return Spectrum(eigenvalues, columns["residual"], columns["condition"], window, warnings=told)
+    return Spectrum(
+        eigenvalues,
+        residuals=columns["residual"],
+        conditions=columns["condition"],
+        growth_uncertainties=columns["uncertainty"],
+        window=window,
+        warnings=told,
+    )
 
 
 def _stress(stress: Mapping[str, Any]) -> StoredStress:

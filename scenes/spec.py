@@ -253,11 +253,19 @@ class StaticAnalysis:
 
 @dataclass(frozen=True)
 class ComplexEigenvalueAnalysis:
-    """All modes up to a frequency (Hz)."""
+    """All modes up to a frequency.
+
+    Parameters
+    ----------
+    max_frequency
+        Upper end of the window (Hz).
+    growth_threshold
+        Growth rate above which a mode is called unstable (1/s); by default 1e-4 of abs(lambda).
+    """
 
     kind: Literal["cea"]
     max_frequency: Annotated[float, Field(gt=0)]
-    growth_threshold: Annotated[float, Field(ge=0)] = 10.0
+    growth_threshold: Annotated[float, Field(ge=0)] | None = None
 
 
 Analysis = StaticAnalysis | ComplexEigenvalueAnalysis

@@ -25,7 +25,7 @@ from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
-_BLOCK = 16
+_BLOCK = 8
 """Columns of a block."""
 _GROWTH = 1.3
 """Growth of the Krylov space between two looks at its eigenvalues."""
@@ -78,7 +78,7 @@ class InvariantSubspace:
         if not self.size:
             return np.empty(0, dtype=complex), np.empty((len(self.basis), 0), dtype=complex)
         values, vectors = _eigenpairs(self.projected, symmetric=self.symmetric)
-        return values, (self.basis @ vectors).astype(complex)
+        return values, self.basis @ vectors.real + 1j * (self.basis @ vectors.imag)
 
     def inverted(self, shift: float) -> Floats:
         """(R - shift)^-1, what OP is on the subspace."""
@@ -164,6 +164,10 @@ class BlockKrylov:
         """M times a block."""
         return image_of(self._mass, block)
 
+    def diagonal(self, left: Floats, right: Floats) -> Floats:
+        """Inner products of the columns of two blocks, one with one."""
+        return self.comm.allreduce(np.einsum("ij,ij->j", left, right))
+
     def inner(self, left: Floats, right: Floats) -> Floats:
         """Inner products of every column of one block with every column of another."""
         return self.comm.allreduce(left.T @ right)
@@ -248,7 +252,8 @@ class _Run:
         owner, first = self._owner, self._known.size + self._size
         before = self._vectors[:, :first]
         image = owner.image(w)
-        lengths = np.sqrt(np.maximum(owner.inner(w, image).diagonal(), np.finfo(float).tiny))
+        squares = owner.diagonal(w, image)
+        lengths = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
         u, image = w / lengths, image / lengths
         inside, rest, least = np.zeros((first, w.shape[1])), np.diag(lengths), _NOISE**2
         for _ in range(2):
@@ -343,4 +348,4 @@ def _mean(matrix: Floats) -> Floats:
 def _eigenpairs(matrix: Floats, *, symmetric: bool) -> tuple[Complexes, Complexes]:
     """Eigenvalues and vectors of a small matrix."""
     values, vectors = np.linalg.eigh(_mean(matrix)) if symmetric else np.linalg.eig(matrix)
-    return values.astype(complex), vectors
+    return values.astype(complex), vectors.astype(complex)

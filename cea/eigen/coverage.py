@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from cea.body import Floats
 from cea.eigen.factorisation import Mumps
 from cea.eigen.pencil import Matrices
-from cea.body import Floats
 from cea.eigen.shifted import count_below, force_scale
 from cea.matrices import destroy, scaled_total
 from cea.petsc import MPI, PETSc
@@ -101,7 +101,7 @@ def _with_forces(hermitian: Any, matrices: Matrices) -> Any | None:
     forces = matrices.multipliers
     assert forces is not None
     mean, half = forces.closure.copy(), forces.closure.copy()
-    pattern = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
+    pattern: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
     mean.axpy(1.0, forces.reaction, structure=pattern)
     half.axpy(-1.0, forces.reaction, structure=pattern)
     scale = 0.5 * force_scale(hermitian, forces)
@@ -109,7 +109,7 @@ def _with_forces(hermitian: Any, matrices: Matrices) -> Any | None:
     half.scale(scale)
     indptr, _, values = half.getValuesCSR()
     rubs = np.diff(np.append(0.0, np.cumsum(np.abs(values)))[indptr]) > 0
-    compliance = 4 * scale**2 * forces.compliance.array_r
+    compliance = np.asarray(4 * scale**2 * forces.compliance.array_r, dtype=np.float64)
     unbounded = bool((rubs & (compliance == 0)).any())
     bordered = None
     if not hermitian.comm.tompi4py().allreduce(unbounded, MPI.LOR):

@@ -1,14 +1,25 @@
 """Eigenpairs as a driver found them, normalised, with residuals and condition numbers."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats
-from cea.eigen.blocks import all_inner, column_blocks, columns_inner, norms, times, transposed_times
+from cea.eigen.blocks import (
+    all_inner,
+    column_blocks,
+    columns_inner,
+    image_of,
+    norms,
+    times,
+    transposed_times,
+)
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.matrices import absolute, destroy
+
 
 @dataclass(frozen=True)
 class Eigenpairs:
@@ -98,25 +109,25 @@ class _Sizes:
     """abs(x)^T abs(K) abs(x): how large the parts are whose sum x^H K x is."""
 
     def __init__(self, matrices: Matrices) -> None:
-        operator = matrices.operator()
-        self._stiffness = absolute(operator)
-        destroy(operator)
+        self._stiffness = [absolute(matrices.stiffness)]
+        if matrices.unsymmetric is not None:
+            self._stiffness.append(absolute(matrices.unsymmetric))
         self._reaction = None
         if matrices.multipliers is not None:
             self._reaction = absolute(matrices.multipliers.reaction)
-        self._comm = self._stiffness.comm
+        self._comm = matrices.stiffness.comm
 
-    def of(self, x: Complexes, f: Complexes) -> Floats:
+    def of(self, x: NDArray[Any], f: NDArray[Any]) -> Floats:
         """For columns of displacements and contact forces, shape (n,)."""
-        size = np.abs(x).astype(complex)
-        force = times(self._stiffness, size)
+        size = np.abs(x)
+        force = sum(image_of(part, size) for part in self._stiffness)
         if self._reaction is not None:
-            force += 2 * transposed_times(self._reaction, np.abs(f).astype(complex))
-        return columns_inner(size, force, self._comm).real
+            force = force + 2 * transposed_times(self._reaction, np.abs(f).astype(complex)).real
+        return self._comm.tompi4py().allreduce(np.einsum("ij,ij->j", size, force))
 
     def free(self) -> None:
         """Free the matrices."""
-        destroy(self._stiffness, *([self._reaction] if self._reaction is not None else []))
+        destroy(*self._stiffness, *([self._reaction] if self._reaction is not None else []))
 
 
 def solved(factors: Shifted, columns: Complexes) -> Complexes:

@@ -69,10 +69,15 @@ class Mumps:
         elif not symmetric:
             self._pc.setFactorSetUpSolverType()
             self._pc.getFactorMatrix().setMumpsIcntl(33, 1)  # its determinant
+        self.factorise()
+
+    def factorise(self) -> None:
+        """Factorise the matrix, once more where its entries have changed: its order is kept."""
+        self._pc.setOperators(self.matrix)
         self._pc.setUp()
         reason: Any = self._pc.getFailedReason()
         if reason != PETSc.PC.FailedReason.NOERROR:
-            rows = matrix_size(matrix)
+            rows = matrix_size(self.matrix)
             self.free()
             raise ConvergenceError(f"a matrix of {rows} rows is singular")
 

@@ -6,15 +6,14 @@ bodies, and keeps inertia counts and factors for the solves that follow.
 """
 
 from collections.abc import Mapping
-from functools import partial
 from typing import Any, Self
 
 import numpy as np
 
 from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
 from cea.eigen.modes import Modes, modes_of
-from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.nearest import NearestSearch
+from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.search import WindowSearch, upper_end
 from cea.eigen.sensitivity import LeftVectors, biorthonormal
 from cea.eigen.shifted import Shifted, count_below
@@ -121,16 +120,15 @@ class KrylovSchur:
                 counted = self._count(matrices, values, upper)
         search = WindowSearch(
             matrices,
-            partial(self._other_factors, matrices),
+            factors,
             tolerance=self._tolerance,
             max_restarts=self._max_restarts,
             timer=timer,
         )
-        if counted is None:
-            found = search.complex(factors, top)
-        else:
-            found = search.real(factors, top, counted)
+        found = search.complex(top) if counted is None else search.real(top, counted)
         self.solves += 1
+        self._at = (values, factors.kappa)
+        self.factorisations += search.moves
         kappa, vectors = found.subspace.eigenpairs()
         window = Window(
             max_frequency=max_frequency,
@@ -253,11 +251,6 @@ class KrylovSchur:
             refined.free()
         return self._factorised(matrices, values, kappa)
 
-    def _other_factors(self, matrices: Matrices, kappa: float) -> Shifted:
-        """Factors at a shift that are not kept."""
-        self.factorisations += 1
-        return Shifted(matrices, kappa)
-
     def _left(
         self,
         matrices: Matrices,
@@ -270,6 +263,7 @@ class KrylovSchur:
         if matrices.symmetric:
             return LeftVectors(pairs.vectors, pairs.forces)
         kappa, vectors = search.left()
+        self._at = (self._at[0], factors.kappa)
         with timer("post-processing"):
             y = biorthonormal(matrices.mass, pairs.kappa, pairs.vectors, kappa, vectors)
             g = np.empty((0, len(pairs.kappa)), dtype=complex)
@@ -294,4 +288,3 @@ def solve_modes(
     """
     with KrylovSchur(pencil, tolerance=tolerance, max_restarts=max_restarts) as driver:
         return driver.solve(max_frequency, changes, left=left, timer=timer)
-

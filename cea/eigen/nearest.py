@@ -14,7 +14,6 @@ from cea.petsc import PETSc, SLEPc
 from cea.timing import StageTimer
 
 
-
 class NearestSearch:
     """Krylov-Schur runs of SLEPc on A(shift)^-1 M.
 

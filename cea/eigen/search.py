@@ -6,7 +6,6 @@ until it finds nothing more. Where friction might move eigenvalues farther to th
 disc reaches, further discs follow.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +34,8 @@ _MOST_DISCS = {True: 16, False: 3}
 """Most covering discs of small systems, and of others."""
 _MOST_SEARCHES = 20
 """Searches of one disc, each beside what those before it found."""
+_NEAR = 2
+"""Discs whose shifts are near the window."""
 _INSIDE = 1 + 1e-9
 """Radius of a disc of left eigenvalues relative to the farthest right one in it."""
 
@@ -88,8 +89,8 @@ class WindowSearch:
     ----------
     matrices
         The pencil at given parameters.
-    factorised
-        Factorises it at a shift; the search frees what it asked for.
+    factors
+        The pencil factorised in the middle of the window; the search moves them.
     tolerance, max_restarts
         Of each search (:class:`cea.eigen.block_krylov.BlockKrylov`).
     timer
@@ -99,56 +100,54 @@ class WindowSearch:
     def __init__(
         self,
         matrices: Matrices,
-        factorised: Callable[[float], Shifted],
+        factors: Shifted,
         *,
         tolerance: float,
         max_restarts: int,
         timer: StageTimer,
     ) -> None:
-        self._matrices, self._factorised = matrices, factorised
+        self._matrices, self._factors = matrices, factors
+        self._middle = factors.kappa
+        self.moves = 0
         self._finite = matrices.size - matrices.tied
         self._limits = tolerance, max_restarts
         self._timer = timer
         self._discs: list[Disc] = []
         self._farthest: dict[float, float] = {}
 
-    def real(self, factors: Shifted, top: float, counted: int) -> Found:
+    def real(self, top: float, counted: int) -> Found:
         """A window of a symmetric pencil: all that the inertia counts.
 
         Parameters
         ----------
-        factors
-            The pencil factorised in the middle of the window.
         top
             Upper end omega^2 (1/s^2).
         counted
             Eigenvalues below :func:`upper_end`, by inertia.
         """
         upper = upper_end(top)
-        radius = upper - factors.kappa
-        known = self._filled(factors, self._nothing(), radius, searches=1)
+        radius = upper - self._middle
+        known = self._filled(self._nothing(), radius, searches=1)
         for seed in range(1, _MOST_SEARCHES):
             if _below(known, upper) >= counted:
                 break
-            known = self._filled(factors, known, radius, searches=1, seed=seed)
-        depth = radius - factors.kappa
+            known = self._filled(known, radius, searches=1, seed=seed)
+        depth = radius - self._middle
         while _below(known, upper) < counted and len(self._discs) < _MOST_DISCS[True]:
             depth = _DEEPER * max(depth, top)  # a stiffness that is not positive definite
             known, _ = self._covered(known, top, depth, right=upper)
         return self._found(known, depth, bounded=_below(known, upper) == counted)
 
-    def complex(self, factors: Shifted, top: float) -> Found:
+    def complex(self, top: float) -> Found:
         """A window of a pencil with friction.
 
         Parameters
         ----------
-        factors
-            The pencil factorised in the middle of the window.
         top
             Upper end omega^2 (1/s^2).
         """
-        radius = upper_end(top) - factors.kappa
-        known = self._filled(factors, self._nothing(), radius, searches=1)
+        radius = upper_end(top) - self._middle
+        known = self._filled(self._nothing(), radius, searches=1)
         most = _MOST_DISCS[self._matrices.size <= _SMALL]
         depth, reached, odd = _DEPTH * top, -top, False
         bounded = self._bounded(depth)
@@ -166,18 +165,16 @@ class WindowSearch:
             depth *= _DEEPER
         else:
             reached, bounded, odd = np.inf, True, False
+        if len(self._discs) > _NEAR:
+            self._move(self._middle)  # modes are judged by factors near them
         return self._found(known, reached, bounded=bounded, odd=odd)
 
     def left(self) -> tuple[Complexes, Complexes]:
         """Left eigenvectors, with the conjugates of their eigenvalues, of all that was found."""
         known = self._nothing()
         for shift, distance in self._farthest.items():
-            with self._timer("factorisation"):
-                factors = self._factorised(shift)
-            known = self._filled(
-                factors, known, _INSIDE * distance, searches=_MOST_SEARCHES, transposed=True
-            )
-            factors.free()
+            self._move(shift)
+            known = self._filled(known, _INSIDE * distance, transposed=True)
         return known.eigenpairs()
 
     def _covered(
@@ -192,16 +189,13 @@ class WindowSearch:
         """What lies between two real parts; and whether a determinant shows that one is missing."""
         centre = touching_disc(top, depth)
         radius = distance_within(top, centre, -left * depth, right)
-        with self._timer("factorisation"):
-            factors = self._factorised(centre)
-        known = self._filled(factors, known, radius)
-        sign = factors.parity()
-        factors.free()
+        self._move(centre)
+        known = self._filled(known, radius)
+        sign = self._factors.parity()
         return known, sign is not None and sign != _below(known, centre) % 2
 
     def _filled(
         self,
-        factors: Shifted,
         known: InvariantSubspace,
         radius: float,
         *,
@@ -210,6 +204,7 @@ class WindowSearch:
         transposed: bool = False,
     ) -> InvariantSubspace:
         """Search a disc, again and again beside what was found, until nothing more is."""
+        factors = self._factors
         tolerance, max_restarts = self._limits
         krylov = BlockKrylov(
             self._matrices.mass,
@@ -241,6 +236,12 @@ class WindowSearch:
             inside = int(np.sum(np.abs(kappa - factors.kappa) < radius))
             self._discs.append(Disc(factors.kappa, radius, inside))
         return known
+
+    def _move(self, kappa: float) -> None:
+        if kappa != self._factors.kappa:
+            with self._timer("factorisation"):
+                self._factors.move(kappa)
+            self.moves += 1
 
     def _bounded(self, depth: float) -> bool:
         with self._timer("factorisation"):

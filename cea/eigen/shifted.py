@@ -44,19 +44,11 @@ class Shifted:
         self, matrices: Matrices, kappa: float = 0.0, *, near: "Shifted | None" = None
     ) -> None:
         self.kappa = kappa
-        operator = matrices.operator(kappa)
-        self._local = operator.getLocalSize()[0]
+        self._matrices = matrices
         self._multipliers = matrices.multipliers
-        self._symmetric = matrices.symmetric
-        self._comm = matrices.stiffness.comm.tompi4py()
+        self._local = matrices.stiffness.getLocalSize()[0]
         self._scale = 1.0
-        if self._multipliers is not None:
-            self._scale = near._scale if near else force_scale(operator, self._multipliers)
-            whole = _bordered(
-                operator, self._multipliers, self._scale, symmetric=matrices.symmetric
-            )
-            destroy(operator)
-            operator = whole
+        operator = self._operator(near)
         self._factors: Mumps | Refined = (
             Refined(operator, near._factors)
             if near
@@ -66,6 +58,38 @@ class Shifted:
         self._b: Any | None = None
         if self._multipliers is not None:
             self._x, self._b = operator.createVecRight(), operator.createVecLeft()
+
+    def _operator(self, near: "Shifted | None" = None) -> Any:
+        """A(kappa), with the contact forces."""
+        operator = self._matrices.operator(self.kappa)
+        if self._multipliers is None:
+            return operator
+        self._scale = near._scale if near else force_scale(operator, self._multipliers)
+        whole = _bordered(
+            operator, self._multipliers, self._scale, symmetric=self._matrices.symmetric
+        )
+        destroy(operator)
+        return whole
+
+    def move(self, kappa: float) -> None:
+        """Factorise at another shift instead.
+
+        Raises
+        ------
+        ConvergenceError
+            When A(kappa) is singular.
+        """
+        if kappa == self.kappa:
+            return
+        assert isinstance(self._factors, Mumps)
+        before, self.kappa = self.kappa, kappa
+        if self._multipliers is None:
+            subset = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
+            self._factors.matrix.axpy(before - kappa, self._matrices.mass, structure=subset)
+            self._factors.factorise()
+            return
+        self._factors.free()
+        self._factors = Mumps(self._operator(), symmetric=self._matrices.symmetric)
 
     def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
         """Displacements x for forces b on the bodies, PETSc vectors."""
@@ -103,12 +127,12 @@ class Shifted:
         changes it at each real eigenvalue. None where that is not known: for a symmetric pencil,
         refined factors, forces without compliance.
         """
-        if self._symmetric or isinstance(self._factors, Refined):
+        if self._matrices.symmetric or isinstance(self._factors, Refined):
             return None
         forces = 0
         if self._multipliers is not None:
             tied = bool((self._multipliers.compliance.array_r == 0).any())
-            if self._comm.allreduce(tied, MPI.LOR):
+            if self._matrices.stiffness.comm.tompi4py().allreduce(tied, MPI.LOR):
                 return None
             forces = self._multipliers.size
         return int(self._factors.sign() != (-1) ** forces)

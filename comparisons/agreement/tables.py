@@ -155,17 +155,17 @@ def windows(data: Data) -> Table:
             (
                 *(run["backend"], run["formulation"], run["dofs"]["free"]),
                 *(run["points"], sum(contact["status"]["missed"] for contact in contacts)),
-                *(len(values), window["found_below"], window["symmetric_count"]),
-                window["max_growth"],
+                *(len(values), window["found"], window["discs"], window["complete"]),
+                None if window["complete"] else window["max_growth"],
                 max((value["residual"] for value in values), default=None),
                 max((value["condition"] for value in values), default=None),
             )
         )
     return Table(
         "windows",
-        "What was searched. “Counted” is the number of eigenvalues κ of the system without its "
-        "friction matrix below the upper end of the window, by inertia, beside the number found "
-        "there with friction. The last columns are the largest of all modes of a run.",
+        "What was searched: eigenvalues κ found in discs that cover the window. It is complete "
+        "where the field of values shows that none lies outside of them; otherwise modes may "
+        "grow faster than is covered. The last columns are the largest of all modes of a run.",
         (
             _BACKEND,
             _FORMULATION,
@@ -173,8 +173,9 @@ def windows(data: Data) -> Table:
             Column("points", "points", number),
             Column("missed", "missed", number),
             Column("modes", "modes", number),
-            Column("found_below", "found", number),
-            Column("symmetric_count", "counted", number),
+            Column("found", "found", number),
+            Column("discs", "discs", number),
+            Column("complete", "complete"),
             Column("max_growth", "growth covered", shown(3), "1/s"),
             Column("largest_residual", "residual", shown(2)),
             Column("largest_condition", "condition", shown(3)),

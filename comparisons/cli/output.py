@@ -29,20 +29,29 @@ def print_table(table: ReportTable) -> None:
     Console(width=max(console.width, _TABLE_WIDTH)).print(shown)
 
 
+_COLOURS = {"unstable": "bold red", "undecided": "yellow", "stable": None}
+
+
 def print_modes(result: "ModesResult") -> None:
-    """Print the eigenvalues of a run, the unstable ones set off, and why they are all."""
-    table = Table("mode", "frequency (Hz)", "growth rate (1/s)", "residual", "condition")
+    """Print the eigenvalues of a run, its verdict, what it must be read with, and why it is all."""
+    columns = ("mode", "frequency (Hz)", "growth rate (1/s)", "uncertainty", "residual")
+    table = Table(*columns, "condition", "verdict")
     for mode in result.table():
         table.add_row(
             str(mode["mode"]),
             f"{mode['frequency']:.3f}",
             f"{mode['growth_rate']:+.3f}",
+            f"{mode['uncertainty']:.1e}",
             f"{mode['residual']:.1e}",
             f"{mode['condition']:.1f}",
-            style="bold red" if mode["unstable"] else None,
+            mode["verdict"],
+            style=_COLOURS[mode["verdict"]],
         )
     console.print(table)
     typer.echo(result.modes.window.evidence)
+    for warning in result.modes.warnings:
+        console.print(f"warning ({warning.kind}): {warning.message}", style="yellow")
+    console.print(f"verdict: {result.verdict}")
 
 
 def print_stresses(result: "StaticResult") -> None:
