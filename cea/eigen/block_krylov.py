@@ -210,7 +210,7 @@ class _Run:
             inside = np.abs(theta) >= self._least
             converged = residuals <= self._owner.tolerance * np.abs(theta)
             if exhausted:
-                return self._locked(theta, np.ones_like(inside))
+                return self._whole()
             if converged[inside].all() and self._clear(theta, residuals, inside):
                 return self._locked(theta, converged)
             wanted = int(inside.sum())
@@ -251,6 +251,7 @@ class _Run:
         """
         owner, first = self._owner, self._known.size + self._size
         before = self._vectors[:, :first]
+        most = self._room - self._size  # more directions there are not, but of rounding
         image = owner.image(w)
         squares = owner.diagonal(w, image)
         lengths = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
@@ -262,7 +263,7 @@ class _Run:
             u -= before @ part
             image = owner.image(u)
             values, axes = np.linalg.eigh(owner.inner(u, image))
-            kept = values > least
+            kept = np.flatnonzero(values > least)[max(0, len(values) - most) :]
             scaled = axes[:, kept] / np.sqrt(values[kept])
             u, image = u @ scaled, image @ scaled
             rest = (axes[:, kept] * np.sqrt(values[kept])).T @ rest
@@ -325,6 +326,25 @@ class _Run:
         self._vectors[:, end : end + self._next] = block
         self._operator = np.vstack([form, rest])
         self._coupling = self._coupling @ vectors
+
+    def _whole(self) -> InvariantSubspace:
+        """The known with all of the space, of which nothing is left outside.
+
+        The last vectors are those of which least was left, and hold rounding, which ties and
+        gaps between them would make eigenvalues of: OP leaves that behind.
+        """
+        owner, known = self._owner, self._known
+        form, vectors = schur(self._square(), output="real")
+        space = self._space(vectors)
+        image = owner.apply(owner.image(space))
+        space = np.linalg.solve(form.T, image.T).T
+        for _ in range(2):
+            space = space - known.basis @ owner.inner(known.basis, owner.image(space))
+            values, axes = np.linalg.eigh(owner.inner(space, owner.image(space)))
+            space = space @ (axes / np.sqrt(values)) @ axes.T
+        applied = owner.image(owner.apply(owner.image(space)))
+        coupling, form = owner.inner(known.basis, applied), owner.inner(space, applied)
+        return known.extended(space, coupling, form, self._shift)
 
     def _locked(self, theta: Complexes, converged: NDArray[np.bool_]) -> InvariantSubspace:
         """The known with the leading eigenvalues, as far as they have converged."""

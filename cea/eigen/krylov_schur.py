@@ -10,11 +10,12 @@ from typing import Any, Self
 
 import numpy as np
 
+from cea.eigen.block_krylov import InvariantSubspace
 from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.nearest import NearestSearch
 from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.search import WindowSearch, upper_end
+from cea.eigen.search import Found, WindowSearch, upper_end
 from cea.eigen.sensitivity import LeftVectors, biorthonormal
 from cea.eigen.shifted import Shifted, count_below
 from cea.eigen.spectrum import Window
@@ -125,15 +126,42 @@ class KrylovSchur:
             max_restarts=self._max_restarts,
             timer=timer,
         )
-        found = search.complex(top) if counted is None else search.real(top, counted)
-        self.solves += 1
-        self._at = (values, factors.kappa)
-        self.factorisations += search.moves
+        try:
+            found = search.complex(top) if counted is None else search.real(top, counted)
+        except ConvergenceError as error:
+            if isinstance(error.best, InvariantSubspace):
+                error.best = self._judged(matrices, values, factors, Found(error.best), top, timer)
+            raise
+        finally:
+            self.solves += 1
+            self._at = (values, factors.kappa)
+            self.factorisations += search.factorisations
+        modes = self._judged(matrices, values, factors, found, top, timer, search if left else None)
+        if counted is not None and not modes.window.complete:
+            raise ConvergenceError(
+                f"{modes.window.found_below} eigenvalues found below kappa = "
+                f"{modes.window.upper:.6g}, the inertia of S - kappa M counts {counted}",
+                best=modes,
+            )
+        return modes
+
+    def _judged(
+        self,
+        matrices: Matrices,
+        values: dict[str, float],
+        factors: Shifted,
+        found: Found,
+        top: float,
+        timer: StageTimer,
+        search: WindowSearch | None = None,
+    ) -> Modes:
+        """Modes of what was found, with their errors; with left vectors where a search is given."""
         kappa, vectors = found.subspace.eigenpairs()
+        upper = upper_end(top)
         window = Window(
-            max_frequency=max_frequency,
-            shift=shift,
-            radius=found.discs[0].radius,
+            max_frequency=float(np.sqrt(top)) / (2 * np.pi),
+            shift=0.5 * top,
+            radius=found.discs[0].radius if found.discs else 0.0,
             found=len(kappa),
             discs=len(found.discs),
             max_growth=np.inf if found.bounded else float(np.sqrt(max(found.depth, 0.0))),
@@ -141,20 +169,13 @@ class KrylovSchur:
             odd=found.odd,
             upper=upper,
             found_below=int(np.sum(kappa.real < upper)),
-            symmetric_count=counted,
+            symmetric_count=found.counted,
         )
         inside = np.abs(kappa) + kappa.real <= 2 * top * (1 + _EDGE)
         with timer("post-processing"):
             pairs = checked(matrices, factors, kappa[inside], vectors[:, inside])
-        left_vectors = self._left(matrices, factors, pairs, search, timer) if left else None
-        modes = modes_of(self.pencil, values, matrices, pairs, left_vectors, window)
-        if counted is not None and not window.complete:
-            raise ConvergenceError(
-                f"{window.found_below} eigenvalues found below kappa = {upper:.6g}, "
-                f"the inertia of S - kappa M counts {counted}",
-                best=modes,
-            )
-        return modes
+        left_vectors = self._left(matrices, factors, pairs, search, timer) if search else None
+        return modes_of(self.pencil, values, matrices, pairs, left_vectors, window)
 
     def nearest(
         self,

@@ -73,13 +73,16 @@ class Found:
         Whether no eigenvalue of the window has Re kappa < -depth.
     odd
         Whether the sign of a determinant shows that a real kappa is missing.
+    counted
+        Without friction, eigenvalues below :func:`upper_end` by inertia.
     """
 
     subspace: InvariantSubspace
-    discs: tuple[Disc, ...]
-    depth: float
-    bounded: bool
+    discs: tuple[Disc, ...] = ()
+    depth: float = 0.0
+    bounded: bool = False
     odd: bool = False
+    counted: int | None = None
 
 
 class WindowSearch:
@@ -95,6 +98,11 @@ class WindowSearch:
         Of each search (:class:`cea.eigen.block_krylov.BlockKrylov`).
     timer
         Counts factorisation and krylov.
+
+    Attributes
+    ----------
+    factorisations
+        Factorisations made so far.
     """
 
     def __init__(
@@ -108,7 +116,7 @@ class WindowSearch:
     ) -> None:
         self._matrices, self._factors = matrices, factors
         self._middle = factors.kappa
-        self.moves = 0
+        self.factorisations = 0
         self._finite = matrices.size - matrices.tied
         self._limits = tolerance, max_restarts
         self._timer = timer
@@ -136,7 +144,8 @@ class WindowSearch:
         while _below(known, upper) < counted and len(self._discs) < _MOST_DISCS[True]:
             depth = _DEEPER * max(depth, top)  # a stiffness that is not positive definite
             known, _ = self._covered(known, top, depth, right=upper)
-        return self._found(known, depth, bounded=_below(known, upper) == counted)
+        bounded = _below(known, upper) == counted
+        return Found(known, tuple(self._discs), depth, bounded, counted=counted)
 
     def complex(self, top: float) -> Found:
         """A window of a pencil with friction.
@@ -167,7 +176,7 @@ class WindowSearch:
             reached, bounded, odd = np.inf, True, False
         if len(self._discs) > _NEAR:
             self._move(self._middle)  # modes are judged by factors near them
-        return self._found(known, reached, bounded=bounded, odd=odd)
+        return Found(known, tuple(self._discs), reached, bounded, odd)
 
     def left(self) -> tuple[Complexes, Complexes]:
         """Left eigenvectors, with the conjugates of their eigenvalues, of all that was found."""
@@ -229,7 +238,7 @@ class WindowSearch:
             if searches == _MOST_SEARCHES:
                 raise ConvergenceError(
                     f"the disc of radius {radius:.4g} about kappa = {factors.kappa:.4g} is not "
-                    f"full after {searches} searches",
+                    f"full after {searches} searches, each of which found more",
                     best=known,
                 )
         if not transposed:
@@ -241,20 +250,16 @@ class WindowSearch:
         if kappa != self._factors.kappa:
             with self._timer("factorisation"):
                 self._factors.move(kappa)
-            self.moves += 1
+            self.factorisations += 1
 
     def _bounded(self, depth: float) -> bool:
+        self.factorisations += 1
         with self._timer("factorisation"):
             return bounded_below(self._matrices, depth)
 
     def _nothing(self) -> InvariantSubspace:
         rows = self._matrices.stiffness.getLocalSize()[0]
         return InvariantSubspace.empty(rows, symmetric=self._matrices.symmetric)
-
-    def _found(
-        self, known: InvariantSubspace, depth: float, *, bounded: bool, odd: bool = False
-    ) -> Found:
-        return Found(known, tuple(self._discs), depth, bounded, odd)
 
 
 def upper_end(top: float) -> float:

@@ -167,8 +167,8 @@ def test_every_copy_of_a_flutter_pair_is_found(copies):
     assert kappa.real == pytest.approx(expected[0].real, rel=1e-8)
 
 
-def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones(chain):
-    """The inertia counts one more than there is; a search beside those found finds no other."""
+def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones():
+    """The symmetric part has one more than there is; a search beside those found finds no other."""
     stiffness = np.diag(np.r_[np.arange(1.0, 30.0), 40.0, np.arange(60.0, 400.0)])
     coupling = np.zeros((370, 370))
     coupling[29, 30], coupling[30, 29] = 30.0, -30.0
@@ -176,8 +176,9 @@ def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones(chain):
         pencil(stiffness, eye_array(370), coupling),
         max_frequency=6.6 / (2 * np.pi),
     )
-    assert modes.window.symmetric_count == 30
+    assert modes.window.complete
     assert modes.window.found_below == 29
+    assert modes.verdict() == "stable"
     assert (-(modes.eigenvalues**2)).real == pytest.approx(np.arange(1.0, 30.0))
 
 
@@ -210,13 +211,13 @@ def test_window_must_be_positive(chain):
         solve_modes(pencil(stiffness, mass), max_frequency=0)
 
 
-def test_failed_convergence_carries_the_best_answer(chain):
-    stiffness, mass, friction = chain
+def test_failed_convergence_carries_the_best_answer():
+    stiffness, friction = np.diag(np.arange(1.0, 501.0)), np.diag(np.full(499, 0.1), 1)
     with pytest.raises(ConvergenceError) as caught:
         solve_modes(
-            pencil(stiffness, mass, friction),
-            max_frequency=2.0,
+            pencil(stiffness, np.eye(500), friction),
+            max_frequency=0.5,
             tolerance=1e-300,
-            max_restarts=3,
+            max_restarts=1,
         )
     assert isinstance(caught.value.best, Modes)

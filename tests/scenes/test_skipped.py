@@ -18,13 +18,13 @@ LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 def taken(monkeypatch):
     """Whether each search that is made takes the symmetric path."""
     paths = []
-    original = cea.eigen.krylov_schur.Search
+    original = cea.eigen.krylov_schur.WindowSearch
 
-    def recorded(matrices, *arguments):
+    def recorded(matrices, *arguments, **options):
         paths.append(matrices.symmetric)
-        return original(matrices, *arguments)
+        return original(matrices, *arguments, **options)
 
-    monkeypatch.setattr(cea.eigen.krylov_schur, "Search", recorded)
+    monkeypatch.setattr(cea.eigen.krylov_schur, "WindowSearch", recorded)
     return paths
 
 
