@@ -12,12 +12,12 @@ from dense_reference import Dense, lambda_error, lambda_of
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from cea.eigen.spectrum import Spectrum
+
 _SAFETY = 10.0
 """Factor on errors, which are estimates of first order."""
 _SAME = 1e-8
 """Part of kappa by which values may differ whatever their errors."""
-_WORST = 1e-3
-"""Part of kappa beyond which a found value is nobody's, whatever it says of its error."""
 _ZERO = 1e-9
 """Part of the top of the window below which kappa counts as zero."""
 
@@ -42,45 +42,50 @@ class Found:
         "stable", "unstable" or "undecided" of each.
     verdict
         The same of the whole window.
+    complete
+        Whether it claims that every mode of the window was found.
     top
         Largest Im lambda of the window.
     claims
-        Whether lambdas with errors lie surely inside what was searched completely, and whether they
-        possibly do: a function of both.
+        Whether kappas with errors lie surely inside what was searched completely, and whether they
+        possibly lie in the window: a function of both.
     """
 
     kappa: np.ndarray
     error: np.ndarray
     verdicts: np.ndarray
     verdict: str
+    complete: bool
     top: float
     claims: object
 
 
-def found_by(spectrum, threshold) -> Found:
-    """What a :class:`cea.eigen.spectrum.Spectrum` says."""
-    window = spectrum.window
+def found_by(spectrum: Spectrum, threshold: float | None) -> Found:
+    """What a result says of itself."""
+    window, values = spectrum.window, spectrum.eigenvalues
     top = 2 * np.pi * window.max_frequency
-    kappa = -(spectrum.eigenvalues**2)
-    size = np.maximum(np.abs(kappa), 1e-10 * top**2)
-    backward = np.maximum(spectrum.residuals, np.finfo(float).eps)
-    error = np.minimum(_SAFETY * backward * spectrum.conditions, _WORST) * size
-    unstable = spectrum.unstable(threshold)
-    verdicts = np.where(unstable, "unstable", "stable")
-    verdict = "unstable" if unstable.any() else "stable"
+    error = _SAFETY * spectrum.growth_uncertainties
 
     def claims(kappa, error):
-        inside = lambda_of(kappa).imag
-        margin = lambda_error(kappa, error)
-        away = np.abs(kappa - window.shift)
-        surely = (inside < top - margin) & (away < (1 - 1e-9) * window.radius - error)
-        possibly = (inside < top + margin) & (away < (1 + 1e-9) * window.radius + error)
-        return surely, possibly
+        lambdas, margin = lambda_of(kappa), lambda_error(kappa, error)
+        frequency, growth = lambdas.imag, np.abs(lambdas.real)
+        surely = (frequency < top - margin) & (growth < window.max_growth - margin)
+        if window.odd:  # it says itself that one of those without frequency is missing
+            surely &= frequency > margin
+        return surely, frequency < top + margin
 
-    return Found(kappa, error, verdicts, verdict, top, claims)
+    return Found(
+        kappa=-(values**2),
+        error=2 * np.abs(values) * error + error**2,
+        verdicts=np.array(spectrum.verdicts(threshold), dtype=object),
+        verdict=spectrum.verdict(threshold),
+        complete=window.complete,
+        top=top,
+        claims=claims,
+    )
 
 
-def judge(found: Found, dense: Dense, threshold) -> list[Fault]:
+def judge(found: Found, dense: Dense, threshold: float | None) -> list[Fault]:
     """Faults of a result.
 
     Parameters
@@ -90,9 +95,14 @@ def judge(found: Found, dense: Dense, threshold) -> list[Fault]:
     dense
         All eigenvalues there are.
     threshold
-        Growth rate above which modes are unstable: a number, or a function of lambda.
+        Growth rate above which modes are unstable (1/s); None is relative to lambda.
     """
-    limit = threshold if callable(threshold) else lambda values: np.full(len(values), threshold)
+
+    def limit(values):
+        if threshold is not None:
+            return np.full(len(values), threshold)
+        return 1e-4 * np.maximum(np.abs(values), 0.1 * found.top)
+
     faults = []
     for ours, theirs in _groups(found, dense):
         faults += _group_faults(found, dense, ours, theirs, limit)
@@ -141,13 +151,12 @@ def _group_faults(found, dense, ours, theirs, limit) -> Iterator[Fault]:
     if len(ours) < surely.sum():
         yield Fault("missing", f"{int(surely.sum())} at lambda = {where}, {len(ours)} found")
     sure = found.verdicts[ours] != "undecided"
-    inside = (lambda_of(kappa).imag <= 1.01 * found.top) | possibly
-    if sure.sum() > inside.sum():
-        yield Fault("spurious", f"{int(inside.sum())} at lambda = {where}, {len(ours)} found")
+    if sure.sum() > possibly.sum():
+        yield Fault("spurious", f"{int(possibly.sum())} at lambda = {where}, {len(ours)} found")
     grows, may_grow = (each[theirs] for each in _growth(dense, limit))
     called = found.verdicts[ours]
     stable = int((called == "stable").sum())
-    if len(theirs) and stable > int((~grows & inside).sum()):
+    if len(theirs) and stable > int((~grows & possibly).sum()):
         yield Fault("wrong-verdict", f"lambda = {where} is called stable and grows")
     if len(theirs) and int((called == "unstable").sum()) > int(may_grow.sum()):
         yield Fault("wrong-verdict", f"lambda = {where} is called unstable and does not grow")

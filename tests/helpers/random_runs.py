@@ -42,6 +42,8 @@ class Outcome:
         Verdict on the window.
     modes, undecided
         Modes found, and those among them that were left open.
+    complete
+        Whether it claims that every mode of the window was found.
     left_out
         Modes of the window, however fast they grow, that were neither found nor claimed.
     unsure
@@ -55,6 +57,7 @@ class Outcome:
     verdict: str | None = None
     modes: int = 0
     undecided: int = 0
+    complete: bool = True
     left_out: int = 0
     unsure: str | None = None
 
@@ -84,7 +87,7 @@ def matrix_outcome(seed: int) -> Outcome:
     def run(found: Outcome):
         pencil, end = random_pencil(seed)
         found.name = f"random matrices {seed}"
-        return solve_modes(pencil, end), 0.0
+        return solve_modes(pencil, end), None
 
     return _outcome(seed, run)
 
@@ -104,10 +107,11 @@ def _outcome(seed: int, run: Callable) -> Outcome:
     return found
 
 
-def _judge(found: Outcome, modes: Modes, threshold: float) -> None:
+def _judge(found: Outcome, modes: Modes, threshold: float | None) -> None:
     said = found_by(modes, threshold)
     found.verdict, found.modes = said.verdict, len(said.kappa)
     found.undecided = int((said.verdicts == "undecided").sum())
+    found.complete = said.complete
     matrices = modes.pencil.at(modes.values)
     try:
         dense = dense_eigenvalues(matrices, said.top**2)
@@ -126,10 +130,17 @@ def statistics(outcomes: Iterable[Outcome]) -> str:
     lines.append(f"faulty: {sum(bool(o.faults) for o in every)} {dict(kinds)}")
     lines.append(f"verdicts: {dict(Counter(o.verdict for o in every if o.verdict))}")
     lines.append(f"modes left open: {sum(o.undecided for o in every)}")
+    open_ones = [o for o in every if o.verdict == "undecided"]
+    for reason, told in (("not complete", False), ("modes left open", True)):
+        seeds = [o.seed for o in open_ones if o.complete == told]
+        lines.append(f"  undecided, {reason}: {len(seeds)}, seeds {seeds[:12]}")
+    lines.append(f"windows that claim not to be complete: {sum(not o.complete for o in every)}")
     lines.append(f"with modes left out: {sum(bool(o.left_out) for o in every)}")
     refusals = Counter(_reason(o.refused) for o in every if o.refused)
     lines.append(f"refused: {sum(refusals.values())}")
-    lines += [f"  {count}: {reason}" for reason, count in refusals.most_common()]
+    for reason, count in refusals.most_common():
+        seeds = [o.seed for o in every if o.refused and _reason(o.refused) == reason]
+        lines.append(f"  {count}: {reason}, seeds {seeds[:6]}")
     unsure = Counter(o.unsure for o in every if o.unsure)
     lines.append(f"reference unsure: {dict(unsure)}")
     return "\n".join(lines)
@@ -137,7 +148,7 @@ def statistics(outcomes: Iterable[Outcome]) -> str:
 
 def _reason(refusal: str) -> str:
     """A refusal without its numbers."""
-    return " ".join(w for w in refusal.split() if not any(c.isdigit() for c in w))[:110]
+    return " ".join(w for w in refusal.split() if not any(c.isdigit() for c in w))[:90]
 
 
 def tell(text: str) -> None:
