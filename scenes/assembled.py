@@ -11,7 +11,7 @@ from cea.errors import InputError
 from cea.timing import StageTimer
 from scenes.read import Scene
 from scenes.results import ModesResult
-from scenes.run import RunOptions, coupled, run_modes, skipped_by
+from scenes.run import RunOptions, coupled, run_modes, skipped_by, with_warnings
 from scenes.spec import BodySpec, ComplexEigenvalueAnalysis, ContactSpec
 
 
@@ -101,7 +101,8 @@ class AssembledScene:
             return run_modes(scene, left=left, **options)
         timer = StageTimer(listener)
         modes = self._driver.solve(scene.analysis.max_frequency, values, left=left, timer=timer)
-        return ModesResult(scene, self._system, self.interfaces, timer, skipped_by(scene), modes)
+        result = ModesResult(scene, self._system, self.interfaces, timer, skipped_by(scene), modes)
+        return with_warnings(result)
 
     def threshold(
         self, parameter: str, real: float, flutter: float, *, frequency: float | None = None

@@ -42,8 +42,7 @@ def save_result(
     if next(iter(result.bodies.values())).comm.rank == 0:
         inputs = {"scene": result.scene.name} if inputs is None else inputs
         described |= data or {}
-        warnings = result.modes.warnings if isinstance(result, ModesResult) else ()
-        told = [warning.plain() for warning in warnings]
+        told = [warning.plain() for warning in result.warnings]
         write_record(record(RUN, described, inputs=inputs, seconds=seconds, warnings=told), path)
     return path
 

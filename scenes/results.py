@@ -1,7 +1,7 @@
 """What running a scene gives, a class for each kind of analysis."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from scipy.sparse import csr_array
@@ -14,6 +14,7 @@ from cea.errors import InputError
 from cea.system.contact_stresses import SideStress
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
+from cea.warned import ResultWarning
 from scenes.arrays import gathered_displacements, gathered_sums
 from scenes.of_modes import OfModes
 from scenes.read import Scene
@@ -41,6 +42,8 @@ class SceneResult:
         Seconds by stage.
     skipped
         What the scene did not need, with the reason.
+    warnings
+        What the result must be read with, warnings of the modes themselves included.
     """
 
     scene: Scene
@@ -48,6 +51,7 @@ class SceneResult:
     interfaces: Mapping[str, Interface]
     timer: StageTimer
     skipped: Mapping[str, str]
+    warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
 
     @property
     def bodies(self) -> Mapping[str, Body]:

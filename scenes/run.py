@@ -1,6 +1,7 @@
 """One scene from geometry to numbers."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TypedDict, Unpack
 
 from cea.body import Body
@@ -15,6 +16,7 @@ from scenes.build import build_bodies, build_interfaces, build_system, check_int
 from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
 from scenes.spec import ComplexEigenvalueAnalysis, StaticAnalysis
+from scenes.warnings import scene_warnings, short_modes
 
 
 class RunOptions(TypedDict, total=False):
@@ -84,7 +86,7 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
     modes = solve_modes(pencil, scene.analysis.max_frequency, left=left, timer=timer)
-    return ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
+    return with_warnings(ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes))
 
 
 def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
@@ -106,7 +108,18 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
             name: contact_stresses(system, name, x, scene.analysis.samples)
             for name in scene.contacts
         }
-    return StaticResult(scene, system, interfaces, timer, skipped_by(scene), x, stresses)
+        warnings = scene_warnings(scene, system.contacts)
+    return StaticResult(
+        scene, system, interfaces, timer, skipped_by(scene), x, stresses, warnings=warnings
+    )
+
+
+def with_warnings(result: ModesResult) -> ModesResult:
+    """A result with all that it must be read with; collective."""
+    with result.timer("post-processing"):
+        found = scene_warnings(result.scene, result.system.contacts)
+        found += short_modes(result.scene, result.bodies, result.mode_shapes, len(result.modes))
+    return replace(result, warnings=(*result.modes.warnings, *found))
 
 
 def coupled(

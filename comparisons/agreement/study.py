@@ -209,7 +209,7 @@ def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResu
             result = run_modes(variant, bodies=bodies, listener=progress.stage)
             bodies = result.bodies
             run = describe(result)
-            run["warnings"] = [warning.plain() for warning in result.modes.warnings]
+            run["warnings"] = [warning.plain() for warning in result.warnings]
             runs.append(run | _labels(backend, formulation, run))
             kind = (
                 "collocation"

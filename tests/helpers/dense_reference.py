@@ -1,0 +1,281 @@
+"""Dense eigenvalues of an assembled pencil, with what rounding leaves open of each.
+
+Eigenvalues near a shift come from the inverse of the assembled matrices there, refined in extended
+precision: that keeps small eigenvalues however stiff the contact is. Those far from it come from
+the matrices as they stand, contact forces eliminated. LAPACK does the rest: nothing is shared with
+the driver that is judged.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from petsc_matrices import to_numpy
+from scipy.linalg import cholesky, eig, lu_factor, lu_solve, solve_triangular, svd
+
+_EPS = np.finfo(float).eps
+_SHIFTS = (-0.31, -0.83, -0.057, -3.1, -0.0071)
+"""Shifts that are tried, relative to the upper end of the window."""
+_STEPS = 4
+"""Most steps of refinement."""
+
+
+class UnsureError(Exception):
+    """The dense reference cannot tell the eigenvalues."""
+
+
+@dataclass(frozen=True)
+class Dense:
+    """All finite eigenvalues kappa = -lambda^2 of K x = kappa M x.
+
+    Parameters
+    ----------
+    kappa
+        Eigenvalues (1/s^2), shape (n,).
+    error
+        What rounding may move each by: that of LAPACK, and that of the entries of the matrices.
+    symmetric
+        Whether there is no friction; eigenvalues are then real, and none is negative but for
+        rounding.
+    """
+
+    kappa: np.ndarray
+    error: np.ndarray
+    symmetric: bool
+
+    @property
+    def eigenvalues(self) -> np.ndarray:
+        """Lambda with Im lambda >= 0, one for each kappa; the growing one of a real pair."""
+        return lambda_of(self.kappa)
+
+    @property
+    def lambda_error(self) -> np.ndarray:
+        """What the errors of kappa are in lambda."""
+        return lambda_error(self.kappa, self.error)
+
+
+def lambda_of(kappa):
+    """Lambda = sqrt(-kappa) with Im lambda >= 0."""
+    values = np.sqrt(-np.asarray(kappa, dtype=complex))
+    return np.where(values.imag < 0, -values, values) + 0j
+
+
+def lambda_error(kappa, error):
+    """Error of lambda from one of kappa = -lambda^2."""
+    size = np.sqrt(np.abs(kappa))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(error < np.abs(kappa), error / (2 * size), np.sqrt(error))
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """K x + L^T f = kappa M x, J x = C f, where each displacement has the mass 1 on the diagonal.
+
+    Sums that the pencil does not make are made in extended precision.
+    """
+
+    K: np.ndarray
+    M: np.ndarray
+    J: np.ndarray
+    L: np.ndarray
+    C: np.ndarray
+    root: np.ndarray  # M = root root^T
+    symmetric: bool
+
+    @property
+    def tied(self) -> np.ndarray:
+        """Rows without compliance."""
+        return self.C == 0
+
+
+def dense_eigenvalues(matrices, top: float) -> Dense:
+    """Dense eigenvalues of the matrices of a pencil.
+
+    Parameters
+    ----------
+    matrices
+        :class:`cea.eigen.pencil.Matrices`, on one rank.
+    top
+        Upper end of the window in kappa (1/s^2): eigenvalues about as large are kept accurate.
+
+    Raises
+    ------
+    UnsureError
+        When rounding leaves too little of them.
+    """
+    problem = _problem(matrices)
+    finite = len(problem.K) - int(problem.tied.sum())
+    near, near_error, spread = _inverted(problem, top)
+    far, far_error, size = _as_it_stands(problem)
+    cut = _cut(np.abs(near), np.abs(far), np.sqrt(size * spread), finite)
+    small, large = np.abs(near) < cut, np.abs(far) >= cut
+    kappa = np.concatenate([near[small], far[large]])
+    error = np.concatenate([near_error[small], far_error[large]])
+    return Dense(kappa, error, problem.symmetric)
+
+
+def _problem(matrices) -> _Problem:
+    K, M = to_numpy(matrices.stiffness), to_numpy(matrices.mass)
+    if matrices.unsymmetric is not None:
+        K = K.astype(np.longdouble) + to_numpy(matrices.unsymmetric)
+    J = L = np.zeros((0, len(K)))
+    C = np.zeros(0)
+    if matrices.multipliers is not None:
+        J, L = to_numpy(matrices.multipliers.closure), to_numpy(matrices.multipliers.reaction)
+        C = matrices.multipliers.compliance.array_r.copy()
+    scale = 2.0 ** np.round(-0.5 * np.log2(np.diag(M)))  # powers of two round nothing
+    J, L, C = _independent(J * scale, L * scale, C)
+    M = M * np.outer(scale, scale)
+    root = cholesky(M, lower=True)
+    return _Problem(K * np.outer(scale, scale), M, J, L, C, root, matrices.symmetric)
+
+
+def _independent(J, L, C):
+    """Ties without those that follow from others: the smallest forces carry the rest."""
+    tied = C == 0
+    if not tied.any():
+        return J, L, C
+    u, s, v = svd(J[tied], full_matrices=False)
+    kept = s > 1e-11 * s[0]
+    if kept.all():
+        return J, L, C
+    J = np.vstack([s[kept, None] * v[kept], J[~tied]])
+    L = np.vstack([u[:, kept].T @ L[tied], L[~tied]])
+    return J, L, np.concatenate([np.zeros(kept.sum()), C[~tied]])
+
+
+def _inverted(problem: _Problem, top: float):
+    """Eigenvalues from the inverse at a shift, their errors, and how near the shift they reach."""
+    best = None
+    for part in _SHIFTS:
+        solver = _Bordered(problem, part * top)
+        norm = np.linalg.norm(solver.inverse @ problem.M, 2)
+        if np.isfinite(norm) and (best is None or norm * abs(part) < best[0]):
+            best = norm * abs(part), solver
+    if best is None:
+        raise UnsureError("every shift is an eigenvalue")
+    solver = best[1]
+    x, f, left_x, g = solver.refined()
+    T = problem.root.T @ x @ problem.root
+    norm = np.linalg.norm(T, 2)
+    theta, left, right = eig(T, left=True, right=True)
+    kept = np.abs(theta) > _noise(len(T)) * norm
+    theta, left, right = theta[kept], left[:, kept], right[:, kept]
+    kappa = solver.shift + 1 / theta
+    overlap = np.maximum(np.abs(np.sum(left.conj() * right, axis=0)), _EPS)
+    to_load, size = problem.root, np.abs(theta)
+    sum_right, sum_left = to_load @ right, to_load @ left
+    inverse_error = solver.error(np.abs(sum_left), np.abs(sum_right)) / size**2
+    own = 4 * np.sqrt(len(T)) * _EPS * norm / size**2
+    entries = solver.entries(
+        np.abs(left_x @ sum_left / size),
+        np.abs(g @ sum_left / size),
+        np.abs(x @ sum_right / size),
+        np.abs(f @ sum_right / size),
+        np.abs(kappa),
+    )
+    return kappa, (own + inverse_error + 4 * _EPS * entries) / overlap, 1 / norm
+
+
+class _Bordered:
+    """[K - s M, L^T; J, -C] at a shift s, factorised in double precision."""
+
+    def __init__(self, problem: _Problem, shift: float) -> None:
+        self.problem, self.shift = problem, shift
+        self.n, self.m = len(problem.K), len(problem.C)
+        n = self.n
+        rows = np.abs(problem.J).max(axis=1, initial=0.0)
+        size = float(np.abs(problem.K).max())
+        self.scale = 2.0 ** np.round(np.log2(size / np.where(rows > 0, rows, 1.0)))
+        self.matrix = np.zeros((n + self.m, n + self.m), dtype=np.longdouble)
+        self.matrix[:n, :n] = problem.K - np.longdouble(shift) * problem.M
+        self.matrix[:n, n:] = problem.L.T * self.scale
+        self.matrix[n:, :n] = problem.J * self.scale[:, None]
+        self.matrix[n:, n:] = -np.diag(problem.C * self.scale**2)
+        self.factors = lu_factor(self.matrix.astype(float), check_finite=False)
+        self.inverse = lu_solve(self.factors, np.eye(n + self.m, n))[:n]
+
+    def refined(self):
+        """Displacements and forces for unit loads, of the problem and of its transposed."""
+        n = self.n
+        whole, self._change = self._solve(self.matrix, 0)
+        dual, _ = self._solve(self.matrix.T, 1)
+        scale = self.scale[:, None]
+        return whole[:n], scale * whole[n:], dual[:n], scale * dual[n:]
+
+    def _solve(self, matrix, transposed):
+        """Solution for unit loads, and the last correction of it."""
+        load = np.eye(self.n + self.m, self.n)
+        whole = lu_solve(self.factors, load, trans=transposed).astype(np.longdouble)
+        before = np.inf
+        for _ in range(_STEPS):
+            defect = (load - matrix @ whole).astype(float)
+            change = lu_solve(self.factors, defect, trans=transposed)
+            size = np.abs(change).max()
+            if not size < 0.5 * before:
+                break
+            whole, before = whole + change, size
+            if size < _EPS * np.abs(whole).max():
+                break
+        return whole.astype(float), np.abs(change)
+
+    def error(self, left, right):
+        """|left^T error right| for the error of the inverse, column by column."""
+        own = self._change[: self.n] + _EPS * np.abs(self.inverse)
+        return np.einsum("in,ij,jn->n", left, own, right, optimize=True)
+
+    def entries(self, y, g, x, f, kappa):
+        """|(y, g)^T matrix (x, f)| with absolute values throughout, column by column."""
+        p = self.problem
+        total = np.sum(y * (np.abs(p.K).astype(float) @ x + kappa * (np.abs(p.M) @ x)), axis=0)
+        total += np.sum((np.abs(p.L) @ y) * f + (np.abs(p.J) @ x) * g, axis=0)
+        return total + np.sum(g * p.C[:, None] * f, axis=0)
+
+
+def _as_it_stands(problem: _Problem):
+    """Eigenvalues with contact forces eliminated, their errors, and the norm of the matrix."""
+    tied = problem.tied
+    K = problem.K + (problem.L[~tied].T / problem.C[~tied]) @ problem.J[~tied]
+    half = solve_triangular(problem.root, K.astype(float), lower=True)
+    A = solve_triangular(problem.root, half.T, lower=True).T
+    worse = 1.0
+    if tied.any():
+        r = int(tied.sum())
+        Z, W = (
+            svd(solve_triangular(problem.root, each[tied].T, lower=True).T)[2][r:].T
+            for each in (problem.J, problem.L)
+        )
+        both = W.T @ Z
+        worse = np.linalg.cond(both)
+        if worse > 1e10:
+            raise UnsureError("friction jams the ties")
+        A = np.linalg.solve(both, W.T @ A @ Z)
+    kappa, left, right = eig(A, left=True, right=True)
+    norm = np.linalg.norm(A, 2)
+    kept = np.abs(kappa) > _noise(len(A)) * worse * norm
+    overlap = np.maximum(np.abs(np.sum(left.conj() * right, axis=0)), _EPS)
+    error = 4 * np.sqrt(len(A)) * _EPS * norm * worse / overlap
+    return kappa[kept], error[kept], norm
+
+
+def _noise(n):
+    """Part of the norm of a matrix below which its eigenvalues are rounding."""
+    return 100 * np.sqrt(n) * _EPS
+
+
+def _cut(near, far, middle, finite):
+    """Modulus that parts the eigenvalues, with as many on both sides as there are in all."""
+    near, far = np.sort(near), np.sort(far)
+    gaps = []
+    for below in range(max(1, finite - len(far)), min(len(near), finite - 1) + 1):
+        above = finite - below
+        low = max(near[below - 1], far[-above - 1] if above < len(far) else 0.0)
+        high = min(near[below] if below < len(near) else np.inf, far[-above])
+        low = max(low, 1e-300)
+        if low * (1 + 1e-9) < high:
+            between = np.sqrt(low) * np.sqrt(min(high, 1e300))
+            gaps.append((abs(np.log(between / middle)), between))
+    if not gaps and len(near) >= finite:
+        return np.inf
+    if not gaps:
+        raise UnsureError("no modulus parts the eigenvalues of both problems alike")
+    return min(gaps)[1]
