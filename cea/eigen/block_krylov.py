@@ -31,7 +31,7 @@ _GROWTH = 1.3
 """Growth of the Krylov space between two looks at its eigenvalues."""
 _RESTART = 2.5
 """Size of the space, relative to the eigenvalues wanted of it, at which it is restarted."""
-_NOISE = 1e-13
+_NOISE = 1e-12
 """Part of a vector that projections leave below which it lies in the space already."""
 _PAIR = 1e-9
 """Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
@@ -128,7 +128,7 @@ class BlockKrylov:
     ) -> None:
         self._mass, self._factors, self._transposed = mass, factors, transposed
         self._timer = timer
-        self.finite = finite
+        self.size, self.finite = int(mass.getSize()[0]), finite
         self.tolerance, self.max_restarts = tolerance, max_restarts
         self.shift = factors.kappa
         self.comm = mass.comm.tompi4py()
@@ -187,12 +187,13 @@ class _Run:
         self._owner, self._known = owner, known
         self._least = 1.0 / radius
         self._shift = owner.shift
-        self._room = owner.finite - known.size
+        self._room = owner.size - known.size
+        self._finite = owner.finite - known.size
         self._vectors = np.empty((len(known.basis), known.size + 8 * _BLOCK), order="F")
         self._vectors[:, : known.size] = known.basis
         self._size = self._next = 0
         self._coupling, self._operator = np.empty((known.size, 0)), np.empty((0, 0))
-        if self._room > 0:
+        if self._finite > 0:
             columns = min(_BLOCK, self._room)
             random = np.random.default_rng([seed, owner.comm.rank])
             start = owner.image(random.standard_normal((len(known.basis), columns)))
@@ -201,7 +202,7 @@ class _Run:
     def complete(self) -> InvariantSubspace:
         """The known with all that is in the disc."""
         restarts, look = 0, 2 * _BLOCK
-        while self._room > 0:
+        while self._finite > 0:
             exhausted = not self._next or self._size >= self._room
             if self._size < look and not exhausted:
                 self._extend()
@@ -209,8 +210,8 @@ class _Run:
             theta, residuals = self._ritz()
             inside = np.abs(theta) >= self._least
             converged = residuals <= self._owner.tolerance * np.abs(theta)
-            if exhausted:
-                return self._whole()
+            if exhausted:  # ties have infinite eigenvalues, theta = 0 but for rounding
+                return self._locked(theta, self._largest(theta))
             if converged[inside].all() and self._clear(theta, residuals, inside):
                 return self._locked(theta, converged)
             wanted = int(inside.sum())
@@ -256,18 +257,21 @@ class _Run:
         squares = owner.diagonal(w, image)
         lengths = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
         u, image = w / lengths, image / lengths
-        inside, rest, least = np.zeros((first, w.shape[1])), np.diag(lengths), _NOISE**2
-        for _ in range(2):
+        inside, rest, least = np.zeros((first, w.shape[1])), np.diag(lengths), _NOISE
+        for _ in range(3):  # a third time, for the first leaves small vectors far from orthogonal
             part = owner.inner(before, image)
             inside += part @ rest
             u -= before @ part
             image = owner.image(u)
-            values, axes = np.linalg.eigh(owner.inner(u, image))
-            kept = np.flatnonzero(values > least)[max(0, len(values) - most) :]
-            scaled = axes[:, kept] / np.sqrt(values[kept])
-            u, image = u @ scaled, image @ scaled
-            rest = (axes[:, kept] * np.sqrt(values[kept])).T @ rest
-            least = 0.1  # what a second projection takes most of was rounding
+            axes = np.linalg.eigh(owner.inner(u, image))[1]
+            u, image = u @ axes, image @ axes
+            # Of small vectors beside large ones the lengths say more than the eigenvalues.
+            lengths = np.sqrt(np.maximum(owner.diagonal(u, image), 0.0))
+            kept = np.flatnonzero(lengths > least)
+            kept = kept[max(0, len(kept) - most) :]
+            u, image = u[:, kept] / lengths[kept], image[:, kept] / lengths[kept]
+            rest = (axes[:, kept] * lengths[kept]).T @ rest
+            least = 0.3  # what a second projection takes most of was rounding
         self._next, self._image = u.shape[1], image
         if first + self._next > self._vectors.shape[1]:
             wider = np.empty((len(u), int(1.5 * first) + _BLOCK), order="F")
@@ -327,32 +331,19 @@ class _Run:
         self._operator = np.vstack([form, rest])
         self._coupling = self._coupling @ vectors
 
-    def _whole(self) -> InvariantSubspace:
-        """The known with all of the space, of which nothing is left outside.
-
-        The last vectors are those of which least was left, and hold rounding, which ties and
-        gaps between them would make eigenvalues of: OP leaves that behind.
-        """
-        owner, known = self._owner, self._known
-        form, vectors = schur(self._square(), output="real")
-        space = self._space(vectors)
-        image = owner.apply(owner.image(space))
-        space = np.linalg.solve(form.T, image.T).T
-        for _ in range(2):
-            space = space - known.basis @ owner.inner(known.basis, owner.image(space))
-            values, axes = np.linalg.eigh(owner.inner(space, owner.image(space)))
-            space = space @ (axes / np.sqrt(values)) @ axes.T
-        applied = owner.image(owner.apply(owner.image(space)))
-        coupling, form = owner.inner(known.basis, applied), owner.inner(space, applied)
-        return known.extended(space, coupling, form, self._shift)
+    def _largest(self, theta: Complexes) -> NDArray[np.bool_]:
+        """So many eigenvalues as are finite."""
+        chosen = np.zeros(len(theta), dtype=bool)
+        chosen[np.argsort(-np.abs(theta))[: self._finite]] = True
+        return chosen
 
     def _locked(self, theta: Complexes, converged: NDArray[np.bool_]) -> InvariantSubspace:
         """The known with the leading eigenvalues, as far as they have converged."""
         order = np.argsort(-np.abs(theta))
         number = len(order) if converged.all() else int(np.argmin(converged[order]))
-        sizes = np.abs(theta[order])
-        while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:
-            number -= 1
+        if 0 < number < len(order):
+            last, beyond = theta[order[number - 1]], theta[order[number]]
+            number -= int(last.imag != 0 and np.isclose(last.conj(), beyond, rtol=_PAIR, atol=0.0))
         if not number:
             return self._known
         form, vectors = self._leading(theta, number)
