@@ -43,7 +43,7 @@ def displacements(
         operator = free_operator(csr_array(kron(trace, eye_array(part.dim), format="csr")), part)
         u = _times(operator, own, part.comm)
         destroy(operator)
-    return u.reshape(-1, part.dim, vectors.shape[1])
+    return u.reshape(len(u) // part.dim, part.dim, vectors.shape[1])
 
 
 def _times(operator: Any, vectors: Complexes, comm: Any) -> Complexes:

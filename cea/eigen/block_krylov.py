@@ -133,7 +133,7 @@ class BlockKrylov:
         self.shift = factors.kappa
         self.comm = mass.comm.tompi4py()
 
-    def search(self, known: InvariantSubspace, radius: float, seed: int = 0) -> InvariantSubspace:
+    def search(self, known: InvariantSubspace, radius: float, seed: int) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc, and a little around it.
 
         It ends when every eigenvalue of the space inside the disc has converged and the first one

@@ -131,8 +131,8 @@ def modes_of(
 
 def _uncertainties(eigenvalues: Complexes, errors: Floats) -> Floats:
     """Errors of lambda (1/s) that errors of lambda^2 make: their half relative, or their root."""
-    sizes = np.maximum(np.abs(eigenvalues), np.finfo(float).tiny)
-    return np.minimum(errors / (2 * sizes), np.sqrt(errors))
+    sizes = np.maximum(np.abs(eigenvalues), np.sqrt(errors))
+    return errors / np.maximum(2 * sizes - np.sqrt(errors), np.finfo(float).tiny)
 
 
 def _warnings(modes: Modes) -> tuple[ResultWarning, ...]:

@@ -120,6 +120,7 @@ class WindowSearch:
         self._finite = matrices.size - matrices.tied
         self._limits = tolerance, max_restarts
         self._timer = timer
+        self._searches = 0
         self._discs: list[Disc] = []
         self._farthest: dict[float, float] = {}
 
@@ -136,10 +137,10 @@ class WindowSearch:
         upper = upper_end(top)
         radius = upper - self._middle
         known = self._filled(self._nothing(), radius, searches=1)
-        for seed in range(1, _MOST_SEARCHES):
+        for _ in range(_MOST_SEARCHES):
             if _below(known, upper) >= counted:
                 break
-            known = self._filled(known, radius, searches=1, seed=seed)
+            known = self._filled(known, radius, searches=1)
         depth = radius - self._middle
         while _below(known, upper) < counted and len(self._discs) < _MOST_DISCS[True]:
             depth = _DEEPER * max(depth, top)  # a stiffness that is not positive definite
@@ -209,7 +210,6 @@ class WindowSearch:
         radius: float,
         *,
         searches: int = _MOST_SEARCHES,
-        seed: int = 0,
         transposed: bool = False,
     ) -> InvariantSubspace:
         """Search a disc, again and again beside what was found, until nothing more is."""
@@ -224,9 +224,10 @@ class WindowSearch:
             timer=self._timer,
             transposed=transposed,
         )
-        for attempt in range(searches):
+        for _ in range(searches):
             before = known.size
-            known = krylov.search(known, radius, seed + attempt)
+            known = krylov.search(known, radius, self._searches)
+            self._searches += 1  # never from the same random vectors
             kappa = known.eigenvalues()
             new = np.abs(known.eigenvalues(before) - factors.kappa)
             if not transposed and len(new):
