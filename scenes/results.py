@@ -9,7 +9,6 @@ from scipy.sparse import csr_array
 from cea.body import Body, Complexes, Floats, Ints, SurfaceCoordinates
 from cea.contact.interface import Interface
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from cea.system.contact_stresses import SideStress
 from cea.system.coupled import CoupledSystem
@@ -77,7 +76,7 @@ class SceneResult:
         for contact in self.system.contacts:
             if contact.half.form == "saddle":
                 raise InputError(f"contacts.{contact.pair}.form", "saddle", "penalty for matrices")
-        pencil, values = self._pencil()
+        pencil, values = self.system.pencil(eliminate=True), self._values()
         pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "M": [], "K_n": [], "K_f": []}
         for term in pencil.terms:
             factor = term.coefficient.at(values)
@@ -92,10 +91,9 @@ class SceneResult:
             del pieces["M"]
         return gathered_sums(pieces, self.system.template)
 
-    def _pencil(self) -> tuple[Pencil, Mapping[str, float]]:
-        """The pencil that was solved, and the parameters it was solved at."""
-        pencil = self.system.pencil()
-        return pencil, pencil.values()
+    def _values(self) -> Mapping[str, float]:
+        """The parameters that were solved at."""
+        return self.system.pencil(eliminate=True).values()
 
     def _displacements(
         self,
@@ -131,8 +129,8 @@ class ModesResult(OfModes, SceneResult):
 
     modes: Modes
 
-    def _pencil(self) -> tuple[Pencil, Mapping[str, float]]:
-        return self.modes.pencil, self.modes.values
+    def _values(self) -> Mapping[str, float]:
+        return self.modes.values
 
     def relative_stiffness(self, contact: str) -> float:
         """P of a contact where the modes were solved for, over that of the system's matrices."""
