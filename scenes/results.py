@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from scipy.sparse import csr_array
@@ -71,12 +72,14 @@ class SceneResult:
         Raises
         ------
         InputError
-            Where a contact has the saddle form, which has no K_n and K_f.
+            Where the sides of a contact are tied: K_n is infinite.
         """
+        values = self._values()
         for contact in self.system.contacts:
-            if contact.half.form == "saddle":
-                raise InputError(f"contacts.{contact.pair}.form", "saddle", "penalty for matrices")
-        pencil, values = self.system.pencil(eliminate=True), self._values()
+            name = f"contacts.{contact.pair}.P"
+            if not values[name] < inf:
+                raise InputError(name, values[name], "finite for matrices")
+        pencil = self.system.pencil(eliminate=True)
         pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "M": [], "K_n": [], "K_f": []}
         for term in pencil.terms:
             factor = term.coefficient.at(values)
@@ -93,7 +96,7 @@ class SceneResult:
 
     def _values(self) -> Mapping[str, float]:
         """The parameters that were solved at."""
-        return self.system.pencil(eliminate=True).values()
+        return self.system.pencil().values()
 
     def _displacements(
         self,

@@ -145,6 +145,11 @@ class Contact:
         return float(self.interface.points.weight @ self.half.stiffness)
 
     @property
+    def has_pressure(self) -> bool:
+        """Whether gaps tell the contact pressure: the sides are neither tied nor bonded."""
+        return self.half.coupling != "bonded" and bool(np.isfinite(self.P))
+
+    @property
     def keeps_forces(self) -> bool:
         """Whether its forces are unknowns of what is solved."""
         return self.projection is not None or self.half.form == "saddle"
@@ -195,13 +200,15 @@ class Contact:
     def pressure(self, x: Any) -> Floats:
         """Contact pressure (N/m^2) at every point, on every rank, for unknowns x.
 
+        It is made of gaps, which hold the fewer digits the stiffer the contact.
+
         Raises
         ------
         InputError
-            In the saddle form, whose forces are unknowns, and where the sides are bonded.
+            Where the sides are tied, and no gap tells the pressure, or bonded.
         """
-        if self.half.form == "saddle" or self.half.coupling == "bonded":
-            raise InputError(self.name, self.half.form, "a penalty contact that is not bonded")
+        if not self.has_pressure:
+            raise InputError(self.name, self.P, "a finite stiffness, and sides that are not bonded")
         closed = self.gap.createVecLeft()
         self.gap.mult(x, closed)
         if self.projection is None:

@@ -5,15 +5,16 @@
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf, log10
 from typing import Any
 
 import numpy as np
 
 from cea.body import Body, Floats
-from cea.contact.forms import penalty_warnings, with_forms
+from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.operators import Contact, HalfPass, assemble_contact
 from cea.contact.saddle import contact_forces
 from cea.eigen.multipliers import ForcesOfContact
@@ -44,8 +45,8 @@ class CoupledSystem:
         Forces (N), PETSc vector, None where none were asked for.
     stiffness_diagonal
         Diagonal of K of all bodies (N/m), PETSc vector.
-    warnings
-        What its contacts cost: kind ``penalty-rounding``.
+    penalty_digits
+        Digits that the penalty form costs, or would cost, by contact.
     """
 
     bodies: Mapping[str, Body]
@@ -55,7 +56,7 @@ class CoupledSystem:
     with_mass: bool
     load: Any | None
     stiffness_diagonal: Any
-    warnings: tuple[ResultWarning, ...] = ()
+    penalty_digits: Mapping[str, float]
 
     @property
     def size(self) -> int:
@@ -75,6 +76,36 @@ class CoupledSystem:
     def _diagonal(self, matrix_of: Callable[[Body], Any]) -> Any:
         return block_diagonal([matrix_of(body) for body in self.bodies.values()]).convert("aij")
 
+    @property
+    def warnings(self) -> tuple[ResultWarning, ...]:
+        """What the forms of its contacts cost: kind ``penalty-rounding``."""
+        return self.warnings_at({})
+
+    def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
+        """The same where some parameters of the pencil have other values."""
+        digits = {name: self._digits_at(name, values) for name in self.penalty_digits}
+        return penalty_warnings(self.contacts, digits)
+
+    def keeps_forms(self, contacts: Iterable[str], values: Mapping[str, float]) -> bool:
+        """Whether contacts would take the forms they have if some parameters had other values."""
+        return all(
+            half.lumped is not None or form_for(self._digits_at(name, values)) == half.half.form
+            for name in contacts
+            for half in self._halves(name)
+        )
+
+    def _digits_at(self, contact: str, values: Mapping[str, float]) -> float:
+        """Digits that the penalty form costs at other P and E; infinite where it is not known."""
+        before, half = self._stiffnesses()[contact], self._halves(contact)[0]
+        P = values.get(f"contacts.{contact}.P", before)
+        if inf in (P, before):
+            return inf
+        if half.projection is not None:
+            return 0.0
+        moduli = {name: self.bodies[name].material.E for name in (half.half.a, half.half.b)}
+        softer = min(values.get(f"bodies.{name}.material.E", E) / E for name, E in moduli.items())
+        return self.penalty_digits[contact] + log10(P / before / softer)
+
     def vector(self) -> Any:
         """A new PETSc vector of unknowns, all zero."""
         vector = self.template.duplicate()
@@ -93,12 +124,10 @@ class CoupledSystem:
         leave_out
             Whether friction that is zero is left out of what is solved.
         eliminate
-            Whether forces of the penalty form are eliminated where gaps are projected too, into
-            matrices that are full on the interface.
+            Whether all contact forces are eliminated, where gaps are projected into matrices that
+            are full on the interface; no contact is tied.
         """
-        keeping = [c for c in self.contacts if c.keeps_forces]
-        if eliminate:
-            keeping = [c for c in keeping if c.half.form == "saddle"]
+        keeping = [c for c in self.contacts if c.keeps_forces and not eliminate]
         return Pencil(
             [*self._body_terms(), *self._contact_terms(keeping)],
             self._parameters(),
@@ -258,23 +287,20 @@ def couple(
             part = load.getSubVector(index_sets[name])
             body.load().copy(part)
             load.restoreSubVector(index_sets[name], part)
-    stiffness = _stiffness_diagonal(bodies, template)
-    made = with_forms(
-        (
-            assemble_contact(bodies, name, half, leave_out=leave_out)
-            for name, half in contacts.items()
-        ),
-        stiffness,
-    )
+    made = [
+        assemble_contact(bodies, name, half, leave_out=leave_out) for name, half in contacts.items()
+    ]
+    diagonal = _stiffness_diagonal(bodies, template)
+    digits = penalty_digits(made, diagonal)
     return CoupledSystem(
         bodies=bodies,
-        contacts=made,
+        contacts=with_forms(made, digits),
         template=template,
         index_sets=index_sets,
         with_mass=with_mass,
         load=load,
-        stiffness_diagonal=stiffness,
-        warnings=penalty_warnings(made, stiffness),
+        stiffness_diagonal=diagonal,
+        penalty_digits=digits,
     )
 
 
