@@ -33,6 +33,10 @@ from cea.matrices import (
     local_part,
     one_below_the_other,
 )
+from cea.petsc import MPI
+
+_UNFELT = 1e-24
+"""Stiffness, relative to the largest of a contact, of a force that the bodies do not feel."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +58,8 @@ class ContactForces:
     slip: Any | None
     compliance: Any
 
-    def body_stiffness(self, stiffness: Any) -> float:
-        """P (N/m) at which the contact is about as stiff as the bodies.
+    def body_stiffness(self, stiffness: Any) -> tuple[float, float]:
+        """P (N/m) at which its stiffest and its softest force are about as stiff as the bodies.
 
         Parameters
         ----------
@@ -69,9 +73,12 @@ class ContactForces:
         squares.mult(softness, own)
         compliance = self.compliance.getDiagonal()
         own.pointwiseDivide(own, compliance)
-        largest = own.max()[1]
+        comm, relative = own.comm.tompi4py(), own.array_r
+        stiffest = comm.allreduce(relative.max(initial=0.0), MPI.MAX)
+        felt = relative[relative > _UNFELT * stiffest]
+        softest = comm.allreduce(felt.min(initial=stiffest), MPI.MIN)
         destroy(softness, own, squares, compliance)
-        return 1 / largest
+        return 1 / stiffest, 1 / softest
 
 
 def contact_forces(contacts: Sequence[Contact]) -> dict[str, ContactForces]:

@@ -20,7 +20,7 @@ from cea.petsc import Mat
 _YIELDING = 1e-3
 """Least compliance, relative to that of the bodies, at which dependent closures do no harm."""
 _RIGID = 1e-13
-"""Compliance, relative to that of the bodies, below which forces are those of constraints."""
+"""Compliance, relative to that of the bodies, below which it is none: the sides are tied."""
 _DEPENDENT = 1e-11
 """Size of a sum of unit closures that counts as none."""
 _NEARLY_DEPENDENT = 1e-7
@@ -44,7 +44,8 @@ class ForcesOfContact:
     friction
         c_f.
     body_stiffness
-        P (N/m) at which the contact is about as stiff as the bodies.
+        P (N/m) at which the contact is where it is stiffest, and where it is softest, about as
+        stiff as the bodies.
     """
 
     closure: Mat
@@ -52,7 +53,7 @@ class ForcesOfContact:
     compliance: Mat
     inverse_stiffness: Coefficient
     friction: Coefficient
-    body_stiffness: float
+    body_stiffness: tuple[float, float]
 
     def reaction(self, values: Mapping[str, float], *, leave_out: bool) -> Mat:
         """L at given parameters; J itself without friction, if what is zero is left out."""
@@ -60,6 +61,11 @@ class ForcesOfContact:
         if self.slip is None or (factor == 0 and leave_out):
             return self.closure
         return scaled_total([(1.0, self.closure), (-factor, self.slip)])
+
+    def scale(self, values: Mapping[str, float]) -> float:
+        """c_c at given parameters; zero where it is lost in the rounding of the bodies."""
+        scale = self.inverse_stiffness.at(values)
+        return 0.0 if scale * self.body_stiffness[1] < _RIGID else scale
 
 
 @dataclass(frozen=True)
@@ -99,6 +105,11 @@ class Multipliers:
         """Number of multipliers."""
         return int(self.closure.getSize()[0])
 
+    @property
+    def dependent(self) -> int:
+        """Number of closures that depend on others."""
+        return 0 if self.border is None else int(self.border.getSize()[1])
+
     def free(self) -> None:
         """Free what was made of the pieces, not the pieces."""
         if not self.symmetric:
@@ -125,7 +136,7 @@ class AllForces:
 
     def at(self, values: Mapping[str, float], *, leave_out: bool = True) -> Multipliers:
         """Matrices at given parameters, those of several contacts one below the other."""
-        scales = [part.inverse_stiffness.at(values) for part in self.parts]
+        scales = [part.scale(values) for part in self.parts]
         closure, stacked = self._stacked([part.closure for part in self.parts])
         reactions = [part.reaction(values, leave_out=leave_out) for part in self.parts]
         reaction = closure
@@ -162,7 +173,7 @@ class AllForces:
     def _dependence(self, scales: Sequence[float], closure: Mat) -> Dependence | None:
         """How closures depend on each other; None where every contact is compliant enough."""
         least = min(
-            scale * part.body_stiffness for part, scale in zip(self.parts, scales, strict=True)
+            scale * part.body_stiffness[0] for part, scale in zip(self.parts, scales, strict=True)
         )
         if least > _YIELDING:
             return None

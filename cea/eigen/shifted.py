@@ -208,7 +208,7 @@ def _entrywise(matrix: Any, power: int) -> Any:
     return distributed(part, matrix.getSizes()[1], matrix.comm)
 
 
-def _balanced(border: Any, scale: Any, size: float) -> Any:
+def balanced(border: Any, scale: Any, size: float) -> Any:
     """s Z, its columns as long as rows of the rest are."""
     part = csr_array(diags_array(scale.array_r) @ local_part(border))
     squares = np.zeros(part.shape[1])
@@ -245,7 +245,7 @@ def _bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric:
     blocks = [[operator, transpose], [closure, corner]]
     made = [transpose, corner, closure]
     if multipliers.border is not None:
-        border = _balanced(multipliers.border, scale, closure.norm(PETSc.NormType.INFINITY))
+        border = balanced(multipliers.border, scale, closure.norm(PETSc.NormType.INFINITY))
         across = border.transpose(PETSc.Mat())
         blocks = [[operator, transpose, None], [closure, corner, border], [None, across, None]]
         made += [border, across]
