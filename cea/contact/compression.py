@@ -24,8 +24,8 @@ from cea.petsc import MPI
 
 _DEPENDENT = 1e-12
 """Rows whose pivot is below this part of their column are taken to depend on those before."""
-_NEGLIGIBLE = 1e-14
-"""Columns below this part of the largest are rounding, of normals along axes."""
+_NEGLIGIBLE = 1e-12
+"""Entries below this part of their row are rounding."""
 _LEAF = 96
 """Points that are worked on at once."""
 
@@ -78,13 +78,12 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[c
     tuple
         J and R, shape (rows, columns) each.
     """
+    gap = _without(gap, _rounding(gap, comm))
     squares = np.bincount(gap.indices, gap.data**2, gap.shape[1])
     size = np.sqrt(comm.allreduce(squares, MPI.SUM))
-    gap = _without(gap, size <= _NEGLIGIBLE * size.max(initial=0.0))
     touching = np.bincount(gap.indices, minlength=gap.shape[1])
-    compression = _Compression(
-        gap, _without(slip, np.zeros(len(size), bool)), size, comm.allreduce(touching, MPI.SUM)
-    )
+    slip = _without(slip, np.zeros(len(size), dtype=bool))
+    compression = _Compression(gap, slip, size, comm.allreduce(touching, MPI.SUM))
     rest = compression.of_points(np.arange(gap.shape[0]), x)
     if comm.size > 1:
         parts = comm.gather(rest)
@@ -94,6 +93,16 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[c
         _assembled(compression.finished.closure, gap.shape[1]),
         _assembled(compression.finished.slip, gap.shape[1]),
     )
+
+
+def _rounding(gap: csr_array, comm: Any) -> NDArray[np.bool_]:
+    """Columns that are nothing but rounding in every row: of normals along axes."""
+    row = np.repeat(np.arange(gap.shape[0]), np.diff(gap.indptr))
+    length = np.sqrt(np.bincount(row, gap.data**2, gap.shape[0]))
+    largest = np.zeros(gap.shape[1])
+    part = np.abs(gap.data) / np.maximum(length[row], np.finfo(float).tiny)
+    np.maximum.at(largest, gap.indices, part)
+    return comm.allreduce(largest, MPI.MAX) <= _NEGLIGIBLE
 
 
 def _without(matrix: csr_array, columns: NDArray[np.bool_]) -> csr_array:
@@ -126,10 +135,13 @@ class _Compression:
         """What remains of some points once all that is theirs alone is done."""
         if len(points) <= _LEAF:
             return self.finish(self._leaf(points))
-        along = np.argmax(np.ptp(x[points], axis=0))
-        order = points[np.argsort(x[points, along], kind="stable")]
-        halves = np.array_split(order, 2)
+        halves = min((_halves(points, along) for along in x.T), key=self._shared)
         return self.finish(_joined([self.of_points(half, x) for half in halves]))
+
+    def _shared(self, halves: Sequence[Ints]) -> int:
+        """Columns that two parts share."""
+        first, second = (np.unique(self._gap[half].indices) for half in halves)
+        return len(np.intersect1d(first, second, assume_unique=True))
 
     def _leaf(self, points: Ints) -> _Front:
         gap, slip = self._gap[points], self._slip[points]
@@ -164,6 +176,11 @@ class _Compression:
         return _Front(
             rest * size[~own], edge, front.touching[~own], carried, front.carried_columns
         )
+
+
+def _halves(points: Ints, along: Floats) -> list[Ints]:
+    """Two parts of equal size, divided by a coordinate."""
+    return np.array_split(points[np.argsort(along[points], kind="stable")], 2)
 
 
 def _joined(parts: Sequence[_Front]) -> _Front:

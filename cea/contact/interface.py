@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.body import Floats, Location, Status, Surface, SurfacePoints
-from cea.checks import check_coverage
+from cea.checks import check_coverage, check_point_weights
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed, local_rows
@@ -95,7 +95,7 @@ def pair(
     a, b
         The two surfaces.
     points
-        Points of the rule on a, the same on every rank.
+        Points of the rule on a, the same on every rank; those of weight zero are dropped.
     field
         Name of the contact, for messages.
     reach
@@ -109,10 +109,13 @@ def pair(
     Raises
     ------
     InputError
-        On every rank, when too many points are missed or the surfaces do not face each other.
+        On every rank, when a weight is negative, too many points are missed or the surfaces do not
+        face each other.
     """
     if reach is None:
         reach = default_reach(a, b)
+    check_point_weights(points.weight, field)
+    points = points[points.weight > 0]
     start, stop = local_rows(len(points), comm)
     with agreed(comm):
         opposite = b.locate(points.x[start:stop], points.normal[start:stop], reach)
