@@ -77,8 +77,16 @@ class Dependence:
             tuple(null[part] for part in parts), tuple(length[part] for part in parts), closure.comm
         )
 
-    def border(self, compliances: Sequence[Mat], scales: Sequence[float]) -> tuple[Mat, int]:
-        """Z, whose columns span C N, and how many of them hold constraints without compliance.
+    def within(self, chosen: Sequence[bool]) -> int:
+        """Number of dependences that involve none but chosen contacts."""
+        others = [block for block, one in zip(self.blocks, chosen, strict=True) if not one]
+        if not others:
+            return self.size
+        values, _ = self._involvement(others)
+        return int(np.sum(values <= _UNINVOLVED))
+
+    def border(self, compliances: Sequence[Mat], scales: Sequence[float]) -> Mat:
+        """Z, whose columns span C N.
 
         Of contacts of different stiffness the softest decides: columns are weighted by its P, and
         what does not involve it is left to the next. So none of them is lost beside the others.
@@ -88,7 +96,7 @@ class Dependence:
         compliances
             C^ of each contact, PETSc AIJ.
         scales
-            c_c (m/N) of each contact, zero where it is tied.
+            c_c (m/N) of each contact, zero where it is infinitely stiff.
         """
         images = [
             times(compliance, (block / length[:, None]).astype(complex)).real
@@ -97,27 +105,27 @@ class Dependence:
             )
         ]
         softest_first = sorted(range(len(scales)), key=lambda k: -scales[k])
-        rest, columns, redundant = np.eye(self.size), [], 0
+        rest, columns = np.eye(self.size), []
         for scale, contacts in groupby(softest_first, key=lambda k: scales[k]):
-            parts = [self.blocks[k] @ rest for k in contacts]
-            gram = self.comm.tompi4py().allreduce(sum(p.T @ p for p in parts), MPI.SUM)
-            values, vectors = np.linalg.eigh(gram)
-            involved = values > _UNINVOLVED
-            own = rest @ vectors[:, involved]
-            columns.append(
-                np.vstack(
-                    [
-                        _relative(each, scale) * (image @ own)
-                        for each, image in zip(scales, images, strict=True)
-                    ]
-                )
+            values, vectors = self._involvement([self.blocks[k] @ rest for k in contacts])
+            own, rest = (
+                rest @ vectors[:, values > _UNINVOLVED],
+                rest @ vectors[:, values <= _UNINVOLVED],
             )
-            rest = rest @ vectors[:, ~involved]
-            if scale == 0:
-                redundant = own.shape[1]
+            weighted = [
+                _relative(each, scale) * (image @ own)
+                for each, image in zip(scales, images, strict=True)
+            ]
+            columns.append(np.vstack(weighted))
             if not rest.shape[1]:
                 break
-        return self._as_matrix(np.hstack(columns)), redundant
+        return self._as_matrix(np.hstack(columns))
+
+    def _involvement(self, blocks: Sequence[Floats]) -> tuple[Floats, Floats]:
+        """Squares of the parts of sums in the closures of some contacts, and the sums."""
+        gram = self.comm.tompi4py().allreduce(sum(block.T @ block for block in blocks), MPI.SUM)
+        values, vectors = np.linalg.eigh(gram)
+        return values, vectors
 
     def _as_matrix(self, columns: Floats) -> Mat:
         """Columns of unit length as PETSc AIJ, without entries of rounding."""

@@ -62,10 +62,9 @@ class ForcesOfContact:
             return self.closure
         return scaled_total([(1.0, self.closure), (-factor, self.slip)])
 
-    def scale(self, values: Mapping[str, float]) -> float:
-        """c_c at given parameters; zero where it is lost in the rounding of the bodies."""
-        scale = self.inverse_stiffness.at(values)
-        return 0.0 if scale * self.body_stiffness[1] < _RIGID else scale
+    def is_tied(self, values: Mapping[str, float]) -> bool:
+        """Whether its compliance is none, or is lost in the rounding of that of the bodies."""
+        return self.inverse_stiffness.at(values) * self.body_stiffness[1] < _RIGID
 
 
 @dataclass(frozen=True)
@@ -136,7 +135,8 @@ class AllForces:
 
     def at(self, values: Mapping[str, float], *, leave_out: bool = True) -> Multipliers:
         """Matrices at given parameters, those of several contacts one below the other."""
-        scales = [part.scale(values) for part in self.parts]
+        scales = [part.inverse_stiffness.at(values) for part in self.parts]
+        held = [part.is_tied(values) for part in self.parts]
         closure, stacked = self._stacked([part.closure for part in self.parts])
         reactions = [part.reaction(values, leave_out=leave_out) for part in self.parts]
         reaction = closure
@@ -146,22 +146,20 @@ class AllForces:
                 made = zip(reactions, self.parts, strict=True)
                 destroy(*(one for one, part in made if one is not part.closure))
         compliances = []
-        for part, scale in zip(self.parts, scales, strict=True):
+        for part, scale, is_tied in zip(self.parts, scales, held, strict=True):
             compliances.append(part.compliance.copy())
-            compliances[-1].scale(scale)
+            compliances[-1].scale(0.0 if is_tied else scale)
         compliance = compliances[0]
         if len(compliances) > 1:
             compliance = block_diagonal(compliances).convert("aij")
             destroy(*compliances)
         tied = sum(
-            part.closure.getSize()[0]
-            for part, scale in zip(self.parts, scales, strict=True)
-            if scale == 0
+            part.closure.getSize()[0] for part, one in zip(self.parts, held, strict=True) if one
         )
         border = None
         if (dependence := self._dependence(scales, closure)) is not None and dependence.size:
-            border, redundant = dependence.border([part.compliance for part in self.parts], scales)
-            tied -= redundant
+            border = dependence.border([part.compliance for part in self.parts], scales)
+            tied -= dependence.within(held)
         return Multipliers(closure, reaction, compliance, border, tied, stacked)
 
     def _stacked(self, matrices: Sequence[Mat]) -> tuple[Mat, bool]:
