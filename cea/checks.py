@@ -49,6 +49,18 @@ def check_weights(weights: Any, field: str) -> None:
         raise InputError(field, weights, "positive numbers")
 
 
+def check_point_weights(weights: Floats, field: str) -> None:
+    """Refuse points of a contact whose area weights are not numbers, zero or positive.
+
+    A negative weight is a negative stiffness: such a rule has no K_n that is positive, no sqrt(D).
+    """
+    wrong = ~(np.isfinite(weights) & (weights >= 0))
+    if wrong.any() or (len(weights) and not (weights > 0).any()):
+        value = float(weights[wrong][0]) if wrong.any() else 0.0
+        allowed = "area weights of points that are zero or positive, and some positive"
+        raise InputError(f"{field}.formulation.weights", value, allowed)
+
+
 def check_jacobians(jacobians: Floats, field: str) -> None:
     """Refuse cells that are inverted: whose Jacobian changes sign or vanishes inside.
 

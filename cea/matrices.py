@@ -30,6 +30,18 @@ def distributed(rows: csr_array, columns: tuple[int, int], comm: Any) -> Any:
     )
 
 
+def local_part(matrix: Any) -> csr_array:
+    """The rows of this rank of a PETSc AIJ matrix, all columns."""
+    start, stop = matrix.getOwnershipRange()
+    indptr, indices, values = matrix.getValuesCSR()
+    return csr_array((values, indices, indptr), shape=(stop - start, matrix.getSize()[1]))
+
+
+def one_below_the_other(blocks: Sequence[Any]) -> Any:
+    """Matrices of equal columns as one, PETSc AIJ: on each rank its rows of each in turn."""
+    return PETSc.Mat().createNest([[block] for block in blocks]).convert("aij")
+
+
 def free_operator(operator: csr_array, body: Body) -> Any:
     """Restrict an operator on full dofs, distributed by rows, to free dofs.
 
@@ -147,6 +159,11 @@ def empty(columns: tuple[int, int], comm: Any) -> Any:
     matrix.setUp()
     matrix.assemble()
     return matrix
+
+
+def identity(rows: int, comm: Any) -> Any:
+    """Identity, PETSc AIJ, with so many rows on this rank."""
+    return PETSc.Mat().createConstantDiagonal(((rows, None),) * 2, 1.0, comm=comm).convert("aij")
 
 
 def dense(columns: NDArray[Any], layout: tuple[int, int], comm: Any) -> Any:

@@ -52,3 +52,8 @@ def made_on_first[T](comm: Any, make: Callable[[], T]) -> T | None:
     if fault is not None:
         raise fault
     return made
+
+
+def local_rows(n: int, comm: Any) -> tuple[int, int]:
+    """First row of this rank and of the next, when n rows are shared out evenly."""
+    return comm.rank * n // comm.size, (comm.rank + 1) * n // comm.size

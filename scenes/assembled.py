@@ -95,7 +95,7 @@ class AssembledScene:
             for field, value in of_every_contact.items()
         }
         scene = self.scene.change(every | dict(changes or {}))
-        values = _parameters_changed(self.scene, scene)
+        values = self._parameters_changed(scene)
         if values is None or not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
             options: RunOptions = {"listener": listener, **self._reusable(scene)}
             return run_modes(scene, left=left, **options)
@@ -131,6 +131,14 @@ class AssembledScene:
         return flutter_threshold(
             self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
         )
+
+    def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
+        """Parameters that make this scene another; None where others differ, or forms would."""
+        values = _parameters_changed(self.scene, scene)
+        left_open = [name for name, contact in scene.contacts.items() if contact.form is None]
+        if values is not None and self._system.keeps_forms(left_open, values):
+            return values
+        return None
 
     def _reusable(self, scene: Scene) -> RunOptions:
         """What a changed scene shares with this one."""

@@ -23,7 +23,7 @@ from scenes.read import Scene
 from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh
 
 _ROUNDING = 1e-14
-"""Values of a field below this part of the largest count as zero."""
+"""Friction below this part of the largest counts as zero."""
 
 
 def build_bodies(scene: Scene, timer: StageTimer) -> dict[str, Body]:
@@ -166,23 +166,27 @@ def _half_pass(half: _Half, interface: Interface) -> HalfPass:
     if spec.p is None:
         stiffness = np.full(len(x), _required(spec.P) / interface.points.weight.sum())
     else:
-        stiffness = _values(spec.p, x)
+        stiffness = evaluate(_field(spec.p), x)
     direction = half.direction
     return HalfPass(
         a=half.a.split(".")[0],
         b=half.b.split(".")[0],
         interface=interface,
         law=LinearLaw(half.share * stiffness),
-        friction=Friction(_values(spec.mu, x), direction) if direction is not None else None,
+        friction=Friction(_friction(spec.mu, x), direction) if direction is not None else None,
         coupling=spec.formulation.coupling,
         form=spec.form,
         pair=half.pair,
     )
 
 
-def _values(field: float | str, x: Floats) -> Floats:
-    """Values of a field; what rounding leaves where an expression vanishes counts as zero."""
-    values = evaluate(Expression(field) if isinstance(field, str) else field, x)
+def _field(field: float | str) -> float | Expression:
+    return Expression(field) if isinstance(field, str) else field
+
+
+def _friction(mu: float | str, x: Floats) -> Floats:
+    """Friction at points; what rounding leaves where an expression vanishes counts as zero."""
+    values = evaluate(_field(mu), x)
     negligible = _ROUNDING * np.abs(values).max(initial=0.0)
     return (
         np.where(np.abs(values) <= negligible, 0.0, values) if np.isfinite(negligible) else values

@@ -170,10 +170,12 @@ def _pressure(
     result: ModesResult | StaticResult, contact: Contact, solution: _Solution
 ) -> dict[str, Floats]:
     """Pressure (N/m^2) at all points of a contact that has one, on every rank."""
-    if contact.half.form != "penalty" or contact.half.coupling == "bonded":
+    if not contact.has_pressure:
         return {}
     if isinstance(result, StaticResult):
         return {"pressure": contact.pressure(result.displacement)}
+    if not np.isfinite(result.relative_stiffness(contact.pair)):
+        return {}
     parts = result.modes.vector(solution.number - 1)
     data = {
         f"pressure{end}": result.relative_stiffness(contact.pair) * contact.pressure(part)

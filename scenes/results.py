@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from scipy.sparse import csr_array
@@ -9,7 +10,6 @@ from scipy.sparse import csr_array
 from cea.body import Body, Complexes, Floats, Ints, SurfaceCoordinates
 from cea.contact.interface import Interface
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from cea.system.contact_stresses import SideStress
 from cea.system.coupled import CoupledSystem
@@ -72,12 +72,14 @@ class SceneResult:
         Raises
         ------
         InputError
-            Where a contact has the saddle form, which has no K_n and K_f.
+            Where the sides of a contact are tied: K_n is infinite.
         """
+        values = self._values()
         for contact in self.system.contacts:
-            if contact.half.form == "saddle":
-                raise InputError(f"contacts.{contact.pair}.form", "saddle", "penalty for matrices")
-        pencil, values = self._pencil()
+            name = f"contacts.{contact.pair}.P"
+            if not values[name] < inf:
+                raise InputError(name, values[name], "finite for matrices")
+        pencil = self.system.pencil(eliminate=True)
         pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "M": [], "K_n": [], "K_f": []}
         for term in pencil.terms:
             factor = term.coefficient.at(values)
@@ -92,10 +94,9 @@ class SceneResult:
             del pieces["M"]
         return gathered_sums(pieces, self.system.template)
 
-    def _pencil(self) -> tuple[Pencil, Mapping[str, float]]:
-        """The pencil that was solved, and the parameters it was solved at."""
-        pencil = self.system.pencil()
-        return pencil, pencil.values()
+    def _values(self) -> Mapping[str, float]:
+        """The parameters that were solved at."""
+        return self.system.pencil().values()
 
     def _displacements(
         self,
@@ -131,8 +132,8 @@ class ModesResult(OfModes, SceneResult):
 
     modes: Modes
 
-    def _pencil(self) -> tuple[Pencil, Mapping[str, float]]:
-        return self.modes.pencil, self.modes.values
+    def _values(self) -> Mapping[str, float]:
+        return self.modes.values
 
     def relative_stiffness(self, contact: str) -> float:
         """P of a contact where the modes were solved for, over that of the system's matrices."""

@@ -193,7 +193,8 @@ class ContactSpec:
         Whether points lie on both sides, each half with half the stiffness; P and mu as in a half
         pass. Of the larger side, points that find nothing opposite are dropped.
     form
-        ``penalty``, or ``saddle``: contact forces as unknowns, which takes P = inf too.
+        ``penalty``, or ``saddle``: contact forces as unknowns, which takes P = inf too. Left open,
+        it is the penalty form where that costs no more than six digits, saddle where it would.
     reach
         Largest distance (m) between the sides.
     max_missed
@@ -208,7 +209,7 @@ class ContactSpec:
     mu: float | str = 0.0
     friction_direction_on_a: FrictionDirection | None = None
     full_pass: bool = False
-    form: Form = "penalty"
+    form: Form | None = None
     reach: Annotated[float, Field(gt=0)] | None = None
     max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
 
@@ -224,10 +225,12 @@ class ContactSpec:
             raise InputError("P", self.P, f"either P or p is given, not both (p = {self.p})")
         if self.mu != 0 and self.friction_direction_on_a is None:
             raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
+        coupling = self.formulation.coupling
         for name, stiffness in (("P", self.P), ("p", self.p)):
             if stiffness == float("inf") and self.form == "penalty":
                 raise InputError(name, stiffness, "finite, or form = 'saddle'")
-        coupling = self.formulation.coupling
+            if stiffness == float("inf") and coupling == "lumped":
+                raise InputError(name, stiffness, "finite where lumped")
         if coupling == "lumped" and self.form == "saddle":
             raise InputError("form", "saddle", "penalty where lumped")
         if coupling == "bonded" and (self.mu != 0 or self.full_pass):

@@ -14,10 +14,10 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.body import Floats, Location, Status, Surface, SurfacePoints
-from cea.checks import check_coverage
+from cea.checks import check_coverage, check_point_weights
 from cea.errors import InputError
 from cea.petsc import MPI
-from cea.ranks import agreed
+from cea.ranks import agreed, local_rows
 
 _QUADRATURE = 1e-3
 """Part of side a that a rule may lose to its own quadrature; more is area it leaves out."""
@@ -95,7 +95,7 @@ def pair(
     a, b
         The two surfaces.
     points
-        Points of the rule on a, the same on every rank.
+        Points of the rule on a, the same on every rank; those of weight zero are dropped.
     field
         Name of the contact, for messages.
     reach
@@ -109,10 +109,13 @@ def pair(
     Raises
     ------
     InputError
-        On every rank, when too many points are missed or the surfaces do not face each other.
+        On every rank, when a weight is negative, too many points are missed or the surfaces do not
+        face each other.
     """
     if reach is None:
         reach = default_reach(a, b)
+    check_point_weights(points.weight, field)
+    points = points[points.weight > 0]
     start, stop = local_rows(len(points), comm)
     with agreed(comm):
         opposite = b.locate(points.x[start:stop], points.normal[start:stop], reach)
@@ -158,42 +161,22 @@ def pair(
     )
 
 
-@dataclass(frozen=True)
-class PointRule:
-    """Penalty at the points of an interface: a row of G and T for each point.
+def jump_along(interface: Interface, direction: Floats) -> tuple[csr_array, csr_array]:
+    """Parts on a and b of the jump along a direction, the rows of this rank's points.
 
     Parameters
     ----------
     interface
         The points.
-    stiffness
-        Contact stiffness p at all points (N/m^3), shape (n,).
+    direction
+        Vectors at the points of this rank, shape (n_local, dim).
+
+    Returns
+    -------
+    tuple
+        Operators on full dofs, shape (n_local, dim * num_scalar_dofs) each.
     """
-
-    interface: Interface
-    stiffness: Floats
-
-    @property
-    def weight(self) -> Floats:
-        """Diagonal of D = w p (N/m) for the points of this rank."""
-        return self.interface.local_points.weight * self.stiffness[self.interface.rows]
-
-    def jump(self, direction: Floats, factor: Floats) -> tuple[csr_array, csr_array]:
-        """Parts on a and b of the jump along a direction times a factor, the rows of this rank.
-
-        Parameters
-        ----------
-        direction
-            Unit vectors at the points of this rank, shape (n_local, dim).
-        factor
-            Factor at them, e.g. the friction coefficient, shape (n_local,).
-        """
-        scaled = factor[:, None] * direction
-        return along(self.interface.trace_a, scaled), -along(self.interface.trace_b, scaled)
-
-    def pressure(self, gap: Floats) -> Floats:
-        """Contact pressure p g (N/m^2) at all points from the gaps G x there."""
-        return self.stiffness * gap
+    return along(interface.trace_a, direction), -along(interface.trace_b, direction)
 
 
 def along(trace: csr_array, direction: Floats) -> csr_array:
@@ -219,11 +202,6 @@ def along(trace: csr_array, direction: Floats) -> csr_array:
     return csr_array(
         (data.ravel(), columns.ravel(), trace.indptr.astype(np.int64) * dim), shape=(n, m * dim)
     )
-
-
-def local_rows(n: int, comm: Any) -> tuple[int, int]:
-    """First row of this rank and of the next, when n rows are shared out evenly."""
-    return comm.rank * n // comm.size, (comm.rank + 1) * n // comm.size
 
 
 def _select(location: Location, rows: np.ndarray) -> Location:

@@ -2,24 +2,32 @@
 
     K_n = G^T D G,   K_f = T^T diag(mu) D G,   D = diag(w p)
 
-The saddle form keeps G, T and D and leaves the products out (:mod:`cea.contact.saddle`).
+The saddle form keeps G, T and D and leaves the products out (:mod:`cea.contact.saddle`); mortar
+and bonded contact do so in either form.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
 
 from cea.body import Body, Floats
 from cea.contact.coupling import Coupling, Form
-from cea.contact.interface import Interface, PointRule
+from cea.contact.interface import Interface, jump_along
 from cea.contact.laws import Friction, NormalLaw
 from cea.contact.lumping import lumped_matrices
-from cea.contact.mortar import MortarProjection
+from cea.contact.mortar import MortarProjection, eliminated, repeated
 from cea.errors import InputError
-from cea.matrices import destroy, gather, product, symmetric_product, system_operator
+from cea.matrices import (
+    destroy,
+    gather,
+    one_below_the_other,
+    product,
+    symmetric_product,
+    system_operator,
+)
 from cea.ranks import agreed
 
 
@@ -40,7 +48,7 @@ class HalfPass:
     coupling
         What becomes of the gaps at the points.
     form
-        Penalty or saddle form.
+        Penalty or saddle form; None leaves the choice to :func:`cea.contact.forms.chosen_forms`.
     pair
         Name of the contact it belongs to, where that is not its own: a full pass has two halves.
     penetration
@@ -59,14 +67,18 @@ class HalfPass:
     law: NormalLaw
     friction: Friction | None = None
     coupling: Coupling = "pointwise"
-    form: Form = "penalty"
+    form: Form | None = None
     pair: str | None = None
     penetration: Floats | None = None
 
     def __post_init__(self) -> None:
-        if self.form == "penalty" and np.isinf(self.stiffness).any():
+        tied = np.isinf(self.stiffness).any()
+        if tied and (self.form == "penalty" or self.coupling == "lumped"):
             allowed = "finite; or, in the saddle form, infinite everywhere"
             raise InputError("p", float("inf"), allowed)
+        if self.projected and not (self.stiffness > 0).all():
+            allowed = "positive where the gap is projected: no contact is open"
+            raise InputError("p", float(self.stiffness.min()), allowed)
         if self.coupling == "bonded" and self.friction is not None and self.friction.acts:
             mu = float(np.max(self.friction.mu))
             raise InputError("mu", mu, "0 where both sides are bonded")
@@ -80,6 +92,11 @@ class HalfPass:
         points = len(self.interface.points)
         return self.law.slope(np.zeros(points) if self.penetration is None else self.penetration)
 
+    @property
+    def projected(self) -> bool:
+        """Whether gaps are projected on the traces of side a."""
+        return self.coupling in ("mortar", "bonded")
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -91,35 +108,26 @@ class Contact:
         Name of the half pass.
     half
         What it was made of.
-    rule
-        What makes rows of G of the points: the points themselves, or multipliers.
     gap
-        G, PETSc AIJ (rows x free dofs).
+        G, PETSc AIJ (points x free dofs); projected, B (multipliers x free dofs).
     slip
-        diag(mu) T, PETSc AIJ (rows x free dofs), None without friction.
-    weight
-        Diagonal of D, PETSc vector (rows); in the saddle form divided by ``scale``.
-    scale
-        P, the integral of p (N/m), where it is kept apart from D; 1 in the penalty form.
-    stiffness
-        K_n, PETSc AIJ, symmetric positive semidefinite (N/m); None in the saddle form.
-    friction
-        K_f, PETSc AIJ, unsymmetric (N/m); None without friction and in the saddle form.
+        diag(mu) T or B_k, PETSc AIJ as the gap, None without friction.
     mu
-        Friction coefficient that ``slip`` and ``friction`` were made with; 1 where it varies, or
-        is zero and was not left out: they are then those of a factor 1, or of mu = 1.
+        Friction coefficient that ``slip`` was made with; 1 where it varies, or is zero and was not
+        left out: it is then that of a factor 1, or of mu = 1.
+    projection
+        Projection on the traces of side a; None where points stand for themselves.
+    lumped
+        K_n and K_f of lumped contact; None of others.
     """
 
     name: str
     half: HalfPass
-    rule: PointRule | MortarProjection
     gap: Any
     slip: Any | None
-    weight: Any
-    scale: float
-    stiffness: Any | None
-    friction: Any | None
     mu: float
+    projection: MortarProjection | None = None
+    lumped: tuple[Any, Any | None] | None = None
 
     @property
     def pair(self) -> str:
@@ -136,19 +144,77 @@ class Contact:
         """Global contact stiffness, the integral of p (N/m)."""
         return float(self.interface.points.weight @ self.half.stiffness)
 
+    @property
+    def has_pressure(self) -> bool:
+        """Whether gaps tell the contact pressure: the sides are neither tied nor bonded."""
+        return self.half.coupling != "bonded" and bool(np.isfinite(self.P))
+
+    @property
+    def keeps_forces(self) -> bool:
+        """Whether its forces are unknowns of what is solved."""
+        return self.projection is not None or self.half.form == "saddle"
+
+    @property
+    def stiffness(self) -> Any:
+        """K_n, PETSc AIJ, symmetric positive semidefinite (N/m); full where gaps are projected."""
+        return self._eliminated[0]
+
+    @property
+    def friction(self) -> Any | None:
+        """K_f, PETSc AIJ, unsymmetric (N/m); None without friction."""
+        return self._eliminated[1]
+
+    @cached_property
+    def _eliminated(self) -> tuple[Any, Any | None]:
+        """K_n and K_f, made when they are first asked for."""
+        if self.lumped is not None:
+            return self.lumped
+        if self.projection is not None:
+            compliance = self.compliance(self.half.stiffness)
+            matrices = eliminated(compliance, self.gap, self.slip)
+            destroy(compliance)
+            return matrices
+        weight = self.weight(self.half.stiffness)
+        normal = symmetric_product(self.gap, weight)
+        friction = product(self.slip, self.gap, weight) if self.slip is not None else None
+        destroy(weight)
+        return normal, friction
+
+    def weight(self, stiffness: Floats) -> Any:
+        """Diagonal of D = w p (N/m), PETSc vector, for a stiffness p at all points (N/m^3)."""
+        weight = self.gap.createVecLeft()
+        rows = self.interface.rows
+        weight.array[:] = self.interface.local_points.weight * stiffness[rows]
+        return weight
+
+    def compliance(self, stiffness: Floats) -> Any:
+        """M where gaps are projected, PETSc AIJ, for a stiffness p at all points (N/m^3)."""
+        assert self.projection is not None
+        one = self.projection.compliance(stiffness)
+        if self.half.coupling != "bonded":
+            return one
+        every = repeated(one, self.interface.a.dim)
+        destroy(one)
+        return every
+
     def pressure(self, x: Any) -> Floats:
         """Contact pressure (N/m^2) at every point, on every rank, for unknowns x.
+
+        It is made of gaps, which hold the fewer digits the stiffer the contact.
 
         Raises
         ------
         InputError
-            In the saddle form, whose forces are unknowns, and where the sides are bonded.
+            Where the sides are tied, and no gap tells the pressure, or bonded.
         """
-        if self.half.form == "saddle" or self.half.coupling == "bonded":
-            raise InputError(self.name, self.half.form, "a penalty contact that is not bonded")
+        if not self.has_pressure:
+            raise InputError(self.name, self.P, "a finite stiffness, and sides that are not bonded")
         closed = self.gap.createVecLeft()
         self.gap.mult(x, closed)
-        pressure = self.rule.pressure(gather(closed))
+        if self.projection is None:
+            pressure = self.half.stiffness * gather(closed)
+        else:
+            pressure = self.projection.pressure(self.half.stiffness, closed)
         destroy(closed)
         return pressure
 
@@ -156,7 +222,7 @@ class Contact:
 def assemble_contact(
     bodies: Mapping[str, Body], name: str, half: HalfPass, *, leave_out: bool = True
 ) -> Contact:
-    """Contact matrices of one half pass.
+    """Contact operators of one half pass.
 
     Parameters
     ----------
@@ -171,33 +237,35 @@ def assemble_contact(
     """
     interface, sides = half.interface, (half.a, half.b)
     points = interface.local_points
-    stiffness, scale = _scaled(half)
-    projected = half.coupling in ("mortar", "bonded")
-    rule = (MortarProjection.of if projected else PointRule)(interface, stiffness)
-    one = np.ones(len(points))
-    directions = [points.normal]
-    if half.coupling == "bonded":
-        directions = [np.tile(axis, (len(points), 1)) for axis in np.eye(interface.a.dim)]
-    jumps = [rule.jump(direction, one) for direction in directions]
-    gap = _system_operator(bodies, sides, _stacked(jumps))
-    weight = gap.createVecLeft()
-    weight.array[:] = np.tile(rule.weight, len(directions))
+    projection = MortarProjection.of(interface) if half.projected else None
 
+    def operator(direction: Floats) -> Any:
+        parts = dict(zip(sides, jump_along(interface, direction), strict=True))
+        jump = system_operator(bodies, parts, len(points))
+        if projection is None:
+            return jump
+        integrals = projection.integrals(jump)
+        destroy(jump)
+        return integrals
+
+    if half.coupling == "bonded":
+        axes = [operator(np.tile(axis, (len(points), 1))) for axis in np.eye(interface.a.dim)]
+        gap = one_below_the_other(axes)
+        destroy(*axes)
+    else:
+        gap = operator(points.normal)
     slip = direction = None
     field, mu = _friction_at(half)
     keeps = not leave_out and half.coupling != "bonded"
     if half.friction is not None and (half.friction.acts or keeps):
         with agreed(interface.comm):
             direction = half.friction.direction.at(points.x, points.normal)
-        slip = _system_operator(bodies, sides, rule.jump(direction, field))
-
-    normal = friction = None
+        slip = operator(field[:, None] * direction)
+    lumped = None
     if half.coupling == "lumped":
-        normal, friction = lumped_matrices(bodies, sides, interface, rule.weight, direction, field)
-    elif half.form == "penalty":
-        normal = symmetric_product(gap, weight)
-        friction = product(slip, gap, weight) if slip is not None else None
-    return Contact(name, half, rule, gap, slip, weight, scale, normal, friction, mu)
+        weight = points.weight * half.stiffness[interface.rows]
+        lumped = lumped_matrices(bodies, sides, interface, weight, direction, field)
+    return Contact(name, half, gap, slip, mu, projection, lumped)
 
 
 def _friction_at(half: HalfPass) -> tuple[Floats, float]:
@@ -209,27 +277,3 @@ def _friction_at(half: HalfPass) -> tuple[Floats, float]:
         mu = np.ones_like(mu)
     field = np.broadcast_to(mu, len(interface.points))[interface.rows]
     return field, 1.0 if varies else float(mu.flat[0])
-
-
-def _scaled(half: HalfPass) -> tuple[Floats, float]:
-    """Stiffness at all points, and the factor kept apart from it."""
-    weight, stiffness = half.interface.points.weight, half.stiffness
-    if half.form == "penalty":
-        return stiffness, 1.0
-    if np.isinf(stiffness).all():
-        return np.full(len(weight), 1 / weight.sum()), np.inf
-    scale = float(weight @ stiffness)
-    return stiffness / scale, scale
-
-
-def _stacked(jumps: list[tuple[csr_array, csr_array]]) -> tuple[csr_array, csr_array]:
-    """Rows of several jumps one below the other."""
-    part_a, part_b = (csr_array(vstack(parts)) for parts in zip(*jumps, strict=True))
-    return part_a, part_b
-
-
-def _system_operator(
-    bodies: Mapping[str, Body], sides: tuple[str, str], jump: tuple[csr_array, csr_array]
-) -> Any:
-    """Parts of a jump on a and b as one operator on the unknowns of the whole system."""
-    return system_operator(bodies, dict(zip(sides, jump, strict=True)), jump[0].shape[0])

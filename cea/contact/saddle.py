@@ -1,32 +1,42 @@
-"""Contact in the saddle form: its forces are unknowns beside the displacements.
-
-With p = P p^ and the QR factorisation sqrt(W p^) G = Q J,
+"""Contact with its forces as unknowns: the saddle form, and mortar contact in either form.
 
     [ K   L^T  ] [x]   [r]
-    [ J   -1/P ] [f] = [0],     L = J - R,   R = Q^T sqrt(W p^) diag(mu) T,
+    [ J   -C/P ] [f] = [0],     L = J - R,
 
-and eliminating f gives the penalty form: P L^T J = K_n - K_f. No digits are lost to rounding as P
-grows, and P = infinity ties the sides along the normal while friction stays alive. A rule has more
-points than there are independent gaps; a pivoted factorisation drops the rest, so that no more
-multipliers remain than sides a and b have dofs.
+and eliminating f gives the penalty form: P L^T C^-1 J = K_n - K_f. No digits are lost to rounding
+as P grows, and P = infinity ties the sides along the normal while friction stays alive. With
+p = P p^,
+
+    points:   sqrt(W p^) G = Q J,     R = Q^T sqrt(W p^) diag(mu) T,     C = 1
+    mortar:   J = B,                  R = B_k,                           C_ij = int psi_i psi_j / p^
+
+all of them sparse. A rule has more points than there are independent gaps: the factorisation drops
+the rest (:mod:`cea.contact.compression`).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import qr
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array, diags_array, vstack
 
-from cea.body import Floats, Ints
-from cea.contact.interface import local_rows
+from cea.body import Floats
+from cea.contact.compression import compressed
+from cea.contact.forms import squared
 from cea.contact.operators import Contact
-from cea.matrices import distributed
+from cea.matrices import (
+    block_diagonal,
+    destroy,
+    distributed,
+    identity,
+    local_part,
+    one_below_the_other,
+)
+from cea.petsc import MPI
 
-_DEPENDENT = 1e-12
-"""Rows of J whose pivot is below this part of the largest are dropped."""
-_CHUNK_BYTES = 64 * 2**20
+_UNFELT = 1e-24
+"""Stiffness, relative to the largest of a contact, of a force that the bodies do not feel."""
 
 
 @dataclass(frozen=True)
@@ -40,99 +50,107 @@ class ContactForces:
     slip
         R, PETSc AIJ (forces x free dofs), of the friction that ``mu`` of its halves says; None
         without friction.
+    compliance
+        C, PETSc AIJ (forces x forces), symmetric positive semidefinite.
     """
 
     closure: Any
     slip: Any | None
+    compliance: Any
+
+    def body_stiffness(self, stiffness: Any) -> tuple[float, float]:
+        """P (N/m) at which its stiffest and its softest force are about as stiff as the bodies.
+
+        Parameters
+        ----------
+        stiffness
+            Diagonal of K of all bodies (N/m), PETSc vector.
+        """
+        softness, own = stiffness.duplicate(), self.closure.createVecLeft()
+        stiffness.copy(softness)
+        softness.reciprocal()
+        squares = squared(self.closure)
+        squares.mult(softness, own)
+        compliance = self.compliance.getDiagonal()
+        own.pointwiseDivide(own, compliance)
+        comm, relative = own.comm.tompi4py(), own.array_r
+        stiffest = comm.allreduce(relative.max(initial=0.0), MPI.MAX)
+        felt = relative[relative > _UNFELT * stiffest]
+        softest = comm.allreduce(felt.min(initial=stiffest), MPI.MIN)
+        destroy(softness, own, squares, compliance)
+        return 1 / stiffest, 1 / softest
 
 
 def contact_forces(contacts: Sequence[Contact]) -> dict[str, ContactForces]:
-    """Forces that are unknowns, by contact; none where no contact has the saddle form.
+    """Forces that are unknowns, by contact; none of contacts between sides that are held.
 
-    The halves of a full pass are compressed together: their gaps depend on each other.
+    The halves of a full pass go together: one P is shared among them.
     """
     pairs: dict[str, list[Contact]] = {}
     for contact in contacts:
-        if contact.half.form == "saddle":
+        if contact.keeps_forces:
             pairs.setdefault(contact.pair, []).append(contact)
-    forces = {}
-    for name, halves in pairs.items():
-        closure, slip = _compressed(halves)
-        if not closure.shape[0]:
-            continue  # both sides are held: no gap can open
-        template = halves[0].gap
-        frictional = any(half.slip is not None for half in halves)
-        forces[name] = ContactForces(
-            _shared_out(closure, template), _shared_out(slip, template) if frictional else None
-        )
-    return forces
+    return {
+        name: (_projected if halves[0].projection is not None else _at_points)(halves)
+        for name, halves in pairs.items()
+        if any(half.gap.norm() > 0 for half in halves)
+    }
 
 
-def _compressed(halves: Sequence[Contact]) -> tuple[csr_array, csr_array]:
-    """J and R of one contact, all their rows on every rank.
+def _relative_stiffness(halves: Sequence[Contact]) -> list[Floats]:
+    """p^ of each half at all points (1/m^2): p over the P of both; even where p is infinite."""
+    weights = [half.interface.points.weight for half in halves]
+    stiffness = [half.half.stiffness for half in halves]
+    if any(np.isinf(p).any() for p in stiffness):
+        return [np.full(len(w), 1 / (len(halves) * w.sum())) for w in weights]
+    P = sum(half.P for half in halves)
+    return [p / P for p in stiffness]
 
-    Rows go through the factorisation a chunk at a time, each on top of the triangle left by those
-    before it; the last factorisation is pivoted.
-    """
-    shares = _shares(halves)
-    gap = csr_array(
-        vstack([_weighted(h, h.gap, share) for h, share in zip(halves, shares, strict=True)])
+
+def _projected(halves: Sequence[Contact]) -> ContactForces:
+    """Multipliers of mortar and bonded contact."""
+    shares = _relative_stiffness(halves)
+    parts = [half.compliance(share) for half, share in zip(halves, shares, strict=True)]
+    closure = one_below_the_other([half.gap for half in halves])
+    slip = None
+    if any(half.slip is not None for half in halves):
+        rows = [_slip(half) for half in halves]
+        slip = one_below_the_other(rows)
+        destroy(*(row for row, half in zip(rows, halves, strict=True) if row is not half.slip))
+    compliance = block_diagonal(parts).convert("aij")
+    destroy(*parts)
+    return ContactForces(closure, slip, compliance)
+
+
+def _slip(half: Contact) -> Any:
+    """Its slip operator; without friction one of zeros."""
+    if half.slip is not None:
+        return half.slip
+    zero = half.gap.duplicate()
+    zero.assemble()
+    return zero
+
+
+def _at_points(halves: Sequence[Contact]) -> ContactForces:
+    """Forces at points, as few as there are independent gaps."""
+    gaps, slips = [], []
+    for half, share in zip(halves, _relative_stiffness(halves), strict=True):
+        weight = half.weight(share)
+        root = diags_array(np.sqrt(weight.array_r))
+        destroy(weight)
+        gap = local_part(half.gap)
+        gaps.append(csr_array(root @ gap))
+        slip = local_part(half.slip) if half.slip is not None else csr_array(gap.shape)
+        slips.append(csr_array(root @ slip))
+    x = np.concatenate([half.interface.local_points.x for half in halves])
+    template = halves[0].gap
+    comm = halves[0].interface.comm
+    gap, slip = (csr_array(vstack(parts)) for parts in (gaps, slips))
+    closure, reaction = compressed(gap, slip, x, comm)
+    columns = template.getSizes()[1]
+    frictional = any(half.slip is not None for half in halves)
+    return ContactForces(
+        distributed(closure, columns, template.comm),
+        distributed(reaction, columns, template.comm) if frictional else None,
+        identity(closure.shape[0], template.comm),
     )
-    slip = csr_array(
-        vstack([_weighted(h, h.slip, share) for h, share in zip(halves, shares, strict=True)])
-    )
-    columns = np.unique(np.concatenate([gap.indices, slip.indices])).astype(np.int64)
-    triangle = projected = np.empty((0, len(columns)))
-    for rows in _chunks(gap.shape[0], len(columns)):
-        q, triangle = np.linalg.qr(np.vstack([triangle, gap[rows][:, columns].toarray()]))
-        projected = q.T @ np.vstack([projected, slip[rows][:, columns].toarray()])
-    q, pivoted, order = qr(triangle, pivoting=True, mode="economic")
-    pivots = np.abs(np.diag(pivoted))
-    kept = pivots > _DEPENDENT * pivots.max(initial=0.0)
-    closure = np.empty((int(kept.sum()), len(columns)))
-    closure[:, order] = pivoted[kept]
-    size = gap.shape[1]
-    return _spread(closure, columns, size), _spread(q[:, kept].T @ projected, columns, size)
-
-
-def _shares(halves: Sequence[Contact]) -> list[float]:
-    """Part of each half in the stiffness of the contact; equal parts where it is infinite."""
-    stiffness = np.array([half.scale for half in halves])
-    if np.isinf(stiffness).any():
-        return [1 / len(halves)] * len(halves)
-    return list(stiffness / stiffness.sum())
-
-
-def _weighted(half: Contact, operator: Any | None, share: float) -> csr_array:
-    """sqrt(W p^) G or T, all rows on every rank; zero where there is no such operator."""
-    if operator is None:
-        return csr_array(half.gap.getSize())
-    start, stop = operator.getOwnershipRange()
-    indptr, indices, values = operator.getValuesCSR()
-    local = csr_array((values, indices, indptr), shape=(stop - start, operator.getSize()[1]))
-    root = np.sqrt(share * half.weight.array)
-    scaled = csr_array(local.multiply(root[:, None]))
-    scaled.eliminate_zeros()
-    return csr_array(vstack(half.interface.comm.allgather(scaled)))
-
-
-def _chunks(rows: int, columns: int) -> Iterator[slice]:
-    step = max(columns, _CHUNK_BYTES // (8 * max(columns, 1)), 1)
-    for start in range(0, rows, step):
-        yield slice(start, start + step)
-
-
-def _spread(block: Floats, columns: Ints, size: int) -> csr_array:
-    """Dense columns in their places."""
-    indptr = np.arange(len(block) + 1, dtype=np.int64) * len(columns)
-    matrix = csr_array(
-        (block.ravel(), np.tile(columns, len(block)), indptr), shape=(len(block), size)
-    )
-    matrix.eliminate_zeros()
-    return matrix
-
-
-def _shared_out(matrix: csr_array, template: Any) -> Any:
-    """Rows shared out evenly, columns as those of the template."""
-    start, stop = local_rows(matrix.shape[0], template.comm.tompi4py())
-    return distributed(csr_array(matrix[start:stop]), template.getSizes()[1], template.comm)

@@ -23,8 +23,8 @@ import numpy as np
 from cea.body import Floats
 from cea.eigen.factorisation import Mumps
 from cea.eigen.pencil import Matrices
-from cea.eigen.shifted import count_below, force_scale
-from cea.matrices import destroy, scaled_total
+from cea.eigen.shifted import balanced, count_below, force_scale
+from cea.matrices import destroy, local_part, scaled_total
 from cea.petsc import MPI, PETSc
 
 _TIP = 1.01
@@ -63,7 +63,8 @@ def bounded_below(matrices: Matrices, depth: float) -> bool:
 
         H = K_b + M^T C^-1 M - D^T C^-1 D,
 
-    as two sets of unknowns; where friction acts without compliance there is no bound.
+    as two sets of unknowns; where friction acts without compliance there is no bound. Of each set
+    those that its closures leave open have rows of their own, and a negative eigenvalue.
 
     Raises
     ------
@@ -79,7 +80,7 @@ def bounded_below(matrices: Matrices, depth: float) -> bool:
         destroy(hermitian)
         if bordered is None:
             return False
-        hermitian, expected = bordered, matrices.multipliers.size
+        hermitian, expected = bordered, matrices.multipliers.size + matrices.multipliers.dependent
     factors = Mumps(hermitian, symmetric=True, inertia=True)
     negative = factors.negative_eigenvalues()
     factors.free()
@@ -104,32 +105,40 @@ def _with_forces(hermitian: Any, matrices: Matrices) -> Any | None:
     pattern: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
     mean.axpy(1.0, forces.reaction, structure=pattern)
     half.axpy(-1.0, forces.reaction, structure=pattern)
-    scale = 0.5 * force_scale(hermitian, forces)
-    mean.scale(scale)
-    half.scale(scale)
-    indptr, _, values = half.getValuesCSR()
-    rubs = np.diff(np.append(0.0, np.cumsum(np.abs(values)))[indptr]) > 0
-    compliance = np.asarray(4 * scale**2 * forces.compliance.array_r, dtype=np.float64)
-    unbounded = bool((rubs & (compliance == 0)).any())
+    scale = force_scale(hermitian, forces)
+    scale.scale(0.5)
+    mean.diagonalScale(L=scale)
+    half.diagonalScale(L=scale)
+    compliance = forces.compliance.copy()
+    compliance.diagonalScale(L=scale, R=scale)
+    compliance.scale(4.0)
+    diagonal = compliance.getDiagonal()
+    tied = diagonal.array_r == 0
+    friction = local_part(half)
+    friction.eliminate_zeros()
+    rubs = np.diff(friction.indptr) > 0
     bordered = None
-    if not hermitian.comm.tompi4py().allreduce(unbounded, MPI.LOR):
+    if not hermitian.comm.tompi4py().allreduce(bool((rubs & tied).any()), MPI.LOR):
         pushed, pulled = mean.transpose(PETSc.Mat()), half.transpose(PETSc.Mat())
-        corner = _diagonal(-compliance, forces.compliance)
-        other = _diagonal(np.where(rubs, compliance, 1.0), forces.compliance)
-        blocks = [[hermitian, pushed, pulled], [mean, corner, None], [half, None, other]]
+        other = compliance.copy()
+        diagonal.array[:] = np.where(tied, 1.0, diagonal.array_r)
+        other.setDiagonal(diagonal)
+        other.assemble()
+        compliance.scale(-1.0)
+        blocks = [[hermitian, pushed, pulled], [mean, compliance, None], [half, None, other]]
+        made = [pushed, pulled, other]
+        if forces.border is not None:
+            border = balanced(forces.border, scale, mean.norm(PETSc.NormType.INFINITY))
+            across = border.transpose(PETSc.Mat())
+            blocks = [
+                [hermitian, pushed, pulled, None, None],
+                [mean, compliance, None, border, None],
+                [half, None, other, None, border],
+                [None, across, None, None, None],
+                [None, None, across, None, None],
+            ]
+            made += [border, across]
         bordered = PETSc.Mat().createNest(blocks).convert("aij")
-        destroy(pushed, pulled, corner, other)
-    destroy(mean, half)
+        destroy(*made)
+    destroy(mean, half, scale, compliance, diagonal)
     return bordered
-
-
-def _diagonal(values: Floats, template: Any) -> Any:
-    vector = template.duplicate()
-    vector.array[:] = values
-    size = template.getSizes()
-    matrix = PETSc.Mat().createAIJ(size=(size, size), nnz=1, comm=template.comm)
-    matrix.setUp()
-    matrix.setDiagonal(vector)
-    matrix.assemble()
-    destroy(vector)
-    return matrix

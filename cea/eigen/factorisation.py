@@ -13,6 +13,10 @@ from cea.petsc import PETSc
 _SOLVED = 1e-11
 """Relative defect up to which a refined system counts as solved."""
 
+_ROOM = (20, 200, 1000)
+"""Room (per cent) for pivots that are delayed beyond what is foreseen: more where it runs out."""
+_NO_ROOM: Any = PETSc.PC.FailedReason.FACTOR_OUTMEMORY
+
 
 class Factorisation(Protocol):
     """A matrix A that systems can be solved with."""
@@ -55,31 +59,42 @@ class Mumps:
 
     def __init__(self, matrix: Any, *, symmetric: bool, inertia: bool = False) -> None:
         self.matrix = matrix
+        self._symmetric, self._inertia = symmetric, inertia
         if symmetric:
             matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self._pc = PETSc.PC().create(matrix.comm)
-        self._pc.setOperators(matrix)
-        self._pc.setType(PETSc.PC.Type.CHOLESKY if symmetric else PETSc.PC.Type.LU)
-        self._pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
-        if inertia:
-            self._pc.setFactorSetUpSolverType()
-            factor = self._pc.getFactorMatrix()
-            factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
-            factor.setMumpsIcntl(24, 1)
-        elif not symmetric:
-            self._pc.setFactorSetUpSolverType()
-            self._pc.getFactorMatrix().setMumpsIcntl(33, 1)  # its determinant
+        self._pc = self._prepared(_ROOM[0])
         self.factorise()
 
     def factorise(self) -> None:
         """Factorise the matrix, once more where its entries have changed: its order is kept."""
         self._pc.setOperators(self.matrix)
         self._pc.setUp()
-        reason: Any = self._pc.getFailedReason()
-        if reason != PETSc.PC.FailedReason.NOERROR:
+        for room in _ROOM[1:]:
+            if self._pc.getFailedReason() != _NO_ROOM:
+                break
+            destroy(self._pc)
+            self._pc = self._prepared(room)
+            self._pc.setUp()
+        if self._pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
             rows = matrix_size(self.matrix)
             self.free()
             raise ConvergenceError(f"a matrix of {rows} rows is singular")
+
+    def _prepared(self, room: int) -> Any:
+        """PETSc preconditioner, set up but for the factors."""
+        pc: Any = PETSc.PC().create(self.matrix.comm)
+        pc.setOperators(self.matrix)
+        pc.setType(PETSc.PC.Type.CHOLESKY if self._symmetric else PETSc.PC.Type.LU)
+        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        pc.setFactorSetUpSolverType()
+        factor = pc.getFactorMatrix()
+        factor.setMumpsIcntl(14, room)
+        if self._inertia:
+            factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
+            factor.setMumpsIcntl(24, 1)
+        elif not self._symmetric:
+            factor.setMumpsIcntl(33, 1)  # its determinant
+        return pc
 
     def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
         """Solve A x = b, or A^T x = b, with PETSc vectors."""

@@ -1,18 +1,30 @@
-"""Contact forces as unknowns beside the displacements: the saddle form of a contact.
+"""Contact forces as unknowns beside the displacements.
 
-    [ K   L^T ] [x]   [r]
-    [ J   -C  ] [f] = [0],     L = J - c_f R,   C = c_c I
+    [ K   L^T     ] [x]   [r]
+    [ J   -C   Z  ] [f] = [0],     L = J - c_f R,   C = c_c C^
+    [     Z^T     ] [e]   [0]
 
-with J the normalised gaps, R what friction adds to their reactions, c_f proportional to mu and
-c_c = 1/P. Multipliers carry no mass.
+with J the closures that forces work on, R what friction adds to their reactions, c_f proportional
+to mu and c_c = 1/P. Multipliers carry no mass. Where closures depend on each other, Z tells forces
+from those that only their friction would feel (:mod:`cea.eigen.dependence`); e is then zero.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from cea.eigen.dependence import Dependence
 from cea.eigen.parameters import Coefficient
-from cea.matrices import destroy, scaled_total
-from cea.petsc import Mat, PETSc, Vec
+from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total
+from cea.petsc import Mat
+
+_YIELDING = 1e-3
+"""Least compliance, relative to that of the bodies, at which dependent closures do no harm."""
+_RIGID = 1e-13
+"""Compliance, relative to that of the bodies, below which it is none: the sides are tied."""
+_DEPENDENT = 1e-11
+"""Size of a sum of unit closures that counts as none."""
+_NEARLY_DEPENDENT = 1e-7
+"""The same where nothing but rounding would decide about its force."""
 
 
 @dataclass(frozen=True)
@@ -26,29 +38,38 @@ class ForcesOfContact:
     slip
         R, PETSc AIJ (forces x displacements); None without friction.
     compliance
+        C^, PETSc AIJ (forces x forces), symmetric positive semidefinite.
+    inverse_stiffness
         c_c (m/N), 1/P; zero where the sides are tied.
     friction
         c_f.
+    body_stiffness
+        P (N/m) at which the contact is where it is stiffest, and where it is softest, about as
+        stiff as the bodies.
     """
 
     closure: Mat
     slip: Mat | None
-    compliance: Coefficient
+    compliance: Mat
+    inverse_stiffness: Coefficient
     friction: Coefficient
+    body_stiffness: tuple[float, float]
 
-    def at(self, values: Mapping[str, float], *, leave_out: bool = True) -> "Multipliers":
-        """Matrices at given parameters; without friction L is J, if what is zero is left out."""
-        factor, reaction = self.friction.at(values), self.closure
-        if self.slip is not None and (factor != 0 or not leave_out):
-            reaction = scaled_total([(1.0, self.closure), (-factor, self.slip)])
-        compliance = self.closure.createVecLeft()
-        compliance.set(self.compliance.at(values))
-        return Multipliers(self.closure, reaction, compliance)
+    def reaction(self, values: Mapping[str, float], *, leave_out: bool) -> Mat:
+        """L at given parameters; J itself without friction, if what is zero is left out."""
+        factor = self.friction.at(values)
+        if self.slip is None or (factor == 0 and leave_out):
+            return self.closure
+        return scaled_total([(1.0, self.closure), (-factor, self.slip)])
+
+    def is_tied(self, values: Mapping[str, float]) -> bool:
+        """Whether its compliance is none, or is lost in the rounding of that of the bodies."""
+        return self.inverse_stiffness.at(values) * self.body_stiffness[1] < _RIGID
 
 
 @dataclass(frozen=True)
 class Multipliers:
-    """Contact forces as unknowns: K x + L^T f = r, J x - C f = 0.
+    """Contact forces as unknowns: K x + L^T f = r, J x - C f + Z e = 0, Z^T f = 0.
 
     Parameters
     ----------
@@ -57,15 +78,21 @@ class Multipliers:
     reaction
         L, PETSc AIJ (multipliers x displacements); the same object as J without friction.
     compliance
-        Diagonal of C = 1/P (m/N), PETSc vector (multipliers); zero where the sides are tied.
+        C (m/N), PETSc AIJ (multipliers x multipliers); zero where the sides are tied.
+    border
+        Z, PETSc AIJ (multipliers x dependences); None where closures are independent.
+    tied
+        Number of independent constraints: closures without compliance.
     stacked
         Whether J was made of those of several contacts, rather than being a piece itself.
     """
 
     closure: Mat
     reaction: Mat
-    compliance: Vec
-    stacked: bool = False
+    compliance: Mat
+    border: Mat | None
+    tied: int
+    stacked: bool
 
     @property
     def symmetric(self) -> bool:
@@ -77,33 +104,79 @@ class Multipliers:
         """Number of multipliers."""
         return int(self.closure.getSize()[0])
 
+    @property
+    def dependent(self) -> int:
+        """Number of closures that depend on others."""
+        return 0 if self.border is None else int(self.border.getSize()[1])
+
     def free(self) -> None:
         """Free what was made of the pieces, not the pieces."""
         if not self.symmetric:
             destroy(self.reaction)
         if self.stacked:
             destroy(self.closure)
+        if self.border is not None:
+            destroy(self.border)
         destroy(self.compliance)
 
 
-def stacked(parts: Sequence[Multipliers]) -> Multipliers | None:
-    """Multipliers of several contacts, one below the other on each rank; None of none."""
-    if len(parts) < 2:
-        return parts[0] if parts else None
-    symmetric = all(part.symmetric for part in parts)
-    closure = _one_below_the_other([part.closure for part in parts])
-    reaction = closure
-    if not symmetric:
-        reaction = _one_below_the_other([part.reaction for part in parts])
-    compliance = closure.createVecLeft()
-    first = 0
-    for part in parts:
-        last = first + part.compliance.getLocalSize()
-        compliance.array[first:last] = part.compliance.array_r
-        first = last
-        part.free()
-    return Multipliers(closure, reaction, compliance, stacked=True)
+class AllForces:
+    """Contact forces of every contact whose forces are unknowns.
 
+    Parameters
+    ----------
+    parts
+        Those of each contact, at least one.
+    """
 
-def _one_below_the_other(blocks: Sequence[Mat]) -> Mat:
-    return PETSc.Mat().createNest([[block] for block in blocks]).convert("aij")
+    def __init__(self, parts: Sequence[ForcesOfContact]) -> None:
+        self.parts = tuple(parts)
+        self._dependences: dict[float, Dependence] = {}
+
+    def at(self, values: Mapping[str, float], *, leave_out: bool = True) -> Multipliers:
+        """Matrices at given parameters, those of several contacts one below the other."""
+        scales = [part.inverse_stiffness.at(values) for part in self.parts]
+        held = [part.is_tied(values) for part in self.parts]
+        closure, stacked = self._stacked([part.closure for part in self.parts])
+        reactions = [part.reaction(values, leave_out=leave_out) for part in self.parts]
+        reaction = closure
+        if any(one is not part.closure for one, part in zip(reactions, self.parts, strict=True)):
+            reaction, copied = self._stacked(reactions)
+            if copied:
+                made = zip(reactions, self.parts, strict=True)
+                destroy(*(one for one, part in made if one is not part.closure))
+        compliances = []
+        for part, scale, is_tied in zip(self.parts, scales, held, strict=True):
+            compliances.append(part.compliance.copy())
+            compliances[-1].scale(0.0 if is_tied else scale)
+        compliance = compliances[0]
+        if len(compliances) > 1:
+            compliance = block_diagonal(compliances).convert("aij")
+            destroy(*compliances)
+        tied = sum(
+            part.closure.getSize()[0] for part, one in zip(self.parts, held, strict=True) if one
+        )
+        border = None
+        if (dependence := self._dependence(scales, closure)) is not None and dependence.size:
+            border = dependence.border([part.compliance for part in self.parts], scales)
+            tied -= dependence.within(held)
+        return Multipliers(closure, reaction, compliance, border, tied, stacked)
+
+    def _stacked(self, matrices: Sequence[Mat]) -> tuple[Mat, bool]:
+        """Matrices of all contacts as one, and whether it is a new one."""
+        if len(matrices) == 1:
+            return matrices[0], False
+        return one_below_the_other(matrices), True
+
+    def _dependence(self, scales: Sequence[float], closure: Mat) -> Dependence | None:
+        """How closures depend on each other; None where every contact is compliant enough."""
+        least = min(
+            scale * part.body_stiffness[0] for part, scale in zip(self.parts, scales, strict=True)
+        )
+        if least > _YIELDING:
+            return None
+        tolerance = _DEPENDENT if least > _RIGID else _NEARLY_DEPENDENT
+        if tolerance not in self._dependences:
+            rows = [part.closure.getLocalSize()[0] for part in self.parts]
+            self._dependences[tolerance] = Dependence.of(closure, rows, tolerance)
+        return self._dependences[tolerance]

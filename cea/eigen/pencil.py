@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from cea.eigen.multipliers import ForcesOfContact, Multipliers, stacked
+from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.parameters import CONSTANT, Coefficient, Parameter
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
@@ -78,11 +78,8 @@ class Matrices:
 
     @property
     def tied(self) -> int:
-        """Number of constraints: multipliers without compliance; so many kappa are infinite."""
-        if self.multipliers is None:
-            return 0
-        tied = int((self.multipliers.compliance.array_r == 0).sum())
-        return self.stiffness.comm.tompi4py().allreduce(tied)
+        """Number of independent constraints: so many kappa are infinite."""
+        return 0 if self.multipliers is None else self.multipliers.tied
 
     def operator(self, kappa: float = 0.0, *, symmetric_part: bool = False) -> Mat:
         """K - kappa M, or S - kappa M, on the displacements: a new PETSc AIJ matrix."""
@@ -127,8 +124,9 @@ class Pencil:
         self.terms = tuple(terms)
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
+        self._all_forces = AllForces(self.forces) if self.forces else None
         coefficients = [t.coefficient for t in self.terms]
-        coefficients += [c for f in self.forces for c in (f.compliance, f.friction)]
+        coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
         unknown = {name for c in coefficients for name in c.names} - set(self.parameters)
         if unknown:
             raise InputError("parameters", sorted(self.parameters), f"with {sorted(unknown)}")
@@ -214,13 +212,15 @@ class Pencil:
             stiffness=S,
             unsymmetric=self._sum("stiffness", values, symmetric=False),
             mass=M,
-            multipliers=stacked([f.at(values, leave_out=self.leave_out) for f in self.forces]),
+            multipliers=(
+                self._all_forces.at(values, leave_out=self.leave_out) if self._all_forces else None
+            ),
         )
 
     def symmetric_values(self, values: Mapping[str, float]) -> tuple[float, ...]:
         """Coefficients of the symmetric parts: equal ones make equal S, M and constraints."""
         parts = [t.coefficient.at(values) for t in self.terms if t.symmetric]
-        return (*parts, *(f.compliance.at(values) for f in self.forces))
+        return (*parts, *(f.inverse_stiffness.at(values) for f in self.forces))
 
     def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Mat | None:
         parts = [

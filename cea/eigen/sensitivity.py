@@ -2,7 +2,7 @@
 
 With y^H M x = 1 and contact forces f, g beside x, y (:mod:`cea.eigen.multipliers`),
 
-    d lambda = - (y^H (lambda^2 dM + dK) x - dc_f (R y)^H f - dc_c g^H f) / (2 lambda).
+    d lambda = - (y^H (lambda^2 dM + dK) x - dc_f (R y)^H f - dc_c g^H C^ f) / (2 lambda).
 """
 
 from collections.abc import Mapping
@@ -128,9 +128,9 @@ def derivatives(
         slope = of_contact.friction.derivative(name, values)
         if slope and of_contact.slip is not None:
             change -= slope * all_inner(times(of_contact.slip, left.vectors), f, comm)
-        slope = of_contact.compliance.derivative(name, values)
+        slope = of_contact.inverse_stiffness.derivative(name, values)
         if slope:
-            change -= slope * all_inner(g, f, comm)
+            change -= slope * all_inner(g, times(of_contact.compliance, f), comm)
         first = last
     moved = np.diag(change).copy()
     for members in group(eigenvalues, DEGENERATE):

@@ -2,8 +2,9 @@
 
 With forces f as unknowns (:mod:`cea.eigen.multipliers`) the matrix at kappa = -lambda^2 is
 
-    A(kappa) = [ K - kappa M   L^T ]
-               [      J        -C  ]
+    A(kappa) = [ K - kappa M   L^T     ]
+               [      J        -C   Z  ]
+               [               Z^T     ]
 
 and the displacement part of A(kappa)^-1 [r; 0] is what drivers iterate with: multipliers carry no
 mass, and Krylov spaces stay ones of displacements.
@@ -13,13 +14,14 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 
 from cea.body import Floats
 from cea.eigen.factorisation import Mumps, Refined
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.pencil import Matrices
-from cea.matrices import destroy
-from cea.petsc import MPI, PETSc
+from cea.matrices import destroy, distributed, local_part
+from cea.petsc import PETSc
 
 
 class Shifted:
@@ -47,7 +49,8 @@ class Shifted:
         self._matrices = matrices
         self._multipliers = matrices.multipliers
         self._local = matrices.stiffness.getLocalSize()[0]
-        self._scale = 1.0
+        self._scale: Any | None = None
+        self._own_scale = near is None
         operator = self._operator(near)
         self._factors: Mumps | Refined = (
             Refined(operator, near._factors)
@@ -89,6 +92,7 @@ class Shifted:
             self._factors.factorise()
             return
         self._factors.free()
+        destroy(self._scale)
         self._factors = Mumps(self._operator(), symmetric=self._matrices.symmetric)
 
     def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
@@ -118,7 +122,11 @@ class Shifted:
             whole = np.zeros((self._b.getLocalSize(), b.shape[1]), order="F")
             whole[: self._local] = b
         solution = self._factors.solve_block(whole, transposed=transposed)
-        return solution[: self._local], solution[self._local :] * self._scale
+        if self._scale is None:
+            return solution, solution[self._local :]
+        scale = self._scale.array_r[:, None]
+        end = self._local + len(scale)
+        return solution[: self._local], solution[self._local : end] * scale
 
     def parity(self) -> int | None:
         """Whether the number of real eigenvalues kappa below the shift is odd (1) or even (0).
@@ -131,8 +139,7 @@ class Shifted:
             return None
         forces = 0
         if self._multipliers is not None:
-            tied = bool((self._multipliers.compliance.array_r == 0).any())
-            if self._matrices.stiffness.comm.tompi4py().allreduce(tied, MPI.LOR):
+            if self._multipliers.tied:
                 return None
             forces = self._multipliers.size
         return int(self._factors.sign() != (-1) ** forces)
@@ -145,12 +152,15 @@ class Shifted:
         """Free the factors."""
         self._factors.free()
         destroy(*(v for v in (self._x, self._b) if v is not None))
+        if self._scale is not None and self._own_scale:
+            destroy(self._scale)
 
 
 def count_below(matrices: Matrices, kappa: float) -> int:
     """Number of eigenvalues of the symmetric part below kappa (1/s^2), by its inertia.
 
-    Each multiplier adds one negative eigenvalue to those of S - kappa M.
+    Each multiplier adds one negative eigenvalue to those of S - kappa M; so it does beside a row
+    of Z^T, which takes one of its own sign and one of the other.
 
     Raises
     ------
@@ -163,7 +173,7 @@ def count_below(matrices: Matrices, kappa: float) -> int:
         symmetric = replace(matrices.multipliers, reaction=matrices.multipliers.closure)
         scale = force_scale(shifted, symmetric)
         bordered = _bordered(shifted, symmetric, scale, symmetric=True)
-        destroy(shifted)
+        destroy(shifted, scale)
         shifted, extra = bordered, symmetric.size
     factors = Mumps(shifted, symmetric=True, inertia=True)
     negative = factors.negative_eigenvalues()
@@ -171,34 +181,76 @@ def count_below(matrices: Matrices, kappa: float) -> int:
     return negative - extra
 
 
-def force_scale(operator: Any, multipliers: Multipliers) -> float:
-    """Factor on multipliers that makes rows of J as large as those of the bodies."""
-    closure: Any = multipliers.closure
+def force_scale(operator: Any, multipliers: Multipliers) -> Any:
+    """Factors on multipliers that make each row of J as large as the rows it touches."""
     diagonal = operator.getDiagonal()
-    largest = diagonal.norm(PETSc.NormType.INFINITY)
-    destroy(diagonal)
-    rows = closure.norm(PETSc.NormType.INFINITY)
-    return float(largest / rows) if largest > 0 and rows > 0 else 1.0
+    diagonal.abs()
+    sizes, squares = (_entrywise(multipliers.closure, power) for power in (1, 2))
+    touched, length = multipliers.closure.createVecLeft(), multipliers.closure.createVecLeft()
+    sizes.mult(diagonal, touched)
+    one = diagonal.duplicate()
+    one.set(1.0)
+    squares.mult(one, length)
+    largest = diagonal.max()[1] / max(np.sqrt(length.max()[1]), np.finfo(float).tiny)
+    rows = length.array_r > 0
+    scale = np.full(len(rows), largest if largest > 0 else 1.0)
+    scale[rows] = touched.array_r[rows] / length.array_r[rows]
+    scale[~(scale > 0)] = 1.0
+    length.array[:] = scale
+    destroy(diagonal, sizes, squares, touched, one)
+    return length
 
 
-def _bordered(operator: Any, multipliers: Multipliers, scale: float, *, symmetric: bool) -> Any:
-    """[A, s L^T; s J, -s^2 C] as PETSc AIJ; with J for L in its symmetric part."""
+def _entrywise(matrix: Any, power: int) -> Any:
+    """Absolute entries to a power."""
+    part = local_part(matrix)
+    part.data = np.abs(part.data) ** power
+    return distributed(part, matrix.getSizes()[1], matrix.comm)
+
+
+def balanced(border: Any, scale: Any, size: float) -> Any:
+    """s Z, its columns as long as rows of the rest are."""
+    part = csr_array(diags_array(scale.array_r) @ local_part(border))
+    squares = np.zeros(part.shape[1])
+    np.add.at(squares, part.indices, part.data**2)
+    lengths = np.sqrt(border.comm.tompi4py().allreduce(squares))
+    part = csr_array(part @ diags_array(size / lengths))
+    return distributed(part, border.getSizes()[1], border.comm)
+
+
+def _bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric: bool) -> Any:
+    """[A, L^T s, .; s J, -s C s, s Z; ., Z^T s, .], PETSc AIJ; with J for L in its symmetric part.
+
+    Parameters
+    ----------
+    operator
+        A.
+    multipliers
+        L, J, C and Z.
+    scale
+        s, PETSc vector (multipliers).
+    symmetric
+        Whether L is J.
+    """
     closure = multipliers.closure.copy()
-    closure.scale(scale)
+    closure.diagonalScale(L=scale)
     reaction = closure
     if not symmetric:
         reaction = multipliers.reaction.copy()
-        reaction.scale(scale)
+        reaction.diagonalScale(L=scale)
     transpose = reaction.transpose(PETSc.Mat())
-    diagonal = multipliers.compliance.copy()
-    diagonal.scale(-(scale**2))
-    rows = (multipliers.compliance.getLocalSize(), multipliers.size)
-    corner = PETSc.Mat().createAIJ(size=(rows, rows), nnz=1, comm=operator.comm)
-    corner.setUp()
-    corner.setDiagonal(diagonal)
-    corner.assemble()
-    bordered = PETSc.Mat().createNest([[operator, transpose], [closure, corner]]).convert("aij")
-    destroy(transpose, diagonal, corner, closure)
+    corner = multipliers.compliance.copy()
+    corner.diagonalScale(L=scale, R=scale)
+    corner.scale(-1.0)
+    blocks = [[operator, transpose], [closure, corner]]
+    made = [transpose, corner, closure]
+    if multipliers.border is not None:
+        border = balanced(multipliers.border, scale, closure.norm(PETSc.NormType.INFINITY))
+        across = border.transpose(PETSc.Mat())
+        blocks = [[operator, transpose, None], [closure, corner, border], [None, across, None]]
+        made += [border, across]
+    bordered = PETSc.Mat().createNest(blocks).convert("aij")
+    destroy(*made)
     if reaction is not closure:
         destroy(reaction)
     return bordered

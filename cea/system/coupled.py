@@ -5,12 +5,16 @@
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf, log10
 from typing import Any
 
+import numpy as np
+
 from cea.body import Body, Floats
+from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.operators import Contact, HalfPass, assemble_contact
 from cea.contact.saddle import contact_forces
 from cea.eigen.multipliers import ForcesOfContact
@@ -18,6 +22,7 @@ from cea.eigen.parameters import NOTHING, Coefficient, Monomial, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import block_diagonal, destroy, empty, gather
 from cea.petsc import PETSc
+from cea.warned import ResultWarning
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,10 @@ class CoupledSystem:
         Whether the bodies have mass; not in static scenes.
     load
         Forces (N), PETSc vector, None where none were asked for.
+    stiffness_diagonal
+        Diagonal of K of all bodies (N/m), PETSc vector.
+    penalty_digits
+        Digits that the penalty form costs, or would cost, by contact.
     """
 
     bodies: Mapping[str, Body]
@@ -46,6 +55,8 @@ class CoupledSystem:
     index_sets: Mapping[str, Any]
     with_mass: bool
     load: Any | None
+    stiffness_diagonal: Any
+    penalty_digits: Mapping[str, float]
 
     @property
     def size(self) -> int:
@@ -65,13 +76,43 @@ class CoupledSystem:
     def _diagonal(self, matrix_of: Callable[[Body], Any]) -> Any:
         return block_diagonal([matrix_of(body) for body in self.bodies.values()]).convert("aij")
 
+    @property
+    def warnings(self) -> tuple[ResultWarning, ...]:
+        """What the forms of its contacts cost: kind ``penalty-rounding``."""
+        return self.warnings_at({})
+
+    def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
+        """The same where some parameters of the pencil have other values."""
+        digits = {name: self._digits_at(name, values) for name in self.penalty_digits}
+        return penalty_warnings(self.contacts, digits)
+
+    def keeps_forms(self, contacts: Iterable[str], values: Mapping[str, float]) -> bool:
+        """Whether contacts would take the forms they have if some parameters had other values."""
+        return all(
+            half.lumped is not None or form_for(self._digits_at(name, values)) == half.half.form
+            for name in contacts
+            for half in self._halves(name)
+        )
+
+    def _digits_at(self, contact: str, values: Mapping[str, float]) -> float:
+        """Digits that the penalty form costs at other P and E; infinite where it is not known."""
+        before, half = self._stiffnesses()[contact], self._halves(contact)[0]
+        P = values.get(f"contacts.{contact}.P", before)
+        if inf in (P, before):
+            return inf
+        if half.projection is not None:
+            return 0.0
+        moduli = {name: self.bodies[name].material.E for name in (half.half.a, half.half.b)}
+        softer = min(values.get(f"bodies.{name}.material.E", E) / E for name, E in moduli.items())
+        return self.penalty_digits[contact] + log10(P / before / softer)
+
     def vector(self) -> Any:
         """A new PETSc vector of unknowns, all zero."""
         vector = self.template.duplicate()
         vector.set(0.0)
         return vector
 
-    def pencil(self, *, leave_out: bool = True) -> Pencil:
+    def pencil(self, *, leave_out: bool = True, eliminate: bool = False) -> Pencil:
         """The parametric pencil of the system, whose matrices are its pieces.
 
         Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
@@ -82,11 +123,15 @@ class CoupledSystem:
         ----------
         leave_out
             Whether friction that is zero is left out of what is solved.
+        eliminate
+            Whether all contact forces are eliminated, where gaps are projected into matrices that
+            are full on the interface; no contact is tied.
         """
+        keeping = [c for c in self.contacts if c.keeps_forces and not eliminate]
         return Pencil(
-            [*self._body_terms(), *self._contact_terms()],
+            [*self._body_terms(), *self._contact_terms(keeping)],
             self._parameters(),
-            tuple(self._contact_forces()),
+            tuple(self._contact_forces(keeping)),
             leave_out=leave_out,
         )
 
@@ -103,27 +148,35 @@ class CoupledSystem:
                 rho = {f"bodies.{name}.material.rho": (float(body.material.rho or 0), 1.0)}
                 yield Term("mass", self._embedded(name, body.mass()), Coefficient.of(rho))
 
-    def _contact_terms(self) -> Iterator[Term]:
-        """K_n and K_f of each half pass in the penalty form."""
+    def _contact_terms(self, keeping: Sequence[Contact]) -> Iterator[Term]:
+        """K_n and K_f of each half pass that keeps no forces."""
         total, references = self._stiffnesses(), self._references()
+        names = {contact.name for contact in keeping}
         for contact in self.contacts:
+            if contact.name in names:
+                continue
             P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
-            if contact.stiffness is not None:
-                yield Term("stiffness", contact.stiffness, Coefficient.of(P))
+            yield Term("stiffness", contact.stiffness, Coefficient.of(P))
             if contact.friction is not None and self._rubs(contact):
                 mu = {f"contacts.{contact.pair}.mu": (references[contact.pair], 1.0)}
                 coefficient = Coefficient.of(P | mu, factor=-1.0)
                 yield Term("stiffness", contact.friction, coefficient, symmetric=False)
 
-    def _contact_forces(self) -> Iterator[ForcesOfContact]:
-        """Forces of each contact in the saddle form."""
+    def _contact_forces(self, keeping: Sequence[Contact]) -> Iterator[ForcesOfContact]:
+        """Forces of each contact that keeps them."""
         references = self._references()
-        rubbing = [c if self._rubs(c) else replace(c, slip=None) for c in self.contacts]
+        rubbing = [c if self._rubs(c) else replace(c, slip=None) for c in keeping]
         for name, forces in contact_forces(rubbing).items():
             P, mu = f"contacts.{name}.P", f"contacts.{name}.mu"
             slips = Coefficient.of({mu: (references[name], 1.0)}) if forces.slip else NOTHING
-            compliance = Coefficient.of({P: (1.0, -1.0)})
-            yield ForcesOfContact(forces.closure, forces.slip, compliance, slips)
+            yield ForcesOfContact(
+                forces.closure,
+                forces.slip,
+                forces.compliance,
+                inverse_stiffness=Coefficient.of({P: (1.0, -1.0)}),
+                friction=slips,
+                body_stiffness=forces.body_stiffness(self.stiffness_diagonal),
+            )
 
     def _stiffnesses(self) -> dict[str, float]:
         """P of each contact, both halves of a full pass together."""
@@ -234,14 +287,27 @@ def couple(
             part = load.getSubVector(index_sets[name])
             body.load().copy(part)
             load.restoreSubVector(index_sets[name], part)
+    made = [
+        assemble_contact(bodies, name, half, leave_out=leave_out) for name, half in contacts.items()
+    ]
+    diagonal = _stiffness_diagonal(bodies, template)
+    digits = penalty_digits(made, diagonal)
     return CoupledSystem(
         bodies=bodies,
-        contacts=tuple(
-            assemble_contact(bodies, name, half, leave_out=leave_out)
-            for name, half in contacts.items()
-        ),
+        contacts=with_forms(made, digits),
         template=template,
         index_sets=index_sets,
         with_mass=with_mass,
         load=load,
+        stiffness_diagonal=diagonal,
+        penalty_digits=digits,
     )
+
+
+def _stiffness_diagonal(bodies: Mapping[str, Body], template: Any) -> Any:
+    """Diagonal of K of all bodies (N/m), PETSc vector of the layout of the unknowns."""
+    parts = [body.stiffness().getDiagonal() for body in bodies.values()]
+    whole = template.duplicate()
+    whole.array[:] = np.concatenate([part.array_r for part in parts])
+    destroy(*parts)
+    return whole

@@ -53,7 +53,7 @@ def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(
 def eliminated(multipliers):
     """L^T C^-1 J: what the forces are once eliminated."""
     closure, reaction = to_numpy(multipliers.closure), to_numpy(multipliers.reaction)
-    return reaction.T @ (closure / multipliers.compliance.array[:, None])
+    return reaction.T @ np.linalg.solve(to_numpy(multipliers.compliance), closure)
 
 
 def test_at_its_own_parameters_nothing_is_rounded(backend):
@@ -113,7 +113,7 @@ def test_parameters_that_cannot_be_are_refused(changes, told):
 
 def test_infinite_stiffness_is_a_value_in_the_saddle_form():
     multipliers = scene("iga", form="saddle").pencil().at({"contacts.interface.P": np.inf})
-    assert not multipliers.multipliers.compliance.array.any()
+    assert multipliers.multipliers.compliance.norm() == 0
 
 
 def test_a_coefficient_must_name_parameters_that_are_there():

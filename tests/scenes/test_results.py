@@ -92,9 +92,13 @@ def test_matrices_without_friction_and_of_the_saddle_form():
     without = run_modes(scene_of("iga", mu=0.0)).matrices()
     assert without["K_f"].nnz == 0
     assert without["K_n"].nnz > 0
-    saddle = run_modes(scene_of("iga", form="saddle"))
-    with pytest.raises(InputError, match=r"contacts\.interface\.form = 'saddle'"):
-        saddle.matrices()
+    penalty, saddle = (
+        run_modes(scene_of("iga", form=form)).matrices() for form in ("penalty", "saddle")
+    )
+    assert np.abs((saddle["K_n"] - penalty["K_n"]).data).max(initial=0.0) < 1e-14
+    tied = run_modes(scene_of("iga", form="saddle", P=float("inf")))
+    with pytest.raises(InputError, match=r"contacts\.interface\.P = inf"):
+        tied.matrices()
     assert list(run_static(static_scene("iga")).matrices()) == ["K", "K_n", "K_f"]
 
 

@@ -112,7 +112,7 @@ class PatchTestCase:
             for name, n in zip(("upper", "lower"), self.elements, strict=True)
         }
         scene = replace(scene, bodies=bodies)
-        return with_contact(scene, formulation=self.formulation, P=self.P)
+        return with_contact(scene, formulation=self.formulation, P=self.P, form="penalty")
 
     def _mesh_spec(self, n: int) -> MeshSpec:
         """Both meshes of a body; the one that its backend does not use says nothing."""

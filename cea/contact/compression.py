@@ -1,0 +1,215 @@
+"""Orthogonal compression of many dependent rows to few, sparse: a multifrontal QR factorisation.
+
+Points of a rule are many, the gaps that traces can tell apart few. For rows G and T at points
+
+    G = Q J,     R = Q^T T,     Q^T Q = I,
+
+with J of full row rank: G^T G = J^T J and T^T G = R^T J. Points are divided in halves again and
+again. Going up that tree, a column that no point outside a part touches is eliminated within the
+part, and what remains on the columns at its edge is handed on (Duff and Reid 1983; Davis, ACM
+Trans. Math. Softw. 38, 2011). Rank is judged column by column (Heath 1982).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+from scipy.sparse import csr_array
+
+from cea.body import Floats, Ints
+from cea.petsc import MPI
+
+_DEPENDENT = 1e-12
+"""Rows whose pivot is below this part of their column are taken to depend on those before."""
+_NEGLIGIBLE = 1e-12
+"""Entries below this part of their row are rounding."""
+_LEAF = 96
+"""Points that are worked on at once."""
+
+
+@dataclass(frozen=True)
+class _Front:
+    """Rows that remain of a part of the points.
+
+    Parameters
+    ----------
+    rows
+        On the columns of G at the edge of the part, (k, n).
+    columns, touching
+        These columns, rising, and how many points of the part touch each, (n,).
+    carried, carried_columns
+        The rows of T that go with them, and their columns, rising.
+    """
+
+    rows: Floats
+    columns: Ints
+    touching: Ints
+    carried: Floats
+    carried_columns: Ints
+
+
+@dataclass(frozen=True)
+class _Finished:
+    """Rows of J and R that are done: dense blocks and their columns."""
+
+    closure: list[tuple[Floats, Ints]] = field(default_factory=list)
+    slip: list[tuple[Floats, Ints]] = field(default_factory=list)
+
+
+def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[csr_array, ...]:
+    """J and R of rows G and T at points, the rows that this rank is left with.
+
+    Each rank compresses its own points; rank 0 what remains between them.
+
+    Parameters
+    ----------
+    gap, slip
+        G and T at the points of this rank, shape (n_local, columns).
+    x
+        Positions of the points, shape (n_local, dim): near ones are worked on together.
+    comm
+        MPI communicator (mpi4py).
+
+    Returns
+    -------
+    tuple
+        J and R, shape (rows, columns) each.
+    """
+    gap = _without(gap, _rounding(gap, comm))
+    squares = np.bincount(gap.indices, gap.data**2, gap.shape[1])
+    size = np.sqrt(comm.allreduce(squares, MPI.SUM))
+    touching = np.bincount(gap.indices, minlength=gap.shape[1])
+    slip = _without(slip, np.zeros(len(size), dtype=bool))
+    compression = _Compression(gap, slip, size, comm.allreduce(touching, MPI.SUM))
+    rest = compression.of_points(np.arange(gap.shape[0]), x)
+    if comm.size > 1:
+        parts = comm.gather(rest)
+        if comm.rank == 0:
+            compression.finish(_joined(parts))
+    return (
+        _assembled(compression.finished.closure, gap.shape[1]),
+        _assembled(compression.finished.slip, gap.shape[1]),
+    )
+
+
+def _rounding(gap: csr_array, comm: Any) -> NDArray[np.bool_]:
+    """Columns that are nothing but rounding in every row: of normals along axes."""
+    row = np.repeat(np.arange(gap.shape[0]), np.diff(gap.indptr))
+    length = np.sqrt(np.bincount(row, gap.data**2, gap.shape[0]))
+    largest = np.zeros(gap.shape[1])
+    part = np.abs(gap.data) / np.maximum(length[row], np.finfo(float).tiny)
+    np.maximum.at(largest, gap.indices, part)
+    return comm.allreduce(largest, MPI.MAX) <= _NEGLIGIBLE
+
+
+def _without(matrix: csr_array, columns: NDArray[np.bool_]) -> csr_array:
+    """A matrix without its zeros, and without some columns."""
+    result = matrix.copy()
+    result.data[columns[result.indices]] = 0.0
+    result.eliminate_zeros()
+    return result
+
+
+class _Compression:
+    """The tree, worked through from its leaves.
+
+    Parameters
+    ----------
+    gap, slip
+        Rows at the points.
+    size
+        Length of each column of G over all points.
+    touching
+        Points that touch it.
+    """
+
+    def __init__(self, gap: csr_array, slip: csr_array, size: Floats, touching: Ints) -> None:
+        self._gap, self._slip = gap, slip
+        self._size, self._touching = size, touching
+        self.finished = _Finished()
+
+    def of_points(self, points: Ints, x: Floats) -> _Front:
+        """What remains of some points once all that is theirs alone is done."""
+        if len(points) <= _LEAF:
+            return self.finish(self._leaf(points))
+        halves = min((_halves(points, along) for along in x.T), key=self._shared)
+        return self.finish(_joined([self.of_points(half, x) for half in halves]))
+
+    def _shared(self, halves: Sequence[Ints]) -> int:
+        """Columns that two parts share."""
+        first, second = (np.unique(self._gap[half].indices) for half in halves)
+        return len(np.intersect1d(first, second, assume_unique=True))
+
+    def _leaf(self, points: Ints) -> _Front:
+        gap, slip = self._gap[points], self._slip[points]
+        columns, count = np.unique(gap.indices, return_counts=True)
+        carried = np.unique(slip.indices)
+        return _Front(
+            gap[:, columns].toarray(), columns, count, slip[:, carried].toarray(), carried
+        )
+
+    def finish(self, front: _Front) -> _Front:
+        """Eliminate the columns that no other point touches; what remains."""
+        own = front.touching == self._touching[front.columns]
+        inner, edge = front.columns[own], front.columns[~own]
+        size = self._size[front.columns]
+        # Of rows of very different size the large ones go first: small ones keep their digits.
+        order = np.argsort(-np.abs(front.rows).max(axis=1, initial=0.0), kind="stable")
+        rows, carried = front.rows[order] / size, front.carried[order]
+        rest = rows[:, ~own]
+        if len(inner) and len(rows):
+            q, triangle, pivots = qr(rows[:, own], pivoting=True)
+            rank = int(np.sum(np.abs(np.diag(triangle)) > _DEPENDENT))
+            rest, carried = q.T @ rest, q.T @ carried
+            done = np.empty((rank, len(front.columns)))
+            done[:, np.flatnonzero(own)[pivots]] = triangle[:rank]
+            done[:, ~own] = rest[:rank]
+            self.finished.closure.append((done * size, front.columns))
+            self.finished.slip.append((carried[:rank], front.carried_columns))
+            rest, carried = rest[rank:], carried[rank:]
+        if len(rest) > len(edge):
+            q, rest = qr(rest) if len(edge) else (np.eye(len(rest)), rest)
+            rest, carried = rest[: len(edge)], (q.T @ carried)[: len(edge)]
+        return _Front(
+            rest * size[~own], edge, front.touching[~own], carried, front.carried_columns
+        )
+
+
+def _halves(points: Ints, along: Floats) -> list[Ints]:
+    """Two parts of equal size, divided by a coordinate."""
+    return np.array_split(points[np.argsort(along[points], kind="stable")], 2)
+
+
+def _joined(parts: Sequence[_Front]) -> _Front:
+    """Fronts of several parts as one."""
+    columns = np.unique(np.concatenate([p.columns for p in parts]))
+    carried_columns = np.unique(np.concatenate([p.carried_columns for p in parts]))
+    touching = np.zeros(len(columns), dtype=np.int64)
+    count = sum(len(p.rows) for p in parts)
+    rows, carried = np.zeros((count, len(columns))), np.zeros((count, len(carried_columns)))
+    first = 0
+    for part in parts:
+        last = first + len(part.rows)
+        at = np.searchsorted(columns, part.columns)
+        rows[first:last, at] = part.rows
+        touching[at] += part.touching
+        carried[first:last, np.searchsorted(carried_columns, part.carried_columns)] = part.carried
+        first = last
+    return _Front(rows, columns, touching, carried, carried_columns)
+
+
+def _assembled(blocks: Sequence[tuple[Floats, Ints]], columns: int) -> csr_array:
+    """Dense blocks one below the other, each in its columns."""
+    lengths = [np.full(len(block), len(at)) for block, at in blocks]
+    indptr = np.concatenate([[0], np.cumsum(np.concatenate([np.empty(0, int), *lengths]))])
+    data = np.concatenate([np.empty(0), *(block.ravel() for block, _ in blocks)])
+    indices = [np.tile(at, len(block)) for block, at in blocks]
+    matrix = csr_array(
+        (data, np.concatenate([np.empty(0, np.int64), *indices]), indptr.astype(np.int64)),
+        shape=(len(indptr) - 1, columns),
+    )
+    matrix.eliminate_zeros()
+    return matrix

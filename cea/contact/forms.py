@@ -1,0 +1,111 @@
+"""Penalty or saddle form: which of them a contact takes where that is left open.
+
+K_n added to K costs the digits by which it is larger: rounding of the sum, eps times the larger,
+stands beside the smaller. In the saddle form, and where gaps are projected, nothing is added.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from cea.contact.coupling import Form
+from cea.contact.operators import Contact
+from cea.matrices import destroy, distributed, local_part
+from cea.warned import ResultWarning
+
+MOST_DIGITS = 6.0
+"""Digits that the penalty form may cost."""
+
+
+def penalty_digits(contacts: Sequence[Contact], stiffness: Any) -> dict[str, float]:
+    """Digits that the penalty form costs, by contact; none where gaps are projected.
+
+    log10 of the largest diagonal entry of K_n relative to that of K; infinite where sides are tied.
+
+    Parameters
+    ----------
+    contacts
+        All contacts.
+    stiffness
+        Diagonal of K of all bodies (N/m), PETSc vector.
+    """
+    digits: dict[str, float] = {}
+    for contact in contacts:
+        if np.isinf(contact.half.stiffness).any():
+            lost = inf
+        else:
+            lost = 0.0 if contact.projection is not None else _lost(contact, stiffness)
+        digits[contact.pair] = max(lost, digits.get(contact.pair, 0.0))
+    return digits
+
+
+def _lost(contact: Contact, stiffness: Any) -> float:
+    weight, own = contact.weight(contact.half.stiffness), stiffness.duplicate()
+    squares = squared(contact.gap)
+    squares.multTranspose(weight, own)
+    own.pointwiseDivide(own, stiffness)
+    ratio = own.max()[1]
+    destroy(weight, own, squares)
+    return float(np.log10(max(ratio, np.finfo(float).tiny)))
+
+
+def squared(matrix: Any) -> Any:
+    """Squares of the entries, PETSc AIJ."""
+    part = local_part(matrix)
+    part.data = part.data**2
+    return distributed(part, matrix.getSizes()[1], matrix.comm)
+
+
+def form_for(digits: float) -> Form:
+    """The form that a contact takes where it is left open, by the digits a penalty would cost."""
+    return "saddle" if digits > MOST_DIGITS else "penalty"
+
+
+def with_forms(contacts: Sequence[Contact], digits: Mapping[str, float]) -> tuple[Contact, ...]:
+    """Contacts whose forms are all chosen; lumped ones have no other than the penalty.
+
+    Parameters
+    ----------
+    contacts
+        All contacts.
+    digits
+        What the penalty form costs each.
+    """
+    return tuple(
+        contact
+        if contact.half.form is not None
+        else replace(contact, half=replace(contact.half, form=_chosen(contact, digits)))
+        for contact in contacts
+    )
+
+
+def _chosen(contact: Contact, digits: Mapping[str, float]) -> Form:
+    return "penalty" if contact.lumped is not None else form_for(digits[contact.pair])
+
+
+def penalty_warnings(
+    contacts: Sequence[Contact], digits: Mapping[str, float]
+) -> tuple[ResultWarning, ...]:
+    """What the penalty form costs where it costs too much, a warning for each contact.
+
+    Parameters
+    ----------
+    contacts
+        All contacts, their forms chosen.
+    digits
+        What the penalty form costs each.
+    """
+    costly = {c.pair: digits[c.pair] for c in contacts if not c.keeps_forces}
+    return tuple(
+        ResultWarning(
+            "penalty-rounding",
+            f"contact {name} is {10**lost:.1g} times as stiff as its bodies: the penalty form "
+            f"loses {lost:.1f} digits to rounding",
+            {"contact": name, "digits": lost},
+        )
+        for name, lost in costly.items()
+        if lost > MOST_DIGITS
+    )

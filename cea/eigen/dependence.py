@@ -1,0 +1,200 @@
+"""Closures of contacts that depend on each other, and the forces that none of them determines.
+
+A sum N^T J = 0 of closures does nothing to the displacements: where bodies are bonded round a
+point, where supports hold both sides, where two contacts ask the same. The forces of a finite
+stiffness, C f = J x, then obey N^T C f = 0, however stiff the contact; so do those of its limit.
+With that condition as rows of their own the matrix is regular for any stiffness, and infinite.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import accumulate, groupby, pairwise
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from cea.body import Floats
+from cea.eigen.blocks import times, transposed_times
+from cea.eigen.factorisation import Mumps
+from cea.matrices import destroy, distributed, identity, local_part
+from cea.petsc import MPI, Mat, PETSc
+from cea.ranks import local_rows
+
+_NEGLIGIBLE_ROW = 1e-14
+"""Closures below this part of the largest are rounding."""
+_UNINVOLVED = 1e-14
+"""Square of the part of a dependence that does not involve a contact."""
+_NEGLIGIBLE = 1e-18
+"""Entries of a column of unit length below this are left out."""
+_NEAR = 1e-5
+"""Size of a sum of unit closures that is looked at closely."""
+_STEPS = 6
+"""Steps of inverse iteration: what lies well above is gone after the first."""
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """Sums of closures that vanish: N^T J = 0.
+
+    Parameters
+    ----------
+    blocks
+        N of each contact for closures of unit length, the rows of this rank, shape (rows, size).
+    lengths
+        Lengths of the closures of each contact, the rows of this rank, shape (rows,).
+    comm
+        Communicator (petsc4py).
+    """
+
+    blocks: tuple[Floats, ...]
+    lengths: tuple[Floats, ...]
+    comm: PETSc.Comm
+
+    @property
+    def size(self) -> int:
+        """Number of dependences."""
+        return int(self.blocks[0].shape[1])
+
+    @classmethod
+    def of(cls, closure: Mat, rows: Sequence[int], tolerance: float) -> "Dependence":
+        """Find the sums of closures, each scaled to unit length, that are below a tolerance.
+
+        Parameters
+        ----------
+        closure
+            J of all contacts, PETSc AIJ.
+        rows
+            Rows of each contact on this rank, one below the other.
+        tolerance
+            Size of a sum that counts as none.
+        """
+        unit, length = _unit_rows(closure)
+        null = _null_vectors(unit, tolerance)
+        destroy(unit)
+        ends = list(accumulate(rows, initial=0))
+        parts = [slice(*pair) for pair in pairwise(ends)]
+        return cls(
+            tuple(null[part] for part in parts), tuple(length[part] for part in parts), closure.comm
+        )
+
+    def within(self, chosen: Sequence[bool]) -> int:
+        """Number of dependences that involve none but chosen contacts."""
+        others = [block for block, one in zip(self.blocks, chosen, strict=True) if not one]
+        if not others:
+            return self.size
+        values, _ = self._involvement(others)
+        return int(np.sum(values <= _UNINVOLVED))
+
+    def border(self, compliances: Sequence[Mat], scales: Sequence[float]) -> Mat:
+        """Z, whose columns span C N.
+
+        Of contacts of different stiffness the softest decides: columns are weighted by its P, and
+        what does not involve it is left to the next. So none of them is lost beside the others.
+
+        Parameters
+        ----------
+        compliances
+            C^ of each contact, PETSc AIJ.
+        scales
+            c_c (m/N) of each contact, zero where it is infinitely stiff.
+        """
+        images = [
+            times(compliance, (block / length[:, None]).astype(complex)).real
+            for compliance, block, length in zip(
+                compliances, self.blocks, self.lengths, strict=True
+            )
+        ]
+        softest_first = sorted(range(len(scales)), key=lambda k: -scales[k])
+        rest, columns = np.eye(self.size), []
+        for scale, contacts in groupby(softest_first, key=lambda k: scales[k]):
+            values, vectors = self._involvement([self.blocks[k] @ rest for k in contacts])
+            own, rest = (
+                rest @ vectors[:, values > _UNINVOLVED],
+                rest @ vectors[:, values <= _UNINVOLVED],
+            )
+            weighted = [
+                _relative(each, scale) * (image @ own)
+                for each, image in zip(scales, images, strict=True)
+            ]
+            columns.append(np.vstack(weighted))
+            if not rest.shape[1]:
+                break
+        return self._as_matrix(np.hstack(columns))
+
+    def _involvement(self, blocks: Sequence[Floats]) -> tuple[Floats, Floats]:
+        """Squares of the parts of sums in the closures of some contacts, and the sums."""
+        gram = self.comm.tompi4py().allreduce(sum(block.T @ block for block in blocks), MPI.SUM)
+        values, vectors = np.linalg.eigh(gram)
+        return values, vectors
+
+    def _as_matrix(self, columns: Floats) -> Mat:
+        """Columns of unit length as PETSc AIJ, without entries of rounding."""
+        comm = self.comm.tompi4py()
+        columns = columns / np.sqrt(comm.allreduce((columns**2).sum(axis=0), MPI.SUM))
+        columns[np.abs(columns) < _NEGLIGIBLE] = 0.0
+        count = columns.shape[1]
+        start, stop = local_rows(count, comm)
+        return distributed(csr_array(columns), (stop - start, count), self.comm)
+
+
+def _relative(scale: float, of: float) -> float:
+    """Compliance relative to that of the softest involved; softer ones are not involved."""
+    if scale > of:
+        return 0.0
+    return scale / of if of else 1.0
+
+
+def _unit_rows(closure: Mat) -> tuple[Mat, Floats]:
+    """J on the displacements it touches, its rows scaled to unit length, and their lengths.
+
+    Rows of rounding are scaled as the longest, and stay so.
+    """
+    comm = closure.comm.tompi4py()
+    local = local_part(closure)
+    squares = csr_array((local.data**2, local.indices, local.indptr), shape=local.shape)
+    length = np.sqrt(np.asarray(squares.sum(axis=1)).ravel())
+    longest = comm.allreduce(length.max(initial=0.0), MPI.MAX)
+    length[length <= _NEGLIGIBLE_ROW * longest] = longest
+    touched = np.unique(np.concatenate(comm.allgather(np.unique(local.indices))))
+    start, stop = local_rows(len(touched), comm)
+    scaled = csr_array(diags_array(1 / length) @ local)[:, touched]
+    return distributed(csr_array(scaled), (stop - start, len(touched)), closure.comm), length
+
+
+def _null_vectors(unit: Mat, tolerance: float) -> Floats:
+    """Orthonormal N with N^T J of a size below a tolerance, the rows of this rank.
+
+    The inertia of [1, J^T; J, t^2] tells how many singular values of J lie below t; their space is
+    that of the largest eigenvalues of (t^2 + J J^T)^-1. In it they are found without squaring.
+    """
+    factors = Mumps(_augmented(unit, _NEAR**2), symmetric=True, inertia=True)
+    near = unit.getSize()[0] - factors.negative_eigenvalues()
+    factors.free()
+    comm = unit.comm.tompi4py()
+    rows, columns = unit.getLocalSize()
+    vectors = np.random.default_rng(comm.rank).normal(size=(rows, near))
+    if not near:
+        return vectors
+    factors = Mumps(_augmented(unit, -(_NEAR**2)), symmetric=True)
+    for _ in range(_STEPS):
+        right = np.vstack([np.zeros((columns, near)), vectors])
+        parts = comm.allgather(factors.solve_block(right)[columns:])
+        first = sum(map(len, parts[: comm.rank]))
+        vectors = np.linalg.qr(np.vstack(parts))[0][first : first + rows]
+    factors.free()
+    image = transposed_times(unit, vectors.astype(complex)).real
+    triangle = np.vstack(comm.allgather(np.linalg.qr(image, mode="r")))
+    _, sizes, turned = np.linalg.svd(triangle)
+    below = np.append(sizes, np.zeros(near - len(sizes))) < tolerance
+    return vectors @ turned[below].T
+
+
+def _augmented(unit: Mat, corner: float) -> Mat:
+    """[1, J^T; J, corner], PETSc AIJ."""
+    rows, columns = unit.getLocalSize()
+    above, below = identity(columns, unit.comm), identity(rows, unit.comm)
+    below.scale(corner)
+    transpose = unit.transpose(PETSc.Mat())
+    whole = PETSc.Mat().createNest([[above, transpose], [unit, below]]).convert("aij")
+    destroy(above, below, transpose)
+    return whole

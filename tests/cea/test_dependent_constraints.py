@@ -1,0 +1,155 @@
+"""Contacts that ask the same of the bodies: round a point, where supports hold, and twice."""
+
+import numpy as np
+import pytest
+from blocks import assemble, two_blocks
+from motions import dense
+from scipy.linalg import eigvals, null_space
+
+from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.shifted import count_below
+from scenes.read import read_scene
+from scenes.run import run_modes
+
+INF = float("inf")
+
+
+def quarter(backend, origin, held):
+    mesh = {"degree": [2, 2], "elements": [2, 3]}
+    return {
+        "backend": backend,
+        "geometry": {"shape": "rectangle", "size": [1.0, 1.0], "origin": origin},
+        "material": {"E": 1.0, "nu": 0.3, "rho": 1.0},
+        "supports": [{"surface": "y_min"}] if held else [],
+        "mesh": {"iga": mesh, "fe": {"cell": "quadrilateral", "degree": 2, "elements": [2, 3]}},
+    }
+
+
+def round_a_point(backend, P, *, sliding=True):
+    """Four blocks about a point, one joint sliding with friction or bonded as the others."""
+    first = {"formulation": {"method": "bonded"}}
+    if sliding:
+        direction = {"vector": [0.0, 1.0]}
+        first = {"formulation": {"method": "mortar"}, "mu": 0.4}
+        first["friction_direction_on_a"] = direction
+    bonded = {"formulation": {"method": "bonded"}}
+    return {
+        "name": "four blocks",
+        "bodies": {
+            "b0": quarter(backend, [0.0, 0.0], held=True),
+            "b1": quarter(backend, [1.0, 0.0], held=True),
+            "b2": quarter(backend, [1.0, 1.0], held=False),
+            "b3": quarter(backend, [0.0, 1.0], held=False),
+        },
+        "contacts": {
+            name: {"a": a, "b": b, "form": "saddle", "P": P} | joint
+            for name, a, b, joint in (
+                ("c0", "b0.x_max", "b1.x_min", first),
+                ("c1", "b1.y_max", "b2.y_min", bonded),
+                ("c2", "b2.x_min", "b3.x_max", bonded),
+                ("c3", "b3.y_min", "b0.y_max", bonded),
+            )
+        },
+        "analysis": {"kind": "cea", "max_frequency": 0.4},
+    }
+
+
+def reference(pencil, values=None):
+    """kappa of the dense pencil; tied forces are those that the limit of finite ones leaves.
+
+    With N^T J = 0 such forces obey N^T C f = 0: they are a basis V of that space times others.
+    """
+    matrices = pencil.at(values)
+    forces = matrices.multipliers
+    closure, reaction = dense(forces.closure), dense(forces.reaction)
+    whole = np.zeros((len(closure),) * 2)
+    first = 0
+    for part in pencil.forces:
+        last = first + part.closure.getSize()[0]
+        whole[first:last, first:last] = dense(part.compliance)
+        first = last
+    length = np.linalg.norm(closure, axis=1, keepdims=True)
+    length[length < 1e-12 * length.max()] = 1.0
+    dependent = null_space((closure / length).T, rcond=1e-10) / length
+    allowed = null_space((whole @ dependent).T) if dependent.shape[1] else np.eye(len(whole))
+    Z, Y = null_space(closure, rcond=1e-10), null_space(allowed.T @ reaction, rcond=1e-10)
+    K, M = dense(matrices.operator()), dense(matrices.mass)
+    return eigvals(Y.T @ K @ Z, Y.T @ M @ Z), np.linalg.matrix_rank(closure, tol=1e-10)
+
+
+def nearest(found, among):
+    return np.abs(found[:, None] - among).min(axis=1).max()
+
+
+@pytest.mark.parametrize("sliding", [True, False])
+@pytest.mark.parametrize("P", [1e8, 1e12, 1e14, 1e20, INF])
+def test_bodies_bonded_round_a_point(backend, P, sliding):
+    """As many constraints as are independent; beyond rounding a stiff contact is a tied one."""
+    tied = read_scene(round_a_point(backend, INF, sliding=sliding))
+    expected, rank = reference(run_modes(tied).system.pencil())
+    result = run_modes(read_scene(round_a_point(backend, P, sliding=sliding)))
+    found = -(result.eigenvalues**2)
+    assert len(found) >= 8
+    inside = expected[(expected.real > 0) & (expected.real < 0.99 * (2 * np.pi * 0.4) ** 2)]
+    error = 1e-9 + 3 / P
+    assert nearest(found, expected) < error * np.abs(found).max()
+    assert nearest(inside, np.append(found, found.conj())) < error * np.abs(found).max()
+    matrices = result.modes.pencil.at()
+    assert matrices.tied == {1e8: 0, 1e12: 0, 1e20: rank, INF: rank}.get(P, matrices.tied)
+    assert matrices.multipliers.size > rank
+
+
+def test_the_inertia_counts_beside_dependent_constraints(backend):
+    pencil = run_modes(read_scene(round_a_point(backend, INF, sliding=False))).system.pencil()
+    expected, _ = reference(pencil)
+    expected = np.sort(expected.real)
+    for count in (0, 3, 7, len(expected)):
+        ends = np.concatenate([[0.0], expected, [2 * expected[-1]]])
+        assert count_below(pencil.at(), 0.5 * (ends[count] + ends[count + 1])) == count
+
+
+@pytest.mark.parametrize("P", [1e13, INF])
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+def test_one_contact_given_twice_is_one_of_both_stiffnesses(backend, P, mu):
+    data = two_blocks(backend, {"method": "mortar"}, mu=mu, held=True, P=P)
+    once = solve_modes(assemble(data).pencil(), 0.8).eigenvalues
+    first = data["contacts"]["interface"] | {"P": 0.5 * P, "form": "saddle"}
+    data["contacts"] = {"interface": first, "again": first}
+    pencil = assemble(data).pencil()
+    modes = solve_modes(pencil, 0.8)
+    assert len(once) >= 4
+    assert modes.eigenvalues == pytest.approx(once, rel=1e-8)
+    if P == INF:
+        assert pencil.at().tied == 0.5 * pencil.at().multipliers.size
+
+
+def test_contacts_of_different_stiffness_share_forces_by_it(backend):
+    """One tied, or stiffer by 1e20, takes all: friction of the other does nothing."""
+    data = two_blocks(backend, {"method": "mortar"}, mu=0.5, held=True, P=1e20)
+    first = data["contacts"]["interface"] | {"form": "saddle"}
+    for stiffer, softer in ((INF, 1e20), (INF, 3.0), (1e20, 3.0)):
+        data["contacts"] = {"interface": first | {"P": stiffer}}
+        alone = solve_modes(assemble(data).pencil(), 0.8).eigenvalues
+        data["contacts"]["again"] = first | {"P": softer, "mu": 3.0}
+        both = solve_modes(assemble(data).pencil(), 0.8).eigenvalues
+        assert both == pytest.approx(alone, rel=1e-8)
+
+
+@pytest.mark.parametrize("P", [1e13, INF])
+def test_traces_that_supports_hold_on_both_sides(backend, P):
+    """Equal meshes, held at one end: a closure there asks what is so already."""
+    data = two_blocks(backend, {"method": "bonded"}, mu=0.0, P=P)
+    data["contacts"]["interface"]["form"] = "saddle"
+    data["bodies"]["lower"]["geometry"] = data["bodies"]["lower"]["geometry"] | {
+        "origin": [0.2, 0.3, 0.0],
+        "size": [0.5, 0.6, 0.4],
+    }
+    for body in data["bodies"].values():
+        body["supports"] = [{"surface": "x_min"}]
+        body["mesh"][backend]["elements"] = [3, 2, 1]
+    result = run_modes(read_scene(data))
+    expected, rank = reference(result.system.pencil(), {"contacts.interface.P": INF})
+    found = -(result.eigenvalues**2)
+    assert nearest(found, expected) < (1e-9 + 30 / P) * np.abs(found).max()
+    assert result.system.pencil().at({"contacts.interface.P": INF}).tied == rank
+    assert rank < result.system.pencil().at().multipliers.size
