@@ -11,7 +11,13 @@ import numpy as np
 
 from cea.body import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign, group
-from comparisons.stability.parts.answers import Answer, ModesAnswer, StressAnswer
+from comparisons.stability.parts.answers import (
+    NOT_COMPLETE,
+    UNDECIDED,
+    Answer,
+    ModesAnswer,
+    StressAnswer,
+)
 from comparisons.stability.parts.case import Run, Verdict
 
 _RIGID = 1e-4
@@ -20,7 +26,7 @@ _REACH = 0.25
 """Largest relative error of lambda of an eigenvalue that stands for a true one."""
 _BEYOND = 2.0
 """Part of kappa beyond the window's up to which true eigenvalues are looked at, for its ends."""
-_OPEN = {"undecided", "not-complete"}
+_OPEN = {UNDECIDED, NOT_COMPLETE}
 """What an answer leaves open that is right as far as it goes."""
 _CLEAR = 2.0
 """How far above or below the threshold a growth rate lies on one side of it beyond doubt."""
@@ -36,6 +42,8 @@ class Comparison:
         Worst relative error, infinite where a mode is missing or spurious.
     missing, spurious
         True eigenvalues of the window that were not found, and found ones that stand for none.
+    admitted
+        Whether no mode is farther off than it says itself that it may be.
     false_claim
         A mode, or the window, that is called stable or unstable and is not, in words; "" if none.
     """
@@ -43,6 +51,7 @@ class Comparison:
     error: float
     missing: int = 0
     spurious: int = 0
+    admitted: bool = False
     false_claim: str = ""
 
 
@@ -98,8 +107,11 @@ def answered(run: Run, answer: Answer, true: Complexes | None) -> Judged:
         met = "accurate" in run.expected and ("warned" in run.expected or not unexpected)
         return Judged("accurate", f"it says: {says}" if says else "", met, found)
     what = _what(found)
-    if says:
-        return Judged("warned", f"{what}; it says: {says}", "warned" in run.expected, found)
+    if found.admitted:
+        what = f"{what}, which its uncertainties admit"
+    if says or found.admitted:
+        said = f"{what}; it says: {says}" if says else what
+        return Judged("warned", said, "warned" in run.expected, found)
     return Judged("WRONG", f"{what}, without a word", False, found)
 
 
@@ -135,8 +147,10 @@ def compare(answer: ModesAnswer, true: Complexes, tolerance: float) -> Compariso
     spurious = len(found) - len(columns)
     errors = _errors(found[columns] - kappa[rows], kappa[rows], scale[rows], tolerance)
     error = float("inf") if missing or spurious else float(errors.max(initial=0.0))
-    claims = _Claims(answer, tolerance * scale[rows], columns)
-    return Comparison(error, missing, spurious, claims.false_one(near[rows], near[inside]))
+    own = answer.uncertainties[columns] * np.sqrt(np.abs(found[columns])) / (0.5 * scale[rows])
+    admitted = not (missing or spurious) and bool((errors <= np.maximum(own, tolerance)).all())
+    claim = _Claims(answer, tolerance * scale[rows], columns).false_one(near[rows], near[inside])
+    return Comparison(error, missing, spurious, admitted, claim)
 
 
 def _errors(difference: Complexes, kappa: Complexes, scale: Floats, tolerance: float) -> Floats:

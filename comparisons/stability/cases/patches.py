@@ -36,6 +36,7 @@ def _repeated(times: int) -> Scene:
 
 
 _SHAPES = {
+    "weights 2": _weighted(2.0),
     "weights 10": _weighted(10.0),
     "weights 1e2": _weighted(1e2),
     "weights 1e4": _weighted(1e4),
@@ -47,7 +48,7 @@ _SHAPES = {
     "pole": patch([[0.5, 0.0], [1.0, 0.0]], [[0.75, 0.5], [0.75, 0.5]]),
 }
 
-_STRONG = ("weights 1e2", "weights 1e4", "weights 1e-4")
+_STRONG = ("weights 10", "weights 1e2", "weights 1e4", "weights 1e-4")
 """Weights that squeeze most of the patch into a sliver, which few Gauss points do not see."""
 
 

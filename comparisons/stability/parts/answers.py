@@ -1,15 +1,12 @@
 """What runs say: eigenvalues or stresses, and how far they claim to be trusted."""
 
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
 
 from cea.body import Complexes, Floats
 from cea.eigen.spectrum import Spectrum
 
-_RELATIVE_THRESHOLD = 1e-4
-"""Growth rate above which a mode is unstable where none is given, relative to abs(lambda)."""
+UNDECIDED, NOT_COMPLETE = "undecided", "window-not-complete"
+"""Kinds of what an answer leaves open."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +23,8 @@ class ModesAnswer:
         The same of the whole window.
     thresholds
         Growth rate (1/s) above which each is called unstable, shape (n,).
+    uncertainties
+        What lambda (1/s) of each may be off by its own account, shape (n,).
     complete
         Whether the window claims to hold every mode.
     max_frequency
@@ -42,6 +41,7 @@ class ModesAnswer:
     verdicts: tuple[str, ...]
     verdict: str
     thresholds: Floats
+    uncertainties: Floats
     complete: bool
     max_frequency: float
     residual: float
@@ -53,11 +53,8 @@ class ModesAnswer:
     def says(self) -> tuple[str, ...]:
         """Kinds of what it warns of: its warnings, modes undecided, a window not complete."""
         undecided = "undecided" in (*self.verdicts, self.verdict)
-        return (
-            *dict.fromkeys(self.warnings),
-            *(["undecided"] if undecided else []),
-            *([] if self.complete else ["not-complete"]),
-        )
+        open_ends = [UNDECIDED] * undecided + [NOT_COMPLETE] * (not self.complete)
+        return tuple(dict.fromkeys([*self.warnings, *open_ends]))
 
 
 @dataclass(frozen=True)
@@ -97,28 +94,16 @@ def answer_of(modes: Spectrum, threshold: float | None, dofs: int) -> ModesAnswe
     dofs
         Number of unknowns.
     """
-    size = np.abs(modes.eigenvalues)
-    relative = _RELATIVE_THRESHOLD * size
-    verdicts, verdict, complete = _told(modes, threshold)
     return ModesAnswer(
         eigenvalues=modes.eigenvalues,
-        verdicts=verdicts,
-        verdict=verdict,
-        thresholds=relative if threshold is None else np.full(len(size), threshold),
-        complete=complete,
+        verdicts=tuple(modes.verdicts(threshold)),
+        verdict=modes.verdict(threshold),
+        thresholds=modes.thresholds(threshold),
+        uncertainties=modes.growth_uncertainties,
+        complete=modes.window.complete,
         max_frequency=modes.window.max_frequency,
         residual=float(modes.residuals.max(initial=0.0)),
         condition=float(modes.conditions.max(initial=1.0)),
         warnings=tuple(warning.kind for warning in modes.warnings),
         dofs=dofs,
     )
-
-
-def _told(modes: Any, threshold: float | None) -> tuple[tuple[str, ...], str, bool]:
-    """Verdict on each mode, on the window, and whether that is complete."""
-    if hasattr(modes, "verdicts"):
-        each = tuple(str(verdict) for verdict in modes.verdicts(threshold))
-        return each, str(modes.verdict(threshold)), bool(modes.window.complete)
-    least = _RELATIVE_THRESHOLD * np.abs(modes.eigenvalues) if threshold is None else threshold
-    each = tuple("unstable" if u else "stable" for u in modes.unstable(least))
-    return each, "unstable" if "unstable" in each else "stable", True
