@@ -211,7 +211,7 @@ def sprag(angle: float = 60.0, mu: float = 0.3, **fields: Any) -> Scene:
         Fields of the contact.
     """
     turned = {"angle": angle}
-    slope = {"field": [f"cos({angle}*pi/180)", f"sin({angle}*pi/180)"]}
+    slope = {"field": [f"-cos({angle}*pi/180)", f"-sin({angle}*pi/180)"]}
     return scene(
         {
             "block": body(
