@@ -14,7 +14,7 @@ from comparisons.stability.parts.case import Run
 from comparisons.stability.verdicts import Judged, answered, crashed, refused
 from scenes.read import SceneError
 
-_GAPS = 4
+_GAPS = 2
 """Gaps between frequencies among which the widest ends a window."""
 
 

@@ -100,19 +100,18 @@ def answered(run: Run, answer: Answer, true: Complexes | None) -> Judged:
     )
     if found.false_claim:
         return Judged("WRONG", found.false_claim, False, found)
-    exact = found.error <= run.tolerance
-    says = ", ".join(answer.says)
-    unexpected = set(answer.says) - set(run.warnings)
-    if exact and not unexpected & _OPEN:
-        met = "accurate" in run.expected and ("warned" in run.expected or not unexpected)
-        return Judged("accurate", f"it says: {says}" if says else "", met, found)
+    said = [kind for kind in answer.says if kind not in run.warnings]
+    says = f"it says: {', '.join(answer.says)}" if answer.says else ""
+    if found.error <= run.tolerance and not _OPEN & set(said):
+        met = "accurate" in run.expected and ("warned" in run.expected or not said)
+        return Judged("accurate", says, met, found)
     what = _what(found)
-    if found.admitted:
+    if found.admitted and found.error > run.tolerance:
         what = f"{what}, which its uncertainties admit"
-    if says or found.admitted:
-        said = f"{what}; it says: {says}" if says else what
-        return Judged("warned", said, "warned" in run.expected, found)
-    return Judged("WRONG", f"{what}, without a word", False, found)
+    if said or found.admitted:
+        reason = "; ".join(part for part in (what, says) if part)
+        return Judged("warned", reason, "warned" in run.expected, found)
+    return Judged("WRONG", f"{what}, without a word of it", False, found)
 
 
 def _what(found: Comparison) -> str:

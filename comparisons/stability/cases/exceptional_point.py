@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.linalg import block_diag
 
-from comparisons.stability.parts.case import ACCURATE, WARNED, Run, case
+from comparisons.stability.parts.case import ACCURATE, NONE, WARNED, Run, case
 from comparisons.stability.parts.dense import lambdas
 from comparisons.stability.parts.problems import OfMatrices
 from comparisons.stability.parts.references import formula
@@ -43,4 +43,5 @@ def exceptional_point() -> Iterator[Run]:
                 formula(true.tolist()),
                 ACCURATE if distance > _CLEAR else WARNED,
                 lowest=7,
+                warnings=NONE,
             )

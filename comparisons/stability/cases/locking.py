@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from comparisons.stability.parts.case import HONEST, Run, case
+from comparisons.stability.parts.case import HONEST, NONE, Run, case
 from comparisons.stability.parts.problems import OfScene
 from comparisons.stability.parts.references import exact
 from comparisons.stability.parts.scenes import changed, layers
@@ -32,6 +32,7 @@ def locking() -> Iterator[Run]:
                     exact("blocks", max_frequency=_FREQUENCY, p=1, mu="0.3", **_materials(nu)),
                     HONEST,
                     tolerance=0.05,
+                    warnings=NONE,
                 )
 
 

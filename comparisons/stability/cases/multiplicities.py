@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import block_diag, qr
 
 from cea.body import Floats
-from comparisons.stability.parts.case import Run, case
+from comparisons.stability.parts.case import NONE, Run, case
 from comparisons.stability.parts.dense import lambdas
 from comparisons.stability.parts.problems import OfMatrices
 from comparisons.stability.parts.references import formula
@@ -36,6 +36,7 @@ def multiplicities() -> Iterator[Run]:
                 OfMatrices(_symmetric(turn.T @ S @ turn), np.eye(len(S)), turn.T @ F @ turn),
                 formula(true.tolist()),
                 lowest=2 * number,
+                warnings=NONE,
             )
 
 

@@ -1,9 +1,11 @@
 """What runs say: eigenvalues or stresses, and how far they claim to be trusted."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from cea.body import Complexes, Floats
 from cea.eigen.spectrum import Spectrum
+from cea.warned import ResultWarning
 
 UNDECIDED, NOT_COMPLETE = "undecided", "window-not-complete"
 """Kinds of what an answer leaves open."""
@@ -82,13 +84,17 @@ class StressAnswer:
 Answer = ModesAnswer | StressAnswer
 
 
-def answer_of(modes: Spectrum, threshold: float | None, dofs: int) -> ModesAnswer:
+def answer_of(
+    modes: Spectrum, warnings: Iterable[ResultWarning], threshold: float | None, dofs: int
+) -> ModesAnswer:
     """What a spectrum says.
 
     Parameters
     ----------
     modes
         The spectrum.
+    warnings
+        What it must be read with.
     threshold
         Growth rate (1/s) above which a mode is called unstable; None where it is relative.
     dofs
@@ -104,6 +110,11 @@ def answer_of(modes: Spectrum, threshold: float | None, dofs: int) -> ModesAnswe
         max_frequency=modes.window.max_frequency,
         residual=float(modes.residuals.max(initial=0.0)),
         condition=float(modes.conditions.max(initial=1.0)),
-        warnings=tuple(warning.kind for warning in modes.warnings),
+        warnings=kinds(warnings),
         dofs=dofs,
     )
+
+
+def kinds(warnings: Iterable[ResultWarning]) -> tuple[str, ...]:
+    """Kinds of warnings, each once."""
+    return tuple(dict.fromkeys(warning.kind for warning in warnings))

@@ -19,6 +19,18 @@ HONEST: tuple[Verdict, ...] = ("accurate", "warned", "refused")
 REFUSED: tuple[Verdict, ...] = ("refused",)
 """There is no answer: the run ends before it or without it, and names what is wrong."""
 
+MESH = (
+    "short-modes",
+    "under-sampled",
+    "over-constrained",
+    "point-rule",
+    "volumetric-locking",
+)
+"""Kinds of warnings that tell how far a mesh or a rule is from the continuum: beside a reference on
+the same mesh they may come, and excuse no error."""
+NONE: tuple[str, ...] = ()
+"""No warning may come: where the run must be accurate, it is easy."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -42,7 +54,7 @@ class Run:
         How many of the reference's modes are looked at, where the problem does not say up to which
         frequency.
     warnings
-        Kinds of warnings that may come although it must be accurate; none in easy runs.
+        Kinds of warnings that may come although it is accurate; they excuse no error.
     names
         What a refusal must name.
     """
@@ -54,7 +66,7 @@ class Run:
     expected: tuple[Verdict, ...] = ACCURATE
     tolerance: float = 1e-8
     lowest: int = 8
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = MESH
     names: str = ""
 
     @property

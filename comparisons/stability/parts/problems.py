@@ -13,7 +13,7 @@ from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.matrices import distributed
 from cea.petsc import MPI
-from comparisons.stability.parts.answers import Answer, StressAnswer, answer_of
+from comparisons.stability.parts.answers import Answer, StressAnswer, answer_of, kinds
 from scenes.read import read_scene
 from scenes.results import ModesResult
 from scenes.run import run_scene
@@ -59,9 +59,10 @@ class OfScene:
             data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
         result = run_scene(read_scene(data))
         if isinstance(result, ModesResult):
-            return answer_of(result.modes, result.analysis.growth_threshold, result.system.size)
+            threshold, dofs = result.analysis.growth_threshold, result.system.size
+            return answer_of(result.modes, result.warnings, threshold, dofs)
         stresses = [side.sigma_n for sides in result.stresses.values() for side in sides.values()]
-        return StressAnswer(np.concatenate(stresses), (), result.system.size)
+        return StressAnswer(np.concatenate(stresses), kinds(result.warnings), result.system.size)
 
 
 @dataclass(frozen=True)
@@ -89,4 +90,4 @@ class OfMatrices:
         for matrix in (S, M):
             matrix.setOption(matrix.Option.SYMMETRIC, True)
         modes = solve_modes(Pencil.of(S, M, F if self.friction.any() else None), max_frequency)
-        return answer_of(modes, None, n)
+        return answer_of(modes, modes.warnings, None, n)
