@@ -1,5 +1,6 @@
 # make setup      install everything into .venv (the other targets do this first)
 # make compare    run the comparison of the two backends
+# make stability  run the catalogue of stiff and extreme scenes; ARGS=--quick for a part of it
 # make test       quick tests on all cores; ARGS="-k patch" passes options on to pytest
 # make test-slow  the tests that take minutes, one after the other
 # make test-mpi   every test on several ranks
@@ -30,7 +31,7 @@ ifndef DISPLAY
 export VTK_DEFAULT_OPENGL_WINDOW ?= vtkEGLRenderWindow
 endif
 
-.PHONY: setup compare test test-slow test-mpi lint missing-packages clean distclean
+.PHONY: setup compare stability test test-slow test-mpi lint missing-packages clean distclean
 
 setup: $(INSTALLED)
 
@@ -44,6 +45,9 @@ $(INSTALLED): pyproject.toml constraints.txt
 
 compare: $(INSTALLED)
 	$(BIN)/cea compare $(ARGS)
+
+stability: $(INSTALLED)
+	$(BIN)/cea stability $(ARGS)
 
 test: $(INSTALLED)
 	$(BIN)/pytest $(PARALLEL) $(ARGS)

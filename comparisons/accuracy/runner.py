@@ -11,7 +11,8 @@ from cea.petsc import MPI
 from comparisons.accuracy.exact_lists import exact
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, Study, cases
-from comparisons.accuracy.worker import CaseError, Worker
+from comparisons.accuracy.worker import CaseWorker
+from comparisons.kit.worker import WorkerError
 from scenes.stored import record
 
 Data = dict[str, Any]
@@ -27,10 +28,10 @@ _DIGITS = 4
 
 
 class Measurer(Protocol):
-    """What measures cases: :class:`comparisons.accuracy.worker.Worker`."""
+    """What measures cases: :class:`comparisons.accuracy.worker.CaseWorker`."""
 
     def measure(self, case: Case, exact: Any, repeats: int, seconds: float) -> Data:
-        """Measure one case within so many seconds, or raise CaseError."""
+        """Measure one case within so many seconds, or raise WorkerError."""
         ...
 
 
@@ -68,7 +69,7 @@ def run_study(
         raise InputError("ranks", MPI.COMM_WORLD.size, "1: run times are those of one thread")
     start = perf_counter()
     problems = [problem(name) for name in names]
-    own = Worker() if worker is None else None
+    own = CaseWorker() if worker is None else None
     every = [_Problem(study, chosen.name, own or worker, progress) for chosen in problems]
     end = start + 60 * study.minutes
     try:
@@ -117,7 +118,7 @@ class _Problem:
                 try:
                     self.runs.append(case.described() | self._measure(case))
                     continue
-                except CaseError as failure:
+                except WorkerError as failure:
                     reason = str(failure)
             self.omissions.append(case.described() | {"reason": reason})
 

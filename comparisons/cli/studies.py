@@ -1,4 +1,4 @@
-"""Commands that run many scenes: ``compare``, ``formulations``, ``accuracy``, ``reference``."""
+"""Commands that run many scenes, a study each."""
 
 from pathlib import Path
 from typing import Annotated
@@ -107,6 +107,43 @@ def accuracy(
             data["no_flutter"] = run_no_flutter(status.update)
             data["finest"] = run_finest(progress=status.update)
     typer.echo(f"The report to open: {page.write(data, out)}")
+
+
+def stability(
+    case: Annotated[
+        list[str] | None, typer.Option("--case", help="Name of a case; may be repeated.")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A few runs of each row: a minute instead of some.")
+    ] = False,
+    redraw: Annotated[
+        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("results/stability"),
+) -> None:
+    """Run stiff and extreme scenes against references; code 1 when one is not as expected."""
+    from comparisons.cli.extras import need
+    from comparisons.cli.output import console, print_table
+
+    need("pictures", "exact")
+    from comparisons.stability.page import read_stability, write_stability
+    from comparisons.stability.study import StabilityStudy, run_stability
+    from comparisons.stability.tables import verdicts_table
+    from comparisons.stability.words import summary
+
+    with console.status("stability") as status:
+        if redraw:
+            data = read_stability(out)
+        else:
+            study = StabilityStudy(tuple(case or ()), quick)
+            data = run_stability(study, lambda title: console.print(f"· {title}"))
+        status.update("report")
+        report = write_stability(data, out)
+    print_table(verdicts_table(data))
+    typer.echo(summary(data))
+    typer.echo(f"The report to open: {report}")
+    if data["failed"]:
+        raise typer.Exit(1)
 
 
 def reference(

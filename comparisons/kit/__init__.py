@@ -1,1 +1,1 @@
-"""What the pages of every application are made of: tables, numbers, plots, layout."""
+"""What every application is made of: tables, numbers, plots, layout, processes for its runs."""

@@ -26,7 +26,8 @@ from comparisons.accuracy.study import (
     overrides,
     refinements,
 )
-from comparisons.accuracy.worker import CaseError, Worker
+from comparisons.accuracy.worker import CaseWorker
+from comparisons.kit.worker import WorkerError
 from exact_cea.reference import exact_eigenvalues
 from scenes.read import load_scene
 
@@ -173,19 +174,19 @@ def test_errors_of_missing_modes_are_not_numbers():
 
 
 def test_the_worker_outlives_every_failure():
-    values, worker = np.array([1j, 2j]), Worker(failing)
+    values, worker = np.array([1j, 2j]), CaseWorker(failing)
 
     def measure(rule, seconds=30.0):
         return worker.measure(Case("drum", Method("fe", 1, rule), 1, 1.0), values, 4, seconds)
 
     try:
         assert measure("mortar") == {"threads": "1", "modes": 2, "repeats": 4}
-        with pytest.raises(CaseError, match=r"^ValueError: no nodes here$"):
+        with pytest.raises(WorkerError, match=r"^ValueError: no nodes here$"):
             measure("node")
-        with pytest.raises(CaseError, match="ended with code 3"):
+        with pytest.raises(WorkerError, match="ended with code 3"):
             measure("grid")
         assert measure("mortar")["modes"] == 2  # in a new process
-        with pytest.raises(CaseError, match=r"more than 0\.2 s"):
+        with pytest.raises(WorkerError, match=r"more than 0\.2 s"):
             measure("greville", seconds=0.2)
     finally:
         worker.end()

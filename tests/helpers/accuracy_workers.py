@@ -1,4 +1,4 @@
-"""Measurers for a worker's process that fail in each way a case can."""
+"""What measures in a worker's process and fails in each way a case can."""
 
 import os
 from time import sleep
@@ -20,5 +20,5 @@ class Failing:
 
 
 def failing():
-    """Make a measurer that fails."""
-    return Failing()
+    """Make what fails as it measures."""
+    return Failing().measure

@@ -1,0 +1,1 @@
+"""Stiff and extreme scenes against references: accurate, warned, refused, or wrong."""

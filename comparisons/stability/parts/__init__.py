@@ -1,0 +1,1 @@
+"""What cases are made of: runs, ways to run, scenes, references, problems and their answers."""

@@ -1,0 +1,189 @@
+"""Dense eigenvalues of a scene (scipy), from its bodies' matrices and its contact points alone.
+
+Contact forces are unknowns at every point of a rule, or for every trace of a mortar side, and
+nothing is compressed, inverted or iterated:
+
+    [ K - kappa M   L^T ] [x]
+    [      J        -C  ] [f] = 0,     J = G or B,  L = J - mu-weighted slip,  C compliance
+
+The eigenvalues are those of the displacement part of A(sigma)^-1 [M; 0], which is accurate for the
+low ones however stiff the contact is. Where the sides are tied (C = 0), the limit P -> infinity of
+the penalty form is taken by a singular value decomposition.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from scipy.linalg import block_diag, eigh, eigvals, svd
+from scipy.sparse import csr_array, diags_array
+
+from cea.body import Complexes, Floats
+from cea.contact.interface import along
+from cea.contact.operators import Contact
+from cea.system.coupled import CoupledSystem
+from scenes.read import read_scene
+from scenes.run import coupled
+
+_SHIFT = 0.37
+"""Shift below zero, relative to the eigenvalues looked at: next to none of them by accident."""
+_DEPENDENT = 1e-11
+"""Singular values below this part of the largest belong to gaps that depend on others."""
+_LOW = 24
+"""Modes whose size sets the shift."""
+_INFINITE = 1e-13
+"""Eigenvalues of the inverse below this part of the largest are those of tied gaps: none."""
+
+Constraint = tuple[Floats, Floats, Floats]
+"""J, T and C: gaps, slips times mu, compliances."""
+
+
+def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
+    """Lambda (1/s) of every mode of a scene with Im >= 0, by rising frequency.
+
+    Parameters
+    ----------
+    data
+        The scene as plain data. Growing partners of each pair only: where kappa is real and
+        negative lambda is positive.
+    """
+    scene = dict(data) | {"analysis": {"kind": "cea", "max_frequency": 1.0}}
+    scene["contacts"] = {
+        name: contact
+        | ({"form": "saddle"} if np.inf in (contact.get("P"), contact.get("p")) else {})
+        for name, contact in scene.get("contacts", {}).items()
+    }
+    system, _, _ = coupled(read_scene(scene))
+    stiffness, mass = _array(system.stiffness), _array(system.mass)
+    compliant, stiff = [], []
+    for contact in system.contacts:
+        if contact.half.coupling == "lumped":
+            stiffness = stiffness + _array(contact.stiffness)
+            if contact.friction is not None:
+                stiffness -= _array(contact.friction)
+        elif np.isinf(contact.half.stiffness).any():
+            stiff.append(_constraint(system, contact))
+        else:
+            compliant.append(_constraint(system, contact))
+    constraints = [*compliant, *([_tied(stiff)] if stiff else [])]
+    return lambdas(dense_kappas(stiffness, mass, [(J, J - T, C) for J, T, C in constraints]))
+
+
+def _with_form(contact: Mapping[str, Any]) -> dict[str, Any]:
+    """A contact, in the form that can be tied where it is."""
+    tied = np.inf in (contact.get("P"), contact.get("p"))
+    return dict(contact) | ({"form": "saddle"} if tied else {})
+
+
+def dense_kappas(stiffness: Floats, mass: Floats, constraints: list[Constraint]) -> Complexes:
+    """Every finite kappa = -lambda^2 of a dense pencil with constraints.
+
+    Parameters
+    ----------
+    stiffness, mass
+        K and M, shape (n, n); K may be unsymmetric.
+    constraints
+        J (m, n), L (m, n) and C (m, m) of each contact.
+    """
+    n = len(stiffness)
+    J = np.vstack([np.empty((0, n)), *(c[0] for c in constraints)])
+    L = np.vstack([np.empty((0, n)), *(c[1] for c in constraints)])
+    C = block_diag(np.empty((0, 0)), *(c[2] for c in constraints))
+    shift = _SHIFT * float(eigh(stiffness + stiffness.T, 2 * mass, eigvals_only=True).max())
+    shift *= 1e-6
+    for _ in range(2):  # the second time with the size of the low eigenvalues
+        kappa = _kappas_about(-shift, stiffness, mass, J, L, C)
+        low = np.sort(np.abs(kappa))[: min(_LOW, len(kappa))]
+        shift = _SHIFT * float(low.max())
+    return _kappas_about(-shift, stiffness, mass, J, L, C)
+
+
+def _kappas_about(shift: float, K: Floats, M: Floats, J: Floats, L: Floats, C: Floats) -> Complexes:
+    n = len(K)
+    typical = np.abs(np.diag(K)).mean()
+    scale = 1 / np.sqrt(np.abs(np.diag(C)) + (J**2).sum(axis=1) / typical)
+    J, L, C = scale[:, None] * J, scale[:, None] * L, scale[:, None] * C * scale
+    A = np.block([[K - shift * M, L.T], [J, -C]])
+    rows = 1 / np.abs(A).max(axis=1)
+    inverse = np.linalg.solve(rows[:, None] * A, rows[:, None] * np.vstack([M, np.zeros_like(J)]))
+    inverses = eigvals(inverse[:n])
+    finite = np.abs(inverses) > _INFINITE * np.abs(inverses).max()
+    return shift + 1 / inverses[finite]
+
+
+def lambdas(kappa: Complexes) -> Complexes:
+    """Lambda with Im >= 0 of each kappa, the growing one where both are real."""
+    values = np.sqrt(-np.asarray(kappa, dtype=complex))
+    values = np.where(values.imag < 0, -values, values)
+    return values[np.lexsort((values.real, values.imag))]
+
+
+def _constraint(system: CoupledSystem, contact: Contact) -> Constraint:
+    """J, T and C of a half pass, from its points and the traces of both sides.
+
+    Where it is tied, C is that of a stiffness of 1 N/m over the whole interface.
+    """
+    half, points = contact.half, contact.half.interface.points
+    tied = np.isinf(half.stiffness).any()
+    compliance = np.full(len(points), points.weight.sum()) if tied else 1 / half.stiffness
+    normal, copies = points.normal, 1
+    if half.coupling == "bonded":
+        copies = normal.shape[1]
+        axes = [np.tile(axis, (len(points), 1)) for axis in np.eye(copies)]
+        gap = np.vstack([_jump(system, contact, axis) for axis in axes])
+    else:
+        gap = _jump(system, contact, normal)
+    slip = np.zeros_like(gap)
+    if half.friction is not None and half.friction.acts:
+        mu = np.broadcast_to(half.friction.mu, len(points))
+        slip = mu[:, None] * _jump(system, contact, half.friction.direction.at(points.x, normal))
+    if half.coupling in ("mortar", "bonded"):
+        trace = half.interface.trace_a
+        psi = trace[:, np.unique(trace.indices)].toarray()
+        project = block_diag(*[psi.T * points.weight] * copies)
+        C = block_diag(*[(psi.T * (points.weight * compliance)) @ psi] * copies)
+        return project @ gap, project @ slip, C
+    root = np.sqrt(points.weight)[:, None]
+    return root * gap, root * slip, np.diag(compliance)
+
+
+def _tied(parts: list[Constraint]) -> Constraint:
+    """The limit of stiff contacts: independent gaps, forces shared out as compliances share them.
+
+    Halves of a full pass, and contacts that meet in a point, have gaps that depend on each other.
+    """
+    J, T = (np.vstack([part[i] for part in parts]) for i in (0, 1))
+    values, vectors = eigh(block_diag(*(part[2] for part in parts)))
+    kept = values > _DEPENDENT * values[-1]
+    root = vectors[:, kept] / np.sqrt(values[kept])
+    U, s, V = svd(root.T @ J, full_matrices=False)
+    independent = s > _DEPENDENT * s.max()
+    U, J = U[:, independent], s[independent, None] * V[independent]
+    return J, U.T @ (root.T @ T), np.zeros((len(J), len(J)))
+
+
+def _jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
+    """Jump along a direction at every point, on the unknowns of the system, shape (points, n)."""
+    interface, start = contact.half.interface, 0
+    columns = {}
+    for name, body in system.bodies.items():
+        columns[name] = slice(start, start + body.expansion.getSizes()[1][1])
+        start = columns[name].stop
+    jump = np.zeros((len(direction), system.size))
+    for name, trace, sign in (
+        (contact.half.a, interface.trace_a, 1.0),
+        (contact.half.b, interface.trace_b, -1.0),
+    ):
+        full = diags_array(np.full(len(direction), sign)) @ along(trace, direction)
+        jump[:, columns[name]] += (full @ _sparse(system.bodies[name].expansion)).toarray()
+    return jump
+
+
+def _sparse(matrix: Any) -> csr_array:
+    """PETSc matrix of one rank as a scipy one."""
+    indptr, indices, values = matrix.getValuesCSR()
+    return csr_array((values, indices, indptr), shape=matrix.getSize())
+
+
+def _array(matrix: Any) -> Floats:
+    return _sparse(matrix).toarray()
