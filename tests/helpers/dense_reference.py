@@ -121,12 +121,23 @@ def _problem(matrices) -> _Problem:
     C = np.zeros(0)
     if matrices.multipliers is not None:
         J, L = to_numpy(matrices.multipliers.closure), to_numpy(matrices.multipliers.reaction)
-        C = matrices.multipliers.compliance.array_r.copy()
+        J, L, C = _one_by_one(J, L, to_numpy(matrices.multipliers.compliance))
     scale = 2.0 ** np.round(-0.5 * np.log2(np.diag(M)))  # powers of two round nothing
     J, L, C = _independent(J * scale, L * scale, C)
     M = M * np.outer(scale, scale)
     root = cholesky(M, lower=True)
     return _Problem(K * np.outer(scale, scale), M, J, L, C, root, matrices.symmetric)
+
+
+def _one_by_one(J, L, C):
+    """Forces each of which has a compliance of its own: 1, or 0 where the sides are tied."""
+    yields = np.diag(C) > 0
+    size = 2.0 ** np.round(0.5 * np.log2(np.diag(C)[yields]))
+    root = cholesky(C[np.ix_(yields, yields)] / np.outer(size, size), lower=True)
+    J, L = J.copy(), L.copy()
+    for each in (J, L):
+        each[yields] = solve_triangular(root, each[yields] / size[:, None], lower=True)
+    return J, L, yields.astype(float)
 
 
 def _independent(J, L, C):
