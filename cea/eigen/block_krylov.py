@@ -27,6 +27,8 @@ from cea.timing import StageTimer
 
 _BLOCK = 8
 """Columns of a block."""
+_LEAST = 6
+"""Blocks of a space before it is looked at: an eigenvalue must have had time to show."""
 _GROWTH = 1.3
 """Growth of the Krylov space between two looks at its eigenvalues."""
 _RESTART = 2.5
@@ -201,7 +203,7 @@ class _Run:
 
     def complete(self) -> InvariantSubspace:
         """The known with all that is in the disc."""
-        restarts, look = 0, 2 * _BLOCK
+        restarts, look = 0, _LEAST * _BLOCK
         while self._finite > 0:
             exhausted = not self._next or self._size >= self._room
             if self._size < look and not exhausted:

@@ -7,6 +7,7 @@ disc reaches, further discs follow.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -123,6 +124,7 @@ class WindowSearch:
         self._searches = 0
         self._discs: list[Disc] = []
         self._farthest: dict[float, float] = {}
+        self._signs: dict[float, int] = {}
 
     def real(self, top: float, counted: int) -> Found:
         """A window of a symmetric pencil: all that the inertia counts.
@@ -137,14 +139,12 @@ class WindowSearch:
         upper = upper_end(top)
         radius = upper - self._middle
         known = self._filled(self._nothing(), radius, searches=1)
-        for _ in range(_MOST_SEARCHES):
-            if _below(known, upper) >= counted:
-                break
-            known = self._filled(known, radius, searches=1)
+        if _below(known, upper) < counted:
+            known = self._filled(known, radius)
         depth = radius - self._middle
         while _below(known, upper) < counted and len(self._discs) < _MOST_DISCS[True]:
             depth = _DEEPER * max(depth, top)  # a stiffness that is not positive definite
-            known, _ = self._covered(known, top, depth, right=upper)
+            known = self._covered(known, top, depth, right=upper)
         bounded = _below(known, upper) == counted
         return Found(known, tuple(self._discs), depth, bounded, counted=counted)
 
@@ -156,28 +156,44 @@ class WindowSearch:
         top
             Upper end omega^2 (1/s^2).
         """
+        self._move(self._middle)
         radius = upper_end(top) - self._middle
         known = self._filled(self._nothing(), radius, searches=1)
         most = _MOST_DISCS[self._matrices.size <= _SMALL]
-        depth, reached, odd = _DEPTH * top, -top, False
+        depth, reached = _DEPTH * top, -top
         bounded = self._bounded(depth)
         if not bounded:
             depth = _DEEP * top
         while known.size < self._finite:
-            known, odd = self._covered(
-                known, top, depth, left=1.0 if bounded else _REACHED, right=-reached
-            )
-            reached = depth if bounded else _REACHED * depth
+            left = 1.0 if bounded else _REACHED
+            known = self._covered(known, top, depth, left=left, right=-reached)
+            reached = left * depth
             bounded = bounded or self._bounded(reached)
             covering = len(self._discs) - 1
+            odd = self._factors.kappa in self._odd(known)
             if (bounded and not odd) or covering >= (_MOST_DISCS[True] if odd else most):
                 break
             depth *= _DEEPER
         else:
-            reached, bounded, odd = np.inf, True, False
+            reached, bounded = np.inf, True
+        known = self._with_real_ones(known)
         if len(self._discs) > _NEAR:
             self._move(self._middle)  # modes are judged by factors near them
-        return Found(known, tuple(self._discs), reached, bounded, odd)
+        return Found(known, tuple(self._discs), reached, bounded, bool(self._odd(known)))
+
+    def _odd(self, known: InvariantSubspace) -> list[float]:
+        """Shifts to the left of which the sign of the determinant shows another real kappa."""
+        return [s for s, parity in self._signs.items() if parity != _below(known, s) % 2]
+
+    def _with_real_ones(self, known: InvariantSubspace) -> InvariantSubspace:
+        """Look for real kappa that signs of determinants show between two shifts."""
+        shifts = sorted(self._signs)
+        for low, high in pairwise(shifts):
+            odd = self._odd(known)
+            if (low in odd) != (high in odd):
+                self._move(0.5 * (low + high))
+                known = self._filled(known, 0.5 * (high - low))
+        return known
 
     def left(self) -> tuple[Complexes, Complexes]:
         """Left eigenvectors, with the conjugates of their eigenvalues, of all that was found."""
@@ -195,14 +211,12 @@ class WindowSearch:
         *,
         right: float,
         left: float = 1.0,
-    ) -> tuple[InvariantSubspace, bool]:
-        """What lies between two real parts; and whether a determinant shows that one is missing."""
+    ) -> InvariantSubspace:
+        """The known with what lies between two real parts."""
         centre = touching_disc(top, depth)
         radius = distance_within(top, centre, -left * depth, right)
         self._move(centre)
-        known = self._filled(known, radius)
-        sign = self._factors.parity()
-        return known, sign is not None and sign != _below(known, centre) % 2
+        return self._filled(known, radius)
 
     def _filled(
         self,
@@ -252,6 +266,8 @@ class WindowSearch:
             with self._timer("factorisation"):
                 self._factors.move(kappa)
             self.factorisations += 1
+        if (parity := self._factors.parity()) is not None:
+            self._signs[kappa] = parity
 
     def _bounded(self, depth: float) -> bool:
         self.factorisations += 1
