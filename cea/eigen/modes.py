@@ -100,11 +100,14 @@ def modes_of(
     """
     eigenvalues = np.sqrt(-pairs.kappa).astype(complex)
     eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
-    order = np.lexsort((eigenvalues.real, eigenvalues.imag))
-    order = order[eigenvalues.imag[order] <= 2 * np.pi * window.max_frequency]
     conditions = pairs.conditions
     if left is not None and not matrices.symmetric:  # y^H M x = 1 and x^H M x = 1
         conditions = dual_norms(matrices.mass, left.vectors)
+    # Copies of a real kappa below zero part by rounding: each grows, as the one it is a copy of.
+    diverges = (pairs.kappa.real < 0) & (np.abs(pairs.kappa.imag) <= pairs.errors * conditions)
+    eigenvalues = np.where(diverges, np.abs(eigenvalues.real) + 1j * eigenvalues.imag, eigenvalues)
+    order = np.lexsort((eigenvalues.real, eigenvalues.imag))
+    order = order[eigenvalues.imag[order] <= 2 * np.pi * window.max_frequency]
     modes = Modes(
         eigenvalues=eigenvalues[order],
         residuals=pairs.residuals[order],

@@ -137,9 +137,6 @@ def _groups(found: Found, dense: Dense) -> Iterator[tuple[np.ndarray, np.ndarray
 def _growth(dense: Dense, limit) -> tuple[np.ndarray, np.ndarray]:
     """Which dense eigenvalues surely grow faster than the threshold, and which possibly do."""
     values, margin = dense.eigenvalues, _SAFETY * dense.lambda_error
-    if dense.symmetric:  # all kappa are real and none is negative, but for rounding
-        never = np.zeros(len(values), dtype=bool)
-        return never, never
     above = limit(values)
     return values.real > above + margin, values.real > above - margin
 
