@@ -173,9 +173,7 @@ class _Compression:
         if len(rest) > len(edge):
             q, rest = qr(rest) if len(edge) else (np.eye(len(rest)), rest)
             rest, carried = rest[: len(edge)], (q.T @ carried)[: len(edge)]
-        return _Front(
-            rest * size[~own], edge, front.touching[~own], carried, front.carried_columns
-        )
+        return _Front(rest * size[~own], edge, front.touching[~own], carried, front.carried_columns)
 
 
 def _halves(points: Ints, along: Floats) -> list[Ints]:
