@@ -137,6 +137,11 @@ def scaled_total(parts: Sequence[tuple[float, Any]]) -> Any:
     return result
 
 
+def largest_row(matrix: Any) -> float:
+    """Largest sum of absolute values of a row."""
+    return float(matrix.norm(PETSc.NormType.INFINITY))
+
+
 def absolute(matrix: Any) -> Any:
     """Absolute values of the entries of a PETSc AIJ matrix, a new one."""
     indptr, indices, values = matrix.getValuesCSR()
@@ -163,7 +168,8 @@ def empty(columns: tuple[int, int], comm: Any) -> Any:
 
 def identity(rows: int, comm: Any) -> Any:
     """Identity, PETSc AIJ, with so many rows on this rank."""
-    return PETSc.Mat().createConstantDiagonal(((rows, None),) * 2, 1.0, comm=comm).convert("aij")
+    layout: Any = ((rows, None), (rows, None))
+    return PETSc.Mat().createConstantDiagonal(layout, 1.0, comm=comm).convert("aij")
 
 
 def dense(columns: NDArray[Any], layout: tuple[int, int], comm: Any) -> Any:

@@ -43,13 +43,22 @@ def penalty_digits(contacts: Sequence[Contact], stiffness: Any) -> dict[str, flo
 
 
 def _lost(contact: Contact, stiffness: Any) -> float:
-    weight, own = contact.weight(contact.half.stiffness), stiffness.duplicate()
-    squares = squared(contact.gap)
-    squares.multTranspose(weight, own)
+    own = _diagonal(contact, stiffness)
     own.pointwiseDivide(own, stiffness)
     ratio = own.max()[1]
-    destroy(weight, own, squares)
+    destroy(own)
     return float(np.log10(max(ratio, np.finfo(float).tiny)))
+
+
+def _diagonal(contact: Contact, template: Any) -> Any:
+    """Diagonal of K_n (N/m), PETSc vector, without the rest of it."""
+    if contact.lumped is not None:
+        return contact.lumped[0].getDiagonal()
+    weight, own = contact.weight(contact.half.stiffness), template.duplicate()
+    squares = squared(contact.gap)
+    squares.multTranspose(weight, own)
+    destroy(weight, squares)
+    return own
 
 
 def squared(matrix: Any) -> Any:

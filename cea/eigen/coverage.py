@@ -20,11 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats
 from cea.eigen.factorisation import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import balanced, count_below, force_scale
-from cea.matrices import destroy, local_part, scaled_total
+from cea.matrices import destroy, largest_row, local_part, scaled_total
 from cea.petsc import MPI, PETSc
 
 _TIP = 1.01
@@ -128,7 +127,7 @@ def _with_forces(hermitian: Any, matrices: Matrices) -> Any | None:
         blocks = [[hermitian, pushed, pulled], [mean, compliance, None], [half, None, other]]
         made = [pushed, pulled, other]
         if forces.border is not None:
-            border = balanced(forces.border, scale, mean.norm(PETSc.NormType.INFINITY))
+            border = balanced(forces.border, scale, largest_row(mean))
             across = border.transpose(PETSc.Mat())
             blocks = [
                 [hermitian, pushed, pulled, None, None],

@@ -20,7 +20,7 @@ from cea.body import Floats
 from cea.eigen.factorisation import Mumps, Refined
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.pencil import Matrices
-from cea.matrices import destroy, distributed, local_part
+from cea.matrices import destroy, distributed, largest_row, local_part
 from cea.petsc import PETSc
 
 
@@ -209,7 +209,7 @@ def _entrywise(matrix: Any, power: int) -> Any:
 
 
 def balanced(border: Any, scale: Any, size: float) -> Any:
-    """s Z, its columns as long as rows of the rest are."""
+    """S Z, its columns as long as rows of the rest are."""
     part = csr_array(diags_array(scale.array_r) @ local_part(border))
     squares = np.zeros(part.shape[1])
     np.add.at(squares, part.indices, part.data**2)
@@ -245,7 +245,7 @@ def _bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric:
     blocks = [[operator, transpose], [closure, corner]]
     made = [transpose, corner, closure]
     if multipliers.border is not None:
-        border = balanced(multipliers.border, scale, closure.norm(PETSc.NormType.INFINITY))
+        border = balanced(multipliers.border, scale, largest_row(closure))
         across = border.transpose(PETSc.Mat())
         blocks = [[operator, transpose, None], [closure, corner, border], [None, across, None]]
         made += [border, across]

@@ -1,0 +1,134 @@
+"""The form of a contact that a scene leaves open, and what the penalty form costs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from blocks import assemble, two_blocks
+
+from cea.contact.interface import pair
+from cea.errors import InputError
+from scenes.assembled import assemble as assemble_scene
+from scenes.read import read_scene
+from scenes.run import run_modes
+
+GPTS = {"method": "gpts", "points": 3}
+LUMPED = GPTS | {"lumped": True}
+
+
+def contact_of(backend, P, formulation=GPTS, **fields):
+    data = two_blocks(backend, formulation, held=True, P=P, mu=0.3)
+    data["contacts"]["interface"] |= fields
+    return data
+
+
+def forms(system):
+    return {contact.half.form for contact in system.contacts}
+
+
+@pytest.mark.parametrize(("P", "form"), [(3.0, "penalty"), (1e5, "penalty"), (1e9, "saddle")])
+@pytest.mark.parametrize("full_pass", [False, True])
+def test_saddle_where_a_penalty_costs_more_than_six_digits(backend, P, form, full_pass):
+    system = assemble(contact_of(backend, P, full_pass=full_pass))
+    assert forms(system) == {form}
+    assert not system.warnings
+
+
+def test_infinite_stiffness_needs_no_word_for_its_form(backend):
+    named = run_modes(read_scene(contact_of(backend, float("inf"), form="saddle")))
+    left_open = run_modes(read_scene(contact_of(backend, float("inf"))))
+    assert left_open.eigenvalues == pytest.approx(named.eigenvalues, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("fields", [{"formulation": LUMPED}, {"form": "penalty"}])
+def test_a_penalty_that_stays_says_how_many_digits_it_costs(backend, fields):
+    system = assemble(contact_of(backend, 1e9, **fields))
+    assert forms(system) == {"penalty"}
+    (warning,) = system.warnings
+    assert warning.kind == "penalty-rounding"
+    assert warning.data["contact"] == "interface"
+    stiffness = system.pencil().at().stiffness
+    largest = stiffness.getDiagonal().array / system.stiffness_diagonal.array
+    assert warning.data["digits"] == pytest.approx(np.log10(largest.max()), abs=1e-3)
+    assert not assemble(contact_of(backend, 1e5, **fields)).warnings
+
+
+def test_the_warning_is_no_false_alarm(backend):
+    """Digits of the penalty form beside the saddle form of the same contact."""
+    (warning,) = assemble(contact_of(backend, 1e9, form="penalty")).warnings
+    penalty, saddle = (
+        run_modes(read_scene(contact_of(backend, 1e9, form=form))).eigenvalues
+        for form in ("penalty", "saddle")
+    )
+    error = np.abs(penalty - saddle).max() / np.abs(saddle).max()
+    rounding = np.finfo(float).eps * 10 ** warning.data["digits"]
+    assert 1e-4 * rounding < error < 1e2 * rounding
+
+
+def test_projected_gaps_cost_no_digits(backend):
+    system = assemble(contact_of(backend, 1e12, {"method": "mortar"}))
+    assert forms(system) == {"penalty"}
+    assert not system.warnings
+
+
+def test_a_sweep_takes_the_form_of_each_stiffness(backend):
+    assembled = assemble_scene(read_scene(contact_of(backend, 3.0)))
+    for P, form in ((30.0, "penalty"), (1e10, "saddle"), (float("inf"), "saddle")):
+        swept = assembled.modes({"contacts.interface.P": P})
+        assert forms(swept.system) == {form}
+        alone = run_modes(read_scene(contact_of(backend, P)))
+        assert swept.eigenvalues == pytest.approx(alone.eigenvalues, rel=1e-9, abs=1e-9)
+
+
+def test_matrices_of_a_form_left_open_are_those_of_the_penalty(backend):
+    penalty, chosen = (
+        run_modes(read_scene(contact_of(backend, 1e9, **fields))).matrices()
+        for fields in ({"form": "penalty"}, {})
+    )
+    for name in ("K_n", "K_f"):
+        difference = np.abs((penalty[name] - chosen[name]).toarray()).max()
+        assert difference <= 1e-13 * np.abs(penalty[name].toarray()).max()
+
+
+@pytest.mark.parametrize("method", ["gpts", "mortar"])
+def test_halves_of_unequal_area_keep_their_own_stiffness(backend, method):
+    """A full pass at a given p: the larger side has more area and more of P."""
+    both = []
+    for form in ("penalty", "saddle"):
+        formulation = GPTS if method == "gpts" else {"method": "mortar"}
+        data = contact_of(backend, 1.0, formulation, full_pass=True, form=form)
+        del data["contacts"]["interface"]["P"]
+        data["contacts"]["interface"]["p"] = "10 + 30*x"
+        both.append(run_modes(read_scene(data)))
+    matrices = [result.matrices() for result in both]
+    assert both[1].eigenvalues == pytest.approx(both[0].eigenvalues, rel=1e-9, abs=1e-9)
+    K_n = [m["K_n"].toarray() for m in matrices]
+    assert np.abs(K_n[1] - K_n[0]).max() <= 1e-12 * np.abs(K_n[0]).max()
+
+
+def weighted(backend, change):
+    """An interface whose weights are changed."""
+    interface = assemble(contact_of(backend, 3.0)).contacts[0].interface
+    points = interface.a.gauss_points(3)
+    weight = points.weight.copy()
+    change(weight)
+    return pair(interface.a, interface.b, replace(points, weight=weight)), points
+
+
+@pytest.mark.parametrize("wrong", [-1e-3, np.nan, np.inf])
+def test_weights_that_are_negative_or_no_numbers_are_refused(backend, wrong):
+    def change(weight):
+        weight[5] = wrong
+
+    with pytest.raises(InputError, match=r"contact\.formulation\.weights"):
+        weighted(backend, change)
+
+
+def test_points_without_weight_are_dropped(backend):
+    def change(weight):
+        weight[[3, 8]] += weight[[2, 7]]
+        weight[[2, 7]] = 0.0
+
+    interface, points = weighted(backend, change)
+    assert len(interface.points) == len(points) - 2
+    assert interface.points.weight.min() > 0
