@@ -7,8 +7,8 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from cea.body import Complexes
-from cea.ranks import local_rows
 from cea.matrices import destroy, free_operator, scaled_total
+from cea.ranks import local_rows
 from cea.system.coupled import CoupledSystem
 
 

@@ -19,7 +19,6 @@ from scipy.sparse.linalg import spsolve
 
 from cea.body import Floats
 from cea.contact.interface import Interface
-from cea.ranks import local_rows
 from cea.matrices import (
     block_diagonal,
     destroy,
@@ -29,6 +28,7 @@ from cea.matrices import (
     product,
     symmetric_product,
 )
+from cea.ranks import local_rows
 
 _INDEPENDENT = 1e-15
 """Least pivot of M, scaled to a diagonal of ones, of a trace that is not a sum of others."""
@@ -60,7 +60,7 @@ class MortarProjection:
         return cls(interface, distributed(csr_array(seen[:, touched]), columns, comm))
 
     def integrals(self, jump: Any) -> Any:
-        """int psi_i of a jump given at the points, PETSc AIJ (points x free dofs)."""
+        """Int psi_i of a jump given at the points, PETSc AIJ (points x free dofs)."""
         weight = self._at_points(self.interface.local_points.weight)
         result = product(self.traces, jump, weight)
         destroy(weight)

@@ -20,7 +20,6 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats
 from cea.eigen.factorisation import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import balanced, count_below, force_scale

@@ -209,7 +209,7 @@ def _entrywise(matrix: Any, power: int) -> Any:
 
 
 def balanced(border: Any, scale: Any, size: float) -> Any:
-    """s Z, its columns as long as rows of the rest are."""
+    """S Z, its columns as long as rows of the rest are."""
     part = csr_array(diags_array(scale.array_r) @ local_part(border))
     squares = np.zeros(part.shape[1])
     np.add.at(squares, part.indices, part.data**2)
