@@ -55,7 +55,7 @@ def round_a_point(backend, P, *, sliding=True):
 
 
 def reference(pencil, values=None):
-    """Eigenvalues kappa, dense; tied forces are those that the limit of finite ones leaves.
+    """Kappa of the dense pencil; tied forces are those that the limit of finite ones leaves.
 
     With N^T J = 0 such forces obey N^T C f = 0: they are a basis V of that space times others.
     """

@@ -27,7 +27,7 @@ def scene(backend, contrast, form):
 
 
 def precise(result):
-    """Eigenvalues of (K + K_n - K_f) x = kappa M x from points and traces, in 200 bits."""
+    """Kappa of (K + K_n - K_f) x = kappa M x from points and traces, in 200 bits."""
     system = result.system
     contact = system.contacts[0]
     interface = contact.interface

@@ -12,7 +12,7 @@ from comparisons.stability.parts.ways import OPEN, PENALTY, SADDLE
 _STIFFNESSES = (1e-6, 1.0, 1e6, 1e10, 1e14, 1e20, 1e25)
 _HARMLESS = 1e6
 """P up to which a penalty costs no more digits than the tolerance leaves; bodies have E = 1."""
-_LUMPED = 1e10
+_LUMPED = 1e6
 """P up to which lumped contact, which has no other form, has a reference with digits."""
 
 

@@ -1,5 +1,6 @@
 """What a run solves: a scene, or a pencil of given matrices."""
 
+import json
 from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass
@@ -14,9 +15,11 @@ from cea.eigen.pencil import Pencil
 from cea.matrices import distributed
 from cea.petsc import MPI
 from comparisons.stability.parts.answers import Answer, StressAnswer, answer_of, kinds
+from scenes.describe import describe
 from scenes.read import read_scene
 from scenes.results import ModesResult
 from scenes.run import run_scene
+from scenes.stored import in_json
 
 
 class Problem(Protocol):
@@ -53,11 +56,12 @@ class OfScene:
     data: Mapping[str, Any]
 
     def solve(self, max_frequency: float | None) -> Answer:
-        """Read the scene and run it."""
+        """Read the scene and run it; what it gives can be stored."""
         data = deepcopy(dict(self.data))
         if data["analysis"]["kind"] == "cea":
             data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
         result = run_scene(read_scene(data))
+        json.dumps(in_json(describe(result)), allow_nan=False)
         if isinstance(result, ModesResult):
             threshold, dofs = result.analysis.growth_threshold, result.system.size
             return answer_of(result.modes, result.warnings, threshold, dofs)
