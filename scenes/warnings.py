@@ -198,7 +198,7 @@ def short_modes(
         Number of modes.
     """
     short, worst = np.zeros(count, dtype=bool), 0.0
-    for spec in scene.contacts.values():
+    for spec in scene.contacts.values() if count else ():
         sides = {
             place: waves(_surface(bodies, place), partial(shapes, place))
             for place in (spec.a, spec.b)

@@ -262,3 +262,10 @@ def test_warnings_are_stored_with_the_result(tmp_path):
     stored = json.loads(file.read_text())["warnings"]
     assert stored == [warning.plain() for warning in result.warnings]
     assert {warning["kind"] for warning in stored} == {"under-sampled"}
+
+
+def test_a_window_without_modes_has_shapes_and_no_warnings(backend):
+    result = run_modes(load_scene("blocks", ["analysis.max_frequency=0.01"], backend=backend))
+    assert len(result.modes) == 0
+    assert result.warnings == ()
+    assert result.mode_shapes("upper").shape[1:] == (2, 0)
