@@ -11,24 +11,28 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, vstack
 from scipy.sparse.linalg import splu
 
-from cea.body import Floats
+from cea.body import Floats, Surface, SurfaceCoordinates
 from cea.contact.interface import Interface
 
 _HELD = 1e-6
 """Part of a trace that rounding, and the small shift below, may leave out of the other's."""
 _SHIFT = 1e-12
+_VANISHES = 1e-10
+"""Value of a trace function that counts as zero."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """Points of an interface, and trace functions of each side that they touch.
+    """Points of an interface, and trace functions of each side where the sides meet.
 
     Parameters
     ----------
     points
         Number of points.
-    functions_a, functions_b
-        Number of scalar trace functions of each side that do not vanish at all points.
+    functions_a
+        Number of scalar trace functions of side a, or their part by area where it is not covered.
+    functions_b
+        Number of those of side b that points touch.
     """
 
     points: int
@@ -37,12 +41,20 @@ class Sampling:
 
 
 def sampling(interface: Interface) -> Sampling:
-    """Count points and the trace functions they touch; collective."""
-    return Sampling(
-        len(interface.points),
-        len(_touched(interface, interface.trace_a)),
-        len(_touched(interface, interface.trace_b)),
-    )
+    """Count points and trace functions; collective."""
+    covered = min(1.0, float(interface.points.weight.sum()) / interface.a.area)
+    functions = round(covered * _functions(interface.a), 6)
+    a, b = (len(_touched(interface, trace)) for trace in (interface.trace_a, interface.trace_b))
+    return Sampling(len(interface.points), max(a, int(functions)), b)
+
+
+def _functions(surface: Surface) -> int:
+    """Number of scalar trace functions of a surface: those of a point inside each cell."""
+    cells = surface.cells()
+    share = 1.0 + 0.3 * np.arange(cells.corners.shape[1])  # where no function has a zero
+    xi = np.einsum("j,ijk->ik", share / share.sum(), cells.corners)
+    trace = surface.trace(SurfaceCoordinates(cells.element, xi))
+    return len(np.unique(trace.indices[trace.data != 0]))
 
 
 def nested(interface: Interface) -> bool:
@@ -61,8 +73,8 @@ def nested(interface: Interface) -> bool:
 
 
 def _touched(interface: Interface, trace: csr_array) -> np.ndarray:
-    """Trace functions that are not zero at some point on some rank."""
-    own = np.unique(trace.indices[trace.data != 0])
+    """Trace functions that do not vanish at all points, on some rank."""
+    own = np.unique(trace.indices[np.abs(trace.data) > _VANISHES])
     return np.unique(np.concatenate(interface.comm.allgather(own)))
 
 

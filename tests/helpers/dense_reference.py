@@ -10,7 +10,19 @@ from dataclasses import dataclass
 
 import numpy as np
 from petsc_matrices import to_numpy
-from scipy.linalg import cholesky, eig, lu_factor, lu_solve, solve_triangular, svd
+from scipy.linalg import (
+    LinAlgError,
+    cho_factor,
+    cho_solve,
+    cholesky,
+    eig,
+    eigh,
+    lu_factor,
+    lu_solve,
+    null_space,
+    solve_triangular,
+    svd,
+)
 
 _EPS = np.finfo(float).eps
 _SHIFTS = (-0.31, -0.83, -0.057, -3.1, -0.0071)
@@ -70,7 +82,8 @@ def lambda_error(kappa, error):
 class _Problem:
     """K x + L^T f = kappa M x, J x = C f, where each displacement has the mass 1 on the diagonal.
 
-    Sums that the pencil does not make are made in extended precision.
+    Forces without compliance come first. Sums that the pencil does not make are made in extended
+    precision.
     """
 
     K: np.ndarray
@@ -79,12 +92,8 @@ class _Problem:
     L: np.ndarray
     C: np.ndarray
     root: np.ndarray  # M = root root^T
+    tied: int  # forces without compliance
     symmetric: bool
-
-    @property
-    def tied(self) -> np.ndarray:
-        """Rows without compliance."""
-        return self.C == 0
 
 
 def dense_eigenvalues(matrices, top: float) -> Dense:
@@ -103,7 +112,7 @@ def dense_eigenvalues(matrices, top: float) -> Dense:
         When rounding leaves too little of them.
     """
     problem = _problem(matrices)
-    finite = len(problem.K) - int(problem.tied.sum())
+    finite = len(problem.K) - problem.tied
     near, near_error, spread = _inverted(problem, top)
     far, far_error, size = _as_it_stands(problem)
     cut = _cut(np.abs(near), np.abs(far), np.sqrt(size * spread), finite)
@@ -117,41 +126,46 @@ def _problem(matrices) -> _Problem:
     K, M = to_numpy(matrices.stiffness), to_numpy(matrices.mass)
     if matrices.unsymmetric is not None:
         K = K.astype(np.longdouble) + to_numpy(matrices.unsymmetric)
-    J = L = np.zeros((0, len(K)))
-    C = np.zeros(0)
-    if matrices.multipliers is not None:
-        J, L = to_numpy(matrices.multipliers.closure), to_numpy(matrices.multipliers.reaction)
-        J, L, C = _one_by_one(J, L, to_numpy(matrices.multipliers.compliance))
     scale = 2.0 ** np.round(-0.5 * np.log2(np.diag(M)))  # powers of two round nothing
-    J, L, C = _independent(J * scale, L * scale, C)
+    J, L, C, tied = _forces(matrices.multipliers, scale)
     M = M * np.outer(scale, scale)
     root = cholesky(M, lower=True)
-    return _Problem(K * np.outer(scale, scale), M, J, L, C, root, matrices.symmetric)
+    return _Problem(K * np.outer(scale, scale), M, J, L, C, root, tied, matrices.symmetric)
 
 
-def _one_by_one(J, L, C):
-    """Forces each of which has a compliance of its own: 1, or 0 where the sides are tied."""
-    yields = np.diag(C) > 0
-    size = 2.0 ** np.round(0.5 * np.log2(np.diag(C)[yields]))
-    root = cholesky(C[np.ix_(yields, yields)] / np.outer(size, size), lower=True)
-    J, L = J.copy(), L.copy()
-    for each in (J, L):
-        each[yields] = solve_triangular(root, each[yields] / size[:, None], lower=True)
-    return J, L, yields.astype(float)
+def _forces(multipliers, scale):
+    """J, L and C, forces without compliance first, and how many these are."""
+    if multipliers is None:
+        nothing = np.zeros((0, len(scale)))
+        return nothing, nothing, np.zeros((0, 0)), 0
+    names = ("closure", "reaction", "compliance")
+    J, L, C = (to_numpy(getattr(multipliers, name)) for name in names)
+    J, L = J * scale, L * scale
+    if multipliers.border is not None:  # forces that the border leaves
+        free = null_space(to_numpy(multipliers.border).T)
+        J, L, C = free.T @ J, free.T @ L, free.T @ C @ free
+        values, vectors = eigh(C)
+        C = np.diag(np.where(values > 1e-14 * np.abs(values).max(initial=0.0), values, 0.0))
+        J, L = vectors.T @ J, vectors.T @ L
+    yields = np.abs(C).max(axis=1, initial=0.0) > 0
+    tied_J, tied_L = _independent(J[~yields], L[~yields])
+    tied = len(tied_J)
+    whole = np.zeros((tied + int(yields.sum()),) * 2)
+    whole[tied:, tied:] = C[np.ix_(yields, yields)]
+    return np.vstack([tied_J, J[yields]]), np.vstack([tied_L, L[yields]]), whole, tied
 
 
-def _independent(J, L, C):
+def _independent(J, L):
     """Ties without those that follow from others: the smallest forces carry the rest."""
-    tied = C == 0
-    if not tied.any():
-        return J, L, C
-    u, s, v = svd(J[tied], full_matrices=False)
+    if not len(J):
+        return J, L
+    rows = np.linalg.norm(J, axis=1)
+    rows = np.where(rows > 0, rows, 1.0)[:, None]
+    u, s, v = svd(J / rows, full_matrices=False)
     kept = s > 1e-11 * s[0]
     if kept.all():
-        return J, L, C
-    J = np.vstack([s[kept, None] * v[kept], J[~tied]])
-    L = np.vstack([u[:, kept].T @ L[tied], L[~tied]])
-    return J, L, np.concatenate([np.zeros(kept.sum()), C[~tied]])
+        return J, L
+    return s[kept, None] * v[kept], u[:, kept].T @ (L / rows)
 
 
 def _inverted(problem: _Problem, top: float):
@@ -192,8 +206,8 @@ class _Bordered:
 
     def __init__(self, problem: _Problem, shift: float) -> None:
         self.problem, self.shift = problem, shift
-        self.n, self.m = len(problem.K), len(problem.C)
-        n = self.n
+        n = self.n = len(problem.K)
+        self.m = len(problem.C)
         rows = np.abs(problem.J).max(axis=1, initial=0.0)
         size = float(np.abs(problem.K).max())
         self.scale = 2.0 ** np.round(np.log2(size / np.where(rows > 0, rows, 1.0)))
@@ -201,7 +215,7 @@ class _Bordered:
         self.matrix[:n, :n] = problem.K - np.longdouble(shift) * problem.M
         self.matrix[:n, n:] = problem.L.T * self.scale
         self.matrix[n:, :n] = problem.J * self.scale[:, None]
-        self.matrix[n:, n:] = -np.diag(problem.C * self.scale**2)
+        self.matrix[n:, n:] = -problem.C * np.outer(self.scale, self.scale)
         self.factors = lu_factor(self.matrix.astype(float), check_finite=False)
         self.inverse = lu_solve(self.factors, np.eye(n + self.m, n))[:n]
 
@@ -239,20 +253,26 @@ class _Bordered:
         p = self.problem
         total = np.sum(y * (np.abs(p.K).astype(float) @ x + kappa * (np.abs(p.M) @ x)), axis=0)
         total += np.sum((np.abs(p.L) @ y) * f + (np.abs(p.J) @ x) * g, axis=0)
-        return total + np.sum(g * p.C[:, None] * f, axis=0)
+        return total + np.sum(g * (np.abs(p.C) @ f), axis=0)
 
 
 def _as_it_stands(problem: _Problem):
     """Eigenvalues with contact forces eliminated, their errors, and the norm of the matrix."""
-    tied = problem.tied
-    K = problem.K + (problem.L[~tied].T / problem.C[~tied]) @ problem.J[~tied]
+    r = problem.tied
+    yielding = problem.C[r:, r:]
+    size = 1 / np.sqrt(np.diag(yielding))
+    try:
+        factor = cho_factor(yielding * np.outer(size, size))
+    except LinAlgError as error:
+        raise UnsureError("a compliance that is not positive definite") from error
+    forces = size[:, None] * cho_solve(factor, size[:, None] * problem.J[r:])
+    K = problem.K + problem.L[r:].T @ forces
     half = solve_triangular(problem.root, K.astype(float), lower=True)
     A = solve_triangular(problem.root, half.T, lower=True).T
     worse = 1.0
-    if tied.any():
-        r = int(tied.sum())
+    if r:
         Z, W = (
-            svd(solve_triangular(problem.root, each[tied].T, lower=True).T)[2][r:].T
+            svd(solve_triangular(problem.root, each[:r].T, lower=True).T)[2][r:].T
             for each in (problem.J, problem.L)
         )
         both = W.T @ Z

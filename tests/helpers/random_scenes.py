@@ -236,5 +236,8 @@ def _window(draw: Draw, bodies: dict) -> dict:
     speeds = [np.sqrt(b["material"]["E"] / b["material"]["rho"]) for b in bodies.values()]
     low, high = draw.choice([(0.05, 3.0), (3.0, 30.0), (1e3, 1e5)], weights=[0.65, 0.25, 0.1])
     frequency = float(f"{min(speeds) / (6 * draw.length) * draw.log(low, high):.6g}")
-    threshold = draw.choice([0.0, 1e-4, 1e-2], weights=[0.05, 0.7, 0.25]) * frequency
-    return {"kind": "cea", "max_frequency": frequency, "growth_threshold": threshold}
+    analysis = {"kind": "cea", "max_frequency": frequency}
+    if draw.chance(0.3):
+        threshold = draw.choice([0.0, 1e-4, 1e-2], weights=[0.1, 0.6, 0.3]) * frequency
+        analysis["growth_threshold"] = threshold
+    return analysis

@@ -1,0 +1,271 @@
+"""Results are warned of where they should be, and easy scenes never."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cea.timing import StageTimer
+from comparisons.accuracy.problems import problem
+from scenes.build import build_bodies, build_interfaces
+from scenes.describe import save_result
+from scenes.read import load_scene, read_scene, scene_names
+from scenes.run import coupled, run_modes, run_scene
+from scenes.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
+
+STUDY = Path(__file__).parents[2] / "comparisons/accuracy/results/uses.csv"
+
+
+def told(scene):
+    """Warnings of bodies and contacts by kind; nothing is solved."""
+    system, _, _ = coupled(scene)
+    return {warning.kind: warning.data for warning in scene_warnings(scene, system.contacts)}
+
+
+def blocks(backend, **changes):
+    """The layers of the catalogue with quadratic elements, 12 on 13."""
+    scene = load_scene("blocks", backend=backend)
+    elements = {"upper": [12, 3], "lower": [13, 6]}
+    mesh = {
+        f"bodies.{name}.mesh": {
+            "fe": {"cell": "quadrilateral", "degree": 2, "elements": each},
+            "iga": {"degree": [2, 2], "elements": each},
+        }
+        for name, each in elements.items()
+    }
+    contact = {f"contacts.interface.{name}": value for name, value in changes.items()}
+    return scene.change(mesh | contact)
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_scenes_of_the_catalogue_are_free_of_warnings(name, backend):
+    assert told(load_scene(name, backend=backend)) == {}
+
+
+@pytest.mark.parametrize("name", ["blocks", "blocks_constant_mu", "drum"])
+def test_modes_of_the_catalogue_are_free_of_warnings(name, backend):
+    assert run_modes(load_scene(name, backend=backend)).warnings == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", scene_names())
+def test_results_of_the_catalogue_are_free_of_warnings(name, backend):
+    assert run_scene(load_scene(name, backend=backend)).warnings == ()
+
+
+def test_too_few_points_are_told_with_their_numbers(backend):
+    found = told(blocks(backend, formulation={"method": "gpts", "points": 1}))["under-sampled"]
+    traces = {"fe": {"upper": 25, "lower": 26}, "iga": {"upper": 14, "lower": 15}}[backend]
+    assert (found["points"], found["functions"]) == (12, traces)  # one point lies on a node
+    assert "under-sampled" not in told(blocks(backend, formulation={"method": "gpts", "points": 3}))
+
+
+def test_two_halves_count_their_points_together(backend):
+    formulation = {"method": "gpts", "points": 1}
+    full = told(blocks(backend, formulation=formulation, full_pass=True))
+    if backend == "iga":  # 12 + 13 points for 14 and 15 functions
+        assert "under-sampled" not in full
+    else:
+        assert full["under-sampled"]["points"] == 25
+
+
+def test_too_many_points_are_told_where_they_lock():
+    """Segments at p = 1e6 are off by 3 %, mortar is not."""
+    frequencies = {}
+    for method, warned in (("segments", {"over-constrained"}), ("mortar", set())):
+        scene = blocks("iga", formulation={"method": method}, p=1e6, mu=0.0, form="saddle")
+        result = run_modes(scene)
+        assert {warning.kind for warning in result.warnings} == warned
+        frequencies[method] = result.frequencies[:6]
+    off = np.abs(frequencies["segments"] / frequencies["mortar"] - 1).max()
+    assert 0.01 < off < 0.1
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"contacts.interface.p": 1.0},  # soft
+        {"bodies.lower.mesh.iga.elements": [12, 6]},  # matching
+        {"bodies.lower.mesh.iga.elements": [24, 6]},  # one holds the other
+        {"contacts.interface.formulation": {"method": "gpts", "points": 1}},  # too few instead
+    ],
+    ids=["soft", "matching", "nested", "few points"],
+)
+def test_many_points_on_soft_or_nested_traces_lock_nothing(changes):
+    scene = blocks("iga", formulation={"method": "gpts", "points": 4}, p=1e6)
+    assert "over-constrained" in told(scene)
+    assert "over-constrained" not in told(scene.change(changes))
+
+
+def two_plates(shift=0.0, apart=0.0, **contact):
+    """Data of a plate of length 1 on another, moved along and away from it."""
+
+    def plate(origin):
+        return {
+            "backend": "iga",
+            "geometry": {"shape": "rectangle", "size": [1.0, 0.2], "origin": origin},
+            "material": {"E": 1.0, "nu": 0.3, "rho": 1.0},
+            "supports": [{"surface": "x_min"}],
+            "mesh": {"iga": {"degree": [2, 2], "elements": [10, 2]}},
+        }
+
+    return {
+        "name": "plates",
+        "bodies": {"upper": plate([shift, apart]), "lower": plate([0.0, -0.2])},
+        "contacts": {
+            "c": {
+                "a": "upper.y_min",
+                "b": "lower.y_max",
+                "formulation": {"method": "mortar"},
+                "p": 1.0,
+            }
+            | contact
+        },
+        "analysis": {"kind": "cea", "max_frequency": 1.0},
+    }
+
+
+def test_what_finds_nothing_is_told_as_a_part_of_the_side():
+    found = told(read_scene(two_plates(shift=0.3, max_missed=0.5)))
+    assert found["partly-uncovered"]["fraction"] == pytest.approx(0.3, abs=1e-9)
+    assert told(read_scene(two_plates())) == {}
+
+
+def test_the_larger_side_of_a_full_pass_is_meant_to_stand_out():
+    data = two_plates(full_pass=True, formulation={"method": "gpts", "points": 3})
+    data["bodies"]["lower"]["geometry"] |= {"size": [2.0, 0.2], "origin": [-0.5, -0.2]}
+    assert "partly-uncovered" not in told(read_scene(data))
+
+
+def test_a_closed_gap_is_told_with_its_width():
+    found = told(read_scene(two_plates(apart=0.015, reach=0.05)))
+    assert found["gap-closed"]["distance"] == pytest.approx(0.015, rel=1e-9)
+    assert "gap-closed" not in told(read_scene(two_plates(apart=1e-4, reach=0.05)))
+
+
+def cantilever(backend, degree, nu, elements=4):
+    """A beam of length 4 and height 1 clamped at its end."""
+    lagrange = {"cell": "quadrilateral", "degree": min(degree, 4)}
+    return read_scene(
+        {
+            "name": "cantilever",
+            "bodies": {
+                "beam": {
+                    "backend": backend,
+                    "geometry": {"shape": "rectangle", "size": [4.0, 1.0]},
+                    "material": {"E": 1.0, "nu": nu, "rho": 1.0},
+                    "supports": [{"surface": "x_min"}],
+                    "mesh": {
+                        "fe": lagrange | {"elements": [4 * elements, elements]},
+                        "iga": {"degree": [degree] * 2, "elements": [4 * elements, elements]},
+                    },
+                }
+            },
+            "analysis": {"kind": "cea", "max_frequency": 0.5},
+        }
+    )
+
+
+def locking_error(backend, degree, nu):
+    """Relative error of the first three frequencies with four elements through the height."""
+    exact = run_modes(cantilever("iga", 6, nu, elements=8)).frequencies[:3]
+    found = run_modes(cantilever(backend, degree, nu)).frequencies[:3]
+    return np.abs(found / exact - 1).max()
+
+
+@pytest.mark.parametrize(("elements", "limit"), _INCOMPRESSIBLE.items())
+def test_volumetric_locking_is_told_where_it_is_measured(elements, limit):
+    known, below = locking_error(*elements, 0.3), limit - 0.5 * (0.5 - limit)
+    assert locking_error(*elements, limit) > max(0.02, (10 if elements[1] > 1 else 2.5) * known)
+    assert told(cantilever(*elements, limit))["volumetric-locking"]["nu"] == limit
+    assert told(cantilever(*elements, below)) == {}
+
+
+@pytest.mark.parametrize("elements", [("fe", 3), ("fe", 4), ("iga", 4)])
+def test_elements_that_do_not_lock_are_not_told(elements):
+    assert locking_error(*elements, 0.4999) < 0.01
+    assert told(cantilever(*elements, 0.4999)) == {}
+
+
+RULES = {
+    "Greville": {"method": "greville"},
+    "Greville, area": {"method": "greville", "weights": "area"},
+    "Botella": {"method": "botella"},
+    "Botella, area": {"method": "botella", "weights": "area"},
+    "grid": {"method": "grid", "points": 33},
+    "node-to-surface": {"method": "node_to_surface"},
+    "node-to-surface, tributary": {"method": "node_to_surface", "weights": "tributary"},
+    "GPTS lumped": {"method": "gpts", "points": 4, "lumped": True},
+    "GPTS": {"method": "gpts", "points": 4},
+}
+ACCURATE = ("GPTS", "node-to-surface, tributary")
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_point_rules_are_told_where_the_study_found_them_too_crude(rule):
+    """Errors of growth rates of 2 % and more, where the yardstick has less than half of that."""
+    crude, interfaces = 0, {}
+    with STUDY.open() as file:
+        rows = [r for r in csv.DictReader(file) if r["rule"] == rule and r["growth_worst"]]
+    for row in rows:
+        if row["bodies"] not in ("FE 2", "NURBS 2") or _locks(row):
+            continue
+        backend = {"FE 2": "fe", "NURBS 2": "iga"}[row["bodies"]]
+        stiffness = float(row["stiffness"]) * problem(row["problem"]).unit
+        scene = load_scene(row["problem"], backend=backend).change(
+            {"contacts.interface.formulation": RULES[rule], "contacts.interface.p": stiffness}
+        )
+        if (row["problem"], backend) not in interfaces:
+            bodies = build_bodies(scene, StageTimer())
+            made = build_interfaces(scene, bodies, StageTimer())
+            interfaces[row["problem"], backend] = made["interface"]
+        warned = list(point_rule("interface", scene, interfaces[row["problem"], backend]))
+        if float(row["growth_worst"]) > max(0.02, 2 * float(row["yardstick_growth_worst"])):
+            crude += 1
+            assert warned, row
+        assert not warned or rule not in ACCURATE, row
+    assert bool(crude) == (rule not in ACCURATE)
+
+
+def _locks(row):
+    """Too many points for stiff, coarse meshes in space: that is another warning."""
+    if row["problem"] == "drum_3d":
+        return row["stiffness"] == "1000.0"
+    return row["problem"] == "ring" and row["bodies"] == "FE 2"
+
+
+def test_modes_too_short_for_their_mesh_are_named(backend):
+    """Those left are within 3 % of the modes of a fine mesh."""
+    coarse = {
+        "fe": {"cell": "quadrilateral", "degree": 2, "elements": [2, 12]},
+        "iga": {"degree": [2, 2], "elements": [2, 12]},
+    }[backend]
+    scene = load_scene("drum", backend=backend)
+    meshes = {f"bodies.{name}.mesh.{backend}": coarse for name in scene.bodies}
+    result = run_modes(scene.change(meshes))
+    (warning,) = result.warnings
+    assert warning.kind == "short-modes"
+    short = np.zeros(len(result.modes), dtype=bool)
+    short[np.array(warning.data["modes"]) - 1] = True
+    fine = run_modes(load_scene("drum", ["analysis.max_frequency=0.6"], "iga")).eigenvalues
+    errors = np.array([np.abs(fine - value).min() / abs(value) for value in result.eigenvalues])
+    assert 0 < short.sum() < 0.5 * len(short)
+    assert errors[~short].max() < 0.03
+    assert errors[short].mean() > 5 * errors[~short].mean()
+
+
+def test_warnings_are_stored_with_the_result(tmp_path):
+    result = run_modes(blocks("iga", formulation={"method": "gpts", "points": 1}))
+    file = save_result(result, tmp_path / "result.json")
+    stored = json.loads(file.read_text())["warnings"]
+    assert stored == [warning.plain() for warning in result.warnings]
+    assert {warning["kind"] for warning in stored} == {"under-sampled"}
+
+
+def test_a_window_without_modes_has_shapes_and_no_warnings(backend):
+    result = run_modes(load_scene("blocks", ["analysis.max_frequency=0.01"], backend=backend))
+    assert len(result.modes) == 0
+    assert result.warnings == ()
+    assert result.mode_shapes("upper").shape[1:] == (2, 0)
