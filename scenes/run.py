@@ -102,7 +102,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
-    x = solve_static(pencil, system.load, timer)
+    x = solve_static(pencil, system.load, timer).displacement
     with timer("post-processing"):
         stresses = {
             name: contact_stresses(system, name, x, scene.analysis.samples)

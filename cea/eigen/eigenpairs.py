@@ -1,24 +1,21 @@
 """Eigenpairs as a driver found them, normalised, with residuals and condition numbers."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats
 from cea.eigen.blocks import (
     all_inner,
     column_blocks,
     columns_inner,
-    image_of,
     norms,
     times,
     transposed_times,
 )
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
-from cea.matrices import absolute, destroy
+from cea.eigen.sizes import Sizes
 
 
 @dataclass(frozen=True)
@@ -77,7 +74,7 @@ def checked(
     """
     n, mass, comm = len(kappa), matrices.mass, matrices.stiffness.comm
     kappa, residuals, gram = kappa.copy(), np.empty(n), np.zeros((n, n), dtype=complex)
-    errors, contact, sizes = np.empty(n), [], _Sizes(matrices)
+    errors, contact, sizes = np.empty(n), [], Sizes(matrices)
     for block in column_blocks(n):
         x = vectors[:, block]
         f = np.empty((0, x.shape[1]), dtype=complex)
@@ -92,7 +89,7 @@ def checked(
             kappa[block] = columns_inner(x, force, comm).real
         else:
             gram[block, : block.stop] = all_inner(inertia, vectors[:, : block.stop], comm)
-        rounding = np.finfo(float).eps * sizes.of(x, f)
+        rounding = np.finfo(float).eps * sizes.works(x, f)
         defect = force - inertia * kappa[block]
         scale = np.maximum(np.abs(kappa[block]), rounding)
         residuals[block] = norms(defect, comm) / (scale * norms(inertia, comm))
@@ -103,31 +100,6 @@ def checked(
     conditions = np.ones(n) if matrices.symmetric else _conditions(gram)
     nothing = np.empty((len(contact[0]) if contact else 0, 0), dtype=complex)
     return Eigenpairs(kappa, vectors, np.hstack([nothing, *contact]), residuals, conditions, errors)
-
-
-class _Sizes:
-    """abs(x)^T abs(K) abs(x): how large the parts are whose sum x^H K x is."""
-
-    def __init__(self, matrices: Matrices) -> None:
-        self._stiffness = [absolute(matrices.stiffness)]
-        if matrices.unsymmetric is not None:
-            self._stiffness.append(absolute(matrices.unsymmetric))
-        self._reaction = None
-        if matrices.multipliers is not None:
-            self._reaction = absolute(matrices.multipliers.reaction)
-        self._comm = matrices.stiffness.comm
-
-    def of(self, x: NDArray[Any], f: NDArray[Any]) -> Floats:
-        """For columns of displacements and contact forces, shape (n,)."""
-        size = np.abs(x)
-        force = sum(image_of(part, size) for part in self._stiffness)
-        if self._reaction is not None:
-            force = force + 2 * transposed_times(self._reaction, np.abs(f).astype(complex)).real
-        return self._comm.tompi4py().allreduce(np.einsum("ij,ij->j", size, force))
-
-    def free(self) -> None:
-        """Free the matrices."""
-        destroy(*self._stiffness, *([self._reaction] if self._reaction is not None else []))
 
 
 def solved(factors: Shifted, columns: Complexes) -> Complexes:

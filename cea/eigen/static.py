@@ -1,15 +1,41 @@
-"""Static equilibrium K x = load by one factorisation."""
+"""Static equilibrium K x = load by one factorisation, trusted or refused."""
 
-from cea.eigen.pencil import Pencil, release
+from dataclasses import dataclass
+
+import numpy as np
+
+from cea.body import Floats
+from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.shifted import Shifted
+from cea.eigen.sizes import Sizes
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import Vec
 from cea.timing import StageTimer
 
 _SINGULAR = "the stiffness is singular: the bodies are not held by supports and contacts"
+_LOST = 0.1
+"""Part of the displacement that rounding may come to before it is refused."""
+_PROBES = 4
+"""Random roundings tried."""
 
 
-def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = None) -> Vec:
+@dataclass(frozen=True)
+class Equilibrium:
+    """Displacements under a load.
+
+    Parameters
+    ----------
+    displacement
+        Free displacements (m), PETSc vector.
+    uncertainty
+        What rounding the entries of K makes of them, relative to the largest.
+    """
+
+    displacement: Vec
+    uncertainty: float
+
+
+def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = None) -> Equilibrium:
     """Displacements under a load.
 
     Parameters
@@ -19,19 +45,15 @@ def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = No
     load
         Forces (N), PETSc vector.
     timer
-        Counts factorisation.
-
-    Returns
-    -------
-    PETSc.Vec
-        Free displacements (m).
+        Counts assembly and factorisation.
 
     Raises
     ------
     InputError
         When there is no load.
     ConvergenceError
-        When the stiffness is singular.
+        When the stiffness is singular, or so nearly that nothing but rounding is left of the
+        displacements; they are attached.
     """
     if load is None:
         raise InputError("load", None, "forces: the system was coupled without")
@@ -43,8 +65,31 @@ def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = No
         try:
             factors = Shifted(matrices)
         except ConvergenceError as error:
-            raise ConvergenceError(_SINGULAR) from error
-        factors.solve(load, x)
+            raise ConvergenceError(f"{_SINGULAR} ({error})") from error
+        displacement, forces = factors.solve_with_forces(
+            np.array(load.array_r, dtype=np.float64)[:, None]
+        )
+        x.array[:] = displacement[:, 0]
+        uncertainty = _uncertainty(matrices, factors, displacement, forces)
         factors.free()
     release(matrices)
-    return x
+    if not uncertainty < _LOST:
+        raise ConvergenceError(
+            f"{_SINGULAR}, or so nearly that rounding comes to {uncertainty:.1e} of the "
+            "displacements",
+            best=x,
+        )
+    return Equilibrium(x, uncertainty)
+
+
+def _uncertainty(matrices: Matrices, factors: Shifted, x: Floats, f: Floats) -> float:
+    """What random roundings of the entries of K, u abs(K) abs(x), make of the displacements."""
+    comm = matrices.stiffness.comm.tompi4py()
+    sizes = Sizes(matrices)
+    rounding = np.finfo(float).eps * sizes.forces(np.abs(x), np.abs(f))
+    sizes.free()
+    signs = np.random.default_rng(comm.rank).choice([-1.0, 1.0], size=(len(x), _PROBES))
+    moved = factors.solve_block(rounding * signs)
+    largest = np.array([np.abs(moved).max(initial=0.0), np.abs(x).max(initial=0.0)])
+    error, size = np.array(comm.allgather(largest)).max(axis=0)
+    return float(error / size) if size else 0.0

@@ -178,7 +178,7 @@ def _error(
 ) -> float | None:
     """Largest relative error of the normal stress on both sides; None when singular."""
     try:
-        x = solve_static(system.pencil(), system.load, timer)
+        x = solve_static(system.pencil(), system.load, timer).displacement
     except ConvergenceError:
         return None
     worst = 0.0

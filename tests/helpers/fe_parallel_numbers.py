@@ -52,7 +52,7 @@ def numbers(cell):
         pressures=[Pressure(pressed, 0.3)],
     )
     modes = solve_modes(Pencil.of(body.stiffness(), body.mass()), top)
-    x = solve_static(Pencil.of(body.stiffness()), body.load())
+    x = solve_static(Pencil.of(body.stiffness()), body.load()).displacement
     full = body.expansion.createVecLeft()
     body.expansion.mult(x, full)
     sample = body.volume_sample(2)

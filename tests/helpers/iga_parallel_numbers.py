@@ -51,7 +51,7 @@ def numbers(name):
     """Frequencies, norms, work of the load, traces and samples of one body."""
     part, top = cases(name)
     modes = solve_modes(Pencil.of(part.stiffness(), part.mass()), top)
-    x = solve_static(Pencil.of(part.stiffness()), part.load())
+    x = solve_static(Pencil.of(part.stiffness()), part.load()).displacement
     full = part.expansion.createVecLeft()
     part.expansion.mult(x, full)
     u = gather(full).reshape(-1, part.dim)
