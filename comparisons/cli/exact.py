@@ -1,5 +1,6 @@
 """The command line ``cea exact``: reference eigenvalues for any parameters."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -50,9 +51,10 @@ def _writable(file: Path | None) -> Path | None:
     if file is not None:
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
-            file.open("a").close()
         except OSError as error:
             raise InputError("json", str(file), f"a file to write ({error.strerror})") from None
+        if file.is_dir() or not os.access(file.parent, os.W_OK):
+            raise InputError("json", str(file), "a file to write, in a folder that may be written")
     return file
 
 

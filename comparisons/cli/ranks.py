@@ -8,10 +8,10 @@ from time import monotonic, sleep
 from traceback import format_exception
 from typing import Any
 
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError, InputError, WriteError
 from comparisons.cli.extras import MissingExtraError
 
-_EXPECTED = (InputError, ConvergenceError, MissingExtraError)
+_EXPECTED = (InputError, ConvergenceError, WriteError, MissingExtraError)
 """Faults told in a line each, as those of scenes are; any other is told with its traceback."""
 
 _PATIENCE = 5.0
