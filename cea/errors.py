@@ -2,7 +2,6 @@
 
 from typing import Any
 
-
 _LONGEST = 300
 """Characters of a value that a message shows, at most."""
 

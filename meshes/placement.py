@@ -40,6 +40,18 @@ class Placement:
             axis / np.linalg.norm(axis) * self.angle, degrees=True
         ).as_matrix()
 
+    def check(self, dim: int, field: str) -> None:
+        """Refuse a place out of the plane for a body in the plane.
+
+        Raises
+        ------
+        InputError
+            Under the name of the field.
+        """
+        if dim == 2:
+            stays = np.allclose(self.rotation[2], [0, 0, 1]) and self.translation[2] == 0
+            require(bool(stays), field, self, "a rotation about z and a shift in x, y")
+
     def apply(self, points: Floats) -> Floats:
         """Placed copies of points (m), shape (..., 3), or (..., 2) in plane strain.
 
@@ -49,8 +61,6 @@ class Placement:
             When points of the plane would leave it.
         """
         dim = points.shape[-1]
+        self.check(dim, "placement")
         rotation, translation = self.rotation, np.asarray(self.translation)
-        if dim == 2:
-            stays = np.allclose(rotation[2], [0, 0, 1]) and translation[2] == 0
-            require(bool(stays), "placement", self, "a rotation about z and a shift in x, y")
         return points @ rotation[:dim, :dim].T + translation[:dim]

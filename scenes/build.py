@@ -133,7 +133,7 @@ def build_interfaces(
                 side_b,
                 half.spec.formulation.points_on(side_a, side_b, reach),
                 field=f"contacts.{half.pair}",
-                reach=reach,
+                reach=half.spec.reach,
                 max_missed=1.0 if larger else half.spec.max_missed,
             )
     return interfaces

@@ -196,7 +196,7 @@ class ContactSpec:
         ``penalty``, or ``saddle``: contact forces as unknowns, which takes P = inf too. Left open,
         it is the penalty form where that costs no more than six digits, saddle where it would.
     reach
-        Largest distance (m) between the sides.
+        Largest distance (m) between the sides; left out, they must touch.
     max_missed
         Largest fraction of side a that may find nothing on side b.
     """
