@@ -251,7 +251,7 @@ class StaticAnalysis:
     """Displacements under the loads; reports stresses over the contacts."""
 
     kind: Literal["static"]
-    samples: Annotated[int, Field(ge=2)] = 91
+    samples: Annotated[int, Field(ge=2, le=1000)] = 91
 
 
 @dataclass(frozen=True)
