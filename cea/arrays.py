@@ -40,6 +40,12 @@ def finite_numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[np.fl
     return array
 
 
+def of_size_one(vector: ArrayLike) -> NDArray[np.float64]:
+    """A vector scaled by a power of two, which rounds nothing: its length cannot overflow."""
+    values = np.asarray(vector, dtype=np.float64)
+    return np.ldexp(values, -int(np.frexp(np.abs(values).max())[1]))
+
+
 def is_number(value: object) -> bool:
     """Whether a value is a finite real number, and no truth value."""
     if not isinstance(value, int | float | np.integer | np.floating) or isinstance(value, bool):

@@ -3,7 +3,9 @@
 from typing import Any
 
 _LONGEST = 300
-"""Characters of a value that a message shows, at most."""
+"""Characters of a value or a name that a message shows, at most."""
+_WORDS = 1200
+"""Characters of what is allowed."""
 
 
 def _shown(value: object) -> str:
@@ -12,8 +14,13 @@ def _shown(value: object) -> str:
         text = repr(value)
     except Exception:  # a whole number of too many digits, or what cannot show itself
         return f"a value of type {type(value).__name__}"
-    half = _LONGEST // 2
-    return text if len(text) <= _LONGEST else f"{text[:half]} ... {text[-half:]}"
+    return _short(text)
+
+
+def _short(text: str, longest: int = _LONGEST) -> str:
+    """Text, its middle left out where it is long."""
+    half = longest // 2
+    return text if len(text) <= longest else f"{text[:half]} ... {text[-half:]}"
 
 
 def _line(text: str) -> str:
@@ -39,7 +46,7 @@ class InputError(ValueError):
         self.field = field
         self.value = value
         self.allowed = allowed
-        super().__init__(_line(f"{field} = {_shown(value)}: {allowed}"))
+        super().__init__(_line(f"{_short(field)} = {_shown(value)}: {_short(allowed, _WORDS)}"))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel between ranks by what it was made from, not by its message."""

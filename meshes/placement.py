@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from cea.arrays import of_size_one
 from cea.errors import require
 
 Floats = NDArray[np.float64]
@@ -30,12 +31,12 @@ class Placement:
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        require(bool(np.linalg.norm(self.axis) > 0), "axis", self.axis, "a vector that is not zero")
+        require(bool(np.any(self.axis)), "axis", self.axis, "a vector that is not zero")
 
     @property
     def rotation(self) -> Floats:
         """Rotation matrix, (3, 3)."""
-        axis = np.asarray(self.axis, dtype=float)
+        axis = of_size_one(self.axis)
         return Rotation.from_rotvec(
             axis / np.linalg.norm(axis) * self.angle, degrees=True
         ).as_matrix()

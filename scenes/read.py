@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, is_dataclass, replace
@@ -24,6 +25,12 @@ _SHOWN = 20
 """Faults that a message tells."""
 _LARGEST = 2**26
 """Bytes of a scene file."""
+_DEEPEST = 100
+"""Tables and lists inside each other."""
+_WHOLE = 10**400
+"""Whole numbers are smaller; beyond some thousand digits they cannot even be written."""
+_KEYS = re.compile(r"(?<![^\s.,=\[\]{}])(?:[^\s.,=\[\]{}]+[ \t]*\.[ \t]*){100}")
+"""A hundred tables inside each other by one dotted name, for which reading takes its time."""
 
 
 class SceneError(ValueError):
@@ -136,7 +143,10 @@ def _tables_of(scene: str | Path) -> dict[str, Any]:
     if len(content) > _LARGEST:
         raise SceneError([InputError("scene", str(scene), f"a file of at most {_LARGEST} bytes")])
     try:
-        return tomllib.loads(content.decode())
+        text = content.decode()
+        if _KEYS.search(text):
+            raise ValueError(f"names of more than {_DEEPEST} parts")
+        return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         allowed = f"valid TOML in UTF-8: {error}"
         raise SceneError([InputError("scene", str(scene), allowed)]) from error
@@ -156,14 +166,12 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
         With one line for each fault.
     """
     try:
-        text = json.dumps(data, default=_plain)
-    except SceneError:
-        raise
-    except (TypeError, ValueError, RecursionError) as error:
-        allowed = f"tables, lists, text and numbers ({error})"
-        raise SceneError([InputError("scene", data, allowed)]) from error
+        text = json.dumps(data, default=_plain, ensure_ascii=False)
+        content = text.encode()
+    except (SceneError, TypeError, ValueError, RecursionError) as error:
+        raise SceneError([_unreadable(data)]) from error
     try:
-        scene = _adapter(tuple(registered().values())).validate_json(text)
+        scene = _adapter(tuple(registered().values())).validate_json(content)
     except ValidationError as error:
         raise SceneError(faults_told_by(error)) from error
     return _without_faults(scene)
@@ -181,6 +189,38 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):
         return value.tolist()
     raise SceneError([InputError("value", value, "plain data, or a section of a scene")])
+
+
+def _unreadable(data: Any) -> InputError:
+    """The first value that is none of tables, lists, text and numbers."""
+    allowed = "text, numbers, lists, and tables of them by name"
+    level: list[tuple[str, Any]] = [("scene", data)]
+    for _ in range(_DEEPEST):
+        inner: list[tuple[str, Any]] = []
+        for place, value in level:
+            dot = "" if place == "scene" else f"{place}."
+            if isinstance(value, Mapping):
+                if not all(_is_text(name) for name in value):
+                    return InputError(place, list(value), f"{allowed}; names are text")
+                inner += [(f"{dot}{name}", part) for name, part in value.items()]
+            elif isinstance(value, list | tuple):
+                inner += [(f"{dot}{i}", part) for i, part in enumerate(value)]
+            elif not (value is None or _is_text(value) or _is_plain_number(value)):
+                return InputError(place, value, allowed)
+        level = inner
+    return InputError(level[0][0] if level else "scene", "...", f"nested less than {_DEEPEST} deep")
+
+
+def _is_text(value: Any) -> bool:
+    """Whether a value is text that a file can hold."""
+    try:
+        return isinstance(value, str) and bool(value.encode() or True)
+    except UnicodeEncodeError:
+        return False
+
+
+def _is_plain_number(value: Any) -> bool:
+    return isinstance(value, bool | float) or (isinstance(value, int) and abs(value) < _WHOLE)
 
 
 def _file(scene: str | Path) -> Path:

@@ -85,10 +85,15 @@ class IgaMesh:
         Coordinates that must be knots, by direction.
     """
 
-    degree: tuple[int, ...]
+    degree: tuple[Annotated[int, Field(ge=1, le=8)], ...]
     elements: tuple[int, ...]
-    continuity: tuple[int, ...] | None = None
+    continuity: tuple[Annotated[int, Field(ge=0)], ...] | None = None
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        continuity = self.continuity or ()
+        if any(c >= p for c, p in zip(continuity, self.degree, strict=False)):
+            raise InputError("continuity", continuity, f"below the degree {self.degree}")
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cea.arrays import of_size_one
 from cea.body import Floats
 from cea.errors import InputError
 from cea.fields import Expression
@@ -41,7 +42,7 @@ class AlongVector:
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
         self.check(x.shape[1], _FIELD)
-        return _tangent(np.broadcast_to(_of_size_one(self.vector), x.shape), normal)
+        return _tangent(np.broadcast_to(of_size_one(self.vector), x.shape), normal)
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ class Circumferential:
         self.check(dim, _FIELD)
         arm = np.zeros((len(x), 3))
         arm[:, :dim] = x - np.asarray(self.origin, dtype=float)[:dim]
-        return _tangent(np.cross(_of_size_one(self.circumferential_about), arm)[:, :dim], normal)
+        return _tangent(np.cross(of_size_one(self.circumferential_about), arm)[:, :dim], normal)
 
 
 @dataclass(frozen=True)
@@ -146,12 +147,6 @@ def _check_vector(vector: tuple[float, ...], name: str) -> None:
     """Refuse a vector that has no direction."""
     if not (np.isfinite(vector).all() and np.any(vector)):
         raise InputError(name, vector, "finite numbers, not all zero")
-
-
-def _of_size_one(vector: tuple[float, ...]) -> Floats:
-    """A vector scaled by a power of two, which rounds nothing: its length cannot overflow."""
-    values = np.asarray(vector, dtype=float)
-    return np.ldexp(values, -int(np.frexp(np.abs(values).max())[1]))
 
 
 def _tangent(direction: Floats, normal: Floats) -> Floats:

@@ -23,11 +23,11 @@ _QUADRATURE = 1e-3
 """Part of side a that a rule may lose to its own quadrature; more is area it leaves out."""
 _APART = 1e-3
 """Gap, relative to the mesh size, at which sides whose normals are opposite still touch."""
-_SAGITTA = 0.5
+_SAGITTA = 0.25
 """Gap, relative to the mesh size times the largest angle between normals, that facets explain.
 
-A chord of length h whose ends turn by the angle t from the curve leaves it by h t / 4; there is one
-on each side.
+A chord of length h that turns by the angle t from the ends of its arc leaves it by h t / 4; between
+the chords of two sides the normals differ by the sum of both angles.
 """
 _FACING = -0.5
 """Largest cosine between the normals of two surfaces that face each other."""
