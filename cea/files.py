@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from cea.errors import WriteError
+from cea.errors import InputError, WriteError
 
 _LEVEL = 6
 """Level of compression: the highest takes three times as long and saves a few per cent."""
@@ -47,6 +47,30 @@ def write_whole(content: bytes, file: Path) -> Path:
         with _told(file):
             part.unlink(missing_ok=True)
     return file
+
+
+def check_writable(file: Path, field: str) -> None:
+    """Refuse a file that cannot be written, before the work whose result it is to hold.
+
+    Parameters
+    ----------
+    file
+        The file; its folder is made.
+    field
+        Name of it, as the user gave it, for the message.
+
+    Raises
+    ------
+    InputError
+        Naming the field.
+    """
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        reason = (error.strerror if isinstance(error, OSError) else None) or error
+        raise InputError(field, str(file), f"a file to write ({reason})") from None
+    if file.is_dir() or not os.access(file.parent, os.W_OK):
+        raise InputError(field, str(file), "a file to write, in a folder that may be written")
 
 
 @contextmanager

@@ -16,6 +16,9 @@ LARGEST, SMALLEST = 1e30, 1e-30
 MAX_ELEMENTS = 10**6
 """Elements along one direction."""
 
+MAX_ITEMS = 200
+"""Bodies, contacts and loads of a scene, supports and springs of a body, of each so many."""
+
 _LONGEST = 100
 """Characters of a name."""
 
@@ -28,6 +31,7 @@ _SCALES = (
 
 def limit_checks(scene: SceneSpec) -> Iterable[InputError]:
     """Faults of names and numbers."""
+    yield from _count_checks(scene)
     for kind, names in (("bodies", scene.bodies), ("contacts", scene.contacts)):
         for name in names:
             yield from _name_checks(kind, name)
@@ -36,6 +40,20 @@ def limit_checks(scene: SceneSpec) -> Iterable[InputError]:
             yield from _name_checks(f"bodies.{body}.geometry.faces", name)
     for place, number in _numbers(asdict(scene), ""):
         yield from _number_checks(place, number)
+
+
+def _count_checks(scene: SceneSpec) -> Iterable[InputError]:
+    counts = {
+        "bodies": len(scene.bodies),
+        "contacts": len(scene.contacts),
+        "loads": len(scene.loads),
+    }
+    for name, body in scene.bodies.items():
+        counts[f"bodies.{name}.supports"] = len(body.supports)
+        counts[f"bodies.{name}.springs"] = len(body.springs)
+    for place, count in counts.items():
+        if count > MAX_ITEMS:
+            yield InputError(place, f"{count} of them", f"at most {MAX_ITEMS}")
 
 
 def _name_checks(place: str, name: str) -> Iterable[InputError]:

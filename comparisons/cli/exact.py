@@ -1,12 +1,12 @@
 """The command line ``cea exact``: reference eigenvalues for any parameters."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cea.errors import InputError
+from cea.files import check_writable
 from comparisons.cli.extras import need
 
 if TYPE_CHECKING:
@@ -49,12 +49,7 @@ _Count = Annotated[int | None, typer.Option("--count", help="Or: list so many, l
 def _writable(file: Path | None) -> Path | None:
     """Refuse a file that cannot be written before work begins."""
     if file is not None:
-        try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError("json", str(file), f"a file to write ({error.strerror})") from None
-        if file.is_dir() or not os.access(file.parent, os.W_OK):
-            raise InputError("json", str(file), "a file to write, in a folder that may be written")
+        check_writable(file, "json")
     return file
 
 

@@ -72,6 +72,8 @@ def one_voice(comm: Any) -> Iterator[None]:
 def _told(error: Exception) -> str:
     if isinstance(error, _EXPECTED) or _is_of_a_scene(error):
         return "".join(f"error: {line}\n" for line in str(error).splitlines())
+    if isinstance(error, MemoryError):
+        return f"error: not enough memory{f': {error}' if str(error) else ''}\n"
     return "".join(format_exception(error))
 
 
