@@ -37,8 +37,8 @@ QUICK, FULL = 400, 10_000
 MOST_MEMORY = 1e9
 """Bytes by which all readers together may grow."""
 WINDOW = {
-    **{"max_frequency": 1.0, "shift": 2.0, "radius": inf, "found": 1, "upper": 3.0},
-    **{"found_below": 1, "symmetric_count": 1, "max_growth": inf},
+    **{"max_frequency": 1.0, "shift": 2.0, "radius": inf, "found": 1, "discs": 1, "upper": 3.0},
+    **{"found_below": 1, "symmetric_count": 1, "max_growth": inf, "bounded": True, "odd": False},
 }
 
 quickly = settings(
@@ -65,7 +65,7 @@ def a_record():
         "timings": {"meshing": 0.1},
         "skipped": {"newton": "none"},
         "contacts": {},
-        "eigenvalues": [{"re": 0.0, "im": 1.0, "residual": 1e-12, "condition": 1.0}],
+        "eigenvalues": [dict.fromkeys(("re", "im", "residual", "condition", "uncertainty"), 0.5)],
         "window": WINDOW,
         "unstable": [],
     }
