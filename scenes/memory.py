@@ -11,11 +11,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf, pi, prod, sqrt
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from cea.errors import InputError
 from cea.mesh import SIMPLICES
+from cea.petsc import MPI
 from meshes.patches import Patches
 from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 from scenes.read import Scene
@@ -140,7 +142,7 @@ def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
 
 
 def available_memory() -> float:
-    """Memory (bytes) of the machine, or of what the process is confined to where that is less."""
+    """Memory (bytes) of the machine, or what the process is confined to where that is less."""
     machine = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     soft = resource.getrlimit(resource.RLIMIT_AS)[0]
     limits = [machine, inf if soft == resource.RLIM_INFINITY else float(soft)]
@@ -152,15 +154,25 @@ def available_memory() -> float:
     return min(limits)
 
 
-def check_memory(scene: Scene) -> None:
-    """Refuse a scene that cannot fit into the memory of the machine.
+def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
+    """Refuse a scene that cannot fit into the memory of the machines of all ranks; collective.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    comm
+        Communicator (mpi4py) of the ranks that run it.
 
     Raises
     ------
     InputError
-        Naming the mesh that takes most, the estimate, what there is and what would fit.
+        On every rank, naming the mesh that takes most, the estimate, what there is and what would
+        fit.
     """
-    available = _PART * available_memory()
+    neighbours = comm.Split_type(MPI.COMM_TYPE_SHARED)
+    available = _PART * comm.allreduce(available_memory() / neighbours.size)
+    neighbours.Free()
     estimate = estimated_memory(scene)
     if estimate.bytes <= available:
         return

@@ -78,7 +78,7 @@ def test_ten_thousand_random_inputs(stored, tmp_path, capsys):
 def test_every_mutation_of_a_scene(name, backend):
     told = [complaint(bad, read_scene) for bad in mutations(valid(name, backend))]
     assert [one for one in told if one] == []
-    assert len(told) > 1000
+    assert len(told) > 500
 
 
 def test_the_harness_sees_what_is_wrong():
