@@ -9,18 +9,20 @@ import pytest
 from bad_inputs import complaint, faults_of, patience, random_bad, reader
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from scene_mutations import NAMES, mutations, valid
+from scene_mutations import NAMES, Bad, coarse, mutations, random_mutation, valid
 from stored_runs import PATCH, a_record
 
 from cea.errors import InputError
 from cea.fields import Expression
 from cea.mesh import Mesh
+from scenes.describe import save_result
 from scenes.opened import open_result
 from scenes.read import SceneError, load_scene, read_scene
+from scenes.run import run_scene
 from scenes.stored import write_record
 
 SEED = 12
-QUICK, FULL = 400, 10_000
+QUICK, FULL, RUNS = 400, 10_000, 200
 MOST_MEMORY = 1e9
 """Bytes by which all readers together may grow."""
 quickly = settings(
@@ -79,6 +81,23 @@ def test_every_mutation_of_a_scene(name, backend):
     told = [complaint(bad, read_scene) for bad in mutations(valid(name, backend))]
     assert [one for one in told if one] == []
     assert len(told) > 500
+
+
+@pytest.mark.slow
+def test_what_is_read_runs_or_is_refused(tmp_path):
+    """Mutations that reading takes, as it may, run to a result that opens again, or are refused."""
+
+    def run(scene):
+        open_result(save_result(run_scene(scene), tmp_path / "r.json"))
+
+    rng, told, count = np.random.default_rng(SEED), [], 0
+    while count < RUNS:
+        bad = random_mutation(rng, coarse)
+        scene = refused_or_read(read_scene, bad.value)
+        if scene not in (None, NAMELESS):
+            count += 1
+            told.append(complaint(Bad("run", bad.words, scene, None), run))
+    assert [one for one in told if one] == []
 
 
 def test_the_harness_sees_what_is_wrong():
