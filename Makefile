@@ -4,6 +4,7 @@
 # make test       quick tests on all cores; ARGS="-k patch" passes options on to pytest
 # make test-slow  the tests that take minutes, one after the other
 # make test-mpi   every test on several ranks
+# make test-faults  ten thousand bad inputs, and every field of every scene broken (5 min)
 # make lint       ruff and mypy
 # make clean      remove caches and build products; distclean removes .venv too
 # PYTHON=/path/to/python3 is tried first when given.
@@ -31,7 +32,8 @@ ifndef DISPLAY
 export VTK_DEFAULT_OPENGL_WINDOW ?= vtkEGLRenderWindow
 endif
 
-.PHONY: setup compare stability test test-slow test-mpi lint missing-packages clean distclean
+.PHONY: setup compare stability test test-slow test-mpi test-faults lint missing-packages clean \
+	distclean
 
 setup: $(INSTALLED)
 
@@ -58,6 +60,9 @@ test-slow: $(INSTALLED)
 test-mpi: $(INSTALLED)
 	$(BIN)/pytest -m mpi $(ARGS)
 
+test-faults: $(INSTALLED)
+	$(BIN)/pytest -m 'slow or not slow' tests/scenes/test_bad_inputs.py $(ARGS)
+
 lint: $(INSTALLED)
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
@@ -69,7 +74,7 @@ missing-packages:
 	@$(BASE_PYTHON) setup/check_system.py --packages
 
 clean:
-	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -path ./.venv -prune -o -name __pycache__ -type d -exec rm -rf {} +
 
 distclean: clean

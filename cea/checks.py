@@ -103,3 +103,22 @@ def check_coverage(missed: int, count: int, fraction: float, limit: float, **wor
             f"{100 * limit:.2g} % may; where curved rims only nearly meet, take more elements or "
             "a higher degree of geometry, else raise max_missed",
         )
+
+
+def check_gap(gap: float, allowed: float, field: str, sides: str) -> None:
+    """Refuse surfaces apart, or into each other, that nobody said may be.
+
+    Parameters
+    ----------
+    gap, allowed
+        Largest distance (m) between the surfaces, and what their meshes explain.
+    field, sides
+        Name of the contact, and of its surfaces, for the message.
+    """
+    if gap > allowed:
+        raise InputError(
+            f"{field}.reach",
+            None,
+            f"given where surfaces do not touch: {sides} is {gap:.3g} m apart, or as far inside, "
+            f"and their meshes explain {allowed:.3g} m",
+        )

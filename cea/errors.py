@@ -2,6 +2,32 @@
 
 from typing import Any
 
+_LONGEST = 300
+"""Characters of a value or a name that a message shows, at most."""
+_WORDS = 1200
+"""Characters of what is allowed."""
+
+
+def _shown(value: object) -> str:
+    """A value as Python writes it, its middle left out where it is long."""
+    try:
+        text = repr(value)
+    except Exception:  # a whole number of too many digits, or what cannot show itself
+        return f"a value of type {type(value).__name__}"
+    return _short(text)
+
+
+def _short(text: str, longest: int = _LONGEST) -> str:
+    """Text, its middle left out where it is long."""
+    half = longest // 2
+    return text if len(text) <= longest else f"{text[:half]} ... {text[-half:]}"
+
+
+def _line(text: str) -> str:
+    """Text in one line, without characters that a terminal would obey."""
+    joined = " ".join(text.split())
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in joined)
+
 
 class InputError(ValueError):
     """Input refused before work begins.
@@ -20,11 +46,15 @@ class InputError(ValueError):
         self.field = field
         self.value = value
         self.allowed = allowed
-        super().__init__(f"{field} = {value!r}: {allowed}")
+        super().__init__(_line(f"{_short(field)} = {_shown(value)}: {_short(allowed, _WORDS)}"))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel between ranks by what it was made from, not by its message."""
         return type(self), (self.field, self.value, self.allowed)
+
+
+class WriteError(OSError):
+    """A file that could not be written, of which nothing is left behind."""
 
 
 class ConvergenceError(RuntimeError):
@@ -41,6 +71,10 @@ class ConvergenceError(RuntimeError):
     def __init__(self, message: str, best: Any = None) -> None:
         self.best = best
         super().__init__(message)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel between ranks without the best answer, which may be spread over them."""
+        return type(self), (str(self),)
 
 
 def require(condition: bool, field: str, value: object, allowed: str) -> None:

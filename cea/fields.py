@@ -1,7 +1,10 @@
 """Fields over an interface: numbers, expressions in the coordinates, or Python functions."""
 
+import ast
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +16,21 @@ FUNCTIONS = (
     "exp", "log", "sqrt", "abs", "minimum", "maximum", "where", "hypot",
 )  # fmt: skip
 """numpy functions an expression may call."""
+
+MAX_LENGTH, MAX_DEPTH = 2000, 100
+"""Characters an expression may have, and operations inside each other."""
+
+_COORDINATES = ("x", "y", "z", "r", "theta")
+
+_GRAMMAR = (
+    ast.Name, ast.Load, ast.Constant, ast.Call, ast.UnaryOp, ast.BinOp, ast.Compare,
+    ast.operator, ast.unaryop, ast.cmpop,
+)  # fmt: skip
+"""What an expression is made of: no attributes, items, comprehensions, keywords, statements."""
+
+_NO_ARITHMETIC = (
+    ast.MatMult, ast.LShift, ast.RShift, ast.Not, ast.Is, ast.IsNot, ast.In, ast.NotIn,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -27,8 +45,15 @@ class Expression:
 
     text: str
 
-    def check(self, field: str) -> None:
+    def check(self, field: str, dim: int = 3) -> None:
         """Refuse what is no expression, before there are points to evaluate it at.
+
+        Parameters
+        ----------
+        field
+            Name of the field.
+        dim
+            Dimension of space: the plane has no z.
 
         Raises
         ------
@@ -36,10 +61,18 @@ class Expression:
             Under the name of the field.
         """
         try:
-            self(np.full((1, 3), 0.5))
+            self(np.full((1, dim), 0.5))
         except InputError as error:
-            if not error.allowed.startswith(_FINITE):
+            singular_here = error.allowed.startswith(_FINITE) and self._varies
+            if not singular_here:
                 raise InputError(field, self.text, f"a number, or {error.allowed}") from None
+
+    @property
+    def _varies(self) -> bool:
+        """Whether it names a coordinate."""
+        return any(
+            isinstance(n, ast.Name) and n.id in _COORDINATES for n in ast.walk(_parsed(self.text))
+        )
 
     def __call__(self, x: Floats) -> Floats:
         """Values at positions x (m), shape (n,).
@@ -51,25 +84,98 @@ class Expression:
         """
         from asteval import Interpreter
 
-        coordinates = dict(zip("xyz", x.T, strict=False))
+        coordinates = dict(zip(_COORDINATES[:3], x.T, strict=False))
         coordinates |= {
             "r": np.hypot(x[:, 0], x[:, 1]),
             "theta": np.arctan2(x[:, 1], x[:, 0]),
         }
         names = {name: getattr(np, name) for name in FUNCTIONS} | {"pi": np.pi} | coordinates
+        try:
+            tree = _parsed(self.text)
+        except ValueError as error:
+            raise self._refused(coordinates, str(error)) from None
         evaluator = Interpreter(symtable=names, minimal=True, use_numpy=False)
-        value = evaluator(self.text, show_errors=False, raise_errors=False)
+        with np.errstate(all="ignore"):
+            value = evaluator.eval(tree, show_errors=False, raise_errors=False)
         if evaluator.error:
-            reason = str(evaluator.error[0].msg).splitlines()[0]
-            raise InputError("expression", self.text, f"{_allowed(coordinates)} ({reason})")
+            raise self._refused(coordinates, str(evaluator.error[0].msg))
         try:
             values = np.broadcast_to(np.asarray(value, dtype=float), len(x)).copy()
-        except (TypeError, ValueError):
-            raise InputError("expression", self.text, _allowed(coordinates)) from None
+        except (TypeError, ValueError, OverflowError):
+            raise self._refused(coordinates) from None
         if not np.isfinite(values).all():
             where = x[np.flatnonzero(~np.isfinite(values))[0]]
             raise InputError("expression", self.text, f"{_FINITE}, not so at {where}")
         return values
+
+    def _refused(self, coordinates: dict[str, Floats], reason: str = "") -> InputError:
+        allowed = f"an expression in {', '.join(coordinates)} and pi with {', '.join(FUNCTIONS)}"
+        lines = reason.splitlines()
+        told = f"{allowed} ({lines[0]})" if lines else allowed
+        return InputError("expression", self.text, told)
+
+
+@cache
+def _parsed(text: str) -> ast.expr:
+    """Syntax tree of an expression that is nothing but arithmetic and calls of known functions.
+
+    Whole numbers become floats: powers of them would grow without bound.
+
+    Raises
+    ------
+    ValueError
+        With what is wrong.
+    """
+    if not isinstance(text, str):
+        raise ValueError("no text")
+    if len(text) > MAX_LENGTH:
+        raise ValueError(f"longer than {MAX_LENGTH} characters")
+    try:
+        tree = ast.parse(text.strip(), mode="eval").body
+    except SyntaxError as error:
+        raise ValueError(error.msg) from None
+    except (RecursionError, MemoryError):
+        raise ValueError(_TOO_DEEP) from None
+    level: list[ast.AST] = [tree]
+    for _ in range(MAX_DEPTH):
+        for node in level:
+            _check_node(node)
+        level = [child for node in level for child in ast.iter_child_nodes(node)]
+    if level:
+        raise ValueError(_TOO_DEEP)
+    return ast.fix_missing_locations(_Floats().visit(tree))
+
+
+_TOO_DEEP = f"nested more than {MAX_DEPTH} deep"
+
+
+def _check_node(node: ast.AST) -> None:
+    """Refuse what is no arithmetic; functions take just their operands, and nowhere to write."""
+    if not isinstance(node, _GRAMMAR) or isinstance(node, _NO_ARITHMETIC):
+        raise ValueError(f"{type(node).__name__} is no arithmetic")
+    if isinstance(node, ast.Constant) and type(node.value) not in (int, float):
+        raise ValueError(f"{type(node.value).__name__} is no number")
+    if isinstance(node, ast.Compare) and len(node.ops) > 1:
+        raise ValueError("one comparison at a time, joined by &")
+    if isinstance(node, ast.Call):
+        if not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS:
+            raise ValueError("what is called is no function")
+        function: Any = getattr(np, node.func.id)
+        count = getattr(function, "nin", 3)  # np.where, the one that is no ufunc, takes three
+        if len(node.args) != count:
+            raise ValueError(f"{node.func.id} takes {count}, not {len(node.args)}")
+
+
+class _Floats(ast.NodeTransformer):
+    """Whole numbers as floats."""
+
+    def visit_Constant(self, node: ast.Constant) -> ast.Constant:
+        """The number as a float."""
+        assert isinstance(node.value, int | float)
+        try:
+            return ast.Constant(float(node.value))
+        except OverflowError:
+            raise ValueError("a number is too large") from None
 
 
 _FINITE = "finite everywhere"
@@ -82,7 +188,3 @@ def evaluate(field: Field, x: Floats) -> Floats:
     if callable(field):
         return np.broadcast_to(np.asarray(field(x), dtype=float), len(x)).copy()
     return np.full(len(x), float(field))
-
-
-def _allowed(coordinates: dict[str, Floats]) -> str:
-    return f"an expression in {', '.join(coordinates)} and pi with {', '.join(FUNCTIONS)}"

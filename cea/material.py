@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import is_number
 from cea.errors import InputError
 
 
@@ -27,11 +28,11 @@ class IsotropicMaterial:
     rho: float | None = None
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.E) and self.E > 0):
+        if not (is_number(self.E) and self.E > 0):
             raise InputError("material.E", self.E, "a positive number (N/m^2)")
-        if not -1 < self.nu < 0.5:
+        if not (is_number(self.nu) and -1 < self.nu < 0.5):
             raise InputError("material.nu", self.nu, "between -1 and 0.5, both excluded")
-        if self.rho is not None and not (np.isfinite(self.rho) and self.rho > 0):
+        if self.rho is not None and not (is_number(self.rho) and self.rho > 0):
             raise InputError("material.rho", self.rho, "a positive number (kg/m^3)")
 
     @property

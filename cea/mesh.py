@@ -7,6 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cea.arrays import finite_numbers, numbers
 from cea.errors import InputError, require
 
 Floats = NDArray[np.float64]
@@ -79,12 +80,16 @@ class Mesh:
     surfaces: Mapping[str, Ints]
 
     def __post_init__(self) -> None:
-        require(self.cell in DIMENSION, "cell", self.cell, f"one of {', '.join(get_args(Cell))}")
-        whole = isinstance(self.order, int) and 1 <= self.order <= MAX_ORDER
+        known = isinstance(self.cell, str) and self.cell in DIMENSION
+        require(known, "cell", self.cell, f"one of {', '.join(get_args(Cell))}")
+        whole = type(self.order) is int and 1 <= self.order <= MAX_ORDER
         require(whole, "order", self.order, f"1 to {MAX_ORDER}")
+        named = isinstance(self.surfaces, Mapping) and all(type(n) is str for n in self.surfaces)
+        require(named, "surfaces", self.surfaces, "facets by name")
         object.__setattr__(self, "points", _positions(self.points, self.dim))
         n = len(lattice(self.dim, self.order, self.is_simplex))
         object.__setattr__(self, "cells", self._numbers("cells", self.cells, n))
+        self._check_cells()
         object.__setattr__(self, "surfaces", self._facets_of_cells())
 
     @property
@@ -107,9 +112,26 @@ class Mesh:
         surfaces = {name: number[facets] for name, facets in self.surfaces.items()}
         return Mesh(self.cell, self.order, self.points[used], number[self.cells], surfaces)
 
+    def _check_cells(self) -> None:
+        """Refuse cells with a node twice, and cells that are there twice."""
+        ordered = np.sort(self.cells, axis=1)
+        twice = (np.diff(ordered, axis=1) == 0).any(axis=1)
+        if twice.any():
+            worst = self.cells[np.argmax(twice)].tolist()
+            raise InputError("cells", worst, "different nodes in each cell")
+        # Sums of random numbers tell apart cells without sorting them all.
+        marks = np.random.default_rng(0).integers(2**63, size=len(self.points), dtype=np.uint64)
+        sums = marks[self.cells].sum(axis=1, dtype=np.uint64)
+        order = np.argsort(sums, kind="stable")
+        alike = np.flatnonzero(np.diff(sums[order]) == 0)
+        same = (ordered[order[alike]] == ordered[order[alike + 1]]).all(axis=1)
+        if same.any():
+            worst = self.cells[order[alike[np.argmax(same)]]].tolist()
+            raise InputError("cells", worst, "each cell once")
+
     def _numbers(self, field: str, nodes: ArrayLike, per_row: int) -> Ints:
         """Node numbers as an array, checked."""
-        array = np.asarray(nodes)
+        array = numbers(nodes, field, "rows of whole numbers, equally long")
         fits = array.ndim == 2 and array.shape[1] == per_row and len(array) > 0
         allowed = f"shape (n, {per_row}), n > 0, for cell = {self.cell!r} of order {self.order}"
         require(fits, field, array.shape, allowed)
@@ -212,10 +234,9 @@ def matching_nodes(wanted: Floats, nodes: Floats) -> Ints:
 
 
 def _positions(points: ArrayLike, dim: int) -> Floats:
-    array = np.asarray(points, dtype=float)
+    array = finite_numbers(points, "points", "rows of finite numbers (m), equally long")
     fits = array.ndim == 2 and array.shape[1] == dim
     require(fits, "points", array.shape, f"shape (n_points, {dim})")
-    require(bool(np.isfinite(array).all()), "points", "not finite", "finite numbers (m)")
     return array
 
 

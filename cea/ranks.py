@@ -1,15 +1,18 @@
 """Agreement between ranks, so that a fault on one leaves no other waiting."""
 
+import pickle
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from cea.errors import InputError
+
+class FaultOnRankError(RuntimeError):
+    """A fault on another rank that cannot travel as it is: its kind and its words."""
 
 
 @contextmanager
 def agreed(comm: Any) -> Iterator[None]:
-    """Run a block that sends no messages; input that any rank refuses, every rank refuses.
+    """Run a block that sends no messages; a fault on any rank ends it on every rank.
 
     Parameters
     ----------
@@ -18,17 +21,18 @@ def agreed(comm: Any) -> Iterator[None]:
 
     Raises
     ------
-    InputError
-        That of the lowest rank whose block raised one.
+    Exception
+        That of the lowest rank whose block raised one, of whatever kind.
     """
-    refusal = None
+    fault = None
     try:
         yield
-    except InputError as error:
-        refusal = error
-    first = next((r for r in comm.allgather(refusal) if r is not None), None)
+    except Exception as error:
+        fault = error
+    told = comm.allgather(_travelling(fault))
+    first = next((rank for rank, one in enumerate(told) if one is not None), None)
     if first is not None:
-        raise first
+        raise fault if first == comm.rank and fault is not None else told[first]
 
 
 def made_on_first[T](comm: Any, make: Callable[[], T]) -> T | None:
@@ -48,12 +52,25 @@ def made_on_first[T](comm: Any, make: Callable[[], T]) -> T | None:
             made = make()
         except Exception as error:
             fault = error
-    fault = comm.bcast(fault, root=0)
-    if fault is not None:
-        raise fault
+    told = comm.bcast(_travelling(fault), root=0)
+    if told is not None:
+        raise fault or told
     return made
 
 
 def local_rows(n: int, comm: Any) -> tuple[int, int]:
     """First row of this rank and of the next, when n rows are shared out evenly."""
     return comm.rank * n // comm.size, (comm.rank + 1) * n // comm.size
+
+
+def _travelling(fault: Exception | None) -> Exception | None:
+    """A fault as it can be sent: some do not survive being packed."""
+    if fault is None:
+        return None
+    try:
+        unpacked = pickle.loads(pickle.dumps(fault))
+    except Exception:
+        unpacked = None
+    if type(unpacked) is type(fault) and str(unpacked) == str(fault):
+        return fault
+    return FaultOnRankError(f"{type(fault).__name__}: {fault}")

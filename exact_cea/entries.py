@@ -10,6 +10,7 @@ import numpy as np
 from flint import acb, arb, ctx
 from numpy.typing import NDArray
 
+from cea.files import write_whole
 from exact_cea import galerkin_problems, lumped
 from exact_cea.blocks import Blocks
 from exact_cea.drum import Drum
@@ -109,8 +110,9 @@ def lumped_system(system: lumped.LumpedSystem, info: dict[str, str]) -> Entry:
 
 
 def write(entries: Sequence[Entry], file: Path) -> None:
-    """Write entries as a JSON list, one to a line."""
-    file.write_text("[\n" + ",\n".join(json.dumps(entry) for entry in entries) + "\n]\n")
+    """Write entries as a JSON list, one to a line, whole or not at all."""
+    text = "[\n" + ",\n".join(json.dumps(entry) for entry in entries) + "\n]\n"
+    write_whole(text.encode(), file)
 
 
 def _spectrum(problem: Drum | Blocks, max_frequency: float | None, count: int | None) -> Spectrum:

@@ -77,7 +77,7 @@ class FEBody:
         self._supports = tuple(supports)
         self._springs = tuple(springs)
         self._pressures = tuple(pressures)
-        if not 1 <= degree <= 4:
+        if type(degree) is not int or not 1 <= degree <= 4:
             raise InputError(f"bodies.{name}.degree", degree, "1 to 4")
         field = f"bodies.{name}"
         check_boundary(supports, springs, pressures, surface_tags, self.dim, field)

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.errors import require
+from cea.errors import InputError, require
 from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 
 Floats = NDArray[np.float64]
@@ -37,11 +37,7 @@ def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -
     ndarray
         ``count + 1`` rising coordinates.
     """
-    stops = np.unique(np.concatenate([[low, high], np.asarray(through, dtype=float)]))
-    require(
-        bool(stops[0] == low and stops[-1] == high), "through", list(through), f"{low} to {high}"
-    )
-    require(count >= len(stops) - 1, "count", count, f"at least {len(stops) - 1} elements")
+    stops = _stops(low, high, count, through)
     shares = np.ones(len(stops) - 1, dtype=int)
     lengths = np.diff(stops)
     for _ in range(count - len(shares)):
@@ -50,6 +46,16 @@ def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -
         np.linspace(a, b, n + 1)[:-1] for (a, b), n in zip(pairwise(stops), shares, strict=True)
     ]
     return np.concatenate([*pieces, [high]])
+
+
+def _stops(low: float, high: float, count: int, through: Sequence[float]) -> Floats:
+    """Coordinates that must be breaks, the ends among them, rising."""
+    stops = np.unique(np.concatenate([[low, high], np.asarray(through, dtype=float)]))
+    require(
+        bool(stops[0] == low and stops[-1] == high), "through", list(through), f"{low} to {high}"
+    )
+    require(count >= len(stops) - 1, "count", count, f"at least {len(stops) - 1} elements")
+    return stops
 
 
 def breaks_of(
@@ -68,7 +74,46 @@ def breaks_of(
     through
         Coordinates that must be breaks, by name of the direction.
     """
-    asked = {name: list(values) for name, values in (through or {}).items()}
+    asked = _asked(shape, elements, through or {})
+    return tuple(
+        spread(low, high, count, asked.get(name, ()))
+        for name, (low, high), count in zip(shape.directions, shape.extent, elements, strict=True)
+    )
+
+
+def check_breaks(
+    shape: Shape, elements: Sequence[int], through: Mapping[str, Sequence[float]], field: str
+) -> None:
+    """Refuse elements and coordinates that give no breaks, without making any.
+
+    Parameters
+    ----------
+    shape, elements, through
+        As of :func:`breaks_of`.
+    field
+        Name of the mesh in messages.
+
+    Raises
+    ------
+    InputError
+        Naming elements or through.
+    """
+    try:
+        asked = _asked(shape, elements, through)
+        for name, ends, count in zip(shape.directions, shape.extent, elements, strict=True):
+            _stops(*ends, count, asked.get(name, ()))
+    except InputError as error:
+        name, value = error.field, error.value
+        if name == "count":
+            name, value = "elements", tuple(elements)
+        raise InputError(f"{field}.{name}", value, error.allowed) from None
+
+
+def _asked(
+    shape: Shape, elements: Sequence[int], through: Mapping[str, Sequence[float]]
+) -> dict[str, list[float]]:
+    """Coordinates through which breaks must go, by direction."""
+    asked = {name: list(values) for name, values in through.items()}
     unknown = set(asked) - set(shape.directions)
     require(not unknown, "through", sorted(unknown), f"directions {', '.join(shape.directions)}")
     require(
@@ -82,10 +127,7 @@ def breaks_of(
     if isinstance(shape, Hub):
         asked["r"] = [*asked.get("r", []), shape.hub_radius]
         asked["z"] = [*asked.get("z", []), shape.bottom, shape.top]
-    return tuple(
-        spread(low, high, count, asked.get(name, ()))
-        for name, (low, high), count in zip(shape.directions, shape.extent, elements, strict=True)
-    )
+    return asked
 
 
 def graded(

@@ -7,7 +7,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.errors import InputError, require
+from cea.arrays import finite_numbers
+from cea.errors import require
 
 Floats = NDArray[np.float64]
 Face = tuple[int, int, int]
@@ -125,13 +126,9 @@ class Patches:
 
 def _array(nested: tuple[Any, ...], field: str) -> Floats:
     """Nested lists as an array of finite numbers."""
-    allowed = "nested lists of finite numbers, equally long at each depth"
-    try:
-        values = np.asarray(nested, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise InputError(field, nested, allowed) from error
-    require(bool(np.isfinite(values).all()), field, nested, allowed)
-    return values
+    return finite_numbers(
+        nested, field, "nested lists of finite numbers, equally long at each depth"
+    )
 
 
 def _check_knots(knots: Floats, p: int, field: str, given: tuple[float, ...]) -> None:

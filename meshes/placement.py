@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from cea.arrays import of_size_one
 from cea.errors import require
 
 Floats = NDArray[np.float64]
@@ -30,15 +31,27 @@ class Placement:
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        require(bool(np.linalg.norm(self.axis) > 0), "axis", self.axis, "a vector that is not zero")
+        require(bool(np.any(self.axis)), "axis", self.axis, "a vector that is not zero")
 
     @property
     def rotation(self) -> Floats:
         """Rotation matrix, (3, 3)."""
-        axis = np.asarray(self.axis, dtype=float)
+        axis = of_size_one(self.axis)
         return Rotation.from_rotvec(
             axis / np.linalg.norm(axis) * self.angle, degrees=True
         ).as_matrix()
+
+    def check(self, dim: int, field: str) -> None:
+        """Refuse a place out of the plane for a body in the plane.
+
+        Raises
+        ------
+        InputError
+            Under the name of the field.
+        """
+        if dim == 2:
+            stays = np.allclose(self.rotation[2], [0, 0, 1]) and self.translation[2] == 0
+            require(bool(stays), field, self, "a rotation about z and a shift in x, y")
 
     def apply(self, points: Floats) -> Floats:
         """Placed copies of points (m), shape (..., 3), or (..., 2) in plane strain.
@@ -49,8 +62,6 @@ class Placement:
             When points of the plane would leave it.
         """
         dim = points.shape[-1]
+        self.check(dim, "placement")
         rotation, translation = self.rotation, np.asarray(self.translation)
-        if dim == 2:
-            stays = np.allclose(rotation[2], [0, 0, 1]) and translation[2] == 0
-            require(bool(stays), "placement", self, "a rotation about z and a shift in x, y")
         return points @ rotation[:dim, :dim].T + translation[:dim]

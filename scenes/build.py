@@ -1,6 +1,7 @@
 """Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -133,7 +134,7 @@ def build_interfaces(
                 side_b,
                 half.spec.formulation.points_on(side_a, side_b, reach),
                 field=f"contacts.{half.pair}",
-                reach=reach,
+                reach=half.spec.reach,
                 max_missed=1.0 if larger else half.spec.max_missed,
             )
     return interfaces
@@ -163,30 +164,46 @@ def check_interfaces(
 def _half_pass(half: _Half, interface: Interface) -> HalfPass:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
     spec, x = half.spec, interface.points.x
-    if spec.p is None:
-        stiffness = np.full(len(x), _required(spec.P) / interface.points.weight.sum())
-    else:
-        stiffness = evaluate(_field(spec.p), x)
-    direction = half.direction
+    with _of_contact(half.pair):
+        if spec.p is None:
+            stiffness = np.full(len(x), _required(spec.P) / interface.points.weight.sum())
+        else:
+            stiffness = _values("p", spec.p, x)
+        law = LinearLaw(half.share * stiffness)
+        direction = half.direction
+        friction = Friction(_friction(spec.mu, x), direction) if direction is not None else None
     return HalfPass(
         a=half.a.split(".")[0],
         b=half.b.split(".")[0],
         interface=interface,
-        law=LinearLaw(half.share * stiffness),
-        friction=Friction(_friction(spec.mu, x), direction) if direction is not None else None,
+        law=law,
+        friction=friction,
         coupling=spec.formulation.coupling,
         form=spec.form,
         pair=half.pair,
     )
 
 
-def _field(field: float | str) -> float | Expression:
-    return Expression(field) if isinstance(field, str) else field
+@contextmanager
+def _of_contact(name: str) -> Iterator[None]:
+    """Name the contact in faults of its fields."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"contacts.{name}.{error.field}", error.value, error.allowed) from None
+
+
+def _values(name: str, field: float | str, x: Floats) -> Floats:
+    """Values of a field of a contact at points."""
+    try:
+        return evaluate(Expression(field) if isinstance(field, str) else field, x)
+    except InputError as error:
+        raise InputError(name, error.value, error.allowed) from None
 
 
 def _friction(mu: float | str, x: Floats) -> Floats:
     """Friction at points; what rounding leaves where an expression vanishes counts as zero."""
-    values = evaluate(_field(mu), x)
+    values = _values("mu", mu, x)
     negligible = _ROUNDING * np.abs(values).max(initial=0.0)
     return (
         np.where(np.abs(values) <= negligible, 0.0, values) if np.isfinite(negligible) else values

@@ -9,7 +9,10 @@ from pydantic import ValidationError
 from cea.checks import check_density, check_surface
 from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError
-from scenes.spec import Backend, BodySpec, ContactSpec, SceneSpec
+from cea.fields import Expression
+from meshes.breaks import check_breaks
+from scenes.limits import MAX_ELEMENTS, limit_checks
+from scenes.spec import Backend, BodySpec, ContactSpec, FeMesh, IgaMesh, SceneSpec
 
 
 def faults_told_by(error: ValidationError) -> list[InputError]:
@@ -44,11 +47,12 @@ _CHOICES = ("geometry", "formulation", "analysis", "friction_direction_on_a", "p
 def _place(path: Sequence[str | int]) -> str:
     """Path of a field as the user wrote it."""
     written = [p for before, p in pairwise(("", *path)) if before not in _CHOICES]
-    return ".".join(map(str, written))
+    return ".".join(map(str, written)) or "scene"
 
 
 def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
     """Faults between fields, each of which is right by itself."""
+    yield from limit_checks(scene)
     if not scene.bodies:
         yield InputError("bodies", {}, "at least one body")
     for name, body in scene.bodies.items():
@@ -62,11 +66,15 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
         if contact.a.split(".")[0] == contact.b.split(".")[0]:
             yield InputError(f"contacts.{name}.b", contact.b, f"another body than {contact.a}")
         yield from _formulation_checks(scene, name, contact)
+        yield from _dimension_checks(scene, f"contacts.{name}", contact)
     if scene.analysis.kind == "static" and scene.output.pictures:
         yield InputError("output.pictures", scene.output.pictures, "0 in a static analysis")
     for i, load in enumerate(scene.loads):
         yield from _known(f"loads.{i}.surface", load.surface, known)
 
+
+_THIN = 1e-12
+"""Smallest range of a coordinate, relative to the coordinate."""
 
 _CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
 
@@ -89,10 +97,39 @@ def _mesh_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     for name, values in numbers.items():
         if values is not None and len(values) != dim:
             yield InputError(f"{place}.mesh.{name}", values, f"one number for each of {names}")
+    for backend, mesh in (("fe", fe), ("iga", iga)):
+        if mesh is not None and mesh.elements is not None and len(mesh.elements) == dim:
+            yield from _elements_checks(f"{place}.mesh.{backend}", body, mesh)
+
+
+def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iterable[InputError]:
+    """Elements that are too few for their shape, or too many for any machine."""
+    elements = mesh.elements or ()
+    if not all(1 <= count <= MAX_ELEMENTS for count in elements):
+        yield InputError(f"{place}.elements", elements, f"1 to {MAX_ELEMENTS} along each direction")
+    else:
+        yield from _fault(check_breaks, body.geometry, elements, mesh.through, place)
+
+
+def _space_checks(place: str, body: BodySpec) -> Iterable[InputError]:
+    """Places, supports and springs that do not suit the dimension of the shape."""
+    dim = len(body.geometry.directions)
+    yield from _fault(body.placement.check, dim, f"{place}.placement")
+    for i, support in enumerate(body.supports):
+        yield from _fault(support.support().check, dim, f"{place}.supports.{i}")
+    for i, spring in enumerate(body.springs):
+        if len(spring.stiffness) != dim:
+            allowed = f"{dim} values (N/m^3), one for each component"
+            yield InputError(f"{place}.springs.{i}.stiffness", spring.stiffness, allowed)
+    for name, (low, high) in zip(body.geometry.directions, body.geometry.extent, strict=True):
+        if not high - low > _THIN * max(abs(low), abs(high)):
+            allowed = "a range that is not lost in the rounding of its ends"
+            yield InputError(f"{place}.geometry", f"{name} from {low} to {high}", allowed)
 
 
 def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     yield from _mesh_checks(place, body)
+    yield from _space_checks(place, body)
     if getattr(body.mesh, body.backend) is None:
         yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
     for kind in ("supports", "springs"):
@@ -115,6 +152,24 @@ def _formulation_checks(scene: SceneSpec, name: str, contact: ContactSpec) -> It
                 contact.formulation.method,
                 f"one of {allowed} where side {side} has backend {body.backend!r}",
             )
+
+
+def _dimension_checks(scene: SceneSpec, place: str, contact: ContactSpec) -> Iterable[InputError]:
+    """Sides of different dimensions, and directions and fields of another one."""
+    dims = {
+        len(scene.bodies[name].geometry.directions)
+        for name in (contact.a.split(".")[0], contact.b.split(".")[0])
+        if name in scene.bodies
+    }
+    if len(dims) > 1:
+        yield InputError(f"{place}.b", contact.b, f"a body of the same dimension as {contact.a}")
+    for dim in dims if len(dims) == 1 else ():
+        if contact.friction_direction_on_a is not None:
+            direction = f"{place}.friction_direction_on_a"
+            yield from _fault(contact.friction_direction_on_a.check, dim, direction)
+        for name, value in (("p", contact.p), ("mu", contact.mu)):
+            if isinstance(value, str):
+                yield from _fault(Expression(value).check, f"{place}.{name}", dim)
 
 
 def suits(formulation: Formulation | type[Formulation], backend: Backend) -> bool:

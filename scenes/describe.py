@@ -11,7 +11,7 @@ from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum
 from cea.system.contact_stresses import SideStress
 from scenes.results import ModesResult, StaticResult
-from scenes.stored import in_json, record, write_record
+from scenes.stored import record, write_record
 
 RUN = "run"
 """Command that a record of a run names."""
@@ -48,9 +48,9 @@ def save_result(
 
 
 def describe(result: ModesResult | StaticResult) -> dict[str, Any]:
-    """Everything about a run, ready for JSON."""
+    """Everything about a run, plain data as :func:`scenes.stored.write_record` takes them."""
     data: dict[str, Any] = {
-        "scene": in_json(asdict(result.scene)),
+        "scene": asdict(result.scene),
         "dofs": {
             "free": result.system.size,
             "bodies": {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()},

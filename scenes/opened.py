@@ -1,16 +1,19 @@
 """Stored results opened again: modes, stresses, or the data of any other command."""
 
+import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
+from pydantic import TypeAdapter, ValidationError
 
 from cea.body import Floats
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
+from scenes.checks import faults_told_by
 from scenes.of_modes import OfModes
 from scenes.read import Scene, read_scene
 from scenes.stored import PROVENANCE, read_record
@@ -146,46 +149,104 @@ def open_result(file: str | Path) -> StoredModes | StoredStatic | StoredResult:
     missing = [name for name in PROVENANCE if name not in data]
     if missing:
         raise InputError("file", str(file), f"a stored result; {', '.join(missing)} not in it")
-    common = {name: data.pop(name) for name in PROVENANCE} | {"data": data}
-    common["warnings"] = tuple(common["warnings"])
     try:
-        return _typed(common, data)
-    except (KeyError, TypeError) as error:
-        raise InputError("file", str(file), f"a stored result; broken at {error}") from error
+        common = _checked(_COMMON, {name: data.pop(name) for name in PROVENANCE})
+        return _typed({**common, "data": data}, data)
+    except ValidationError as error:
+        first = faults_told_by(error)[0]
+        raise InputError("file", str(file), f"a stored result; broken at {first}") from error
+
+
+class _Common(TypedDict):
+    """What every record has, as :mod:`scenes.stored` says."""
+
+    command: str
+    inputs: dict[str, Any]
+    versions: dict[str, str]
+    commit: str
+    machine: dict[str, Any]
+    seconds: float
+    warnings: tuple[dict[str, Any], ...]
+
+
+class _Dofs(TypedDict):
+    free: int
+
+
+class _Run(TypedDict):
+    """What every run has, as :func:`scenes.describe.describe` says."""
+
+    scene: dict[str, Any]
+    dofs: _Dofs
+    timings: dict[str, float]
+    skipped: dict[str, str]
+
+
+class _Eigenvalue(TypedDict):
+    re: float
+    im: float
+    residual: float
+    condition: float
+    uncertainty: float
+
+
+class _Modes(_Run):
+    eigenvalues: list[_Eigenvalue]
+    window: Window
+
+
+class _Stress(TypedDict):
+    min: float
+    max: float
+    oscillation: float
+    arc: list[float]
+    sigma_n_along: list[float | None]
+
+
+class _Static(_Run):
+    stresses: dict[str, dict[str, _Stress]]
+
+
+_COMMON, _MODES, _STATIC = TypeAdapter(_Common), TypeAdapter(_Modes), TypeAdapter(_Static)
+_WARNING = TypeAdapter(ResultWarning)
+
+
+def _checked[T](kind: TypeAdapter[T], data: Any) -> T:
+    """Plain data as what they should be: no text for numbers, no list for tables."""
+    return kind.validate_json(json.dumps(data), strict=True)
 
 
 def _typed(common: dict[str, Any], data: dict[str, Any]) -> StoredResult:
     """The result of the kind that its data say."""
     if "eigenvalues" in data and "scene" in data:
-        modes = _spectrum(data, common["warnings"])
-        return StoredModes(**common, scene=read_scene(data["scene"]), modes=modes)
+        modes = _spectrum(_checked(_MODES, data), common["warnings"])
+        return StoredModes(**common, scene=_scene(data, "cea"), modes=modes)
     if "stresses" in data and "scene" in data:
         stresses = {
             name: {side: _stress(stress) for side, stress in sides.items()}
-            for name, sides in data["stresses"].items()
+            for name, sides in _checked(_STATIC, data)["stresses"].items()
         }
-        return StoredStatic(**common, scene=read_scene(data["scene"]), stresses=stresses)
+        return StoredStatic(**common, scene=_scene(data, "static"), stresses=stresses)
     return StoredResult(**common)
 
 
-def _spectrum(data: Mapping[str, Any], warnings: Iterable[Mapping[str, Any]]) -> Spectrum:
-    columns = {
-        name: np.array([value[name] for value in data["eigenvalues"]], dtype=float)
+def _scene(data: Mapping[str, Any], kind: str) -> Scene:
+    """The scene of a run, whose analysis must be of the kind of its data."""
+    scene = read_scene(data["scene"])
+    if scene.analysis.kind != kind:
+        raise InputError("scene.analysis.kind", scene.analysis.kind, f"{kind!r}, as the data are")
+    return scene
+
+
+def _spectrum(data: _Modes, warnings: Iterable[Mapping[str, Any]]) -> Spectrum:
+    re, im, residual, condition, uncertainty = (
+        np.array([value[name] for value in data["eigenvalues"]], dtype=float)
         for name in ("re", "im", "residual", "condition", "uncertainty")
-    }
-    window = Window(**{field.name: data["window"][field.name] for field in fields(Window)})
-    eigenvalues = columns["re"] + 1j * columns["im"]
-    told = tuple(ResultWarning(**warning) for warning in warnings)
-    return Spectrum(
-        eigenvalues,
-        residuals=columns["residual"],
-        conditions=columns["condition"],
-        growth_uncertainties=columns["uncertainty"],
-        window=window,
-        warnings=told,
     )
+    told = tuple(_checked(_WARNING, warning) for warning in warnings)
+    return Spectrum(re + 1j * im, residual, condition, uncertainty, data["window"], warnings=told)
 
 
-def _stress(stress: Mapping[str, Any]) -> StoredStress:
-    arrays = {name: np.array(stress[name], dtype=float) for name in ("arc", "sigma_n_along")}
-    return StoredStress(stress["min"], stress["max"], stress["oscillation"], **arrays)
+def _stress(stress: _Stress) -> StoredStress:
+    arrays = [np.array(stress[name], dtype=float) for name in ("arc", "sigma_n_along")]
+    return StoredStress(stress["min"], stress["max"], stress["oscillation"], *arrays)

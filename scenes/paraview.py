@@ -1,6 +1,7 @@
 """Modes and static displacements of a run as files for ParaView."""
 
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,10 +11,11 @@ import numpy as np
 
 from cea.body import Complexes, Floats
 from cea.contact.operators import Contact
+from cea.files import folder_whole
 from cea.matrices import destroy
 from scenes.arrays import displacements
 from scenes.results import ModesResult, StaticResult
-from scenes.vtu import Entry, cell_grid, in_space, point_grid, write_collection
+from scenes.vtu import Entry, cell_grid, in_space, point_grid, write_collection, write_grid
 
 
 @dataclass(frozen=True)
@@ -84,16 +86,20 @@ def write_paraview(result: ModesResult | StaticResult, count: int, out: Path) ->
     gaps = {contact.name: _gaps(result, contact, modes) for contact in contacts}
     body_grids = {name: cell_grid(cells[name]) for name in bodies} if is_root else {}
     point_grids = {c.name: _contact_grid(c) for c in contacts} if is_root else {}
-    for i, solution in enumerate(solutions):
-        pressures = {c.name: _pressure(result, c, solution) for c in contacts}
-        for name, grid in body_grids.items():
-            for label, x in solution.parts("displacement", u[name][..., i]).items():
-                grid.point_data[label] = in_space(x)
-        for name, grid in point_grids.items():
-            grid.point_data.update(solution.parts("gap", gaps[name][:, i]) | pressures[name])
-        volumes.add(body_grids, solution)
-        surfaces.add(point_grids, solution)
     collections = [volumes, surfaces] if contacts else [volumes]
+    with ExitStack() as stack:
+        if is_root:
+            for collection in collections:
+                collection.part = stack.enter_context(folder_whole(collection.folder))
+        for i, solution in enumerate(solutions):
+            pressures = {c.name: _pressure(result, c, solution) for c in contacts}
+            for name, grid in body_grids.items():
+                for label, x in solution.parts("displacement", u[name][..., i]).items():
+                    grid.point_data[label] = in_space(x)
+            for name, grid in point_grids.items():
+                grid.point_data.update(solution.parts("gap", gaps[name][:, i]) | pressures[name])
+            volumes.add(body_grids, solution)
+            surfaces.add(point_grids, solution)
     if is_root:
         for collection in collections:
             write_collection(collection.entries, collection.file)
@@ -106,17 +112,17 @@ class _Collection:
     def __init__(self, out: Path, name: str) -> None:
         self.file = out / f"{name}.pvd"
         self.folder = out / name
+        self.part = self.folder  # where its grids are written until it is whole
         self.entries: list[Entry] = []
 
     def add(self, grids: Mapping[str, Any], solution: _Solution) -> None:
         """Write the grids of a solution, each a part; on other ranks there are none."""
         for part, (name, grid) in enumerate(grids.items()):
-            self.folder.mkdir(parents=True, exist_ok=True)
             for fact, value in solution.facts.items():
                 grid.field_data[fact] = [value]
             # Names of bodies and contacts are free text.
             file = self.folder / f"{solution.name}_{quote(name, safe=' ,')}.vtu"
-            grid.save(file)
+            write_grid(grid, self.part / file.name)
             self.entries.append(Entry(solution.number, part, file))
 
 

@@ -1,11 +1,14 @@
 """Pictures of modes: at the phase of largest deflection, and through a period."""
 
+from io import BytesIO
 from itertools import zip_longest
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
 
+from cea.files import write_whole
 from scenes.drawing import Drawing
 from scenes.results import ModesResult
 
@@ -45,9 +48,8 @@ def draw_modes(result: ModesResult, count: int, out: Path, *, animated: bool = F
         files += [picture, animation] if animated else [picture]
         if drawing is None:
             continue
-        out.mkdir(parents=True, exist_ok=True)
         (image,) = drawing.images([0.0])
-        image.save(picture)
+        write_whole(_content(image, "png"), picture)
         if animated:
             _write_animation(drawing, animation)
     return files
@@ -61,4 +63,12 @@ def _write_animation(drawing: Drawing, file: Path) -> None:
     quarter = np.concatenate([np.asarray(frame) for frame in frames[: _FRAMES // 4 + 1 : 2]])
     palette = Image.fromarray(quarter).quantize(_COLOURS)
     first, *others = (f.quantize(palette=palette, dither=Image.Dither.NONE) for f in frames)
-    first.save(file, save_all=True, append_images=others, duration=_FRAME_MILLISECONDS, loop=0)
+    options = {"append_images": others, "duration": _FRAME_MILLISECONDS, "loop": 0}
+    write_whole(_content(first, "gif", save_all=True, **options), file)
+
+
+def _content(image: Image.Image, kind: str, **options: Any) -> bytes:
+    """An image as the content of a file."""
+    stream = BytesIO()
+    image.save(stream, format=kind, **options)
+    return stream.getvalue()

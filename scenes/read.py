@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, is_dataclass, replace
@@ -20,12 +21,31 @@ SCENES = Path(__file__).parent / "catalogue"
 """Folder of the scenes that come with the project."""
 
 
+_SHOWN = 20
+"""Faults that a message tells."""
+_LARGEST = 2**26
+"""Bytes of a scene file."""
+_DEEPEST = 100
+"""Tables and lists inside each other."""
+_WHOLE = 10**400
+"""Whole numbers are smaller; beyond some thousand digits they cannot even be written."""
+_KEYS = re.compile(r"(?<![^\s.,=\[\]{}])(?:[^\s.,=\[\]{}]+[ \t]*\.[ \t]*){100}")
+"""A hundred tables inside each other by one dotted name, for which reading takes its time."""
+
+
 class SceneError(ValueError):
     """A scene that is refused: one :class:`cea.errors.InputError` for each fault."""
 
     def __init__(self, faults: Iterable[InputError]) -> None:
         self.faults = tuple(faults)
-        super().__init__("\n".join(str(fault) for fault in self.faults))
+        lines = [str(fault) for fault in self.faults[:_SHOWN]]
+        if len(self.faults) > _SHOWN:
+            lines.append(f"and {len(self.faults) - _SHOWN} more")
+        super().__init__("\n".join(lines))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel between ranks by its faults, not by its message."""
+        return type(self), (self.faults,)
 
 
 @dataclass(frozen=True)
@@ -89,14 +109,7 @@ def load_scene(
     SceneError
         With one line for each fault.
     """
-    file = _file(scene)
-    if not file.is_file():
-        names = ", ".join(scene_names())
-        raise SceneError([InputError("scene", str(scene), f"a TOML file, or one of {names}")])
-    try:
-        data = tomllib.loads(file.read_text())
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError([InputError("scene", str(scene), f"valid TOML: {error}")]) from error
+    data = _tables_of(scene)
     for override in overrides:
         path, equals, text = override.partition("=")
         if not equals:
@@ -107,6 +120,36 @@ def load_scene(
             if isinstance(body, dict):
                 body["backend"] = backend
     return read_scene(data)
+
+
+def _tables_of(scene: str | Path) -> dict[str, Any]:
+    """What a scene file says.
+
+    Raises
+    ------
+    SceneError
+        When there is no such file, or no TOML in it.
+    """
+    file = _file(scene)
+    try:
+        if not file.is_file():
+            raise FileNotFoundError
+        with file.open("rb") as stream:
+            content = stream.read(_LARGEST + 1)
+    except (OSError, ValueError) as error:
+        allowed = f"a TOML file, or one of {', '.join(scene_names())}"
+        reason = f" ({error.strerror})" if isinstance(error, OSError) and error.strerror else ""
+        raise SceneError([InputError("scene", str(scene), allowed + reason)]) from error
+    if len(content) > _LARGEST:
+        raise SceneError([InputError("scene", str(scene), f"a file of at most {_LARGEST} bytes")])
+    try:
+        text = content.decode()
+        if _KEYS.search(text):
+            raise ValueError(f"names of more than {_DEEPEST} parts")
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        allowed = f"valid TOML in UTF-8: {error}"
+        raise SceneError([InputError("scene", str(scene), allowed)]) from error
 
 
 def scene_names() -> list[str]:
@@ -123,7 +166,12 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
         With one line for each fault.
     """
     try:
-        scene = _adapter(tuple(registered().values())).validate_json(json.dumps(data))
+        text = json.dumps(data, default=_plain, ensure_ascii=False)
+        content = text.encode()
+    except (SceneError, TypeError, ValueError, RecursionError) as error:
+        raise SceneError([_unreadable(data)]) from error
+    try:
+        scene = _adapter(tuple(registered().values())).validate_json(content)
     except ValidationError as error:
         raise SceneError(faults_told_by(error)) from error
     return _without_faults(scene)
@@ -141,6 +189,38 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):
         return value.tolist()
     raise SceneError([InputError("value", value, "plain data, or a section of a scene")])
+
+
+def _unreadable(data: Any) -> InputError:
+    """The first value that is none of tables, lists, text and numbers."""
+    allowed = "text, numbers, lists, and tables of them by name"
+    level: list[tuple[str, Any]] = [("scene", data)]
+    for _ in range(_DEEPEST):
+        inner: list[tuple[str, Any]] = []
+        for place, value in level:
+            dot = "" if place == "scene" else f"{place}."
+            if isinstance(value, Mapping):
+                if not all(_is_text(name) for name in value):
+                    return InputError(place, list(value), f"{allowed}; names are text")
+                inner += [(f"{dot}{name}", part) for name, part in value.items()]
+            elif isinstance(value, list | tuple):
+                inner += [(f"{dot}{i}", part) for i, part in enumerate(value)]
+            elif not (value is None or _is_text(value) or _is_plain_number(value)):
+                return InputError(place, value, allowed)
+        level = inner
+    return InputError(level[0][0] if level else "scene", "...", f"nested less than {_DEEPEST} deep")
+
+
+def _is_text(value: Any) -> bool:
+    """Whether a value is text that a file can hold."""
+    try:
+        return isinstance(value, str) and bool(value.encode() or True)
+    except UnicodeEncodeError:
+        return False
+
+
+def _is_plain_number(value: Any) -> bool:
+    return isinstance(value, bool | float) or (isinstance(value, int) and abs(value) < _WHOLE)
 
 
 def _file(scene: str | Path) -> Path:
@@ -166,9 +246,10 @@ def _without_faults(scene: Scene) -> Scene:
 def _toml_value(text: str) -> Any:
     """Value of a field as TOML has it; what TOML has no value for is text."""
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        table = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
         return text
+    return table["value"] if len(table) == 1 else text
 
 
 def _set(data: dict[str, Any], path: str, value: Any) -> None:
@@ -196,8 +277,11 @@ def _entry(table: Any, name: str, path: str) -> Any:
     return entry
 
 
+_DIGITS = 10
+
+
 def _number(entries: list[Any], name: str, path: str) -> int:
-    if not (name.isdecimal() and int(name) < len(entries)):
+    if not (name.isdecimal() and len(name) < _DIGITS and int(name) < len(entries)):
         allowed = f"a number from 0 to {len(entries) - 1}" if entries else "no entry: there is none"
         raise SceneError([InputError(path, name, allowed)])
     return int(name)

@@ -13,6 +13,7 @@ from cea.system.contact_stresses import contact_stresses
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system, check_interfaces
+from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
 from scenes.spec import ComplexEigenvalueAnalysis, StaticAnalysis
@@ -56,7 +57,8 @@ def run_scene(scene: Scene, **options: Unpack[RunOptions]) -> ModesResult | Stat
     Raises
     ------
     InputError
-        When bodies or interfaces are given that are not those of the scene.
+        When bodies or interfaces are given that are not those of the scene, or the machine has
+        not the memory it takes.
     """
     if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
         return run_modes(scene, **options)
@@ -136,6 +138,7 @@ def coupled(
     """
     timer = StageTimer(listener)
     if bodies is None:
+        check_memory(scene)
         bodies = build_bodies(scene, timer)
     elif list(bodies) != list(scene.bodies):
         raise InputError("bodies", list(bodies), f"those of the scene: {', '.join(scene.bodies)}")

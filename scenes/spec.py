@@ -85,10 +85,15 @@ class IgaMesh:
         Coordinates that must be knots, by direction.
     """
 
-    degree: tuple[int, ...]
+    degree: tuple[Annotated[int, Field(ge=1, le=8)], ...]
     elements: tuple[int, ...]
-    continuity: tuple[int, ...] | None = None
+    continuity: tuple[Annotated[int, Field(ge=0)], ...] | None = None
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        continuity = self.continuity or ()
+        if any(c >= p for c, p in zip(continuity, self.degree, strict=False)):
+            raise InputError("continuity", continuity, f"below the degree {self.degree}")
 
 
 @dataclass(frozen=True)
@@ -196,7 +201,7 @@ class ContactSpec:
         ``penalty``, or ``saddle``: contact forces as unknowns, which takes P = inf too. Left open,
         it is the penalty form where that costs no more than six digits, saddle where it would.
     reach
-        Largest distance (m) between the sides.
+        Largest distance (m) between the sides; left out, they must touch.
     max_missed
         Largest fraction of side a that may find nothing on side b.
     """
@@ -251,7 +256,7 @@ class StaticAnalysis:
     """Displacements under the loads; reports stresses over the contacts."""
 
     kind: Literal["static"]
-    samples: Annotated[int, Field(ge=2)] = 91
+    samples: Annotated[int, Field(ge=2, le=1000)] = 91
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,8 @@
 
 A record is plain data: ``command`` and its ``inputs``, ``versions``, ``commit`` and ``machine``
 that made it, ``seconds``, ``warnings``, and beside them the data of the command. Infinity, which
-JSON has no number for, is stored as the text "inf".
+JSON has no number for, is stored as the text "inf"; a text that reads so bears a backslash before
+it, and one more where it has some.
 """
 
 import gzip
@@ -14,11 +15,12 @@ import zlib
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from math import inf, isinf
+from math import inf, isinf, isnan
 from pathlib import Path
 from typing import Any
 
 from cea.errors import InputError
+from cea.files import write_whole
 
 PROVENANCE = ("command", "inputs", "versions", "commit", "machine", "seconds", "warnings")
 """Fields of every record; what else it holds is data of its command."""
@@ -32,8 +34,8 @@ _PACKAGES = {
     "pyvista": "pyvista",
     _PACKAGE: _PACKAGE,
 }
-_LEVEL = 6
-"""Level of compression: the highest takes three times as long and saves a few per cent."""
+_LARGEST = 2**30
+"""Bytes of JSON that are read at most: a small compressed file may hold any number of them."""
 _INFINITIES = {"inf": inf, "-inf": -inf}
 
 
@@ -92,30 +94,8 @@ def write_record(data: Mapping[str, Any], file: Path) -> Path:
     """
     compressed = file.suffix == ".gz"
     layout: dict[str, Any] = {"separators": (",", ":")} if compressed else {"indent": 1}
-    text = json.dumps(in_json(data), allow_nan=False, **layout)
+    text = json.dumps(_in_json(data), allow_nan=False, **layout)
     return write_whole(f"{text}\n".encode(), file)
-
-
-def write_whole(content: bytes, file: Path) -> Path:
-    """Write a file whole or not at all, making its folder.
-
-    Parameters
-    ----------
-    content
-        What it holds.
-    file
-        The file; with the ending ``.gz`` it is compressed, the same bytes for the same content.
-    """
-    if file.suffix == ".gz":
-        content = gzip.compress(content, _LEVEL, mtime=0)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(f".{file.name}.{os.getpid()}")
-    try:
-        part.write_bytes(content)
-        part.replace(file)
-    finally:
-        part.unlink(missing_ok=True)
-    return file
 
 
 def read_record(file: str | Path) -> dict[str, Any]:
@@ -128,9 +108,12 @@ def read_record(file: str | Path) -> dict[str, Any]:
     """
     path = Path(file)
     try:
-        content = path.read_bytes()
-        data = json.loads(gzip.decompress(content) if path.suffix == ".gz" else content)
-    except (OSError, EOFError, zlib.error, ValueError) as error:
+        with (gzip.open if path.suffix == ".gz" else open)(path, "rb") as stream:
+            content = stream.read(_LARGEST + 1)
+        if len(content) > _LARGEST:
+            raise ValueError(f"more than {_LARGEST} bytes")
+        data = json.loads(content, parse_constant=_no_number)
+    except (OSError, EOFError, zlib.error, ValueError, RecursionError) as error:
         raise InputError("file", str(file), f"a stored result: {error}") from error
     if not isinstance(data, dict):
         raise InputError("file", str(file), "a stored result, which is a table of fields")
@@ -179,13 +162,23 @@ def machine() -> dict[str, Any]:
     return {"cpus": os.cpu_count(), "machine": platform.machine(), "system": platform.system()}
 
 
-def in_json(value: Any) -> Any:
-    """Plain data in which infinity is the text "inf"."""
+def _in_json(value: Any, place: str = "data") -> Any:
+    """Plain data in which infinity is the text "inf".
+
+    Raises
+    ------
+    InputError
+        When a number is none, which JSON has no form for either.
+    """
     if isinstance(value, Mapping):
-        return {key: in_json(part) for key, part in value.items()}
+        return {key: _in_json(part, f"{place}.{key}") for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return [in_json(part) for part in value]
-    return str(value) if isinstance(value, float) and isinf(value) else value
+        return [_in_json(part, f"{place}.{i}") for i, part in enumerate(value)]
+    if isinstance(value, float):
+        if isnan(value):
+            raise InputError(place, value, "a number: JSON has none for it")
+        return str(value) if isinf(value) else value
+    return f"\\{value}" if isinstance(value, str) and _reads_infinite(value) else value
 
 
 def _from_json(value: Any) -> Any:
@@ -193,4 +186,15 @@ def _from_json(value: Any) -> Any:
         return {key: _from_json(part) for key, part in value.items()}
     if isinstance(value, list):
         return [_from_json(part) for part in value]
-    return _INFINITIES.get(value, value) if isinstance(value, str) else value
+    if isinstance(value, str) and _reads_infinite(value):
+        return _INFINITIES.get(value, value[1:])
+    return value
+
+
+def _reads_infinite(text: str) -> bool:
+    """Whether a text is that of an infinity, with backslashes before it or without."""
+    return text.lstrip("\\") in _INFINITIES
+
+
+def _no_number(text: str) -> float:
+    raise ValueError(f"{text} is no JSON")

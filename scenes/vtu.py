@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
-from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
 import pyvista
@@ -19,8 +19,10 @@ from vtkmodules.vtkCommonDataModel import (
     vtkHigherOrderTetra,
     vtkHigherOrderTriangle,
 )
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from cea.body import Floats, Ints, VolumeCells
+from cea.files import write_whole
 
 _CELL_TYPES = {
     ("lagrange", True, 2): pyvista.CellType.LAGRANGE_TRIANGLE,
@@ -85,6 +87,19 @@ def point_grid(points: Floats) -> Any:
     return pyvista.UnstructuredGrid(vertices.ravel(), kinds, in_space(points))
 
 
+def write_grid(grid: Any, file: Path) -> None:
+    """Write a grid to a ``.vtu`` file, whole or not at all.
+
+    VTK itself only warns of a full disk.
+    """
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(grid)
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    write_whole(writer.GetOutputString().encode(), file)
+
+
 def in_space(vectors: Floats) -> Floats:
     """Vectors with z = 0 added in 2D, shape (n, 3)."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
@@ -103,7 +118,7 @@ def write_collection(entries: Iterable[Entry], file: Path) -> None:
             file=entry.file.relative_to(file.parent).as_posix(),
         )
     indent(root)
-    ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
+    write_whole(tostring(root, encoding="utf-8", xml_declaration=True), file)
 
 
 def _vtk_positions(cells: VolumeCells) -> Ints:

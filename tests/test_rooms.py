@@ -27,7 +27,10 @@ ARROWS = {
 }
 """What each package may import beside itself."""
 
-LIGHT = {"exact_cea": {"cea.errors"}, "meshes": {"cea.errors", "cea.mesh"}}
+LIGHT = {
+    "exact_cea": {"cea.errors", "cea.files"},
+    "meshes": {"cea.arrays", "cea.errors", "cea.mesh"},
+}
 """Modules of ``cea`` that packages without PETSc may import."""
 
 APPLICATIONS = sorted(

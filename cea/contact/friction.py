@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cea.arrays import of_size_one
 from cea.body import Floats
 from cea.errors import InputError
 from cea.fields import Expression
 
 _GRAZING = 1e-6
+_FIELD = "friction_direction_on_a"
 
 
 @dataclass(frozen=True)
@@ -23,9 +25,24 @@ class AlongVector:
 
     vector: tuple[float, ...]
 
+    def __post_init__(self) -> None:
+        _check_vector(self.vector, "vector")
+
+    def check(self, dim: int, field: str) -> None:
+        """Refuse a vector of another dimension than that of space.
+
+        Raises
+        ------
+        InputError
+            Naming it below the name of the field.
+        """
+        if len(self.vector) != dim:
+            raise InputError(f"{field}.vector", self.vector, f"{dim} numbers, as space has")
+
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        return _tangent(np.broadcast_to(np.asarray(self.vector, dtype=float), x.shape), normal)
+        self.check(x.shape[1], _FIELD)
+        return _tangent(np.broadcast_to(of_size_one(self.vector), x.shape), normal)
 
 
 @dataclass(frozen=True)
@@ -43,12 +60,31 @@ class Circumferential:
     circumferential_about: tuple[float, float, float]
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
+    def __post_init__(self) -> None:
+        _check_vector(self.circumferential_about, "circumferential_about")
+
+    def check(self, dim: int, field: str) -> None:
+        """Refuse an axis that leaves the plane oblique, and an origin beside it.
+
+        Raises
+        ------
+        InputError
+            Naming axis or origin below the name of the field.
+        """
+        axis = self.circumferential_about
+        if dim == 2 and any(axis[:2]):
+            allowed = "an axis along z in the plane"
+            raise InputError(f"{field}.circumferential_about", axis, allowed)
+        if dim == 2 and self.origin[2]:
+            raise InputError(f"{field}.origin", self.origin, "z = 0 in the plane")
+
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
         dim = x.shape[1]
+        self.check(dim, _FIELD)
         arm = np.zeros((len(x), 3))
         arm[:, :dim] = x - np.asarray(self.origin, dtype=float)[:dim]
-        return _tangent(np.cross(self.circumferential_about, arm)[:, :dim], normal)
+        return _tangent(np.cross(of_size_one(self.circumferential_about), arm)[:, :dim], normal)
 
 
 @dataclass(frozen=True)
@@ -67,11 +103,23 @@ class AlongField:
         for text in self.field:
             Expression(text).check("field")
 
+    def check(self, dim: int, field: str) -> None:
+        """Refuse another number of expressions than that of components, or coordinates of space.
+
+        Raises
+        ------
+        InputError
+            Naming them below the name of the field.
+        """
+        if len(self.field) != dim:
+            allowed = f"{dim} expressions, one for each component"
+            raise InputError(f"{field}.field", list(self.field), allowed)
+        for i, text in enumerate(self.field):
+            Expression(text).check(f"{field}.field.{i}", dim)
+
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        if len(self.field) != x.shape[1]:
-            allowed = f"{x.shape[1]} expressions, one for each component"
-            raise InputError("friction_direction_on_a.field", list(self.field), allowed)
+        self.check(x.shape[1], _FIELD)
         return _tangent(np.stack([Expression(text)(x) for text in self.field], axis=1), normal)
 
 
@@ -95,6 +143,12 @@ class Reversed:
         return -self.direction.at(x, normal)
 
 
+def _check_vector(vector: tuple[float, ...], name: str) -> None:
+    """Refuse a vector that has no direction."""
+    if not (np.isfinite(vector).all() and np.any(vector)):
+        raise InputError(name, vector, "finite numbers, not all zero")
+
+
 def _tangent(direction: Floats, normal: Floats) -> Floats:
     along = np.einsum("ij,ij->i", direction, normal)
     tangent = direction - along[:, None] * normal
@@ -102,7 +156,7 @@ def _tangent(direction: Floats, normal: Floats) -> Floats:
     if (length <= _GRAZING * np.linalg.norm(direction, axis=1)).any():
         worst = int(np.argmin(length))
         raise InputError(
-            "friction_direction_on_a",
+            _FIELD,
             direction[worst].tolist(),
             f"a direction with a part tangent to side a, whose normal here is {normal[worst]}",
         )

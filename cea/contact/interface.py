@@ -14,13 +14,21 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.body import Floats, Location, Status, Surface, SurfacePoints
-from cea.checks import check_coverage, check_point_weights
+from cea.checks import check_coverage, check_gap, check_point_weights
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed, local_rows
 
 _QUADRATURE = 1e-3
 """Part of side a that a rule may lose to its own quadrature; more is area it leaves out."""
+_APART = 1e-3
+"""Gap, relative to the mesh size, at which sides whose normals are opposite still touch."""
+_SAGITTA = 0.25
+"""Gap, relative to the mesh size times the largest angle between normals, that facets explain.
+
+A chord of length h that turns by the angle t from the ends of its arc leaves it by h t / 4; between
+the chords of two sides the normals differ by the sum of both angles.
+"""
 _FACING = -0.5
 """Largest cosine between the normals of two surfaces that face each other."""
 
@@ -99,8 +107,9 @@ def pair(
     field
         Name of the contact, for messages.
     reach
-        Largest distance (m) between the surfaces along the normal; by default half the larger
-        mesh size.
+        Largest distance (m) between the surfaces along the normal. By default points are looked
+        for within half the larger mesh size, and the surfaces must touch: the gap must not exceed
+        what curved surfaces leave between straight facets.
     max_missed
         Largest fraction of the rule's area that may find nothing on b; such points are dropped.
     comm
@@ -109,9 +118,10 @@ def pair(
     Raises
     ------
     InputError
-        On every rank, when a weight is negative, too many points are missed or the surfaces do not
-        face each other.
+        On every rank, when a weight is negative, too many points are missed, the surfaces do not
+        face each other, or they do not touch and no reach allows for it.
     """
+    must_touch = reach is None
     if reach is None:
         reach = default_reach(a, b)
     check_point_weights(points.weight, field)
@@ -146,7 +156,11 @@ def pair(
             f"surfaces that face each other (their outward normals have cosine {worst:.3g}, "
             f"{_FACING} or less is allowed)",
         )
-    farthest = float(np.abs(opposite.distance).max(initial=0.0))
+    farthest = comm.allreduce(float(np.abs(opposite.distance).max(initial=0.0)), MPI.MAX)
+    if must_touch:
+        angle = np.arccos(np.clip(-worst, -1.0, 1.0))
+        allowed = float((_APART + _SAGITTA * angle) * max(a.mesh_size, b.mesh_size))
+        check_gap(farthest, allowed, field, f"{a.name} on {b.name}")
     return Interface(
         a=a,
         b=b,
@@ -156,7 +170,7 @@ def pair(
         trace_a=trace_a,
         trace_b=trace_b,
         statuses={s.name.lower(): int((status == s).sum()) for s in Status},
-        largest_distance=comm.allreduce(farthest, MPI.MAX),
+        largest_distance=farthest,
         comm=comm,
     )
 

@@ -46,7 +46,7 @@ class Cylindrical:
     def __post_init__(self) -> None:
         if not np.isfinite(self.origin).all():
             raise InputError("origin", self.origin, "finite coordinates (m)")
-        if self.axis and not (np.isfinite(self.axis).all() and np.linalg.norm(self.axis) > 0):
+        if self.axis and not (np.isfinite(self.axis).all() and np.any(self.axis)):
             raise InputError("axis", self.axis, "a finite vector that is not zero")
 
     def size(self, dim: int) -> int:

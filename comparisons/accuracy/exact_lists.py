@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from cea.body import Complexes
+from cea.files import write_whole
 from comparisons.accuracy.problems import PROBLEMS, Problem, problem
 from comparisons.accuracy.study import FULL
 
@@ -66,7 +67,8 @@ def main() -> None:
     """Compute and store every list."""
     text = json.dumps(computed())
     # A line for each list: changes can be read.
-    FILE.write_text(text.replace('": [[', '":\n[[').replace("]], ", "]],\n") + "\n")
+    lines = text.replace('": [[', '":\n[[').replace("]], ", "]],\n") + "\n"
+    write_whole(lines.encode(), FILE)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,10 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from cea.files import write_whole
 from comparisons.accuracy import figures, tables, words
 from comparisons.accuracy.runner import COMMAND
+from comparisons.kit.plots import png
 from comparisons.kit.records import RESULT, read_result
 from comparisons.kit.tables import Table
 from scenes.stored import write_record
@@ -45,12 +47,12 @@ def write(data: Data, out: Path) -> Path:
         _save(figures.error_against_cost, data, problem, out / f"error_{problem}.png")
         _save(figures.growth_against_stiffness, data, problem, out / f"growth_{problem}.png")
     page = out / "report.md"
-    page.write_text("\n".join(_page(data, made)) + "\n", encoding="utf-8")
+    write_whole(("\n".join(_page(data, made)) + "\n").encode(), page)
     return page
 
 
 def _save(draw: Callable[[Data, str], Figure], data: Data, problem: str, file: Path) -> None:
-    draw(data, problem).savefig(file, dpi=_DPI)
+    write_whole(png(draw(data, problem), _DPI), file)
 
 
 def _page(data: Data, made: dict[str, Table]) -> list[str]:

@@ -1,12 +1,15 @@
 """Pictures of a mode made of its files for ParaView alone, as any program would read them."""
 
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyvista
+from PIL import Image
 
 from cea.body import Complexes, Floats
+from cea.files import write_whole
 from scenes.drawing import DEFLECTION, aim, largest_deflection, view_of
 
 _WINDOW = (1800, 800)
@@ -64,8 +67,11 @@ def draw_files(modes: Path, contacts: Path, file: Path) -> None:
         plotter.subplot(0, 1)
         _draw_pressure(plotter, points, phase, edges)
         _write(plotter, "contact pressure")
-        plotter.screenshot(file)
+        image = Image.fromarray(plotter.screenshot(return_img=True))
         plotter.close()
+    stream = BytesIO()
+    image.save(stream, format="png")
+    write_whole(stream.getvalue(), file)
 
 
 def _complex(grid: Any, name: str) -> Complexes:

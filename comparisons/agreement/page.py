@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from cea.files import write_whole
 from cea.petsc import MPI
 from comparisons.agreement import figures, tables, words
 from comparisons.kit.page import Image, render
@@ -71,7 +72,6 @@ def _write(
 ) -> None:
     """Write tables, figures, ``result.json`` and the page."""
     out = page.parent
-    out.mkdir(parents=True, exist_ok=True)
     written = {table.name: table for table in (make(data) for make in TABLES)}
     for table in written.values():
         table.write_csv(out)
@@ -89,18 +89,16 @@ def _write(
         },
         out / RESULT,
     )
-    page.write_text(
-        render(
-            TEMPLATE,
-            data=data,
-            tables=written,
-            images=images,
-            pictures=pictures,
-            from_files=from_files,
-            words=words,
-        ),
-        encoding="utf-8",
+    text = render(
+        TEMPLATE,
+        data=data,
+        tables=written,
+        images=images,
+        pictures=pictures,
+        from_files=from_files,
+        words=words,
     )
+    write_whole(text.encode(), page)
 
 
 def _images(files: list[Path]) -> list[Image]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cea.errors import InputError
+from cea.files import check_writable
 from comparisons.cli.extras import need
 
 if TYPE_CHECKING:
@@ -48,11 +49,7 @@ _Count = Annotated[int | None, typer.Option("--count", help="Or: list so many, l
 def _writable(file: Path | None) -> Path | None:
     """Refuse a file that cannot be written before work begins."""
     if file is not None:
-        try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.open("a").close()
-        except OSError as error:
-            raise InputError("json", str(file), f"a file to write ({error.strerror})") from None
+        check_writable(file, "json")
     return file
 
 

@@ -8,10 +8,10 @@ from time import monotonic, sleep
 from traceback import format_exception
 from typing import Any
 
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError, InputError, WriteError
 from comparisons.cli.extras import MissingExtraError
 
-_EXPECTED = (InputError, ConvergenceError, MissingExtraError)
+_EXPECTED = (InputError, ConvergenceError, WriteError, MissingExtraError)
 """Faults told in a line each, as those of scenes are; any other is told with its traceback."""
 
 _PATIENCE = 5.0
@@ -72,6 +72,8 @@ def one_voice(comm: Any) -> Iterator[None]:
 def _told(error: Exception) -> str:
     if isinstance(error, _EXPECTED) or _is_of_a_scene(error):
         return "".join(f"error: {line}\n" for line in str(error).splitlines())
+    if isinstance(error, MemoryError):
+        return f"error: not enough memory{f': {error}' if str(error) else ''}\n"
     return "".join(format_exception(error))
 
 

@@ -19,6 +19,7 @@ def run(
     ),
 ) -> None:
     """Run one scene and write its result.json."""
+    from cea.files import check_writable
     from comparisons.cli.extras import need
     from comparisons.cli.output import console, print_modes, print_stresses
     from scenes.describe import save_result
@@ -28,6 +29,7 @@ def run(
 
     with console.status("reading the scene") as status:
         chosen = load_scene(scene, set_ or (), backend)
+        check_writable(out / "result.json", "out")
         if chosen.output.pictures or chosen.output.paraview:
             need("pictures")
         result = run_scene(chosen, listener=lambda stage: status.update(stage))

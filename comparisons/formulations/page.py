@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from cea.files import write_whole
 from cea.petsc import MPI
 from comparisons.formulations import pairing_tables, words
 from comparisons.formulations.figures import draw_locking, draw_pairings, draw_patch_test_errors
@@ -63,7 +64,6 @@ def write_formulations(data: dict[str, Any], out: Path) -> Path:
     page = out / "report.html"
     MPI.COMM_WORLD.Barrier()  # ranks may still read what is written here
     if MPI.COMM_WORLD.rank == 0:
-        out.mkdir(parents=True, exist_ok=True)
         write_record(data, out / RESULT)
         tables = {table.name: table for table in tables_of(data)}
         for table in tables.values():
@@ -73,7 +73,7 @@ def write_formulations(data: dict[str, Any], out: Path) -> Path:
             for name, (part, draw) in _FIGURES.items()
         }
         text = render(TEMPLATE, data=data, tables=tables, images=images, words=words)
-        page.write_text(text, encoding="utf-8")
+        write_whole(text.encode(), page)
     MPI.COMM_WORLD.Barrier()
     return page
 

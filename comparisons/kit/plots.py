@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from functools import wraps
+from io import BytesIO
 from pathlib import Path
 
 from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from cea.files import write_whole
 from comparisons.kit.tables import Data
 
 DPI = 200
@@ -54,6 +56,13 @@ def styled(draw: Callable[[Data], Figure]) -> Callable[[Data], Figure]:
 
 
 def save(figure: Figure, file: Path) -> None:
-    """Write a figure as PNG at :data:`DPI`."""
+    """Write a figure as PNG at :data:`DPI`, whole or not at all."""
     with rc_context(_STYLE):
-        figure.savefig(file, dpi=DPI)
+        write_whole(png(figure), file)
+
+
+def png(figure: Figure, dpi: int = DPI) -> bytes:
+    """A figure as the content of a PNG file."""
+    stream = BytesIO()
+    figure.savefig(stream, dpi=dpi, format="png")
+    return stream.getvalue()

@@ -7,8 +7,8 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
+from cea.files import write_whole
 from comparisons.kit.numbers import MISSING
-from scenes.stored import write_whole
 
 Data = Mapping[str, Any]
 """Plain data, as JSON holds them, that tables, words and figures are made of."""

@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 from PIL import Image
 
+from cea.files import write_whole
 from cea.petsc import MPI
 from comparisons.kit.progress import Progress
 from comparisons.paper.common.figure import Data, PaperFigure
@@ -84,5 +86,6 @@ def side_by_side(pictures: list[Path], file: Path) -> Path:
     for image in images:
         joined.paste(image, (left, 0))
         left += image.width
-    joined.save(file)
-    return file
+    stream = BytesIO()
+    joined.save(stream, format="png")
+    return write_whole(stream.getvalue(), file)

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from cea.files import write_whole
 from comparisons.kit.page import Image, render
 from comparisons.kit.plots import save
 from comparisons.kit.provenance import machine
@@ -43,7 +44,6 @@ def write_stability(data: dict[str, Any], out: Path) -> Path:
     Path
         The page: one file that needs no other.
     """
-    out.mkdir(parents=True, exist_ok=True)
     write_record(data, out / RESULT)
     tables = {table.name: table for table in tables_of(data)}
     for table in tables.values():
@@ -55,7 +55,7 @@ def write_stability(data: dict[str, Any], out: Path) -> Path:
         images[subject] = Image.of(file)
     page = out / "report.html"
     text = render(TEMPLATE, data=data, tables=tables, images=images, words=words)
-    page.write_text(text, encoding="utf-8")
+    write_whole(text.encode(), page)
     return page
 
 

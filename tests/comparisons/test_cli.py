@@ -14,6 +14,9 @@ QUICK = [
 ]
 
 
+ELEMENTS = "bodies.disc.mesh.iga.elements"
+
+
 def cea(*arguments):
     return subprocess.run(
         [Path(sys.executable).with_name("cea"), *arguments], capture_output=True, text=True
@@ -53,11 +56,39 @@ def with_settings(settings):
             "face each other",
         ),
         (["no_such_scene"], "scene", "disc_pad"),
+        (["/"], "scene", "a TOML file"),
+        (["/dev/zero"], "scene", "a TOML file"),
+        (["disc", "--set", "analysis.max_frequency=nan"], "analysis.max_frequency", "finite"),
+        (["disc", "--set", "analysis.max_frequency=1e308"], "analysis.max_frequency", "at most"),
+        (["disc", "--set", "name"], "--set", "path.to.field=value"),
+        (
+            ["disc_pad", "--set", "contacts.pad_disc.mu=__import__('os').getcwd()"],
+            "contacts.pad_disc.mu",
+            "an expression",
+        ),
+        (
+            ["disc_pad", "--set", "contacts.pad_disc.friction_direction_on_a={vector=[1.0]}"],
+            "contacts.pad_disc.friction_direction_on_a.vector",
+            "3 numbers",
+        ),
+        (
+            ["blocks", "--set", "bodies.upper.mesh.iga.elements=[100000,100000]"],
+            "bodies.upper.mesh.iga.elements",
+            "a mesh that fits into memory",
+        ),
+        (
+            ["blocks", "--set", "bodies.upper.geometry.origin=[0.0,0.02]"],
+            "contacts.interface.reach",
+            "apart",
+        ),
+        (["disc", "--set", "bodies.disc.mesh.iga.elements=[0,8,1]"], ELEMENTS, "1 to"),
+        (["disc", "--out", "/dev/null/here"], "out", "a file to write"),
     ],
 )
 def test_faults_are_one_line_without_traceback(arguments, field, told, tmp_path):
-    done = cea("run", *arguments, "--out", str(tmp_path))
-    assert done.returncode != 0
+    out = [] if "--out" in arguments else ["--out", str(tmp_path)]
+    done = cea("run", *arguments, *out)
+    assert done.returncode == 1
     assert "Traceback" not in done.stdout + done.stderr
     lines = done.stderr.strip().splitlines()
     assert len(lines) == 1
@@ -81,3 +112,34 @@ def test_run_writes_a_complete_result(backend, tmp_path):
     assert imaginary
     assert min(imaginary) >= 0
     assert all(set(pair) >= {"re", "im", "residual"} for pair in result["eigenvalues"])
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe\x00", b"\0" * 500, b"name = 'a", b"a = [" * 9000])
+def test_files_that_are_no_scene_end_in_one_line(content, tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_bytes(content)
+    done = cea("run", str(file), "--out", str(tmp_path))
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: scene = ")
+    assert len(done.stderr.splitlines()) == 1
+
+
+ON_A_FULL_DISK = """
+import resource, sys
+import cea.petsc  # MPI has files of its own
+resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
+from comparisons.cli.app import main
+sys.argv[0] = "cea"
+main()
+"""
+
+
+def test_a_full_disk_ends_in_one_line(tmp_path):
+    for more in ([], ["output.paraview=1"]):
+        settings = with_settings([*QUICK, *more])
+        program = [sys.executable, "-c", ON_A_FULL_DISK, "run", "disc", *settings]
+        done = subprocess.run([*program, "--out", str(tmp_path)], capture_output=True, text=True)
+        assert done.returncode == 1
+        assert len(done.stderr.splitlines()) == 1, done.stderr
+        assert "cannot be written: File too large" in done.stderr
+        assert list(tmp_path.iterdir()) == []

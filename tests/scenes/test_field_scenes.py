@@ -68,7 +68,7 @@ def test_directions_that_are_none_are_refused_when_read(direction, told):
 
 
 def test_a_direction_has_as_many_components_as_space(backend):
-    with pytest.raises(InputError, match="3 expressions"):
+    with pytest.raises(SceneError, match="3 expressions"):
         law_and_points(blocks(backend, friction_direction_on_a='{field=["1", "0"]}'))
 
 

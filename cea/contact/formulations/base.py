@@ -61,6 +61,22 @@ class Formulation(ABC):
         return ", ".join((name, *self.options))
 
 
+MOST_POINTS = 200
+"""Points per direction in an element: far more than any rule needs."""
+
+
+def check_points(points: int, least: int = 1) -> None:
+    """Refuse a number of points per direction that makes no rule, or one beyond any use.
+
+    Raises
+    ------
+    InputError
+        Naming the points.
+    """
+    if not least <= points <= MOST_POINTS:
+        raise InputError("points", points, f"{least} to {MOST_POINTS} per direction")
+
+
 _REGISTER: dict[str, type[Formulation]] = {}
 
 

@@ -5,8 +5,7 @@ from typing import ClassVar, Literal
 
 from cea.body import Surface, SurfacePoints
 from cea.contact.coupling import Coupling
-from cea.contact.formulations.base import Formulation, register
-from cea.errors import InputError
+from cea.contact.formulations.base import Formulation, check_points, register
 
 
 @register
@@ -29,8 +28,7 @@ class GaussPointToSurface(Formulation):
     method: Literal["gpts"] = "gpts"
 
     def __post_init__(self) -> None:
-        if self.points < 1:
-            raise InputError("points", self.points, "at least 1 per direction")
+        check_points(self.points)
 
     @property
     def coupling(self) -> Coupling:

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from cea.body import Surface, SurfacePoints
-from cea.contact.formulations.base import Formulation, register
-from cea.errors import InputError
+from cea.contact.formulations.base import Formulation, check_points, register
 
 
 @register
@@ -26,8 +25,7 @@ class Grid(Formulation):
     method: Literal["grid"] = "grid"
 
     def __post_init__(self) -> None:
-        if self.points < 2:
-            raise InputError("points", self.points, "at least 2 per direction")
+        check_points(self.points, least=2)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from cea.body import Surface, SurfacePoints
-from cea.contact.formulations.base import Formulation, register
-from cea.errors import InputError
+from cea.contact.formulations.base import Formulation, check_points, register
 
 
 @dataclass(frozen=True)
@@ -21,8 +20,8 @@ class OnSegments(Formulation):
     points: int | None = None
 
     def __post_init__(self) -> None:
-        if self.points is not None and self.points < 1:
-            raise InputError("points", self.points, "at least 1 per direction")
+        if self.points is not None:
+            check_points(self.points)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""

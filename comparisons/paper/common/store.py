@@ -92,7 +92,6 @@ def make_figure(
     pictures: list[Path] = []
     if comm.rank == 0:
         progress.stage("drawing")
-        out.mkdir(parents=True, exist_ok=True)
         for table in (numbers, *figure.tables(data, stem)):
             table.write_csv(out)
         pictures = figure.draw(data, out / stem)

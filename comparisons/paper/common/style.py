@@ -7,7 +7,8 @@ from pathlib import Path
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from comparisons.kit.plots import AXIS, BLUE, DPI, GREEN, GRID, ORANGE, PURPLE, SKY, VERMILION
+from cea.files import write_whole
+from comparisons.kit.plots import AXIS, BLUE, GREEN, GRID, ORANGE, PURPLE, SKY, VERMILION, png
 
 SIDES = (("b", BLUE, "-"), ("a", VERMILION, "--"))
 """Sides of a contact with colour and line: solid for b, dashed for a, as in the paper."""
@@ -37,4 +38,4 @@ def drawing(file: Path, size: tuple[float, float]) -> Iterator[Figure]:
     with rc_context(_STYLE):
         figure = Figure(figsize=size, layout="constrained")
         yield figure
-        figure.savefig(file, dpi=DPI)
+        write_whole(png(figure), file)

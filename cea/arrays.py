@@ -1,0 +1,56 @@
+"""Arrays of plain numbers from whatever was given for one."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cea.errors import InputError, require
+
+
+def numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[Any]:
+    """Real numbers as an array of the type they have.
+
+    Parameters
+    ----------
+    values
+        Nested sequences or an array.
+    field
+        Name of them in messages.
+    allowed
+        What is allowed, in words.
+
+    Raises
+    ------
+    InputError
+        When they are text, truth values, complex, or not equally long at each depth.
+    """
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError, OverflowError, RecursionError) as error:
+        raise InputError(field, values, allowed) from error
+    require(array.dtype.kind in "iuf", field, values, allowed)
+    return array
+
+
+def finite_numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[np.float64]:
+    """Finite real numbers as an array of floats; parameters and errors of :func:`numbers`."""
+    array = numbers(values, field, allowed).astype(np.float64, copy=False)
+    require(bool(np.isfinite(array).all()), field, values, allowed)
+    return array
+
+
+def of_size_one(vector: ArrayLike) -> NDArray[np.float64]:
+    """A vector scaled by a power of two, which rounds nothing: its length cannot overflow."""
+    values = np.asarray(vector, dtype=np.float64)
+    return np.ldexp(values, -int(np.frexp(np.abs(values).max())[1]))
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a finite real number, and no truth value."""
+    if not isinstance(value, int | float | np.integer | np.floating) or isinstance(value, bool):
+        return False
+    try:
+        return bool(np.isfinite(float(value)))
+    except OverflowError:
+        return False

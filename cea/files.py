@@ -1,0 +1,129 @@
+"""Files and folders written whole or not at all: what is killed or fails leaves nothing half made.
+
+Content goes to a hidden name beside its place and to the disk, and only then takes its place.
+"""
+
+import gzip
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from cea.errors import InputError, WriteError
+
+_LEVEL = 6
+"""Level of compression: the highest takes three times as long and saves a few per cent."""
+
+
+def write_whole(content: bytes, file: Path) -> Path:
+    """Write a file whole or not at all, making its folder.
+
+    Parameters
+    ----------
+    content
+        What it holds.
+    file
+        The file; with the ending ``.gz`` it is compressed, the same bytes for the same content.
+
+    Raises
+    ------
+    WriteError
+        When it cannot be written, as on a full disk; a file that was there stays as it was.
+    """
+    if file.suffix == ".gz":
+        content = gzip.compress(content, _LEVEL, mtime=0)
+    part = _hidden(file, "part")
+    try:
+        with _told(file):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            with part.open("wb") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+            part.replace(file)
+            _sync(file.parent)
+    finally:
+        with _told(file):
+            part.unlink(missing_ok=True)
+    return file
+
+
+def check_writable(file: Path, field: str) -> None:
+    """Refuse a file that cannot be written, before the work whose result it is to hold.
+
+    Parameters
+    ----------
+    file
+        The file; its folder is made.
+    field
+        Name of it, as the user gave it, for the message.
+
+    Raises
+    ------
+    InputError
+        Naming the field.
+    """
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        reason = (error.strerror if isinstance(error, OSError) else None) or error
+        raise InputError(field, str(file), f"a file to write ({reason})") from None
+    if file.is_dir() or not os.access(file.parent, os.W_OK):
+        raise InputError(field, str(file), "a file to write, in a folder that may be written")
+
+
+@contextmanager
+def folder_whole(folder: Path) -> Iterator[Path]:
+    """A new folder to fill, which takes the place of a folder when the block ends without error.
+
+    Parameters
+    ----------
+    folder
+        The folder; one that is there is replaced with all it holds.
+
+    Raises
+    ------
+    WriteError
+        When it cannot be written; what was there stays.
+    """
+    part, old = _hidden(folder, "part"), _hidden(folder, "old")
+    try:
+        with _told(folder):
+            for left in (part, old):
+                shutil.rmtree(left, ignore_errors=True)
+            part.mkdir(parents=True)
+        yield part
+        with _told(folder):
+            _sync(part)
+            if folder.exists():
+                folder.replace(old)
+            part.replace(folder)
+            _sync(folder.parent)
+    finally:
+        if old.exists() and not folder.exists():
+            old.replace(folder)
+        for left in (part, old):
+            shutil.rmtree(left, ignore_errors=True)
+
+
+@contextmanager
+def _told(place: Path) -> Iterator[None]:
+    """Tell faults of the disk by the place that was to be written."""
+    try:
+        yield
+    except OSError as error:
+        raise WriteError(f"{place} cannot be written: {error.strerror or error}") from error
+
+
+def _hidden(place: Path, what: str) -> Path:
+    return place.with_name(f".{place.name}.{os.getpid()}.{what}")
+
+
+def _sync(folder: Path) -> None:
+    """Bring the names in a folder to the disk."""
+    number = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)

@@ -1,0 +1,34 @@
+"""A stored run, and a patch, as plain data."""
+
+from math import inf
+
+from scene_mutations import valid
+
+from scenes.stored import record
+
+WINDOW = {
+    **{"max_frequency": 1.0, "shift": 2.0, "radius": inf, "found": 1, "discs": 1, "upper": 3.0},
+    **{"found_below": 1, "symmetric_count": 1, "max_growth": inf, "bounded": True, "odd": False},
+}
+
+PATCH = {
+    "degrees": (1, 1),
+    "knots": ((0.0, 0.0, 1.0, 1.0), (0.0, 0.0, 1.0, 1.0)),
+    "control_points": (((0.0, 0.0), (0.0, 0.5)), ((0.5, 0.0), (0.5, 0.5))),
+    "weights": ((1.0, 1.0), (1.0, 1.0)),
+}
+
+
+def a_record():
+    """Content of a stored run, with a window that holds the whole spectrum."""
+    run = {
+        "scene": valid("blocks"),
+        "dofs": {"free": 3, "bodies": {"upper": 2, "lower": 1}},
+        "timings": {"meshing": 0.1},
+        "skipped": {"newton": "none"},
+        "contacts": {},
+        "eigenvalues": [dict.fromkeys(("re", "im", "residual", "condition", "uncertainty"), 0.5)],
+        "window": WINDOW,
+        "unstable": [],
+    }
+    return record("run", run, inputs={"scene": "blocks"}, seconds=0.5)
