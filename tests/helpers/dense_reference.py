@@ -46,8 +46,7 @@ class Dense:
     error
         What rounding may move each by: that of LAPACK, and that of the entries of the matrices.
     symmetric
-        Whether there is no friction; eigenvalues are then real, and none is negative but for
-        rounding.
+        Whether there is no friction; eigenvalues are then real.
     """
 
     kappa: np.ndarray

@@ -138,7 +138,11 @@ def _growth(dense: Dense, limit) -> tuple[np.ndarray, np.ndarray]:
     """Which dense eigenvalues surely grow faster than the threshold, and which possibly do."""
     values, margin = dense.eigenvalues, _SAFETY * dense.lambda_error
     above = limit(values)
-    return values.real > above + margin, values.real > above - margin
+    surely = values.real > above + margin
+    if dense.symmetric:  # kappa are real: what rounding makes of zero is no growth
+        surely &= dense.kappa.real < -_SAFETY * dense.error
+        return surely, surely
+    return surely, values.real > above - margin
 
 
 def _group_faults(found, dense, ours, theirs, limit) -> Iterator[Fault]:
