@@ -102,7 +102,8 @@ def _rounding(gap: csr_array, comm: Any) -> NDArray[np.bool_]:
     largest = np.zeros(gap.shape[1])
     part = np.abs(gap.data) / np.maximum(length[row], np.finfo(float).tiny)
     np.maximum.at(largest, gap.indices, part)
-    return comm.allreduce(largest, MPI.MAX) <= _NEGLIGIBLE
+    comm.Allreduce(MPI.IN_PLACE, largest, MPI.MAX)
+    return largest <= _NEGLIGIBLE
 
 
 def _without(matrix: csr_array, columns: NDArray[np.bool_]) -> csr_array:
