@@ -92,10 +92,26 @@ def write_record(data: Mapping[str, Any], file: Path) -> Path:
     file
         The file; with the ending ``.gz`` it is compressed.
     """
-    compressed = file.suffix == ".gz"
-    layout: dict[str, Any] = {"separators": (",", ":")} if compressed else {"indent": 1}
-    text = json.dumps(_in_json(data), allow_nan=False, **layout)
-    return write_whole(f"{text}\n".encode(), file)
+    return write_whole(f"{as_json(data, compact=file.suffix == '.gz')}\n".encode(), file)
+
+
+def as_json(data: Mapping[str, Any], *, compact: bool = False) -> str:
+    """Plain data as the text of a record.
+
+    Parameters
+    ----------
+    data
+        The data.
+    compact
+        Whether without spaces and lines.
+
+    Raises
+    ------
+    InputError
+        When something is not a number.
+    """
+    layout: dict[str, Any] = {"separators": (",", ":")} if compact else {"indent": 1}
+    return json.dumps(_in_json(data), allow_nan=False, **layout)
 
 
 def read_record(file: str | Path) -> dict[str, Any]:

@@ -51,7 +51,7 @@ def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.
                 "friction_direction_on_a": {"vector": direction},
             }
         },
-        "analysis": {"kind": "cea", "max_frequency": 1.0},
+        "analysis": {"kind": "cea", "max_frequency": 1.0, "growth_threshold": 10.0},
     }
 
 

@@ -56,8 +56,9 @@ def pad_run(backend, method, label, modes, scale):
             {"mode": i, "frequency": f, "growth": re} for i, (f, re) in enumerate(modes) if re > 10
         ],
         "window": {
-            "found_below": 41,
-            "symmetric_count": 40,
+            "found": 44,
+            "discs": 3,
+            "complete": False,
             "max_growth": 17567.25,
             "evidence": f"evidence of {backend} {method}",
         },

@@ -1,6 +1,5 @@
 """What a run solves: a scene, or a pencil of given matrices."""
 
-import json
 from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from scenes.describe import describe
 from scenes.read import read_scene
 from scenes.results import ModesResult
 from scenes.run import run_scene
-from scenes.stored import in_json
+from scenes.stored import as_json
 
 
 class Problem(Protocol):
@@ -61,7 +60,7 @@ class OfScene:
         if data["analysis"]["kind"] == "cea":
             data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
         result = run_scene(read_scene(data))
-        json.dumps(in_json(describe(result)), allow_nan=False)
+        as_json(describe(result))
         if isinstance(result, ModesResult):
             threshold, dofs = result.analysis.growth_threshold, result.system.size
             return answer_of(result.modes, result.warnings, threshold, dofs)
