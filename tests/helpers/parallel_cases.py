@@ -80,11 +80,23 @@ def few_columns():
     return data | {"analysis": {"kind": "cea", "max_frequency": 1.0}}
 
 
+def tied_twice():
+    """Constraints each of which is there once more, in another contact."""
+    data = blocks("iga", {"method": "mortar"}, mu=0.3)
+    first = data["contacts"]["interface"] | {"form": "saddle", "P": float("inf")}
+    return data | {"contacts": {"interface": first, "again": first}}
+
+
 def saddle():
     """Eigenvalues and derivatives where some ranks have contact forces and no displacements."""
     modes = run_modes(read_scene(few_columns()), left=True).modes
     slopes = modes.sensitivity("contacts.interface.mu")
-    return {"im": modes.eigenvalues.imag.tolist(), "slopes": np.abs(slopes).tolist()}
+    tied = run_modes(read_scene(tied_twice())).modes
+    return {
+        "im": modes.eigenvalues.imag.tolist(),
+        "slopes": np.abs(slopes).tolist(),
+        "tied twice": tied.eigenvalues.imag.tolist(),
+    }
 
 
 def scenes():
