@@ -115,6 +115,12 @@ class BlockKrylov:
         Counts krylov.
     transposed
         Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
+
+    Attributes
+    ----------
+    farthest
+        Largest abs(kappa) that the space of the last search knows of beside what was known
+        (1/s^2); infinite where it does not see the far end of the spectrum.
     """
 
     def __init__(
@@ -134,6 +140,7 @@ class BlockKrylov:
         self.tolerance, self.max_restarts = tolerance, max_restarts
         self.shift = factors.kappa
         self.comm = mass.comm.tompi4py()
+        self.farthest = np.inf
 
     def search(self, known: InvariantSubspace, radius: float, seed: int) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc, and a little around it.
@@ -156,7 +163,10 @@ class BlockKrylov:
             When the disc does not become full; ``best`` is the invariant subspace known so far.
         """
         with self._timer("krylov"):
-            return _Run(self, known, radius, seed).complete()
+            run = _Run(self, known, radius, seed)
+            known = run.complete()
+            self.farthest = run.farthest
+            return known
 
     def apply(self, image: Floats) -> Floats:
         """OP on a block whose product with M is given."""
@@ -188,6 +198,7 @@ class _Run:
     ) -> None:
         self._owner, self._known = owner, known
         self._least = 1.0 / radius
+        self.farthest = np.inf
         self._shift = owner.shift
         self._room = owner.size - known.size
         self._finite = owner.finite - known.size
@@ -215,6 +226,7 @@ class _Run:
             if exhausted:  # ties have infinite eigenvalues, theta = 0 but for rounding
                 return self._locked(theta, self._largest(theta))
             if converged[inside].all() and self._clear(theta, residuals, inside):
+                self.farthest = self._far_end(theta, residuals)
                 return self._locked(theta, converged)
             wanted = int(inside.sum())
             if self._size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
@@ -304,6 +316,16 @@ class _Run:
         sizes = np.where(inside, 0.0, np.abs(theta))
         first = int(np.argmax(sizes))
         return bool(_CLEAR * residuals[first] <= self._least - sizes[first])
+
+    def _far_end(self, theta: Complexes, residuals: Floats) -> float:
+        """Largest abs(kappa), by kappa / (kappa - sigma) = 1 + sigma theta.
+
+        As theta itself for eigenvalues near the shift, this is largest for those far from it, and
+        the same space finds both ends.
+        """
+        parts = np.abs(1 + self._shift * theta) + _CLEAR * np.abs(self._shift) * residuals
+        part = float(parts.max(initial=0.0))
+        return part / (1 - part) * abs(self._shift) if part < 1 else np.inf
 
     def _leading(self, theta: Complexes, number: int) -> tuple[Floats, Floats]:
         """Schur form of OP on so many eigenvalues of largest modulus; no pair is split."""

@@ -25,13 +25,13 @@ _DEPTH = 0.1
 """Depth X of the first covering disc relative to omega^2, where friction reaches no farther."""
 _DEEP = 3.0
 """The same where friction may reach farther: modes that grow by 1.7 omega."""
-_DEEPER = 5.0
+_DEEPER = 8.0
 """Growth of the depth from one covering disc to the next."""
 _REACHED = 0.8
 """Part of the depth of a disc that it answers for."""
 _SMALL = 10_000
 """Unknowns up to which covering discs are cheap."""
-_MOST_DISCS = {True: 16, False: 3}
+_MOST_DISCS = {True: 24, False: 3}
 """Most covering discs of small systems, and of others."""
 _MOST_SEARCHES = 20
 """Searches of one disc, each beside what those before it found."""
@@ -125,6 +125,7 @@ class WindowSearch:
         self._discs: list[Disc] = []
         self._farthest: dict[float, float] = {}
         self._signs: dict[float, int] = {}
+        self._farthest_kappa = np.inf
 
     def real(self, top: float, counted: int) -> Found:
         """A window of a symmetric pencil: all that the inertia counts.
@@ -168,7 +169,7 @@ class WindowSearch:
             left = 1.0 if bounded else _REACHED
             known = self._covered(known, top, depth, left=left, right=-reached)
             reached = left * depth
-            bounded = bounded or self._bounded(reached)
+            bounded = bounded or self._farthest_kappa <= reached or self._bounded(reached)
             covering = len(self._discs) - 1
             odd = self._factors.kappa in self._odd(known)
             if (bounded and not odd) or covering >= (_MOST_DISCS[True] if odd else most):
@@ -241,6 +242,7 @@ class WindowSearch:
         for _ in range(searches):
             before = known.size
             known = krylov.search(known, radius, self._searches)
+            self._farthest_kappa = krylov.farthest
             self._searches += 1  # never from the same random vectors
             kappa = known.eigenvalues()
             new = np.abs(known.eigenvalues(before) - factors.kappa)

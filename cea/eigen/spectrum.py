@@ -86,7 +86,7 @@ class Window:
         if self.odd:
             return f"{found}; the sign of a determinant shows that a real one is missing"
         if self.bounded:
-            return f"{found}; the field of values shows that none lies outside"
+            return f"{found}; friction moves none farther, or the spectrum ends before"
         return f"{found}; modes that grow faster than {self.max_growth:.4g} 1/s are not excluded"
 
 

@@ -155,7 +155,8 @@ def windows(data: Data) -> Table:
             (
                 *(run["backend"], run["formulation"], run["dofs"]["free"]),
                 *(run["points"], sum(contact["status"]["missed"] for contact in contacts)),
-                *(len(values), window["found"], window["discs"], window["complete"]),
+                *(len(values), window["found"], window["discs"]),
+                "yes" if window["complete"] else "no",
                 None if window["complete"] else window["max_growth"],
                 max((value["residual"] for value in values), default=None),
                 max((value["condition"] for value in values), default=None),
