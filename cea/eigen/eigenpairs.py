@@ -38,6 +38,9 @@ class Eigenpairs:
     errors
         Backward errors of kappa (1/s^2), shape (n,): what the residual amounts to, and what
         rounding the entries of K does.
+    bounds
+        Bounds on errors of kappa (1/s^2) by the clusters that they belong to
+        (:mod:`cea.eigen.clusters`), shape (n,); infinite where there is none.
     """
 
     kappa: Complexes
@@ -46,6 +49,7 @@ class Eigenpairs:
     residuals: Floats
     conditions: Floats
     errors: Floats
+    bounds: Floats
 
 
 def checked(
@@ -99,7 +103,8 @@ def checked(
     sizes.free()
     conditions = np.ones(n) if matrices.symmetric else _conditions(gram)
     nothing = np.empty((len(contact[0]) if contact else 0, 0), dtype=complex)
-    return Eigenpairs(kappa, vectors, np.hstack([nothing, *contact]), residuals, conditions, errors)
+    forces, bounds = np.hstack([nothing, *contact]), np.full(n, np.inf)
+    return Eigenpairs(kappa, vectors, forces, residuals, conditions, errors, bounds)
 
 
 def solved(factors: Shifted, columns: Complexes) -> Complexes:

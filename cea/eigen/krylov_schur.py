@@ -6,11 +6,13 @@ bodies, and keeps inertia counts and factors for the solves that follow.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Self
 
 import numpy as np
 
 from cea.eigen.block_krylov import InvariantSubspace
+from cea.eigen.clusters import cluster_bounds
 from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.nearest import NearestSearch
@@ -174,6 +176,11 @@ class KrylovSchur:
         inside = np.abs(kappa) + kappa.real <= 2 * top * (1 + _EDGE)
         with timer("post-processing"):
             pairs = checked(matrices, factors, kappa[inside], vectors[:, inside])
+            if not matrices.symmetric:
+                bounds = cluster_bounds(
+                    found.subspace.projected, pairs.kappa, pairs.errors, pairs.conditions
+                )
+                pairs = replace(pairs, bounds=bounds)
         left_vectors = self._left(matrices, factors, pairs, search, timer) if search else None
         return modes_of(self.pencil, values, matrices, pairs, left_vectors, window)
 

@@ -104,7 +104,8 @@ def modes_of(
     if left is not None and not matrices.symmetric:  # y^H M x = 1 and x^H M x = 1
         conditions = dual_norms(matrices.mass, left.vectors)
     # Copies of a real kappa below zero part by rounding: each grows, as the one it is a copy of.
-    diverges = (pairs.kappa.real < 0) & (np.abs(pairs.kappa.imag) <= pairs.errors * conditions)
+    errors = np.minimum(pairs.errors * conditions, pairs.bounds)
+    diverges = (pairs.kappa.real < 0) & (np.abs(pairs.kappa.imag) <= errors)
     eigenvalues = np.where(diverges, np.abs(eigenvalues.real) + 1j * eigenvalues.imag, eigenvalues)
     order = np.lexsort((eigenvalues.real, eigenvalues.imag))
     order = order[eigenvalues.imag[order] <= 2 * np.pi * window.max_frequency]
@@ -112,7 +113,7 @@ def modes_of(
         eigenvalues=eigenvalues[order],
         residuals=pairs.residuals[order],
         conditions=conditions[order],
-        growth_uncertainties=_uncertainties(eigenvalues, pairs.errors * conditions)[order],
+        growth_uncertainties=_uncertainties(eigenvalues, errors)[order],
         vectors=pairs.vectors[:, order],
         forces=pairs.forces[:, order],
         left=left[order] if left is not None else None,
