@@ -82,17 +82,14 @@ class InvariantSubspace:
         values, vectors = _eigenpairs(self.projected, symmetric=self.symmetric)
         return values, self.basis @ vectors.real + 1j * (self.basis @ vectors.imag)
 
-    def inverted(self, shift: float) -> Floats:
-        """(R - shift)^-1, what OP is on the subspace."""
-        return np.linalg.inv(self.projected - shift * np.eye(self.size))
-
     def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: float) -> Self:
         """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
-        upper = np.block(
-            [[self.inverted(shift), coupling], [np.zeros((len(form), self.size)), form]]
-        )
-        projected = np.linalg.inv(upper) + shift * np.eye(len(upper))
-        projected[self.size :, : self.size] = 0.0
+        own = np.linalg.inv(form)
+        # What was known stays as it is: far from a shift digits are lost to it.
+        across = -(self.projected - shift * np.eye(self.size)) @ coupling @ own
+        own = own + shift * np.eye(len(form))
+        nothing = np.zeros((len(form), self.size))
+        projected = np.block([[self.projected, across], [nothing, own]])
         return type(self)(np.hstack([self.basis, basis]), projected, self.symmetric)
 
 
@@ -142,8 +139,10 @@ class BlockKrylov:
         self.comm = mass.comm.tompi4py()
         self.farthest = np.inf
 
-    def search(self, known: InvariantSubspace, radius: float, seed: int) -> InvariantSubspace:
-        """What is known together with what lies beside it in a disc, and a little around it.
+    def search(
+        self, known: InvariantSubspace, radius: float, seed: int, *, both_ends: bool = False
+    ) -> InvariantSubspace:
+        """What is known together with what lies beside it in a disc.
 
         It ends when every eigenvalue of the space inside the disc has converged and the first one
         outside lies clearly outside, or when the space is exhausted.
@@ -156,6 +155,10 @@ class BlockKrylov:
             Radius of the disc about the shift (1/s^2).
         seed
             Of the random start vectors.
+        both_ends
+            Whether the far end of the spectrum is to be seen too, and nothing taken from around
+            the disc: far from the shift digits are lost to it. Ties keep the far end from view,
+            for their infinite eigenvalues are the farthest.
 
         Raises
         ------
@@ -163,7 +166,7 @@ class BlockKrylov:
             When the disc does not become full; ``best`` is the invariant subspace known so far.
         """
         with self._timer("krylov"):
-            run = _Run(self, known, radius, seed)
+            run = _Run(self, known, radius, seed, both_ends=both_ends)
             known = run.complete()
             self.farthest = run.farthest
             return known
@@ -194,10 +197,17 @@ class _Run:
     """
 
     def __init__(
-        self, owner: BlockKrylov, known: InvariantSubspace, radius: float, seed: int
+        self,
+        owner: BlockKrylov,
+        known: InvariantSubspace,
+        radius: float,
+        seed: int,
+        *,
+        both_ends: bool,
     ) -> None:
         self._owner, self._known = owner, known
         self._least = 1.0 / radius
+        self._both_ends = both_ends
         self.farthest = np.inf
         self._shift = owner.shift
         self._room = owner.size - known.size
@@ -209,8 +219,10 @@ class _Run:
         if self._finite > 0:
             columns = min(_BLOCK, self._room)
             random = np.random.default_rng([seed, owner.comm.rank])
-            start = owner.image(random.standard_normal((len(known.basis), columns)))
-            self._append(owner.apply(start))
+            start = random.standard_normal((len(known.basis), columns))
+            # OP takes what is far away out of a vector, ties and all.
+            far = both_ends and owner.finite == owner.size
+            self._append(start if far else owner.apply(owner.image(start)))
 
     def complete(self) -> InvariantSubspace:
         """The known with all that is in the disc."""
@@ -224,10 +236,12 @@ class _Run:
             inside = np.abs(theta) >= self._least
             converged = residuals <= self._owner.tolerance * np.abs(theta)
             if exhausted:  # ties have infinite eigenvalues, theta = 0 but for rounding
-                return self._locked(theta, self._largest(theta))
+                converged = self._largest(theta)
+                self.farthest = self._far_end(theta[converged], 0 * residuals[converged])
+                return self._locked(theta, converged & inside if self._both_ends else converged)
             if converged[inside].all() and self._clear(theta, residuals, inside):
                 self.farthest = self._far_end(theta, residuals)
-                return self._locked(theta, converged)
+                return self._locked(theta, converged & inside if self._both_ends else converged)
             wanted = int(inside.sum())
             if self._size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
                 if restarts == self._owner.max_restarts:

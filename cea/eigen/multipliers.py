@@ -157,7 +157,7 @@ class AllForces:
             part.closure.getSize()[0] for part, one in zip(self.parts, held, strict=True) if one
         )
         border = None
-        if (dependence := self._dependence(scales, closure)) is not None and dependence.size:
+        if (dependence := self._dependence(scales, held, closure)) is not None and dependence.size:
             border = dependence.border([part.compliance for part in self.parts], scales)
             tied -= dependence.within(held)
         return Multipliers(closure, reaction, compliance, border, tied, stacked)
@@ -168,14 +168,16 @@ class AllForces:
             return matrices[0], False
         return one_below_the_other(matrices), True
 
-    def _dependence(self, scales: Sequence[float], closure: Mat) -> Dependence | None:
+    def _dependence(
+        self, scales: Sequence[float], held: Sequence[bool], closure: Mat
+    ) -> Dependence | None:
         """How closures depend on each other; None where every contact is compliant enough."""
         least = min(
             scale * part.body_stiffness[0] for part, scale in zip(self.parts, scales, strict=True)
         )
         if least > _YIELDING:
             return None
-        tolerance = _DEPENDENT if least > _RIGID else _NEARLY_DEPENDENT
+        tolerance = _NEARLY_DEPENDENT if all(held) else _DEPENDENT
         if tolerance not in self._dependences:
             rows = [part.closure.getLocalSize()[0] for part in self.parts]
             self._dependences[tolerance] = Dependence.of(closure, rows, tolerance)

@@ -241,7 +241,7 @@ class WindowSearch:
         )
         for _ in range(searches):
             before = known.size
-            known = krylov.search(known, radius, self._searches)
+            known = krylov.search(known, radius, self._searches, both_ends=searches > 1)
             self._farthest_kappa = krylov.farthest
             self._searches += 1  # never from the same random vectors
             kappa = known.eigenvalues()

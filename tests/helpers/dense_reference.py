@@ -140,18 +140,29 @@ def _forces(multipliers, scale):
     names = ("closure", "reaction", "compliance")
     J, L, C = (to_numpy(getattr(multipliers, name)) for name in names)
     J, L = J * scale, L * scale
-    if multipliers.border is not None:  # forces that the border leaves
-        free = null_space(to_numpy(multipliers.border).T)
-        J, L, C = free.T @ J, free.T @ L, free.T @ C @ free
-        values, vectors = eigh(C)
-        C = np.diag(np.where(values > 1e-14 * np.abs(values).max(initial=0.0), values, 0.0))
-        J, L = vectors.T @ J, vectors.T @ L
+    if multipliers.border is not None:
+        J, L, C = _left_by(to_numpy(multipliers.border), J, L, C)
     yields = np.abs(C).max(axis=1, initial=0.0) > 0
     tied_J, tied_L = _independent(J[~yields], L[~yields])
     tied = len(tied_J)
     whole = np.zeros((tied + int(yields.sum()),) * 2)
     whole[tied:, tied:] = C[np.ix_(yields, yields)]
     return np.vstack([tied_J, J[yields]]), np.vstack([tied_L, L[yields]]), whole, tied
+
+
+def _left_by(border, J, L, C):
+    """Forces that a border leaves, those that it does not touch as they are."""
+    touched = np.abs(border).max(axis=1) > 0
+    free = null_space(border[touched].T)
+    values, vectors = eigh(free.T @ C[np.ix_(touched, touched)] @ free)
+    free = free @ vectors
+    own = np.diag(np.where(values > 1e-14 * np.abs(values).max(initial=0.0), values, 0.0))
+    across = free.T @ C[np.ix_(touched, ~touched)]
+    return (
+        np.vstack([free.T @ J[touched], J[~touched]]),
+        np.vstack([free.T @ L[touched], L[~touched]]),
+        np.block([[own, across], [across.T, C[np.ix_(~touched, ~touched)]]]),
+    )
 
 
 def _independent(J, L):
