@@ -37,6 +37,8 @@ _NOISE = 1e-12
 """Part of a vector that projections leave below which it lies in the space already."""
 _PAIR = 1e-9
 """Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
+_AROUND = 0.1
+"""Part of 1 / radius to which eigenvalues around a disc are kept: those farther lose digits."""
 _CLEAR = 3.0
 """Residuals by which an eigenvalue outside a disc must lie outside."""
 
@@ -234,14 +236,15 @@ class _Run:
                 continue
             theta, residuals = self._ritz()
             inside = np.abs(theta) >= self._least
+            near = inside if self._both_ends else np.abs(theta) >= _AROUND * self._least
             converged = residuals <= self._owner.tolerance * np.abs(theta)
             if exhausted:  # ties have infinite eigenvalues, theta = 0 but for rounding
                 converged = self._largest(theta)
                 self.farthest = self._far_end(theta[converged], 0 * residuals[converged])
-                return self._locked(theta, converged & inside if self._both_ends else converged)
+                return self._locked(theta, converged & near)
             if converged[inside].all() and self._clear(theta, residuals, inside):
                 self.farthest = self._far_end(theta, residuals)
-                return self._locked(theta, converged & inside if self._both_ends else converged)
+                return self._locked(theta, converged & near)
             wanted = int(inside.sum())
             if self._size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
                 if restarts == self._owner.max_restarts:
