@@ -16,6 +16,10 @@ from cea.eigen.blocks import (
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.sizes import Sizes
+from cea.matrices import destroy
+
+_LUMPED = 4.0
+"""What the norm of the inverse of a mass is at most, about, in that of its diagonal."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +66,10 @@ def checked(
 
         abs(kappa - sigma) || (K - sigma M)^-1 r ||_M
 
-    is the backward error of kappa in the inverse problem, which is the one that was solved; to it
-    rounding of the entries of K adds u abs(x)^T abs(K) abs(x).
+    is the backward error of kappa in the inverse problem, which is the one that was solved, and
+    || r || in the norm of M^-1, or nearly of the diagonal of M, is that in the problem itself: far
+    from the shift it is the smaller one. Rounding of the entries of K adds u abs(x)^T abs(K)
+    abs(x).
 
     Parameters
     ----------
@@ -79,6 +85,9 @@ def checked(
     n, mass, comm = len(kappa), matrices.mass, matrices.stiffness.comm
     kappa, residuals, gram = kappa.copy(), np.empty(n), np.zeros((n, n), dtype=complex)
     errors, contact, sizes = np.empty(n), [], Sizes(matrices)
+    diagonal = mass.getDiagonal()
+    root = np.sqrt(diagonal.array_r)
+    destroy(diagonal)
     for block in column_blocks(n):
         x = vectors[:, block]
         f = np.empty((0, x.shape[1]), dtype=complex)
@@ -99,7 +108,9 @@ def checked(
         residuals[block] = norms(defect, comm) / (scale * norms(inertia, comm))
         step = solved(factors, defect)
         length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
-        errors[block] = rounding + np.abs(kappa[block] - factors.kappa) * length
+        inverse = np.abs(kappa[block] - factors.kappa) * length
+        direct = _LUMPED * norms(defect / root[:, None], comm)
+        errors[block] = rounding + np.minimum(inverse, direct)
     sizes.free()
     conditions = np.ones(n) if matrices.symmetric else _conditions(gram)
     nothing = np.empty((len(contact[0]) if contact else 0, 0), dtype=complex)

@@ -26,8 +26,8 @@ from cea.timing import StageTimer
 
 _NEARBY_STEPS = 3
 """Steps of refinement up to which factors of nearby parameters are worth keeping."""
-_EDGE = 1e-9
-"""Rounding at the end of a window within which modes still belong to it."""
+_BESIDE = 0.997
+"""Part of a shift that is an eigenvalue at which another is tried."""
 
 
 class KrylovSchur:
@@ -118,7 +118,7 @@ class KrylovSchur:
         with timer("assembly"):
             matrices = self._matrices(values)
         with timer("factorisation"):
-            factors = self._factorised(matrices, values, shift)
+            factors = self._in_the_middle(matrices, values, shift)
             if matrices.symmetric:
                 counted = self._count(matrices, values, upper)
         search = WindowSearch(
@@ -162,7 +162,7 @@ class KrylovSchur:
         upper = upper_end(top)
         window = Window(
             max_frequency=float(np.sqrt(top)) / (2 * np.pi),
-            shift=0.5 * top,
+            shift=found.discs[0].centre if found.discs else 0.5 * top,
             radius=found.discs[0].radius if found.discs else 0.0,
             found=len(kappa),
             discs=len(found.discs),
@@ -173,9 +173,8 @@ class KrylovSchur:
             found_below=int(np.sum(kappa.real < upper)),
             symmetric_count=found.counted,
         )
-        inside = np.abs(kappa) + kappa.real <= 2 * top * (1 + _EDGE)
-        with timer("post-processing"):
-            pairs = checked(matrices, factors, kappa[inside], vectors[:, inside])
+        with timer("post-processing"):  # those around the window show too what rounding does
+            pairs = checked(matrices, factors, kappa, vectors)
             if not matrices.symmetric:
                 bounds = cluster_bounds(
                     found.subspace.projected, pairs.kappa, pairs.errors, pairs.conditions
@@ -269,6 +268,13 @@ class KrylovSchur:
             self._at = (values, kappa)
             self.factorisations += 1
         return self._factors
+
+    def _in_the_middle(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
+        """Factors at a shift, or beside it where it is an eigenvalue."""
+        try:
+            return self._factorised(matrices, values, kappa)
+        except ConvergenceError:
+            return self._factorised(matrices, values, _BESIDE * kappa)
 
     def _nearby(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
         """Factors at a shift, or those made there at parameters near enough, refined."""

@@ -122,15 +122,22 @@ def modes_of(
         pencil=pencil,
         values=values,
     )
-    lost = int(np.sum(modes.growth_uncertainties > _NO_MODE * modes.speeds))
+    _refuse_what_is_lost(modes, eigenvalues, _uncertainties(eigenvalues, errors))
+    return replace(modes, warnings=_warnings(modes))
+
+
+def _refuse_what_is_lost(modes: Modes, eigenvalues: Complexes, uncertainties: Floats) -> None:
+    """Raise where modes, in the window or around it, are nothing but rounding."""
+    speeds = np.maximum(np.abs(eigenvalues), modes.slowest)
+    lost = int(np.sum(uncertainties > _NO_MODE * speeds))
     if lost:
-        worst = float((modes.growth_uncertainties / modes.speeds).max())
+        worst = float((uncertainties / speeds).max())
         raise ConvergenceError(
-            f"{lost} of {len(modes)} modes are lost to rounding: their errors come to {worst:.1e} "
-            "times themselves; stiffnesses, sizes or elements of this system are too far apart",
+            f"{lost} of {len(eigenvalues)} modes are lost to rounding: their errors come to "
+            f"{worst:.1e} times themselves; stiffnesses, sizes or elements of this system are too "
+            "far apart",
             best=modes,
         )
-    return replace(modes, warnings=_warnings(modes))
 
 
 def _uncertainties(eigenvalues: Complexes, errors: Floats) -> Floats:

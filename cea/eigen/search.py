@@ -37,6 +37,12 @@ _MOST_SEARCHES = 20
 """Searches of one disc, each beside what those before it found."""
 _NEAR = 2
 """Discs whose shifts are near the window."""
+_ASIDE = 1e-3
+"""Step of a shift aside relative to itself, from an eigenvalue that is the square as near."""
+_WIDER = 10.0
+"""Radius of a disc around an empty one, relative to it."""
+_STEPS_ASIDE = 4
+"""Most such steps."""
 _INSIDE = 1 + 1e-9
 """Radius of a disc of left eigenvalues relative to the farthest right one in it."""
 
@@ -138,11 +144,11 @@ class WindowSearch:
             Eigenvalues below :func:`upper_end`, by inertia.
         """
         upper = upper_end(top)
+        known = self._around_the_middle(upper)
         radius = upper - self._middle
-        known = self._filled(self._nothing(), radius, searches=1)
         if _below(known, upper) < counted:
             known = self._filled(known, radius)
-        depth = radius - self._middle
+        depth = max(0.0, radius - self._middle)
         while _below(known, upper) < counted and len(self._discs) < _MOST_DISCS[True]:
             depth = _DEEPER * max(depth, top)  # a stiffness that is not positive definite
             known = self._covered(known, top, depth, right=upper)
@@ -157,9 +163,7 @@ class WindowSearch:
         top
             Upper end omega^2 (1/s^2).
         """
-        self._move(self._middle)
-        radius = upper_end(top) - self._middle
-        known = self._filled(self._nothing(), radius, searches=1)
+        known = self._around_the_middle(upper_end(top))
         most = _MOST_DISCS[self._matrices.size <= _SMALL]
         depth, reached = _DEPTH * top, -top
         bounded = self._bounded(depth)
@@ -181,6 +185,22 @@ class WindowSearch:
         if len(self._discs) > _NEAR:
             self._move(self._middle)  # modes are judged by factors near them
         return Found(known, tuple(self._discs), reached, bounded, bool(self._odd(known)))
+
+    def _around_the_middle(self, upper: float) -> InvariantSubspace:
+        """Eigenvalues about the middle of the window; the shift steps aside where it is one."""
+        for _ in range(_STEPS_ASIDE):
+            self._move(self._middle)
+            known = self._filled(self._nothing(), upper - self._middle, searches=1)
+            nearest = np.abs(known.eigenvalues() - self._middle).min(initial=np.inf)
+            if nearest > _ASIDE**2 * self._middle:
+                break
+            self._farthest.clear()
+            self._signs.clear()
+            self._discs.clear()
+            self._middle *= 1 - _ASIDE
+        if not known.size:  # what lies around shows what rounding does
+            known = self._filled(known, _WIDER * (upper - self._middle), searches=1)
+        return known
 
     def _odd(self, known: InvariantSubspace) -> list[float]:
         """Shifts to the left of which the sign of the determinant shows another real kappa."""

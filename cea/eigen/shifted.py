@@ -23,6 +23,9 @@ from cea.eigen.pencil import Matrices
 from cea.matrices import destroy, distributed, largest_row, local_part
 from cea.petsc import PETSc
 
+_NEAR = 100.0
+"""Shifts, relative to the first, between which a matrix is moved in place."""
+
 
 class Shifted:
     """A(kappa) factorised; what a driver solves for displacements with.
@@ -45,7 +48,7 @@ class Shifted:
     def __init__(
         self, matrices: Matrices, kappa: float = 0.0, *, near: "Shifted | None" = None
     ) -> None:
-        self.kappa = kappa
+        self.kappa = self._first = kappa
         self._matrices = matrices
         self._multipliers = matrices.multipliers
         self._local = matrices.stiffness.getLocalSize()[0]
@@ -86,13 +89,16 @@ class Shifted:
             return
         assert isinstance(self._factors, Mumps)
         before, self.kappa = self.kappa, kappa
-        if self._multipliers is None:
+        # Digits of K are lost in a matrix that was shifted far.
+        near = max(abs(before), abs(kappa)) <= _NEAR * abs(self._first)
+        if self._multipliers is None and near:
             subset = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
             self._factors.matrix.axpy(before - kappa, self._matrices.mass, structure=subset)
             self._factors.factorise()
             return
         self._factors.free()
-        destroy(self._scale)
+        if self._scale is not None and self._own_scale:
+            destroy(self._scale)
         self._factors = Mumps(self._operator(), symmetric=self._matrices.symmetric)
 
     def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:

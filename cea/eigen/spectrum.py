@@ -136,14 +136,18 @@ class Spectrum:
         return self.eigenvalues.real
 
     @property
-    def speeds(self) -> Floats:
-        """abs(lambda), but no less than a tenth of the window (1/s): what errors are relative to.
+    def slowest(self) -> float:
+        """Tenth of the window (1/s): what slower modes are judged by, or zero without window.
 
         Rigid motions have lambda = 0 but for rounding, and no speed of their own.
         """
         end = 2 * np.pi * self.window.max_frequency
-        sizes = np.abs(self.eigenvalues)
-        return np.maximum(sizes, _SLOW * end) if np.isfinite(end) else sizes
+        return _SLOW * end if np.isfinite(end) else 0.0
+
+    @property
+    def speeds(self) -> Floats:
+        """abs(lambda), but no less than :attr:`slowest` (1/s): what errors are relative to."""
+        return np.maximum(np.abs(self.eigenvalues), self.slowest)
 
     @property
     def trusted(self) -> NDArray[np.bool_]:

@@ -1,5 +1,6 @@
 """The command line ``cea``: its commands, each a function that imports what it uses."""
 
+import os
 from typing import Any
 
 import typer
@@ -41,5 +42,7 @@ app.add_typer(exact_app, name="exact")
 
 def main() -> None:
     """Run a command; wrong input and failed convergence end in one line, not a traceback."""
+    # Products of small matrices lose by threads, many times over on a machine that is busy.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     with one_voice(launched_together()):
         app(standalone_mode=True)

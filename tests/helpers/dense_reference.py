@@ -156,8 +156,9 @@ def _left_by(border, J, L, C):
     free = null_space(border[touched].T)
     values, vectors = eigh(free.T @ C[np.ix_(touched, touched)] @ free)
     free = free @ vectors
-    own = np.diag(np.where(values > 1e-14 * np.abs(values).max(initial=0.0), values, 0.0))
-    across = free.T @ C[np.ix_(touched, ~touched)]
+    values = np.where(values > 1e-14 * np.abs(values).max(initial=0.0), values, 0.0)
+    own = np.diag(values)
+    across = (free.T @ C[np.ix_(touched, ~touched)]) * (values > 0)[:, None]
     return (
         np.vstack([free.T @ J[touched], J[~touched]]),
         np.vstack([free.T @ L[touched], L[~touched]]),

@@ -1,0 +1,249 @@
+"""Windows of any growth: discs that cover them, bounds, signs, copies, clusters, verdicts."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+from blocks import assemble, two_blocks
+from petsc_matrices import to_numpy, to_petsc
+
+from cea.eigen import search
+from cea.eigen.block_krylov import BlockKrylov, InvariantSubspace
+from cea.eigen.clusters import cluster_bounds
+from cea.eigen.coverage import bounded_below, distance_within, touching_disc
+from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.pencil import Pencil
+from cea.eigen.shifted import Shifted
+from cea.eigen.static import solve_static
+from cea.errors import ConvergenceError
+from cea.timing import StageTimer
+
+HERTZ = 1 / (2 * np.pi)
+
+
+def pencil_of(blocks, *, turned=True, seed=0):
+    """A pencil of mass 1 with given diagonal blocks: their symmetric parts, and the rest."""
+    whole = scipy.linalg.block_diag(*blocks)
+    n = len(whole)
+    turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(n, n)))[0] if turned else np.eye(n)
+    symmetric = turn @ (0.5 * (whole + whole.T)) @ turn.T
+    rest = turn @ (0.5 * (whole - whole.T)) @ turn.T
+    symmetric = 0.5 * (symmetric + symmetric.T)
+    friction = to_petsc(-rest) if np.abs(rest).max() > 0 else None
+    return Pencil.of(to_petsc(symmetric), to_petsc(np.eye(n)), friction)
+
+
+def pair(real, imaginary):
+    """A block with kappa = real +- i imaginary."""
+    return np.array([[real, imaginary], [-imaginary, real]])
+
+
+def band(n, low=0.5, high=400.0):
+    return [[[value]] for value in np.linspace(low, high, n)]
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.1, 3.0, 1e3])
+def test_the_disc_covers_every_growth_to_its_depth(depth):
+    """Modes with Im lambda <= 1 and Re kappa >= -depth lie in it, those above 1.02 do not."""
+    rng = np.random.default_rng(1)
+    value = rng.uniform(-2 - depth, 2 + depth, 100_000) + 1j * rng.uniform(0, 1, 100_000)
+    kappa = -(value**2)
+    kappa = kappa[kappa.real >= -depth]
+    centre = touching_disc(1.0, depth)
+    radius = distance_within(1.0, centre, -depth, 1.0)
+    assert len(kappa) > 1000
+    assert (np.abs(kappa - centre) <= radius).all()
+    assert centre + radius < 1.02
+
+
+@pytest.mark.parametrize("strength", [0.5, 5.0, 50.0, 1e4, 1e8])
+def test_growth_of_any_strength_is_found(strength):
+    """Flutter and divergence far outside of the disc about the window, beside 150 other modes."""
+    fast = -((strength + 0.4j) ** 2)
+    blocks = [*band(150), pair(fast.real, fast.imag), [[-((2 * strength) ** 2)]]]
+    modes = solve_modes(pencil_of(blocks, turned=strength < 1e3), HERTZ)
+    assert modes.window.complete
+    assert modes.verdict() == "unstable"
+    growing = np.sort(modes.growth_rates[modes.unstable()])
+    assert growing == pytest.approx([strength, 2 * strength], rel=1e-6)
+
+
+def test_a_divergence_so_far_that_only_a_determinant_tells_of_it(monkeypatch):
+    """Discs end before it; the sign of the determinant says that the window is not complete."""
+    monkeypatch.setattr(search, "_MOST_DISCS", {True: 2, False: 2})
+    monkeypatch.setattr(BlockKrylov, "search", _blind(BlockKrylov.search, -1e6))
+    modes = solve_modes(pencil_of([*band(150), pair(2.0, 0.1), [[-1e6]]]), HERTZ)
+    assert modes.window.odd
+    assert not modes.window.complete
+    assert modes.verdict() == "undecided"
+    assert {w.kind for w in modes.warnings} == {"window-not-complete"}
+
+
+def _blind(original, where):
+    """A search that never finds what lies near a place."""
+
+    def searched(self, known, radius, seed, **options):
+        if abs(self.shift - where) < radius:
+            return known
+        return original(self, known, radius, seed, **options)
+
+    return searched
+
+
+def test_what_was_not_searched_is_told(monkeypatch):
+    """With fewer discs than it takes the run says how far it went, and gives no verdict."""
+    monkeypatch.setattr(search, "_MOST_DISCS", {True: 1, False: 1})
+    monkeypatch.setattr(search, "bounded_below", lambda *_: False)
+    blocks = [*band(150, high=1e9), pair(2.0, 0.1)]
+    modes = solve_modes(pencil_of(blocks), HERTZ)
+    assert not modes.window.complete
+    assert modes.window.max_growth == pytest.approx(np.sqrt(0.8 * 3.0))
+    assert modes.verdict() == "undecided"
+    assert set(modes.verdicts()) == {"stable"}
+    assert "not excluded" in modes.window.evidence
+
+
+@pytest.mark.parametrize("copies", [2, 9, 30])
+@pytest.mark.parametrize("rubs", [False, True])
+def test_copies_are_all_found(copies, rubs):
+    blocks = [*band(120), *[[[0.7]]] * copies, *[[[0.0]]] * copies]
+    blocks += [pair(0.6, 0.02)] if rubs else [[[0.6]]]
+    modes = solve_modes(pencil_of(blocks), HERTZ)
+    kappa = -(modes.eigenvalues**2)
+    assert (np.abs(kappa - 0.7) < 1e-9).sum() == copies
+    assert (np.abs(kappa) < 1e-9).sum() == copies
+    assert modes.window.complete
+    assert set(modes.verdicts()) == ({"stable", "unstable"} if rubs else {"stable"})
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize("P", [1.0, 1e3, 1e6])
+def test_the_bound_is_that_of_the_field_of_values(form, P):
+    data = two_blocks("iga", {"method": "gpts", "points": 3}, held=True, mu=0.9, P=P)
+    data["contacts"]["interface"]["form"] = form
+    matrices = assemble(data).pencil().at()
+    K, M = to_numpy(matrices.operator()), to_numpy(matrices.mass)
+    if (forces := matrices.multipliers) is not None:
+        J, L, C = (to_numpy(m) for m in (forces.closure, forces.reaction, forces.compliance))
+        K = K + L.T @ np.linalg.solve(C, J)
+    lowest = scipy.linalg.eigvalsh(0.5 * (K + K.T), M)[0]
+    assert lowest < 0 or P == 1.0
+    size = abs(lowest)
+    assert bounded_below(matrices, -lowest + 1e-3 * size)
+    assert not bounded_below(matrices, -lowest - 1e-3 * size)
+
+
+def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():
+    """The middle of the window, exactly and but for rounding."""
+    for turned in (False, True):
+        modes = solve_modes(pencil_of([*band(60), [[0.5]], pair(0.8, 0.1)], turned=turned), HERTZ)
+        kappa = np.sort_complex(-(modes.eigenvalues**2))
+        assert kappa == pytest.approx([0.5, 0.5, 0.8 - 0.1j, 0.8 + 0.1j], abs=1e-11)
+        assert modes.trusted.all()
+        assert modes.window.complete
+
+
+def test_the_sign_of_the_determinant_counts_real_eigenvalues():
+    blocks = [[[-9.0]], [[-4.0]], [[1.0]], pair(-2.0, 3.0), pair(5.0, 1.0)]
+    factors = Shifted(pencil_of(blocks).at(), -20.0)
+    found = []
+    for shift in (-20.0, -6.0, -1.0, 3.0):
+        factors.move(shift)
+        found.append(factors.parity())
+    assert found == [0, 1, 0, 1]
+
+
+def test_moved_factors_solve_as_new_ones_do(backend):
+    matrices = assemble(two_blocks(backend, {"method": "gpts", "points": 3}, mu=0.4)).pencil().at()
+    factors = Shifted(matrices, 1.0)
+    b = np.random.default_rng(0).normal(size=(matrices.size, 3))
+    for shift in (-20.0, 3.0, -1e16, 2.0, -1e4):
+        factors.move(shift)
+        fresh = Shifted(matrices, shift)
+        expected = fresh.solve_block(b)
+        assert factors.solve_block(b) == pytest.approx(
+            expected, rel=1e-10, abs=1e-11 * np.abs(expected).max()
+        )
+        fresh.free()
+
+
+def test_blocks_find_what_slepc_finds(backend):
+    data = two_blocks(backend, {"method": "gpts", "points": 3}, held=True, mu=0.4)
+    pencil = assemble(data).pencil()
+    modes = solve_modes(pencil, 1.0)
+    with KrylovSchur(pencil) as driver:
+        other = driver.nearest(0.5 * (2 * np.pi) ** 2 * (1 + 1e-6), len(modes))
+    kappa, expected = (-(m.eigenvalues**2) for m in (modes, other))
+    distance = np.abs(kappa[:, None] - expected).min(axis=1) / np.abs(kappa)
+    assert len(modes) > 5
+    assert np.sort(distance)[: len(modes) // 2].max() < 1e-9
+
+
+def test_what_is_known_does_not_change_where_a_far_search_adds_to_it():
+    matrices = pencil_of([*band(100), pair(2.0, 0.1), [[-1e14]]]).at()
+    factors = Shifted(matrices, 1.0)
+    options = {"tolerance": 1e-13, "max_restarts": 50, "timer": StageTimer()}
+    near = BlockKrylov(matrices.mass, factors, matrices.size, **options)
+    known = near.search(InvariantSubspace.empty(matrices.size, symmetric=False), 5.0, 0)
+    before = np.sort_complex(known.eigenvalues())
+    factors.move(-1.2e14)
+    far = BlockKrylov(matrices.mass, factors, matrices.size, **options)
+    both = far.search(known, 0.5e14, 1, both_ends=True)
+    assert both.size == known.size + 1
+    after = np.sort_complex(both.eigenvalues())
+    assert after[0] == pytest.approx(-1e14)
+    assert after[1:] == pytest.approx(before, rel=1e-12)
+
+
+def test_a_cluster_is_known_better_than_its_members():
+    """Vectors of nearly equal copies are nearly parallel; together they are not."""
+    noise = 1e-13 * np.triu(np.ones((4, 4)), 1) + 1e-20 * np.diag(range(4))
+    projected = scipy.linalg.block_diag(2.0 * np.eye(4) + noise, np.diag([5.0, 9.0]))
+    errors, conditions = np.full(6, 1e-14), np.array([1e7, 1e7, 1e7, 1e7, 1.0, 1.0])
+    kappa = np.diag(projected).astype(complex)
+    bounds = cluster_bounds(projected, kappa, errors, conditions)
+    assert bounds[:4].max() < 1e-12
+    assert np.isinf(bounds[4:]).all()
+
+
+def test_a_coalescence_is_no_cluster_of_copies():
+    projected = np.array([[2.0, 1.0], [1e-14, 2.0]])
+    kappa = np.linalg.eigvals(projected).astype(complex)
+    bounds = cluster_bounds(projected, kappa, np.full(2, 1e-15), np.full(2, 1e7))
+    assert bounds.min() > 0.5
+
+
+def test_verdicts_leave_open_what_errors_do():
+    blocks = [*band(40, low=1.1), np.array([[0.5, 1.0], [-1e-18, 0.5]])]  # a pair that coalesces
+    modes = solve_modes(pencil_of(blocks), HERTZ)
+    near = np.abs(-(modes.eigenvalues**2) - 0.5) < 1e-3
+    verdicts = np.array(modes.verdicts(1e-9))
+    assert near.sum() == 2
+    assert not (verdicts[near] == "stable").any()
+    assert modes.verdict(1e-9) == "undecided"
+    assert not modes.unstable(1e-9).any()
+
+
+def test_modes_lost_to_rounding_are_refused():
+    blocks = [[[1e-3]], *band(5), *[[[value]] for value in np.geomspace(1e15, 1e22, 30)]]
+    with pytest.raises(ConvergenceError, match="lost to rounding") as caught:
+        solve_modes(pencil_of(blocks), HERTZ)
+    assert "stable" not in caught.value.best.verdicts()
+
+
+def test_the_threshold_of_growth_is_relative_by_default():
+    for scale in (1e-8, 1.0, 1e8):
+        blocks = [value * scale**2 * np.eye(1) for value in np.linspace(0.1, 90, 60)]
+        value = scale * (1e-3 + 0.5j)
+        blocks.append(pair((-(value**2)).real, (-(value**2)).imag))
+        modes = solve_modes(pencil_of(blocks), scale * HERTZ)
+        assert modes.unstable().sum() == 1
+        assert modes.unstable(1e-2 * scale).sum() == 0
+
+
+def test_displacements_of_bodies_that_nothing_holds_are_refused(backend):
+    data = two_blocks(backend, {"method": "gpts", "points": 3}, mu=0.0)
+    data["analysis"] = {"kind": "static"}
+    data["loads"] = [{"surface": "upper.x_min", "pressure": 1.0}]
+    system = assemble(data)
+    with pytest.raises(ConvergenceError, match="not held"):
+        solve_static(system.pencil(), system.load)
