@@ -12,8 +12,7 @@ so that Q and V together remain an invariant subspace, friction or not (Stewart,
 algorithm for large eigenproblems, SIAM J. Matrix Anal. Appl. 23 (2002)).
 """
 
-from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from scipy.linalg import schur
 from cea.body import Complexes, Floats
 from cea.eigen.blocks import image_of
 from cea.eigen.shifted import Shifted
+from cea.eigen.subspace import InvariantSubspace, small_eigenpairs, symmetric_part
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
@@ -41,58 +41,6 @@ _AROUND = 0.1
 """Part of 1 / radius to which eigenvalues around a disc are kept: those farther lose digits."""
 _CLEAR = 3.0
 """Residuals by which an eigenvalue outside a disc must lie outside."""
-
-
-@dataclass(frozen=True)
-class InvariantSubspace:
-    """Vectors Q, M-orthonormal, with M^-1 K Q = Q R.
-
-    Parameters
-    ----------
-    basis
-        Q, the rows of this rank, shape (n_local, k).
-    projected
-        R (1/s^2), shape (k, k), block upper triangular.
-    symmetric
-        Whether R is symmetric but for rounding, as without friction.
-    """
-
-    basis: Floats
-    projected: Floats
-    symmetric: bool
-
-    @classmethod
-    def empty(cls, rows: int, *, symmetric: bool) -> "InvariantSubspace":
-        """The subspace of nothing, with so many rows on this rank."""
-        return cls(np.empty((rows, 0)), np.empty((0, 0)), symmetric)
-
-    @property
-    def size(self) -> int:
-        """Number of eigenvalues, with multiplicity."""
-        return len(self.projected)
-
-    def eigenvalues(self, first: int = 0) -> Complexes:
-        """kappa, shape (k,), or those added since the subspace had a size."""
-        part = self.projected[first:, first:]
-        values = np.linalg.eigvalsh(_mean(part)) if self.symmetric else np.linalg.eigvals(part)
-        return values.astype(complex)
-
-    def eigenpairs(self) -> tuple[Complexes, Complexes]:
-        """kappa, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k)."""
-        if not self.size:
-            return np.empty(0, dtype=complex), np.empty((len(self.basis), 0), dtype=complex)
-        values, vectors = _eigenpairs(self.projected, symmetric=self.symmetric)
-        return values, self.basis @ vectors.real + 1j * (self.basis @ vectors.imag)
-
-    def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: float) -> Self:
-        """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
-        own = np.linalg.inv(form)
-        # What was known stays as it is: far from a shift digits are lost to it.
-        across = -(self.projected - shift * np.eye(self.size)) @ coupling @ own
-        own = own + shift * np.eye(len(form))
-        nothing = np.zeros((len(form), self.size))
-        projected = np.block([[self.projected, across], [nothing, own]])
-        return type(self)(np.hstack([self.basis, basis]), projected, self.symmetric)
 
 
 class BlockKrylov:
@@ -313,7 +261,7 @@ class _Run:
 
     def _square(self) -> Floats:
         square = self._operator[: self._size]
-        return _mean(square) if self._known.symmetric else square
+        return symmetric_part(square) if self._known.symmetric else square
 
     def _space(self, vectors: Floats) -> Floats:
         """V times columns."""
@@ -322,7 +270,7 @@ class _Run:
 
     def _ritz(self) -> tuple[Complexes, Floats]:
         """Eigenvalues of OP on the space and the residuals of their vectors."""
-        theta, vectors = _eigenpairs(self._square(), symmetric=self._known.symmetric)
+        theta, vectors = small_eigenpairs(self._square(), symmetric=self._known.symmetric)
         rest = self._operator[self._size :]
         return theta, np.linalg.norm(rest @ vectors, axis=0)
 
@@ -390,14 +338,3 @@ class _Run:
         form, vectors = self._leading(theta, number)
         coupling = self._coupling @ vectors
         return self._known.extended(self._space(vectors), coupling, form, self._shift)
-
-
-def _mean(matrix: Floats) -> Floats:
-    """Symmetric part."""
-    return 0.5 * (matrix + matrix.T)
-
-
-def _eigenpairs(matrix: Floats, *, symmetric: bool) -> tuple[Complexes, Complexes]:
-    """Eigenvalues and vectors of a small matrix."""
-    values, vectors = np.linalg.eigh(_mean(matrix)) if symmetric else np.linalg.eig(matrix)
-    return values.astype(complex), vectors.astype(complex)

@@ -1,8 +1,9 @@
-"""The eigenvalue driver: (lambda^2 M + K) x = 0 by shift-and-invert with SLEPc and MUMPS.
+"""The eigenvalue driver: (lambda^2 M + K) x = 0 by shift-and-invert Krylov-Schur and MUMPS.
 
 Undamped sliding is linear in kappa = -lambda^2: K x = kappa M x, with K unsymmetric by friction.
 Without friction it is solved as a symmetric problem. The driver takes a parametric pencil, not
-bodies, and keeps inertia counts and factors for the solves that follow.
+bodies, and keeps inertia counts and factors for the solves that follow. Windows are searched by
+blocks (:mod:`cea.eigen.search`), the few modes nearest to a place by SLEPc.
 """
 
 from collections.abc import Mapping
@@ -11,7 +12,6 @@ from typing import Any, Self
 
 import numpy as np
 
-from cea.eigen.block_krylov import InvariantSubspace
 from cea.eigen.clusters import cluster_bounds
 from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
 from cea.eigen.modes import Modes, modes_of
@@ -21,6 +21,7 @@ from cea.eigen.search import Found, WindowSearch, upper_end
 from cea.eigen.sensitivity import LeftVectors, biorthonormal
 from cea.eigen.shifted import Shifted, count_below
 from cea.eigen.spectrum import Window
+from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
 

@@ -12,10 +12,11 @@ from itertools import pairwise
 import numpy as np
 
 from cea.body import Complexes
-from cea.eigen.block_krylov import BlockKrylov, InvariantSubspace
+from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.coverage import bounded_below, distance_within, touching_disc
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
+from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 

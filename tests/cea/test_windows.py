@@ -7,13 +7,14 @@ from blocks import assemble, two_blocks
 from petsc_matrices import to_numpy, to_petsc
 
 from cea.eigen import search
-from cea.eigen.block_krylov import BlockKrylov, InvariantSubspace
+from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.clusters import cluster_bounds
 from cea.eigen.coverage import bounded_below, distance_within, touching_disc
 from cea.eigen.krylov_schur import KrylovSchur, solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.shifted import Shifted
 from cea.eigen.static import solve_static
+from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 

@@ -1,0 +1,73 @@
+"""Invariant subspaces of a pencil, and eigenvalues of the small matrices that act on them."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from cea.body import Complexes, Floats
+
+
+@dataclass(frozen=True)
+class InvariantSubspace:
+    """Vectors Q, M-orthonormal, with M^-1 K Q = Q R.
+
+    Parameters
+    ----------
+    basis
+        Q, the rows of this rank, shape (n_local, k).
+    projected
+        R (1/s^2), shape (k, k), block upper triangular.
+    symmetric
+        Whether R is symmetric but for rounding, as without friction.
+    """
+
+    basis: Floats
+    projected: Floats
+    symmetric: bool
+
+    @classmethod
+    def empty(cls, rows: int, *, symmetric: bool) -> "InvariantSubspace":
+        """The subspace of nothing, with so many rows on this rank."""
+        return cls(np.empty((rows, 0)), np.empty((0, 0)), symmetric)
+
+    @property
+    def size(self) -> int:
+        """Number of eigenvalues, with multiplicity."""
+        return len(self.projected)
+
+    def eigenvalues(self, first: int = 0) -> Complexes:
+        """kappa, shape (k,), or those added since the subspace had a size."""
+        part = self.projected[first:, first:]
+        values = (
+            np.linalg.eigvalsh(symmetric_part(part)) if self.symmetric else np.linalg.eigvals(part)
+        )
+        return values.astype(complex)
+
+    def eigenpairs(self) -> tuple[Complexes, Complexes]:
+        """kappa, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k)."""
+        if not self.size:
+            return np.empty(0, dtype=complex), np.empty((len(self.basis), 0), dtype=complex)
+        values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
+        return values, self.basis @ vectors.real + 1j * (self.basis @ vectors.imag)
+
+    def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: float) -> Self:
+        """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
+        own = np.linalg.inv(form)
+        # What was known stays as it is: far from a shift digits are lost to it.
+        across = -(self.projected - shift * np.eye(self.size)) @ coupling @ own
+        own = own + shift * np.eye(len(form))
+        nothing = np.zeros((len(form), self.size))
+        projected = np.block([[self.projected, across], [nothing, own]])
+        return type(self)(np.hstack([self.basis, basis]), projected, self.symmetric)
+
+
+def symmetric_part(matrix: Floats) -> Floats:
+    """Symmetric part."""
+    return 0.5 * (matrix + matrix.T)
+
+
+def small_eigenpairs(matrix: Floats, *, symmetric: bool) -> tuple[Complexes, Complexes]:
+    """Eigenvalues and vectors of a small matrix."""
+    values, vectors = np.linalg.eigh(symmetric_part(matrix)) if symmetric else np.linalg.eig(matrix)
+    return values.astype(complex), vectors.astype(complex)
