@@ -17,8 +17,8 @@ from comparisons.accuracy.no_flutter import measure as measure_no_flutter
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.runner import run_study
 from comparisons.accuracy.study import Method, Study, cases
-from comparisons.accuracy.worker import CaseError
 from comparisons.cli.app import app
+from comparisons.kit.worker import WorkerError
 
 TINY = Study(
     stiffnesses=(1.0, 0.1), dofs={2: (1, 400), 3: (1, 1)}, levels=2, repeats=3, minutes=1.0
@@ -35,7 +35,7 @@ class Invented:
         """Invent, or fail."""
         self.measured.append(case)
         if case.method.rule == "grid":
-            raise CaseError("no grid today")
+            raise WorkerError("no grid today")
         n, degree = case.refinement, case.method.degree
         error = (2.0 * n) ** (-2 * degree) * (1 if case.method.rule == "mortar" else 30)
         missing = [[0.0, 1.0]] if case.method.rule == "segments" else []

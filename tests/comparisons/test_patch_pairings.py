@@ -14,7 +14,10 @@ from scenes.variants import with_contact
 
 KINDS = ("hexahedra", "tetrahedra", "NURBS")
 FLAT, ROTATED = (next(p for p in PROBLEMS if p.name == name) for name in ("flat", "rotated"))
-OFFSET = ["bodies.upper.placement={translation=[0.0, 0.0, 0.05]}"]
+OFFSET = [
+    "bodies.upper.placement={translation=[0.0, 0.0, 0.05]}",
+    "contacts.interface.reach=0.06",
+]
 MATCHING = [f"bodies.upper.mesh.{kind}.elements=[5, 5, 1]" for kind in ("fe", "iga")]
 WHERE = {
     "flat": (FLAT, []),

@@ -110,7 +110,7 @@ def scenes():
         yield f"{backend} overhanging", overhanging(blocks(backend, GPTS))
         yield f"{backend} single point", static(single_point(backend))
         yield f"{backend} column", column(backend)
-    yield "fewer than counted", two_blocks("fe", GRID, held=True)
+    yield "several discs", two_blocks("fe", GRID, held=True)
     yield "fe on iga", mixed_pairing("fe", "iga")
     yield "iga on fe", static(mixed_pairing("iga", "fe"))
 
@@ -223,7 +223,7 @@ def facts(scene):
             "re": modes.growth_rates.tolist(),
             "im": modes.eigenvalues.imag.tolist(),
             "worst_residual": modes.residuals.max(),
-            "count": [modes.window.found_below, modes.window.symmetric_count],
+            "count": [modes.window.found_below, modes.window.discs],
             "unstable": len(data["unstable"]),
             "shapes": np.moveaxis(np.abs(shapes), 2, 0).tolist(),
         }
