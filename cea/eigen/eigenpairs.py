@@ -18,6 +18,8 @@ from cea.eigen.shifted import Shifted
 from cea.eigen.sizes import Sizes
 from cea.matrices import destroy
 
+_SMALL = 1e-8
+"""Part of an eigenvalue up to which it does not matter how large a residual is exactly."""
 _LUMPED = 4.0
 """What the norm of the inverse of a mass is at most, about, in that of its diagonal."""
 
@@ -106,11 +108,14 @@ def checked(
         defect = force - inertia * kappa[block]
         scale = np.maximum(np.abs(kappa[block]), rounding)
         residuals[block] = norms(defect, comm) / (scale * norms(inertia, comm))
-        step = solved(factors, defect)
-        length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
-        inverse = np.abs(kappa[block] - factors.kappa) * length
-        direct = _LUMPED * norms(defect / root[:, None], comm)
-        errors[block] = rounding + np.minimum(inverse, direct)
+        error = _LUMPED * norms(defect / root[:, None], comm)
+        large = np.flatnonzero(error > _SMALL * np.abs(kappa[block]))
+        if len(large):  # solves cost as much as all the rest
+            step = solved(factors, defect[:, large])
+            length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
+            inverse = np.abs(kappa[block][large] - factors.kappa) * length
+            error[large] = np.minimum(error[large], inverse)
+        errors[block] = rounding + error
     sizes.free()
     conditions = np.ones(n) if matrices.symmetric else _conditions(gram)
     nothing = np.empty((len(contact[0]) if contact else 0, 0), dtype=complex)
