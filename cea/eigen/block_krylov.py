@@ -35,6 +35,8 @@ _RESTART = 2.5
 """Size of the space, relative to the eigenvalues wanted of it, at which it is restarted."""
 _NOISE = 1e-12
 """Part of a vector that projections leave below which it lies in the space already."""
+_ORTHONORMAL = 1e-12
+"""Distance of inner products from those of orthonormal vectors that is good enough."""
 _PAIR = 1e-9
 """Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
 _AROUND = 0.1
@@ -242,7 +244,10 @@ class _Run:
             inside += part @ rest
             u -= before @ part
             image = owner.image(u)
-            axes = np.linalg.eigh(owner.inner(u, image))[1]
+            gram = owner.inner(u, image)
+            if np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
+                break
+            axes = np.linalg.eigh(gram)[1]
             u, image = u @ axes, image @ axes
             # Of small vectors beside large ones the lengths say more than the eigenvalues.
             lengths = np.sqrt(np.maximum(owner.diagonal(u, image), 0.0))
