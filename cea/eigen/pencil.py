@@ -1,10 +1,11 @@
 """The parametric pencil: everything that is solved, as sums of fixed pieces.
 
-    lambda^2 M(t) + K(t),    M, K = sum_j c_j(t) A_j
+    lambda^2 M(t) + lambda C(t) + K(t),    M, C, K = sum_j c_j(t) A_j
 
 with coefficients c_j in named parameters t. K of a body scales with its E, M with its rho, K_n and
-K_f of a contact with P and mu P. Contact forces may be unknowns beside the displacements
-(:mod:`cea.eigen.multipliers`). One object serves a single run, a sweep, a threshold, a derivative.
+K_f of a contact with P and mu P; C holds damping and gyroscopic pieces alike. Contact
+forces may be unknowns beside the displacements (:mod:`cea.eigen.multipliers`). One object
+serves a single run, a sweep, a threshold, a derivative.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,7 +18,7 @@ from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
 from cea.petsc import Mat
 
-Role = Literal["mass", "stiffness"]
+Role = Literal["mass", "damping", "stiffness"]
 
 FRICTION = "friction"
 """Name of the factor on the friction of a pencil made of given matrices."""
@@ -59,17 +60,28 @@ class Matrices:
         M, PETSc AIJ (kg), symmetric positive definite; None in statics.
     multipliers
         Contact forces that are unknowns; None without.
+    damping
+        Symmetric part of C, PETSc AIJ (N s/m); None without.
+    gyroscopic
+        The rest of C, which rotation makes, PETSc AIJ (N s/m); None without.
     """
 
     stiffness: Mat
     unsymmetric: Mat | None
     mass: Any
     multipliers: Multipliers | None
+    damping: Mat | None = None
+    gyroscopic: Mat | None = None
 
     @property
     def symmetric(self) -> bool:
-        """True without friction."""
+        """True without friction: S and the multipliers are symmetric."""
         return self.unsymmetric is None and (self.multipliers is None or self.multipliers.symmetric)
+
+    @property
+    def quadratic(self) -> bool:
+        """True with damping or rotation: the problem is not linear in kappa = -lambda^2."""
+        return self.damping is not None or self.gyroscopic is not None
 
     @property
     def size(self) -> int:
@@ -184,12 +196,15 @@ class Pencil:
         stiffness = self._sum("stiffness", values, symmetric=True)
         if stiffness is None:
             raise InputError("terms", len(self.terms), "a symmetric piece of the stiffness")
-        return self._with_sums(values, stiffness, self._sum("mass", values, symmetric=True))
+        mass = self._sum("mass", values, symmetric=True)
+        return self._with_sums(
+            values, stiffness, mass, self._sum("damping", values, symmetric=True)
+        )
 
     def moved(
         self, matrices: Matrices, before: Mapping[str, float], after: Mapping[str, float]
     ) -> Matrices:
-        """Matrices at other parameters; S and M stay as they are where they are the same.
+        """Matrices at other parameters; what is symmetric stays as it is where it is the same.
 
         Parameters
         ----------
@@ -201,17 +216,20 @@ class Pencil:
         if self.symmetric_values(before) != self.symmetric_values(after):
             release(matrices)
             return self.at(after)
-        if matrices.unsymmetric is not None:
-            destroy(matrices.unsymmetric)
+        destroy(*(m for m in (matrices.unsymmetric, matrices.gyroscopic) if m))
         if matrices.multipliers is not None:
             matrices.multipliers.free()
-        return self._with_sums(after, matrices.stiffness, matrices.mass)
+        return self._with_sums(after, matrices.stiffness, matrices.mass, matrices.damping)
 
-    def _with_sums(self, values: Mapping[str, float], S: Mat, M: Mat | None) -> Matrices:
+    def _with_sums(
+        self, values: Mapping[str, float], S: Mat, M: Mat | None, C: Mat | None
+    ) -> Matrices:
         return Matrices(
             stiffness=S,
             unsymmetric=self._sum("stiffness", values, symmetric=False),
             mass=M,
+            damping=C,
+            gyroscopic=self._sum("damping", values, symmetric=False),
             multipliers=(
                 self._all_forces.at(values, leave_out=self.leave_out) if self._all_forces else None
             ),
@@ -240,6 +258,7 @@ class Pencil:
 
 def release(matrices: Matrices) -> None:
     """Free the sums of a pencil, not its pieces."""
-    destroy(*(m for m in (matrices.stiffness, matrices.unsymmetric, matrices.mass) if m))
+    sums = (matrices.stiffness, matrices.unsymmetric, matrices.mass)
+    destroy(*(m for m in (*sums, matrices.damping, matrices.gyroscopic) if m))
     if matrices.multipliers is not None:
         matrices.multipliers.free()

@@ -5,6 +5,7 @@ import pytest
 from blocks import assemble, two_blocks
 from petsc_matrices import to_numpy, to_petsc
 
+from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.parameters import Coefficient, Monomial, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.errors import InputError
@@ -145,3 +146,30 @@ def test_slopes_of_coefficients_are_their_derivatives():
 def test_a_parameter_says_its_unit_when_it_refuses():
     with pytest.raises(InputError, match=r"N/m\^2"):
         Parameter("E", 1.0, "N/m^2", positive=True).check(0.0)
+
+
+def test_damping_and_rotation_are_sums_too():
+    random = np.random.default_rng(4)
+    n = 5
+    M, K, C = (part @ part.T for part in random.standard_normal((3, n, n)))
+    Y = random.standard_normal((n, n))
+    Y = Y - Y.T
+    omega = Coefficient.of({"Omega": (1.0, 1.0)})
+    pencil = Pencil(
+        [
+            Term("mass", to_petsc(M)),
+            Term("damping", to_petsc(C)),
+            Term("damping", to_petsc(Y), omega, symmetric=False),
+            Term("stiffness", to_petsc(K)),
+        ],
+        [Parameter("Omega", 2.0)],
+    )
+    matrices = pencil.at()
+    assert matrices.quadratic
+    assert to_numpy(matrices.damping) == pytest.approx(C)
+    assert to_numpy(matrices.gyroscopic) == pytest.approx(2 * Y)
+    moved = pencil.moved(matrices, {"Omega": 2.0}, {"Omega": -3.0})
+    assert moved.damping is matrices.damping
+    assert to_numpy(moved.gyroscopic) == pytest.approx(-3 * Y)
+    with pytest.raises(InputError, match="pencil"):
+        KrylovSchur(pencil)
