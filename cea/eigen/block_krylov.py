@@ -109,8 +109,9 @@ class BlockKrylov:
             Of the random start vectors.
         both_ends
             Whether the far end of the spectrum is to be seen too, and nothing taken from around
-            the disc: far from the shift digits are lost to it. Ties keep the far end from view,
-            for their infinite eigenvalues are the farthest.
+            the disc: far from the shift digits are lost to it. With ties, whose infinite
+            eigenvalues are the farthest, OP is applied to the start vectors first; that hides
+            finite ones too beyond some 1e10 times the shift.
 
         Raises
         ------
@@ -172,7 +173,7 @@ class _Run:
             columns = min(_BLOCK, self._room)
             random = np.random.default_rng([seed, owner.comm.rank])
             start = random.standard_normal((len(known.basis), columns))
-            # OP takes what is far away out of a vector, ties and all.
+            # OP takes what is far away out of a vector, ties above all.
             far = both_ends and owner.finite == owner.size
             self._append(start if far else owner.apply(owner.image(start)))
 

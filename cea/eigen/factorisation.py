@@ -195,21 +195,18 @@ class Applied:
     ----------
     factors
         What solves.
-    transposed
-        Whether the transposed matrix is what PETSc knows.
     """
 
-    def __init__(self, factors: Factorisation, *, transposed: bool = False) -> None:
+    def __init__(self, factors: Factorisation) -> None:
         self._factors = factors
-        self._transposed = transposed
 
     def apply(self, _: Any, b: Any, x: Any) -> None:
         """Solve with the matrix."""
-        self._factors.solve(b, x, transposed=self._transposed)
+        self._factors.solve(b, x)
 
     def applyTranspose(self, _: Any, b: Any, x: Any) -> None:
         """Solve with the transposed matrix."""
-        self._factors.solve(b, x, transposed=not self._transposed)
+        self._factors.solve(b, x, transposed=True)
 
 
 def matrix_size(matrix: Any) -> int:

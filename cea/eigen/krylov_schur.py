@@ -59,6 +59,8 @@ class KrylovSchur:
     ) -> None:
         if not any(term.role == "mass" for term in pencil.terms):
             raise InputError("mass", None, "a mass: modes have none without")
+        if any(term.role == "damping" for term in pencil.terms):
+            raise InputError("pencil", "with damping", "without: this driver solves for kappa")
         self.pencil = pencil
         self.factorisations = 0
         self.solves = 0
@@ -129,6 +131,7 @@ class KrylovSchur:
             max_restarts=self._max_restarts,
             timer=timer,
         )
+        self._at = ({}, np.nan)  # the search moves the factors; where it fails they are no more
         try:
             found = search.complex(top) if counted is None else search.real(top, counted)
         except ConvergenceError as error:
@@ -137,8 +140,8 @@ class KrylovSchur:
             raise
         finally:
             self.solves += 1
-            self._at = (values, factors.kappa)
             self.factorisations += search.factorisations
+        self._at = (values, factors.kappa)
         modes = self._judged(matrices, values, factors, found, top, timer, search if left else None)
         if counted is not None and not modes.window.complete:
             raise ConvergenceError(
@@ -261,7 +264,8 @@ class KrylovSchur:
 
     def _factorised(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
         """Factors at a shift, those of the last solve where they are the same."""
-        if self._factors is None or self._at != (values, kappa):
+        known = self._factors is not None and self._factors.matrices is matrices
+        if self._factors is None or not known or self._at != (values, kappa):
             if self._factors is not None:
                 self._factors.free()
                 self._factors = None

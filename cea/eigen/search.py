@@ -56,13 +56,10 @@ class Disc:
     ----------
     centre, radius
         In 1/s^2.
-    found
-        Eigenvalues in it.
     """
 
     centre: float
     radius: float
-    found: int
 
 
 @dataclass(frozen=True)
@@ -191,7 +188,7 @@ class WindowSearch:
         """Eigenvalues about the middle of the window; the shift steps aside where it is one."""
         for _ in range(_STEPS_ASIDE):
             self._move(self._middle)
-            known = self._filled(self._nothing(), upper - self._middle, searches=1)
+            known = self._filled(self._nothing(), upper - self._middle, once=True)
             nearest = np.abs(known.eigenvalues() - self._middle).min(initial=np.inf)
             if nearest > _ASIDE**2 * self._middle:
                 break
@@ -200,7 +197,7 @@ class WindowSearch:
             self._discs.clear()
             self._middle *= 1 - _ASIDE
         if not known.size:  # what lies around shows what rounding does
-            known = self._filled(known, _WIDER * (upper - self._middle), searches=1)
+            known = self._filled(known, _WIDER * (upper - self._middle), once=True)
         return known
 
     def _odd(self, known: InvariantSubspace) -> list[float]:
@@ -245,10 +242,10 @@ class WindowSearch:
         known: InvariantSubspace,
         radius: float,
         *,
-        searches: int = _MOST_SEARCHES,
+        once: bool = False,
         transposed: bool = False,
     ) -> InvariantSubspace:
-        """Search a disc, again and again beside what was found, until nothing more is."""
+        """Search a disc, once or again and again beside what was found until nothing more is."""
         factors = self._factors
         tolerance, max_restarts = self._limits
         krylov = BlockKrylov(
@@ -260,12 +257,11 @@ class WindowSearch:
             timer=self._timer,
             transposed=transposed,
         )
-        for _ in range(searches):
+        for _ in range(1 if once else _MOST_SEARCHES):
             before = known.size
-            known = krylov.search(known, radius, self._searches, both_ends=searches > 1)
+            known = krylov.search(known, radius, self._searches, both_ends=not once)
             self._farthest_kappa = krylov.farthest
             self._searches += 1  # never from the same random vectors
-            kappa = known.eigenvalues()
             new = np.abs(known.eigenvalues(before) - factors.kappa)
             if not transposed and len(new):
                 farthest = max(self._farthest.get(factors.kappa, 0.0), float(new.max()))
@@ -273,15 +269,14 @@ class WindowSearch:
             if not (new < radius).any():
                 break
         else:
-            if searches == _MOST_SEARCHES:
+            if not once:
                 raise ConvergenceError(
                     f"the disc of radius {radius:.4g} about kappa = {factors.kappa:.4g} is not "
-                    f"full after {searches} searches, each of which found more",
+                    f"full after {_MOST_SEARCHES} searches, each of which found more",
                     best=known,
                 )
         if not transposed:
-            inside = int(np.sum(np.abs(kappa - factors.kappa) < radius))
-            self._discs.append(Disc(factors.kappa, radius, inside))
+            self._discs.append(Disc(factors.kappa, radius))
         return known
 
     def _move(self, kappa: float) -> None:

@@ -49,7 +49,7 @@ class Shifted:
         self, matrices: Matrices, kappa: float = 0.0, *, near: "Shifted | None" = None
     ) -> None:
         self.kappa = self._first = kappa
-        self._matrices = matrices
+        self.matrices = matrices
         self._multipliers = matrices.multipliers
         self._local = matrices.stiffness.getLocalSize()[0]
         self._scale: Any | None = None
@@ -67,12 +67,12 @@ class Shifted:
 
     def _operator(self, near: "Shifted | None" = None) -> Any:
         """A(kappa), with the contact forces."""
-        operator = self._matrices.operator(self.kappa)
+        operator = self.matrices.operator(self.kappa)
         if self._multipliers is None:
             return operator
         self._scale = near._scale if near else force_scale(operator, self._multipliers)
         whole = _bordered(
-            operator, self._multipliers, self._scale, symmetric=self._matrices.symmetric
+            operator, self._multipliers, self._scale, symmetric=self.matrices.symmetric
         )
         destroy(operator)
         return whole
@@ -93,13 +93,13 @@ class Shifted:
         near = max(abs(before), abs(kappa)) <= _NEAR * abs(self._first)
         if self._multipliers is None and near:
             subset = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
-            self._factors.matrix.axpy(before - kappa, self._matrices.mass, structure=subset)
+            self._factors.matrix.axpy(before - kappa, self.matrices.mass, structure=subset)
             self._factors.factorise()
             return
         self._factors.free()
         if self._scale is not None and self._own_scale:
             destroy(self._scale)
-        self._factors = Mumps(self._operator(), symmetric=self._matrices.symmetric)
+        self._factors = Mumps(self._operator(), symmetric=self.matrices.symmetric)
 
     def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
         """Displacements x for forces b on the bodies, PETSc vectors."""
@@ -141,7 +141,7 @@ class Shifted:
         changes it at each real eigenvalue. None where that is not known: for a symmetric pencil,
         refined factors, forces without compliance.
         """
-        if self._matrices.symmetric or isinstance(self._factors, Refined):
+        if self.matrices.symmetric or isinstance(self._factors, Refined):
             return None
         forces = 0
         if self._multipliers is not None:

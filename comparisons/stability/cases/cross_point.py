@@ -10,7 +10,6 @@ from comparisons.stability.parts.scenes import Scene, body, contact, rectangle, 
 from comparisons.stability.parts.ways import SADDLE, chosen
 
 _GROUND = [{"surface": "y_min"}]
-_UP = {"vector": [0.0, 1.0]}
 
 
 def _four(P: float) -> Scene:

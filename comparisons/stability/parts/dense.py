@@ -69,12 +69,6 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
     return lambdas(dense_kappas(stiffness, mass, [(J, J - T, C) for J, T, C in constraints]))
 
 
-def _with_form(contact: Mapping[str, Any]) -> dict[str, Any]:
-    """A contact, in the form that can be tied where it is."""
-    tied = np.inf in (contact.get("P"), contact.get("p"))
-    return dict(contact) | ({"form": "saddle"} if tied else {})
-
-
 def dense_kappas(stiffness: Floats, mass: Floats, constraints: list[Constraint]) -> Complexes:
     """Every finite kappa = -lambda^2 of a dense pencil with constraints.
 

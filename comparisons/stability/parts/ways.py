@@ -76,7 +76,6 @@ WAYS: tuple[Way, ...] = (*_ways("fe"), *_ways("iga"))
 PENALTY = tuple(way for way in WAYS if way.contact["form"] == "penalty")
 SADDLE = tuple(way for way in WAYS if way.contact["form"] == "saddle")
 MORTAR = tuple(way for way in WAYS if way.name.startswith("mortar"))
-HALF_PASSES = tuple(way for way in WAYS if not way.contact["full_pass"])
 
 OPEN = tuple(_way(backend, "mortar", None, method="mortar") for backend in ("fe", "iga"))
 """The form is left to the program."""
