@@ -29,7 +29,9 @@ from scenes.run import run_modes
 from scenes.stored import read_record
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
-NOT_NUMBERS = {"seconds", "timings", "versions", "machine", "growth_uncertainty", "residual"}
+ESTIMATES = {"growth_uncertainty", "uncertainty", "residual", "condition"}
+"""Of rounding errors, by what happened to be found beside each mode."""
+NOT_NUMBERS = {"seconds", "timings", "versions", "machine"} | ESTIMATES
 ACCURACY = Path(comparisons.accuracy.__file__).parent / "results" / "result.json.gz"
 DIGITS = 5e-4
 """The study of accuracy keeps four digits."""
