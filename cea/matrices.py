@@ -122,7 +122,7 @@ def symmetrised(matrix: Any) -> Any:
 
 
 def antisymmetrised(matrix: Any) -> Any:
-    """Half the difference of a PETSc AIJ matrix and its transpose, in place: skew to the last bit."""
+    """Half of a PETSc AIJ matrix less its transpose, in place: skew to the last bit."""
     transpose = matrix.transpose(PETSc.Mat())
     matrix.axpy(-1.0, transpose, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     matrix.scale(0.5)

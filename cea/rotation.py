@@ -21,7 +21,7 @@ other a little. Without Coriolis forces the displacement is carried along with i
 
 which is the derivative of the components along r, theta and z. R then commutes with the elasticity
 of the body, and a free body has exactly the eigenvalues lambda_0 +- i m Omega, m the number of
-nodal diameters, as far as Z is there (Genta, Dynamics of Rotating Systems, 2005, ch. 9).
+nodal diameters, as far as Z is there (Genta, Dynamics of Rotating Systems, 2005).
 
 Stresses of the centrifugal forces, whose geometric stiffness is of the order of Z too, are not
 part of either.

@@ -130,9 +130,7 @@ def convective_form(V: Any, rho: float, rotation: Rotation) -> Form:
     u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
     density = Constant(V.mesh, default_scalar_type(rho))
     dx = ufl.dx(metadata={"quadrature_degree": transport_degree(V) + 1})
-    return compiled(
-        density * ufl.inner(_transported(u, rotation), _transported(v, rotation)) * dx
-    )
+    return compiled(density * ufl.inner(_transported(u, rotation), _transported(v, rotation)) * dx)
 
 
 def _transported(u: Any, rotation: Rotation) -> Any:

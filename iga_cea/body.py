@@ -260,9 +260,7 @@ class NurbsBody:
             comm=self.comm,
         )
 
-    def _restricted(
-        self, matrix: Any, exactly: Callable[[Any], Any] = symmetrised
-    ) -> Any:
+    def _restricted(self, matrix: Any, exactly: Callable[[Any], Any] = symmetrised) -> Any:
         """Rows and columns of the free unknowns, symmetric or skew to the last bit."""
         restricted = self._constraints.restrict(matrix, self.expansion)
         if not self._constraints.selects or self.comm.size > 1:

@@ -150,13 +150,25 @@ def coupled(
     return system, interfaces, timer
 
 
+def damped(scene: Scene) -> bool:
+    """Whether anything in a scene damps, or feeds, small velocities."""
+    return any(body.damping is not None for body in scene.bodies.values()) or any(
+        contact.sliding is not None for contact in scene.contacts.values()
+    )
+
+
 def skipped_by(scene: Scene) -> dict[str, str]:
     """What a scene does not need, with the reason; none of it is computed."""
-    skipped = {
-        "newton": "contact stiffness is known, no steady sliding state is sought",
-        "damping": "no damping: the problem is linear in lambda^2",
-        "gyroscopic": "no rotation of the frame",
-    }
+    bodies = scene.bodies.values()
+    rotates = any(body.rotation is not None for body in bodies)
+    skipped = {"newton": "contact stiffness is known, no steady sliding state is sought"}
+    if not damped(scene):
+        linear = "" if rotates else ": the problem is linear in lambda^2"
+        skipped["damping"] = f"no damping{linear}"
+    if not rotates:
+        skipped["gyroscopic"] = "no body rotates"
+    elif not any(body.rotation.convective_stiffness for body in bodies if body.rotation):
+        skipped["convective stiffness"] = "not asked for: of the order of rho Omega^2"
     if not any(contact.mu for contact in scene.contacts.values()):
         skipped["friction"] = "mu = 0: no slip operator, symmetric solver"
     if not scene.contacts:
@@ -164,7 +176,10 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     if scene.analysis.kind == "static":
         skipped["mass"] = "static analysis"
         skipped["eigenvalues"] = "static analysis"
-        del skipped["damping"], skipped["gyroscopic"]
+        skipped.pop("convective stiffness", None)
+        for name in ("damping", "gyroscopic"):
+            if skipped.pop(name, None) is None:
+                skipped[name] = "static analysis"
     elif not scene.loads:
         skipped["loads"] = "no loads"
     if not scene.output.pictures:

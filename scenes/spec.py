@@ -9,10 +9,12 @@ from pydantic_core import CoreSchema
 from cea.contact.coupling import Form
 from cea.contact.formulations import Formulation, registered
 from cea.contact.friction import FrictionDirection
+from cea.damping import RayleighDamping
 from cea.errors import InputError
 from cea.fields import Expression
 from cea.material import IsotropicMaterial
 from cea.mesh import SIMPLICES, Cell
+from cea.rotation import Rotation
 from cea.supports.boundary import Spring, Support
 from cea.supports.frames import Cartesian, Cylindrical, SurfaceNormal
 from meshes.placement import Placement
@@ -151,8 +153,45 @@ class SupportSpec:
 
 
 @dataclass(frozen=True)
+class DampingSpec:
+    """Rayleigh damping of a body, C = alpha M + beta K: by its factors, or by damping ratios.
+
+    Parameters
+    ----------
+    alpha
+        Factor on the mass (1/s).
+    beta
+        Factor on the stiffness (s).
+    ratios
+        Damping ratios at two frequencies, given instead; 1 is critical.
+    frequencies
+        These frequencies (Hz).
+    """
+
+    alpha: float | None = None
+    beta: float | None = None
+    ratios: tuple[float, float] | None = None
+    frequencies: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        by_factors = self.alpha is not None or self.beta is not None
+        if by_factors == (self.ratios is not None):
+            allowed = "alpha, beta or both; or ratios with frequencies"
+            raise InputError("ratios", self.ratios, allowed)
+        if (self.ratios is None) != (self.frequencies is None):
+            raise InputError("frequencies", self.frequencies, "two where ratios are given")
+        self.rayleigh()
+
+    def rayleigh(self) -> RayleighDamping:
+        """The damping as the system takes it."""
+        if self.ratios is not None and self.frequencies is not None:
+            return RayleighDamping.of_ratios(self.ratios, self.frequencies)
+        return RayleighDamping(self.alpha or 0.0, self.beta or 0.0)
+
+
+@dataclass(frozen=True)
 class BodySpec:
-    """A body: backend, geometry, meshes, material, supports."""
+    """A body: backend, geometry, meshes, material, supports, damping, rotation."""
 
     backend: Backend
     geometry: Annotated[Shape, Field(discriminator="shape")]
@@ -161,6 +200,8 @@ class BodySpec:
     supports: tuple[SupportSpec, ...] = ()
     springs: tuple[Spring, ...] = ()
     placement: Placement = field(default_factory=Placement)
+    damping: DampingSpec | None = None
+    rotation: Rotation | None = None
 
 
 class _Registered:
@@ -171,6 +212,44 @@ class _Registered:
     ) -> CoreSchema:
         every: Any = Union[tuple(registered().values())]  # noqa: UP007  (made of a list)
         return handler.generate_schema(Annotated[every, Field(discriminator="method")])
+
+
+@dataclass(frozen=True)
+class SlidingSpec:
+    """What a contact does to small velocities because it slides at a speed.
+
+    Each is a number or an expression in the coordinates.
+
+    Parameters
+    ----------
+    pressure
+        Contact pressure of steady sliding (N/m^2).
+    speed
+        Speed of sliding (m/s): friction that turns with the direction of sliding then damps motion
+        across it, mu pressure / speed; in space only.
+    mu_slope
+        Derivative of mu in the speed (s/m), at constant pressure; below zero it feeds energy in.
+    """
+
+    pressure: float | str | None = None
+    speed: float | str | None = None
+    mu_slope: float | str | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.pressure, float) and not self.pressure >= 0:
+            raise InputError("pressure", self.pressure, "greater than or equal to 0 (N/m^2)")
+        if isinstance(self.speed, float) and not self.speed > 0:
+            raise InputError("speed", self.speed, "greater than 0 (m/s)")
+        if self.speed is None and self.mu_slope is None:
+            raise InputError("speed", None, "speed, mu_slope or both")
+        for name, value in self.fields.items():
+            if isinstance(value, str):
+                Expression(value).check(name)
+
+    @property
+    def fields(self) -> dict[str, float | str | None]:
+        """What is given, and None for what is not, by name."""
+        return {"pressure": self.pressure, "speed": self.speed, "mu_slope": self.mu_slope}
 
 
 @dataclass(frozen=True)
@@ -204,6 +283,8 @@ class ContactSpec:
         Largest distance (m) between the sides; left out, they must touch.
     max_missed
         Largest fraction of side a that may find nothing on side b.
+    sliding
+        Speed, pressure and slope of friction, where they damp or feed small motions.
     """
 
     a: str
@@ -217,6 +298,7 @@ class ContactSpec:
     form: Form | None = None
     reach: Annotated[float, Field(gt=0)] | None = None
     max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    sliding: SlidingSpec | None = None
 
     def __post_init__(self) -> None:
         if isinstance(self.p, float) and not self.p > 0:
@@ -241,6 +323,15 @@ class ContactSpec:
         if coupling == "bonded" and (self.mu != 0 or self.full_pass):
             method = self.formulation.method
             raise InputError("formulation.method", method, "a half pass with mu = 0")
+        if self.sliding is not None:
+            self._check_sliding()
+
+    def _check_sliding(self) -> None:
+        if self.formulation.coupling == "bonded":
+            allowed = "one that is not bonded where it slides"
+            raise InputError("formulation.method", self.formulation.method, allowed)
+        if self.friction_direction_on_a is None:
+            raise InputError("friction_direction_on_a", None, "needed where it slides")
 
 
 @dataclass(frozen=True)
