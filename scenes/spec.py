@@ -203,6 +203,9 @@ class BodySpec:
     damping: DampingSpec | None = None
     rotation: Rotation | None = None
 
+    left_out: ClassVar[tuple[str, ...]] = ("damping", "rotation")
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+
 
 class _Registered:
     """Lets pydantic read every registered formulation, told apart by ``method``."""
@@ -300,6 +303,9 @@ class ContactSpec:
     max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
     sliding: SlidingSpec | None = None
 
+    left_out: ClassVar[tuple[str, ...]] = ("sliding",)
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+
     def __post_init__(self) -> None:
         if isinstance(self.p, float) and not self.p > 0:
             raise InputError("p", self.p, "greater than 0")
@@ -329,7 +335,7 @@ class ContactSpec:
     def _check_sliding(self) -> None:
         if self.formulation.coupling == "bonded":
             allowed = "one that is not bonded where it slides"
-            raise InputError("formulation.method", self.formulation.method, allowed)
+            raise InputError("formulation", self.formulation.method, allowed)
         if self.friction_direction_on_a is None:
             raise InputError("friction_direction_on_a", None, "needed where it slides")
 
