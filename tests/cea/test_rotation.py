@@ -1,4 +1,4 @@
-"""Rotating bodies: the matrices against integrals in closed form, eigenvalues against known ones."""
+"""Rotating bodies: matrices against integrals in closed form, eigenvalues against known ones."""
 
 from functools import cache
 
@@ -161,7 +161,7 @@ def apart(backend, fine):
 
 @pytest.mark.convergence
 def test_waves_of_a_free_ring_pass_by_with_their_number_times_the_rate(backend):
-    """lambda -> lambda_0 +- i m Omega, with the fourth power of the mesh size."""
+    """They are lambda_0 +- i m Omega, with the fourth power of the mesh size."""
     coarse, fine = apart(backend, 1), apart(backend, 2)
     assert fine < 3e-3
     assert coarse / fine > 12
