@@ -54,10 +54,8 @@ def read_damping(out: Path) -> dict[str, Any]:
     return read_result(out, COMMAND)
 
 
-def shared_words(share: float | None) -> str:
+def shared_words(share: float) -> str:
     """How damping is shared out, in words."""
-    if share is None:
-        return "the second mode alone"
     return "both modes alike" if share == 1 else f"the second mode {number(share)} times the first"
 
 
@@ -94,9 +92,8 @@ def draw_thresholds(data: Data) -> Figure:
     shares = list(dict.fromkeys(row["share"] for row in data["rows"]))
     for share in shares:
         rows = [row for row in data["rows"] if row["share"] == share]
-        key = float("inf") if share is None else share
-        colour = _COLOURS.get(key, AXIS)
-        ratios, exact = _exact_curve(key, [row["ratio"] for row in rows])
+        colour = _COLOURS.get(share, AXIS)
+        ratios, exact = _exact_curve(share, [row["ratio"] for row in rows])
         axes.plot(ratios, exact, color=colour, linewidth=1.2, label=shared_words(share))
         for backend, marker in MARKERS.items():
             if backend in rows[0]:
