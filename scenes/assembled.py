@@ -101,7 +101,8 @@ class AssembledScene:
             options: RunOptions = {"listener": listener, **self._reusable(scene)}
             return run_modes(scene, left=left, **options)
         timer = StageTimer(listener)
-        modes = self._driver.solve(scene.analysis.max_frequency, values, left=left, timer=timer)
+        top, decay = scene.analysis.max_frequency, scene.analysis.min_growth
+        modes = self._driver.solve(top, values, min_growth=decay, left=left, timer=timer)
         result = ModesResult(scene, self._system, self.interfaces, timer, skipped_by(scene), modes)
         return with_warnings(result)
 

@@ -87,7 +87,8 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
-    modes = solve_modes(pencil, scene.analysis.max_frequency, left=left, timer=timer)
+    top, decay = scene.analysis.max_frequency, scene.analysis.min_growth
+    modes = solve_modes(pencil, top, min_growth=decay, left=left, timer=timer)
     return with_warnings(ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes))
 
 

@@ -56,7 +56,7 @@ def read_damping(out: Path) -> dict[str, Any]:
 
 def shared_words(share: float) -> str:
     """How damping is shared out, in words."""
-    return "both modes alike" if share == 1 else f"the second mode {number(share)} times the first"
+    return "both modes alike" if share == 1 else f"the second mode {share:g} times the first"
 
 
 def thresholds_table(data: Data) -> Table:
