@@ -7,9 +7,9 @@ nothing is compressed, inverted or iterated:
     [      J        -C  ] [f] = 0,     J = G or B,  L = J - mu-weighted slip,  C compliance
 
 The eigenvalues are those of the displacement part of A(sigma)^-1 [M; 0], which is accurate for the
-low ones however stiff the contact is; far from sigma those of M^-1 (K + L^T C^-1 J) take their place,
-unless sides are tied. Where the sides are tied (C = 0), the limit P -> infinity of
-the penalty form is taken by a singular value decomposition.
+low ones however stiff the contact is; far from sigma those of M^-1 (K + L^T C^-1 J) take their
+place, unless sides are tied. Where they are (C = 0), the limit P -> infinity of the penalty form is
+taken by a singular value decomposition.
 """
 
 from collections.abc import Mapping
