@@ -14,6 +14,8 @@ from cea.system.sliding_state import ContactState, SteadySliding
 from cea.warned import ResultWarning
 from scenes.read import Scene
 
+_LEFT = 1e-6
+"""Part of the forces that rounding may leave over before it is told."""
 _NOISE = 4.0
 """Closures, in parts of what rounding makes of displacements, that are neither open nor closed."""
 
@@ -23,6 +25,7 @@ def steady_data(steady: SteadySliding) -> dict[str, Any]:
     unique = steady.uniqueness
     return {
         "uncertainty": steady.uncertainty,
+        "residual": steady.residual,
         "iterations": steady.iterations,
         "path": [
             {
@@ -70,6 +73,7 @@ def steady_warnings(scene: Scene, system: CoupledSystem) -> tuple[ResultWarning,
     if steady is None:
         return tuple(_loads_without_effect(scene))
     found = list(steady.uniqueness.warnings()) if steady.uniqueness is not None else []
+    found += _residual(steady)
     largest = _largest(steady.displacement)
     for contact in system.contacts:
         if contact.name in steady.contacts:
@@ -97,6 +101,17 @@ def _largest(x: Vec) -> float:
     largest = sizes.max()[1]
     destroy(sizes)
     return float(largest)
+
+
+def _residual(steady: SteadySliding) -> Iterator[ResultWarning]:
+    """Forces that rounding leaves over, where the contact is very stiff."""
+    if steady.residual > _LEFT:
+        yield ResultWarning(
+            "equilibrium-rounding",
+            f"rounding leaves {steady.residual:.1e} of the forces of steady sliding over: contact "
+            "pressures have no more digits",
+            {"residual": steady.residual},
+        )
 
 
 def _open(contact: Contact, state: ContactState) -> Iterator[ResultWarning]:
