@@ -71,9 +71,6 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
             yield from _known(f"contacts.{name}.{side}", getattr(contact, side), known)
         if contact.a.split(".")[0] == contact.b.split(".")[0]:
             yield InputError(f"contacts.{name}.b", contact.b, f"another body than {contact.a}")
-        if contact.sliding is not None and contact.sliding.pressure is None:
-            allowed = "the contact pressure of steady sliding (N/m^2)"
-            yield InputError(f"contacts.{name}.sliding.pressure", None, allowed)
         yield from _formulation_checks(scene, name, contact)
         yield from _dimension_checks(scene, f"contacts.{name}", contact)
     if scene.analysis.kind == "static" and scene.output.pictures:

@@ -11,12 +11,14 @@ from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.system.contact_stresses import contact_stresses
 from cea.system.coupled import CoupledSystem
+from cea.system.steady_sliding import steady_sliding
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system, check_interfaces
 from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
 from scenes.spec import ComplexEigenvalueAnalysis, StaticAnalysis
+from scenes.steady import steady_warnings
 from scenes.warnings import scene_warnings, short_modes
 
 
@@ -103,15 +105,18 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
     if not isinstance(scene.analysis, StaticAnalysis):
         raise InputError("analysis.kind", scene.analysis.kind, "'static'")
     system, interfaces, timer = coupled(scene, **options)
-    with timer("assembly"):
-        pencil = system.pencil(leave_out=options.get("leave_out", True))
-    x = solve_static(pencil, system.load, timer).displacement
+    if system.steady is not None:
+        x = system.steady.displacement
+    else:
+        with timer("assembly"):
+            pencil = system.pencil(leave_out=options.get("leave_out", True))
+        x = solve_static(pencil, system.load, timer).displacement
     with timer("post-processing"):
         stresses = {
             name: contact_stresses(system, name, x, scene.analysis.samples)
             for name in scene.contacts
         }
-        warnings = scene_warnings(scene, system.contacts)
+        warnings = scene_warnings(scene, system.contacts) + steady_warnings(scene, system)
     return StaticResult(
         scene, system, interfaces, timer, skipped_by(scene), x, stresses, warnings=warnings
     )
@@ -121,6 +126,7 @@ def with_warnings(result: ModesResult) -> ModesResult:
     """A result with all that it must be read with; collective."""
     with result.timer("post-processing"):
         found = scene_warnings(result.scene, result.system.contacts)
+        found += steady_warnings(result.scene, result.system)
         found += short_modes(result.scene, result.bodies, result.mode_shapes, len(result.modes))
     return replace(result, warnings=(*result.modes.warnings, *found))
 
@@ -148,6 +154,8 @@ def coupled(
     else:
         check_interfaces(scene, bodies, interfaces)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
+    if scene.slides_steadily:
+        system = system.linearised(steady_sliding(system, timer))
     return system, interfaces, timer
 
 
@@ -162,7 +170,9 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     """What a scene does not need, with the reason; none of it is computed."""
     bodies = scene.bodies.values()
     rotates = any(body.rotation is not None for body in bodies)
-    skipped = {"newton": "contact stiffness is known, no steady sliding state is sought"}
+    skipped = {}
+    if not scene.slides_steadily:
+        skipped["newton"] = "contact stiffness is known, no steady sliding state is sought"
     if not damped(scene):
         linear = "" if rotates else ": the problem is linear in lambda^2"
         skipped["damping"] = f"no damping{linear}"

@@ -24,6 +24,7 @@ from cea.eigen.pencil import Pencil, Term
 from cea.matrices import block_diagonal, destroy, empty, gather
 from cea.petsc import PETSc
 from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
+from cea.system.sliding_state import SteadySliding
 from cea.system.sliding_terms import sliding_parameters, sliding_terms
 from cea.warned import ResultWarning
 
@@ -53,7 +54,9 @@ class CoupledSystem:
     motions
         Damping and rotation of bodies that have any, by name; none in static scenes.
     sliding
-        Damping of half passes that slide.
+        How half passes slide, by name, where that damps; none in static scenes.
+    steady
+        The state of steady sliding that contacts were linearised about; None where none was sought.
     """
 
     bodies: Mapping[str, Body]
@@ -65,7 +68,8 @@ class CoupledSystem:
     stiffness_diagonal: Any
     penalty_digits: Mapping[str, float]
     motions: Mapping[str, Motion]
-    sliding: tuple[SlidingDamping, ...]
+    sliding: Mapping[str, Sliding]
+    steady: SteadySliding | None = None
 
     @property
     def size(self) -> int:
@@ -109,7 +113,7 @@ class CoupledSystem:
         P = values.get(f"contacts.{contact}.P", before)
         if inf in (P, before):
             return inf
-        if half.projection is not None:
+        if half.projection is not None and half.half.law.linear:
             return 0.0
         moduli = {name: self.bodies[name].material.E for name in (half.half.a, half.half.b)}
         softer = min(values.get(f"bodies.{name}.material.E", E) / E for name, E in moduli.items())
@@ -126,8 +130,10 @@ class CoupledSystem:
 
         Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
         ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor on it
-        where it varies. Without friction, if that was left out, there is no mu. Damping, rotation
-        and sliding add theirs (:mod:`cea.system.body_terms`, :mod:`cea.system.sliding_terms`).
+        where it varies. Without friction, if that was left out, there is no mu. Where p is the
+        slope of a law in a state of steady sliding there is no P, and the state stays what it is
+        whatever the parameters. Damping, rotation and sliding add theirs
+        (:mod:`cea.system.body_terms`, :mod:`cea.system.sliding_terms`).
 
         Parameters
         ----------
@@ -145,6 +151,22 @@ class CoupledSystem:
             leave_out=leave_out,
         )
 
+    def linearised(self, steady: SteadySliding) -> "CoupledSystem":
+        """The system of small motions about a state of steady sliding."""
+        contacts = [
+            replace(
+                contact,
+                half=replace(contact.half, penetration=steady.contacts[contact.name].closure),
+            )
+            if contact.name in steady.contacts
+            else contact
+            for contact in self.contacts
+        ]
+        digits = penalty_digits(contacts, self.stiffness_diagonal)
+        return replace(
+            self, contacts=with_forms(contacts, digits), penalty_digits=digits, steady=steady
+        )
+
     def _body_terms(self) -> Iterator[Term]:
         """K, M, C and Y of each body."""
         for name, body in self.bodies.items():
@@ -154,8 +176,16 @@ class CoupledSystem:
 
     def _sliding_terms(self) -> Iterator[Term]:
         """Damping of contacts that slide."""
-        halves = [h if self._rubs(h.contact) else replace(h, turning=None) for h in self.sliding]
+        halves = [
+            half if self._rubs(half.contact) else replace(half, turning=None)
+            for half in self._sliding_damping
+        ]
         return sliding_terms(halves, self._references())
+
+    @cached_property
+    def _sliding_damping(self) -> tuple[SlidingDamping, ...]:
+        """Damping of the half passes that slide, at their pressures in the state of sliding."""
+        return damping_of(self.bodies, self.contacts, self.sliding)
 
     def _contact_terms(self, keeping: Sequence[Contact]) -> Iterator[Term]:
         """K_n and K_f of each half pass that keeps no forces."""
@@ -164,7 +194,9 @@ class CoupledSystem:
         for contact in self.contacts:
             if contact.name in names:
                 continue
-            P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
+            P = {}
+            if contact.half.law.linear:
+                P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
             yield Term("stiffness", contact.stiffness, Coefficient.of(P))
             if contact.friction is not None and self._rubs(contact):
                 mu = {f"contacts.{contact.pair}.mu": (references[contact.pair], 1.0)}
@@ -173,16 +205,19 @@ class CoupledSystem:
 
     def _contact_forces(self, keeping: Sequence[Contact]) -> Iterator[ForcesOfContact]:
         """Forces of each contact that keeps them."""
-        references = self._references()
+        references, laws = self._references(), self._with_laws()
         rubbing = [c if self._rubs(c) else replace(c, slip=None) for c in keeping]
         for name, forces in contact_forces(rubbing).items():
             P, mu = f"contacts.{name}.P", f"contacts.{name}.mu"
             slips = Coefficient.of({mu: (references[name], 1.0)}) if forces.slip else NOTHING
+            compliance = Coefficient.of({P: (1.0, -1.0)})
+            if name in laws:
+                compliance = Coefficient.of({}, factor=1 / self._stiffnesses()[name])
             yield ForcesOfContact(
                 forces.closure,
                 forces.slip,
                 forces.compliance,
-                inverse_stiffness=Coefficient.of({P: (1.0, -1.0)}),
+                inverse_stiffness=compliance,
                 friction=slips,
                 body_stiffness=forces.body_stiffness(self.stiffness_diagonal),
             )
@@ -199,13 +234,20 @@ class CoupledSystem:
             motion = self.motions.get(name, STILL)
             yield from body_parameters(f"bodies.{name}", body, motion, with_mass=self.with_mass)
         saddle = {c.pair for c in self.contacts if c.half.form == "saddle"}
+        laws = self._with_laws()
         for name, P in self._stiffnesses().items():
+            if name in laws:
+                continue
             finite = name not in saddle
             yield Parameter(f"contacts.{name}.P", P, "N/m", positive=True, finite=finite)
         for name, reference in self._references().items():
             acts = any(_acts(c) for c in self._halves(name))
             yield Parameter(f"contacts.{name}.mu", reference if acts else 0.0)
-        yield from sliding_parameters(self.sliding)
+        yield from sliding_parameters(self._sliding_damping)
+
+    def _with_laws(self) -> set[str]:
+        """Contacts whose stiffness is that of a law in the state that is linearised about."""
+        return {contact.pair for contact in self.contacts if not contact.half.law.linear}
 
     def _halves(self, name: str) -> list[Contact]:
         return [c for c in self.contacts if c.pair == name]
@@ -316,7 +358,7 @@ def couple(
         stiffness_diagonal=diagonal,
         penalty_digits=digits,
         motions=motions or {} if with_mass else {},
-        sliding=damping_of(bodies, made, sliding or {}) if with_mass else (),
+        sliding=sliding or {} if with_mass else {},
     )
 
 
