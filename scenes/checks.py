@@ -71,6 +71,7 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
             yield from _known(f"contacts.{name}.{side}", getattr(contact, side), known)
         if contact.a.split(".")[0] == contact.b.split(".")[0]:
             yield InputError(f"contacts.{name}.b", contact.b, f"another body than {contact.a}")
+        yield from _pressure_checks(f"contacts.{name}.sliding.pressure", contact)
         yield from _formulation_checks(scene, name, contact)
         yield from _dimension_checks(scene, f"contacts.{name}", contact)
     if scene.analysis.kind == "static" and scene.output.pictures:
@@ -168,6 +169,17 @@ def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     for kind in ("supports", "springs"):
         for i, item in enumerate(getattr(body, kind)):
             yield from _known(f"{place}.{kind}.{i}.surface", item.surface, body.geometry.surfaces)
+
+
+def _pressure_checks(place: str, contact: ContactSpec) -> Iterable[InputError]:
+    """Contacts that slide at an unknown pressure, or at one beside that of the loads."""
+    if contact.sliding is None:
+        return
+    pressure = contact.sliding.pressure
+    if pressure is None and contact.c_n is None:
+        yield InputError(place, None, "the contact pressure (N/m^2), or c_n, which makes it")
+    elif pressure is not None and contact.c_n is not None:
+        yield InputError(place, pressure, "left out where c_n is given: the loads make it")
 
 
 _ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}

@@ -346,12 +346,6 @@ class ContactSpec:
             raise InputError("formulation", self.formulation.method, allowed)
         if self.friction_direction_on_a is None:
             raise InputError("friction_direction_on_a", None, "needed where it slides")
-        pressure = None if self.sliding is None else self.sliding.pressure
-        if (pressure is None) == (self.c_n is None):
-            allowed = (
-                "given, the contact pressure (N/m^2); or left out where c_n makes it of the loads"
-            )
-            raise InputError("pressure", pressure, allowed)
 
     @property
     def law(self) -> NormalCompliance | None:

@@ -355,4 +355,6 @@ def solve_modes(
     Parameters and errors are those of the driver and of :meth:`KrylovSchur.solve`.
     """
     with KrylovSchur(pencil, tolerance=tolerance, max_restarts=max_restarts) as driver:
-        return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)
+        return driver.solve(
+            max_frequency, changes, min_growth=min_growth, left=left, timer=timer
+        )

@@ -121,9 +121,7 @@ class QuadraticDriver:
             bounded=found.bounded,
             odd=found.odd,
             upper=end,
-            found_below=int(
-                np.sum((pairs.eigenvalues.imag >= 0) & (pairs.eigenvalues.imag <= end))
-            ),
+            found_below=int(np.sum((pairs.eigenvalues.imag >= 0) & (pairs.eigenvalues.imag <= end))),
             symmetric_count=None,
             min_growth=-decay,
         )
