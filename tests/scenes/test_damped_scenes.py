@@ -155,6 +155,29 @@ def test_it_says_what_it_skipped(assembled):
     assert "convective stiffness" in run_modes(assembled.scene.change(change)).skipped
 
 
+def kinds(assembled, change):
+    return {warning.kind for warning in assembled.modes(change).warnings}
+
+
+def test_rotation_and_friction_that_disagree_are_told(assembled):
+    """Friction pushes the pad along the motion of the disc under it, not against it."""
+    assert "against-rotation" not in kinds(assembled, {})
+    turned = {"contacts.interface.friction_direction_on_a.circumferential_about": [0.0, 0.0, -1.0]}
+    assert "against-rotation" in kinds(assembled, turned)
+    turned["bodies.disc.rotation.axis"] = [0.0, 0.0, -1.0]
+    assert "against-rotation" not in kinds(assembled, turned)
+    turned |= {"contacts.interface.mu": 0.0, "contacts.interface.sliding": None}
+    del turned["bodies.disc.rotation.axis"]
+    assert "against-rotation" not in kinds(assembled, turned)
+
+
+def test_convective_stiffness_is_told_to_be_half_of_it(assembled):
+    assert "centrifugal-stresses" in kinds(assembled, {})
+    for change in ({"convective_stiffness": False}, {"coriolis": False}):
+        changes = {f"bodies.disc.rotation.{name}": value for name, value in change.items()}
+        assert "centrifugal-stresses" not in kinds(assembled, changes)
+
+
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_numbers_do_not_depend_on_the_ranks(ranks, backend):

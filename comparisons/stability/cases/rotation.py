@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from comparisons.stability.parts.case import Run, case
+from comparisons.stability.parts.case import MESH, Run, case
 from comparisons.stability.parts.problems import OfScene
 from comparisons.stability.parts.references import damped
 from comparisons.stability.parts.scenes import Scene, body, scene
@@ -31,4 +31,5 @@ def rotation() -> Iterator[Run]:
                 for way in ALONE:
                     data = way.of(_ring(rate, coriolis=coriolis, convective=convective))
                     row = f"Ω = {rate:g}, {words} Coriolis forces{stiffness}"
-                    yield Run(row, way, OfScene(data), damped(data))
+                    may = (*MESH, "centrifugal-stresses")
+                    yield Run(row, way, OfScene(data), damped(data), warnings=may)
