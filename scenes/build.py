@@ -22,8 +22,9 @@ from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
+from scenes.motion_spec import SlidingSpec
 from scenes.read import Scene
-from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh, SlidingSpec
+from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh
 
 _ROUNDING = 1e-14
 """Friction below this part of the largest counts as zero."""

@@ -159,26 +159,18 @@ def coupled(
     return system, interfaces, timer
 
 
-def damped(scene: Scene) -> bool:
-    """Whether anything in a scene damps, or feeds, small velocities."""
-    return any(body.damping is not None for body in scene.bodies.values()) or any(
-        contact.sliding is not None for contact in scene.contacts.values()
-    )
-
-
 def skipped_by(scene: Scene) -> dict[str, str]:
     """What a scene does not need, with the reason; none of it is computed."""
-    bodies = scene.bodies.values()
-    rotates = any(body.rotation is not None for body in bodies)
+    rotations = [body.rotation for body in scene.bodies.values() if body.rotation is not None]
     skipped = {}
     if not scene.slides_steadily:
         skipped["newton"] = "contact stiffness is known, no steady sliding state is sought"
-    if not damped(scene):
-        linear = "" if rotates else ": the problem is linear in lambda^2"
+    if not scene.damped:
+        linear = "" if rotations else ": the problem is linear in lambda^2"
         skipped["damping"] = f"no damping{linear}"
-    if not rotates:
+    if not rotations:
         skipped["gyroscopic"] = "no body rotates"
-    elif not any(body.rotation.convective_stiffness for body in bodies if body.rotation):
+    elif not any(rotation.convective_stiffness for rotation in rotations):
         skipped["convective stiffness"] = "not asked for: of the order of rho Omega^2"
     if not any(contact.mu for contact in scene.contacts.values()):
         skipped["friction"] = "mu = 0: no slip operator, symmetric solver"
