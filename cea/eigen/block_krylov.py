@@ -12,6 +12,7 @@ so that Q and V together remain an invariant subspace, friction or not (Stewart,
 algorithm for large eigenproblems, SIAM J. Matrix Anal. Appl. 23 (2002)).
 """
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
@@ -45,50 +46,54 @@ _CLEAR = 3.0
 """Residuals by which an eigenvalue outside a disc must lie outside."""
 
 
-class BlockKrylov:
-    """Searches around one shift, beside what is known.
+class BlockSearch(ABC):
+    """Searches around one shift, beside what is known, with an operator that inverts there.
 
     Parameters
     ----------
-    mass
-        M, PETSc AIJ, symmetric positive definite.
-    factors
-        The pencil factorised at the shift.
+    rows
+        Rows of its vectors on all ranks.
     finite
         Number of finite eigenvalues of the pencil.
+    shift
+        The shift.
+    comm
+        Communicator (mpi4py).
     tolerance
         Residual of OP relative to theta below which an eigenvalue has converged.
     max_restarts
         Restarts before a search is given up.
     timer
         Counts krylov.
-    transposed
-        Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
 
     Attributes
     ----------
     farthest
-        Largest abs(kappa) that the space of the last search knows of beside what was known
-        (1/s^2); infinite where it does not see the far end of the spectrum.
+        Largest modulus of an eigenvalue that the space of the last search knows of beside what was
+        known; infinite where it does not see the far end of the spectrum.
     """
+
+    unknown = "kappa"
+    """What the eigenvalues are called."""
+    dtype: type = float
+    """Of its vectors."""
+    cleansing = 1
+    """Times that OP takes what is infinite out of a vector by being applied."""
 
     def __init__(
         self,
-        mass: Any,
-        factors: Shifted,
+        rows: int,
         finite: int,
+        shift: complex,
+        comm: Any,
         *,
         tolerance: float,
         max_restarts: int,
         timer: StageTimer,
-        transposed: bool = False,
     ) -> None:
-        self._mass, self._factors, self._transposed = mass, factors, transposed
-        self._timer = timer
-        self.size, self.finite = int(mass.getSize()[0]), finite
+        self.size, self.finite, self.shift, self.comm = rows, finite, shift, comm
         self.tolerance, self.max_restarts = tolerance, max_restarts
-        self.shift = factors.kappa
-        self.comm = mass.comm.tompi4py()
+        self._timer = timer
         self.farthest = np.inf
 
     def search(
@@ -124,21 +129,67 @@ class BlockKrylov:
             self.farthest = run.farthest
             return known
 
-    def apply(self, image: Floats) -> Floats:
+    @abstractmethod
+    def apply(self, block: Floats, image: Floats) -> Floats:
+        """OP on a block whose image is given."""
+
+    @abstractmethod
+    def image(self, block: Floats) -> Floats:
+        """A block times the matrix of the inner product."""
+
+    def diagonal(self, left: Floats, right: Floats) -> Floats:
+        """Inner products of the columns of two blocks, one with one."""
+        return self.comm.allreduce(np.einsum("ij,ij->j", left.conj(), right).real)
+
+    def inner(self, left: Floats, right: Floats) -> Floats:
+        """Inner products of every column of one block with every column of another."""
+        return self.comm.allreduce(left.conj().T @ right)
+
+
+class BlockKrylov(BlockSearch):
+    """Searches of K x = kappa M x.
+
+    Parameters
+    ----------
+    mass
+        M, PETSc AIJ, symmetric positive definite.
+    factors
+        The pencil factorised at the shift.
+    finite, tolerance, max_restarts, timer
+        Those of :class:`BlockSearch`.
+    transposed
+        Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
+    """
+
+    def __init__(
+        self,
+        mass: Any,
+        factors: Shifted,
+        finite: int,
+        *,
+        tolerance: float,
+        max_restarts: int,
+        timer: StageTimer,
+        transposed: bool = False,
+    ) -> None:
+        super().__init__(
+            int(mass.getSize()[0]),
+            finite,
+            factors.kappa,
+            mass.comm.tompi4py(),
+            tolerance=tolerance,
+            max_restarts=max_restarts,
+            timer=timer,
+        )
+        self._mass, self._factors, self._transposed = mass, factors, transposed
+
+    def apply(self, block: Floats, image: Floats) -> Floats:
         """OP on a block whose product with M is given."""
         return self._factors.solve_block(image, transposed=self._transposed)
 
     def image(self, block: Floats) -> Floats:
         """M times a block."""
         return image_of(self._mass, block)
-
-    def diagonal(self, left: Floats, right: Floats) -> Floats:
-        """Inner products of the columns of two blocks, one with one."""
-        return self.comm.allreduce(np.einsum("ij,ij->j", left, right))
-
-    def inner(self, left: Floats, right: Floats) -> Floats:
-        """Inner products of every column of one block with every column of another."""
-        return self.comm.allreduce(left.T @ right)
 
 
 class _Run:
@@ -151,7 +202,7 @@ class _Run:
 
     def __init__(
         self,
-        owner: BlockKrylov,
+        owner: BlockSearch,
         known: InvariantSubspace,
         radius: float,
         seed: int,
@@ -165,17 +216,22 @@ class _Run:
         self._shift = owner.shift
         self._room = owner.size - known.size
         self._finite = owner.finite - known.size
-        self._vectors = np.empty((len(known.basis), known.size + 8 * _BLOCK), order="F")
+        room = (len(known.basis), known.size + 8 * _BLOCK)
+        self._vectors = np.empty(room, dtype=owner.dtype, order="F")
         self._vectors[:, : known.size] = known.basis
         self._size = self._next = 0
         self._coupling, self._operator = np.empty((known.size, 0)), np.empty((0, 0))
         if self._finite > 0:
             columns = min(_BLOCK, self._room)
             random = np.random.default_rng([seed, owner.comm.rank])
-            start = random.standard_normal((len(known.basis), columns))
+            start = random.standard_normal((len(known.basis), columns)).astype(owner.dtype)
+            if owner.dtype is complex:
+                start += 1j * random.standard_normal(start.shape)
             # OP takes what is far away out of a vector, ties above all.
             far = both_ends and owner.finite == owner.size
-            self._append(start if far else owner.apply(owner.image(start)))
+            for _ in range(0 if far else owner.cleansing):
+                start = owner.apply(start, owner.image(start))
+            self._append(start)
 
     def complete(self) -> InvariantSubspace:
         """The known with all that is in the disc."""
@@ -201,7 +257,7 @@ class _Run:
                 if restarts == self._owner.max_restarts:
                     raise ConvergenceError(
                         f"{int((inside & ~converged).sum())} eigenvalues in the disc of radius "
-                        f"{1 / self._least:.4g} about kappa = {self._shift:.4g} did not converge",
+                        f"{1 / self._least:.4g} about {self._owner.unknown} = {self._shift:.4g} did not converge",
                         best=self._locked(theta, converged),
                     )
                 restarts += 1
@@ -212,11 +268,13 @@ class _Run:
     def _extend(self) -> None:
         """Take U into V, and OP U beside them as the next U."""
         size, columns = self._size, self._next
-        fresh = self._owner.apply(self._image)
+        first = self._known.size + size
+        block = self._vectors[:, first : first + columns]
+        fresh = self._owner.apply(block, self._image)
         self._size += columns
         coefficients = self._append(fresh)
         known = self._known.size
-        whole = np.zeros((self._size + self._next, self._size))
+        whole = np.zeros((self._size + self._next, self._size), dtype=self._owner.dtype)
         whole[: len(self._operator), :size] = self._operator
         whole[:, size:] = coefficients[known:]
         self._operator = whole
@@ -239,7 +297,7 @@ class _Run:
         squares = owner.diagonal(w, image)
         lengths = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
         u, image = w / lengths, image / lengths
-        inside, rest, least = np.zeros((first, w.shape[1])), np.diag(lengths), _NOISE
+        inside, rest, least = np.zeros((first, w.shape[1]), w.dtype), np.diag(lengths), _NOISE
         for _ in range(3):  # a third time, for the first leaves small vectors far from orthogonal
             part = owner.inner(before, image)
             inside += part @ rest
@@ -255,11 +313,11 @@ class _Run:
             kept = np.flatnonzero(lengths > least)
             kept = kept[max(0, len(kept) - most) :]
             u, image = u[:, kept] / lengths[kept], image[:, kept] / lengths[kept]
-            rest = (axes[:, kept] * lengths[kept]).T @ rest
+            rest = (axes[:, kept] * lengths[kept]).conj().T @ rest
             least = 0.3  # what a second projection takes most of was rounding
         self._next, self._image = u.shape[1], image
         if first + self._next > self._vectors.shape[1]:
-            wider = np.empty((len(u), int(1.5 * first) + _BLOCK), order="F")
+            wider = np.empty((len(u), int(1.5 * first) + _BLOCK), dtype=u.dtype, order="F")
             wider[:, :first] = before
             self._vectors = wider
         self._vectors[:, first : first + self._next] = u
@@ -303,12 +361,15 @@ class _Run:
         sizes = np.sort(np.abs(theta))[::-1]
         while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:
             number += 1
+        output: Any = "complex" if self._owner.dtype is complex else "real"
         if number >= len(sizes):
-            form, vectors = schur(self._square(), output="real")
+            form, vectors = schur(self._square(), output=output)
             return form, vectors
         cut = 0.5 * (sizes[number - 1] + sizes[number])
         form, vectors, kept = schur(
-            self._square(), output="real", sort=lambda re, im=0.0: bool(np.hypot(re, im) >= cut)
+            self._square(),
+            output=output,
+            sort=lambda value, im=0.0: bool(np.abs(value + 1j * im) >= cut),
         )
         return form[:kept, :kept], vectors[:, :kept]
 

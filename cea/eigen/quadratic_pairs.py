@@ -1,0 +1,276 @@
+"""Eigenpairs of a quadratic problem, normalised, with residuals, conditions and errors.
+
+With a left vector y, y^H (2 lambda M + D) x = 1, a change of the problem moves an eigenvalue by
+
+    d lambda = - y^H (lambda^2 dM + lambda dD + dK) x,
+
+so that a residual r = P(lambda) x is worth || y ||_M || r || in the norm of M^-1. Left vectors are
+those of the companion form within the invariant subspace that was found, unless they are given.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.body import Complexes, Floats
+from cea.eigen.blocks import (
+    all_inner,
+    column_blocks,
+    columns_inner,
+    image_of,
+    norms,
+    times,
+    transposed_times,
+)
+from cea.eigen.clusters import cluster_bounds
+from cea.eigen.eigenpairs import LUMPED, SMALL
+from cea.eigen.pencil import Matrices
+from cea.eigen.quadratic_shifted import Damping, QuadraticShifted
+from cea.eigen.sizes import Sizes
+from cea.eigen.subspace import InvariantSubspace
+from cea.matrices import absolute, destroy
+
+
+@dataclass(frozen=True)
+class QuadraticPairs:
+    """Eigenpairs (lambda^2 M + lambda D + K) x = 0 with Im lambda >= 0.
+
+    Parameters
+    ----------
+    eigenvalues
+        lambda (1/s), shape (n,).
+    vectors
+        x with x^H M x = 1, the rows of this rank, shape (n_local, n).
+    forces
+        Contact forces that are unknowns, shape (multipliers of this rank, n).
+    residuals
+        Norm of P(lambda) x relative to abs(lambda)^2 times that of M x and abs(lambda) times that
+        of D x together, shape (n,); where lambda is nothing but rounding, relative to that.
+    slopes
+        || y ||_M (s), shape (n,): what an error of lambda^2 makes of lambda.
+    errors
+        Backward errors (1/s^2): what the residual amounts to, and what rounding the entries of the
+        matrices does, shape (n,).
+    bounds
+        Bounds on the errors of lambda (1/s) by the clusters that they belong to, shape (n,);
+        infinite where there is none.
+    """
+
+    eigenvalues: Complexes
+    vectors: Complexes
+    forces: Complexes
+    residuals: Floats
+    slopes: Floats
+    errors: Floats
+    bounds: Floats
+
+    @property
+    def uncertainties(self) -> Floats:
+        """Errors of lambda (1/s), shape (n,)."""
+        return np.minimum(self.errors * self.slopes, self.bounds)
+
+
+@dataclass(frozen=True)
+class _Duals:
+    """Norms of right and dual vectors of the companion form, of x with x^H M x = 1, shape (n,).
+
+    Parameters
+    ----------
+    right, left
+        Norms of [x; z] and of its dual vector, whose product with it is 1.
+    slopes
+        Norms of y.
+    """
+
+    right: Floats
+    left: Floats
+    slopes: Floats
+
+
+def checked_pairs(
+    matrices: Matrices, factors: QuadraticShifted, subspace: InvariantSubspace, scale: float
+) -> QuadraticPairs:
+    """Eigenpairs of an invariant subspace of the companion form.
+
+    Where contact forces are unknowns, one step of inverse iteration gives displacements that obey
+    the contact, and the forces.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at the parameters it was solved at.
+    factors
+        P(s) factorised at a real shift.
+    subspace
+        Invariant subspace of the companion form.
+    scale
+        Its gamma (1/s).
+    """
+    every, vectors = subspace.eigenpairs()
+    upper = every.imag >= 0
+    values, x = every[upper], vectors[: len(vectors) // 2, upper]
+    damping = Damping(matrices)
+    x, f = _normalised(matrices, damping, factors, values, x)
+    duals = _duals(matrices, values, x, scale)
+    residuals, errors = _residuals(matrices, damping, factors, values, x, f, duals, scale)
+    damping.free()
+    conditions = duals.right * duals.left
+    twins = values.imag > 0
+    bounds = cluster_bounds(
+        subspace.projected,
+        np.append(values, values[twins].conj()),
+        _with_twins(errors * duals.slopes / conditions, twins),
+        _with_twins(conditions, twins),
+    )[: len(values)]
+    return QuadraticPairs(values, x, f, residuals, duals.slopes, errors, bounds)
+
+
+def inverse_step(
+    matrices: Matrices,
+    damping: Damping,
+    factors: QuadraticShifted,
+    values: Complexes,
+    x: Complexes,
+    *,
+    transposed: bool = False,
+) -> tuple[Complexes, Complexes]:
+    """One step of inverse iteration: displacements and contact forces, scaled as x is.
+
+    P(s) x' + L^T f = (P(s) - P(lambda)) x, P(lambda) - P(s) = (lambda - s) ((lambda + s) M + D).
+    """
+    load = times(matrices.mass, x * (values + factors.shift))
+    if damping.matrix is not None:
+        load += (transposed_times if transposed else times)(damping.matrix, x)
+    return factors.solve_with_forces(load * (factors.shift - values), transposed=transposed)
+
+
+def _normalised(
+    matrices: Matrices,
+    damping: Damping,
+    factors: QuadraticShifted,
+    values: Complexes,
+    x: Complexes,
+) -> tuple[Complexes, Complexes]:
+    """Displacements with x^H M x = 1, and their contact forces."""
+    comm, contact = matrices.stiffness.comm, []
+    for block in column_blocks(len(values)):
+        part, f = x[:, block], np.empty((0, x[:, block].shape[1]), dtype=complex)
+        if matrices.multipliers is not None:
+            part, f = inverse_step(matrices, damping, factors, values[block], part)
+        size = np.sqrt(columns_inner(part, times(matrices.mass, part), comm).real)
+        x[:, block] = part / size
+        contact.append(f / size)
+    nothing = np.empty((len(contact[0]) if contact else 0, 0), dtype=complex)
+    return x, np.hstack([nothing, *contact])
+
+
+def _duals(matrices: Matrices, values: Complexes, x: Complexes, scale: float) -> _Duals:
+    """Dual vectors within the space of the vectors and their conjugates, by Gram matrices."""
+    n, comm = len(values), matrices.stiffness.comm
+    own, mixed = np.zeros((2, n, n), dtype=complex)
+    for block in column_blocks(n):
+        image = times(matrices.mass, x[:, block])
+        own[:, block] = all_inner(x, image, comm)
+        mixed[:, block] = all_inner(x.conj(), image, comm)  # x_i^T M x_j
+    twins = np.flatnonzero(values.imag > 0)
+    # Of [x, conj x]: x^H M conj(y) is the conjugate of x^T M y.
+    gram = np.block(
+        [[own, mixed[:, twins].conj()], [mixed[twins], own[np.ix_(twins, twins)].conj()]]
+    )
+    part = np.append(values, values[twins].conj()) / scale
+    second = part.conj()[:, None] * gram * part
+    gram = gram + second
+    right = np.sqrt(np.diag(gram).real)
+    gram, second = gram / np.outer(right, right), second / np.outer(right, right)
+    sizes, axes = np.linalg.eigh(gram)
+    sizes = np.maximum(sizes, np.finfo(float).eps * sizes.max(initial=1.0))
+    inverse = (axes / sizes) @ axes.conj().T
+    left = np.sqrt(np.diag(inverse).real) / right
+    slopes = np.sqrt(np.maximum(np.diag(inverse @ second @ inverse).real, 0.0)) / right / scale
+    return _Duals(right[:n], left[:n], slopes[:n])
+
+
+def _residuals(
+    matrices: Matrices,
+    damping: Damping,
+    factors: QuadraticShifted,
+    values: Complexes,
+    x: Complexes,
+    f: Complexes,
+    duals: _Duals,
+    scale: float,
+) -> tuple[Floats, Floats]:
+    """Relative residuals and backward errors (1/s^2).
+
+    With d = P(s)^-1 r an eigenvalue is wrong by no more than abs(lambda - s) times the norms of d,
+    beside s d / gamma, and of the dual vector: the backward error of the inverse problem, which is
+    the one that was solved. The smaller one counts, as for problems in kappa
+    (:func:`cea.eigen.eigenpairs.checked`).
+    """
+    n, comm, mass = len(values), matrices.stiffness.comm, matrices.mass
+    residuals, errors = np.empty((2, n))
+    sizes = QuadraticSizes(matrices, damping)
+    diagonal = mass.getDiagonal()
+    root = np.sqrt(diagonal.array_r)[:, None]
+    destroy(diagonal)
+    shift = float(np.real(factors.shift))
+    for block in column_blocks(n):
+        value, part = values[block], x[:, block]
+        inertia = times(mass, part)
+        drag = np.zeros_like(part) if damping.matrix is None else times(damping.matrix, part)
+        defect = _elastic(matrices, part, f[:, block]) + inertia * value**2 + drag * value
+        rounding = np.finfo(float).eps * sizes.works(value, part, f[:, block])
+        parts = np.abs(value) ** 2 * norms(inertia, comm) + np.abs(value) * norms(drag, comm)
+        least = rounding * norms(inertia, comm)
+        residuals[block] = norms(defect, comm) / np.maximum(parts, least)
+        error = LUMPED * norms(defect / root, comm)
+        large = np.flatnonzero(error > SMALL * np.maximum(np.abs(value) ** 2, rounding))
+        if len(large):  # solves cost as much as all the rest
+            step, _ = factors.solve_with_forces(defect[:, large])
+            length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
+            far = np.abs(value[large] - shift) * np.hypot(1.0, shift / scale)
+            ratio = duals.left[block][large] / duals.slopes[block][large]
+            error[large] = np.minimum(error[large], far * length * ratio)
+        errors[block] = rounding + error
+    sizes.free()
+    return residuals, errors
+
+
+def _elastic(matrices: Matrices, x: Complexes, f: Complexes) -> Complexes:
+    """K x + L^T f."""
+    force = times(matrices.stiffness, x)
+    if matrices.unsymmetric is not None:
+        force += times(matrices.unsymmetric, x)
+    if matrices.multipliers is not None:
+        force += transposed_times(matrices.multipliers.reaction, f)
+    return force
+
+
+class QuadraticSizes:
+    """Absolute values of all matrices of a quadratic pencil."""
+
+    def __init__(self, matrices: Matrices, damping: Damping) -> None:
+        self._stiffness = Sizes(matrices)
+        self._mass = absolute(matrices.mass)
+        self._damping = None if damping.matrix is None else absolute(damping.matrix)
+        self._comm = matrices.stiffness.comm.tompi4py()
+
+    def works(self, values: Complexes, x: Complexes, f: Complexes) -> Floats:
+        """What the parts of x^H P(lambda) x come to, by column (1/s^2)."""
+        size, speed = np.abs(x), np.abs(values)
+        forces = image_of(self._mass, size) * speed**2
+        if self._damping is not None:
+            forces += image_of(self._damping, size) * speed
+        parts = self._comm.allreduce(np.einsum("ij,ij->j", size, forces))
+        return parts + self._stiffness.works(x, f)
+
+    def free(self) -> None:
+        """Free the matrices."""
+        self._stiffness.free()
+        destroy(self._mass, *([self._damping] if self._damping is not None else []))
+
+
+def _with_twins(numbers: Floats, twins: NDArray[np.bool_]) -> Floats:
+    """Numbers, and again those of eigenvalues that have conjugates."""
+    return np.append(numbers, numbers[twins])
