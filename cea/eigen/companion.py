@@ -1,24 +1,25 @@
-"""Block Krylov search of a quadratic problem about a real shift, by its companion form.
+"""Block Krylov search of a quadratic problem about a complex shift, by its companion form.
 
 With x, and z = lambda x / gamma beside it, (lambda^2 M + lambda D + K) x = 0, D = C + Y, is linear,
 
     lambda [ x ]   [        gamma z           ]
            [ z ] = [ -M^-1 (K x / gamma + D z) ],
 
-and its inverse at a real shift s takes one solve with P(s) = s^2 M + s D + K:
+and its inverse at a shift s takes one solve with P(s) = s^2 M + s D + K:
 
     OP [ a ]   [         x         ]
        [ b ] = [ (a + s x) / gamma ],     P(s) x = -(gamma M b + s M a + D a).
 
-Scalars stay real and conjugate pairs together. The scale gamma is the end of the window: there x
-and z are equally large, in an inner product that is M for both, and residuals are backward errors.
+Vectors are complex as the shift is; matrices and factors stay real. The scale gamma is the end of
+the window: there x and z are equally large, in an inner product that is M for both, and residuals
+are backward errors.
 """
 
 import numpy as np
 
-from cea.body import Floats
+from cea.body import Complexes
 from cea.eigen.block_krylov import BlockSearch
-from cea.eigen.blocks import image_of
+from cea.eigen.blocks import times
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_shifted import Damping, QuadraticShifted
 from cea.petsc import PETSc
@@ -26,7 +27,7 @@ from cea.timing import StageTimer
 
 
 class CompanionSearch(BlockSearch):
-    """Searches of (lambda^2 M + lambda D + K) x = 0 around a real shift.
+    """Searches of (lambda^2 M + lambda D + K) x = 0 around a complex shift.
 
     Vectors are [x; z], on each rank its rows of both.
 
@@ -41,10 +42,10 @@ class CompanionSearch(BlockSearch):
     tolerance, max_restarts, timer
         Those of :class:`cea.eigen.block_krylov.BlockSearch`.
     transposed
-        Whether vectors of P^T are searched: left ones, of conjugate eigenvalues.
+        Whether vectors of P^T are searched: conjugates of left ones.
     """
 
-    unknown = "lambda"
+    unknown, dtype = "lambda", complex
     cleansing = 2
 
     def __init__(
@@ -61,7 +62,7 @@ class CompanionSearch(BlockSearch):
         super().__init__(
             2 * matrices.size,
             2 * (matrices.size - matrices.tied),
-            float(np.real(factors.shift)),
+            factors.shift,
             matrices.stiffness.comm.tompi4py(),
             tolerance=tolerance,
             max_restarts=max_restarts,
@@ -75,19 +76,19 @@ class CompanionSearch(BlockSearch):
             self._damping.matrix = before.transpose(PETSc.Mat())
             before.destroy()
 
-    def apply(self, block: Floats, image: Floats) -> Floats:
+    def apply(self, block: Complexes, image: Complexes) -> Complexes:
         """OP on a block [a; b] whose image [M a; M b] is given."""
         rows = len(block) // 2
         load = -(self._scale * image[rows:] + self.shift * image[:rows])
         if self._damping.matrix is not None:
-            load -= image_of(self._damping.matrix, block[:rows])
+            load -= times(self._damping.matrix, block[:rows])
         x, _ = self._factors.solve_with_forces(load, transposed=self._transposed)
         return np.vstack([x, (block[:rows] + self.shift * x) / self._scale])
 
-    def image(self, block: Floats) -> Floats:
+    def image(self, block: Complexes) -> Complexes:
         """[M a; M b] of a block [a; b]."""
         rows = len(block) // 2
-        both = image_of(self._mass, np.hstack([block[:rows], block[rows:]]))
+        both = times(self._mass, np.hstack([block[:rows], block[rows:]]))
         columns = block.shape[1]
         return np.vstack([both[:, :columns], both[:, columns:]])
 

@@ -15,7 +15,7 @@ from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
 from cea.eigen.modes import Modes, refuse_what_is_lost, warnings_of
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.quadratic_pairs import QuadraticPairs, checked_pairs, inverse_step
-from cea.eigen.quadratic_search import QuadraticFound, QuadraticSearch
+from cea.eigen.quadratic_search import MARGIN, QuadraticFound, QuadraticSearch
 from cea.eigen.quadratic_shifted import Damping
 from cea.eigen.quadratic_window import QuadraticWindow
 from cea.eigen.sensitivity import SAME, LeftVectors, dual_norms
@@ -112,7 +112,7 @@ class QuadraticDriver:
         first = found.discs[0] if found.discs else None
         window = QuadraticWindow(
             max_frequency=end / (2 * np.pi),
-            shift=first.centre if first else 0.0,
+            shift=float(np.real(first.centre)) if first else 0.0,
             radius=first.radius if first else 0.0,
             found=found.subspace.size,
             discs=len(found.discs),
@@ -120,7 +120,7 @@ class QuadraticDriver:
             bounded=found.bounded,
             odd=found.odd,
             upper=end,
-            found_below=int(np.sum(pairs.eigenvalues.imag <= end)),
+            found_below=int(np.sum((pairs.eigenvalues.imag >= 0) & (pairs.eigenvalues.imag <= end))),
             symmetric_count=None,
             min_growth=-decay,
         )
@@ -139,10 +139,11 @@ class QuadraticDriver:
                     self.matrices,
                     damping,
                     search.factors,
-                    pairs.eigenvalues.conj(),
-                    y,
+                    pairs.eigenvalues,
+                    y.conj(),
                     transposed=True,
                 )
+                y, g = y.conj(), g.conj()
             damping.free()
         return LeftVectors(y, g)
 
@@ -166,13 +167,13 @@ def _dual(
     """
     values, x, comm = pairs.eigenvalues, pairs.vectors, matrices.stiffness.comm
     scale = np.abs(values).max(initial=np.finfo(float).tiny)
-    rows, columns = assign(np.abs(values[:, None] - left_values.conj()) / scale, SAME)
+    rows, columns = assign(np.abs(values[:, None] - left_values) / scale, SAME)
     if len(rows) < len(values):
         raise ConvergenceError(
             f"{len(values) - len(rows)} of {len(values)} eigenvalues have no left vector",
             best=left_values,
         )
-    left = left_vectors[:, columns]
+    left = left_vectors[:, columns].conj()
     for members in group(values, np.sqrt(DEGENERATE)):
         own = values[members]
         inertia = all_inner(left[:, members], times(matrices.mass, x[:, members]), comm)
@@ -192,15 +193,17 @@ def _modes_of(
     window: QuadraticWindow,
 ) -> Modes:
     """Modes in the window, those that decay faster than it reaches left out."""
-    eigenvalues = pairs.eigenvalues
-    slopes = pairs.slopes
+    eigenvalues, slopes = pairs.eigenvalues, pairs.slopes
     if left is not None:
         with np.errstate(divide="ignore", invalid="ignore"):
             true = dual_norms(matrices.mass, left.vectors) / (2 * np.abs(eigenvalues))
         slopes = np.where(np.isfinite(true), true, slopes)
     uncertainties = np.minimum(pairs.errors * slopes, pairs.bounds)
-    end = 2 * np.pi * window.max_frequency
-    inside = (eigenvalues.imag <= end) & (eigenvalues.real >= window.min_growth)
+    # Real ones have imaginary parts of rounding; of pairs next to the axis both were found.
+    real = np.abs(eigenvalues.imag) <= np.minimum(uncertainties, MARGIN * window.upper)
+    eigenvalues = np.where(real, eigenvalues.real, eigenvalues)
+    inside = (eigenvalues.imag >= 0) & (eigenvalues.imag <= window.upper)
+    inside &= eigenvalues.real >= window.min_growth
     order: Any = np.lexsort((eigenvalues.real, eigenvalues.imag))
     order = order[inside[order]]
     modes = Modes(

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from cea.eigen.coverage import hermitian_part, no_negative
 from cea.eigen.factorisation import Mumps
+from cea.eigen.field_of_values import factorised_hermitian, hermitian_part
 from cea.eigen.pencil import Matrices
 from cea.matrices import destroy, local_part, scaled_total
 from cea.petsc import PETSc
@@ -58,7 +58,10 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
         hermitian.setDiagonal(diagonal)
         hermitian.assemble()
         destroy(diagonal)
-    return no_negative(hermitian, matrices)
+    factors, bounded = factorised_hermitian(hermitian, matrices)
+    if factors is not None:
+        factors.free()
+    return bounded
 
 
 def _symmetric_damping(matrices: Matrices) -> Any | None:

@@ -11,7 +11,6 @@ those of the companion form within the invariant subspace that was found, unless
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats
 from cea.eigen.blocks import (
@@ -26,6 +25,7 @@ from cea.eigen.blocks import (
 from cea.eigen.clusters import cluster_bounds
 from cea.eigen.eigenpairs import LUMPED, SMALL
 from cea.eigen.pencil import Matrices
+from cea.eigen.quadratic_search import MARGIN
 from cea.eigen.quadratic_shifted import Damping, QuadraticShifted
 from cea.eigen.sizes import Sizes
 from cea.eigen.subspace import InvariantSubspace
@@ -34,7 +34,7 @@ from cea.matrices import absolute, destroy
 
 @dataclass(frozen=True)
 class QuadraticPairs:
-    """Eigenpairs (lambda^2 M + lambda D + K) x = 0 with Im lambda >= 0.
+    """Eigenpairs (lambda^2 M + lambda D + K) x = 0 of a window and around it.
 
     Parameters
     ----------
@@ -101,28 +101,23 @@ def checked_pairs(
     matrices
         The pencil at the parameters it was solved at.
     factors
-        P(s) factorised at a real shift.
+        P(s) factorised.
     subspace
         Invariant subspace of the companion form.
     scale
         Its gamma (1/s).
     """
-    every, vectors = subspace.eigenpairs()
-    upper = every.imag >= 0
-    values, x = every[upper], vectors[: len(vectors) // 2, upper]
+    values, vectors = subspace.eigenpairs()
+    x = vectors[: len(vectors) // 2]
     damping = Damping(matrices)
     x, f = _normalised(matrices, damping, factors, values, x)
     duals = _duals(matrices, values, x, scale)
     residuals, errors = _residuals(matrices, damping, factors, values, x, f, duals, scale)
     damping.free()
     conditions = duals.right * duals.left
-    twins = values.imag > 0
     bounds = cluster_bounds(
-        subspace.projected,
-        np.append(values, values[twins].conj()),
-        _with_twins(errors * duals.slopes / conditions, twins),
-        _with_twins(conditions, twins),
-    )[: len(values)]
+        subspace.projected, values, errors * duals.slopes / conditions, conditions
+    )
     return QuadraticPairs(values, x, f, residuals, duals.slopes, errors, bounds)
 
 
@@ -166,14 +161,17 @@ def _normalised(
 
 
 def _duals(matrices: Matrices, values: Complexes, x: Complexes, scale: float) -> _Duals:
-    """Dual vectors within the space of the vectors and their conjugates, by Gram matrices."""
+    """Dual vectors within the space of the vectors and their conjugates, by Gram matrices.
+
+    Conjugates of those next to the real axis are among the vectors.
+    """
     n, comm = len(values), matrices.stiffness.comm
     own, mixed = np.zeros((2, n, n), dtype=complex)
     for block in column_blocks(n):
         image = times(matrices.mass, x[:, block])
         own[:, block] = all_inner(x, image, comm)
         mixed[:, block] = all_inner(x.conj(), image, comm)  # x_i^T M x_j
-    twins = np.flatnonzero(values.imag > 0)
+    twins = np.flatnonzero(values.imag > MARGIN * scale)
     # Of [x, conj x]: x^H M conj(y) is the conjugate of x^T M y.
     gram = np.block(
         [[own, mixed[:, twins].conj()], [mixed[twins], own[np.ix_(twins, twins)].conj()]]
@@ -214,7 +212,7 @@ def _residuals(
     diagonal = mass.getDiagonal()
     root = np.sqrt(diagonal.array_r)[:, None]
     destroy(diagonal)
-    shift = float(np.real(factors.shift))
+    shift = factors.shift
     for block in column_blocks(n):
         value, part = values[block], x[:, block]
         inertia = times(mass, part)
@@ -229,7 +227,7 @@ def _residuals(
         if len(large):  # solves cost as much as all the rest
             step, _ = factors.solve_with_forces(defect[:, large])
             length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
-            far = np.abs(value[large] - shift) * np.hypot(1.0, shift / scale)
+            far = np.abs(value[large] - shift) * np.hypot(1.0, abs(shift) / scale)
             ratio = duals.left[block][large] / duals.slopes[block][large]
             error[large] = np.minimum(error[large], far * length * ratio)
         errors[block] = rounding + error
@@ -269,8 +267,3 @@ class QuadraticSizes:
         """Free the matrices."""
         self._stiffness.free()
         destroy(self._mass, *([self._damping] if self._damping is not None else []))
-
-
-def _with_twins(numbers: Floats, twins: NDArray[np.bool_]) -> Floats:
-    """Numbers, and again those of eigenvalues that have conjugates."""
-    return np.append(numbers, numbers[twins])

@@ -1,12 +1,12 @@
 """Search of a window of a damped or rotating pencil, and what shows that nothing is missing.
 
 The window holds the lambda with 0 <= Im lambda <= omega and Re lambda >= -d: of any growth, and
-down to a decay d. A disc about a real shift s,
+down to a decay d. A disc about c + i omega / 2,
 
-    (Re lambda - s)^2 + (Im lambda)^2 <= (s + d)^2 + omega^2,
+    (Re lambda - c)^2 + (Im lambda - omega / 2)^2 <= (c + d)^2 + (omega / 2)^2,
 
-holds all of it up to the growth 2 s + d, and conjugates together. It is searched until nothing more
-comes beside what was found. Where eigenvalues may grow faster, further discs follow to the right.
+holds all of it up to the growth 2 c + d. It is searched until nothing more comes beside what was
+found. Where eigenvalues may grow faster, further discs follow to the right.
 """
 
 from dataclasses import dataclass
@@ -22,10 +22,13 @@ from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
-_SHIFT = 1.5
-"""First shift relative to omega."""
-_END = 1.005
-"""End of what is covered relative to omega: room between the window and the first mode beyond."""
+_SHIFT = 0.25
+"""Real part c of the first shift relative to omega."""
+MARGIN = 0.005
+"""What is covered beyond both ends of the window relative to omega: room between the window and the
+first mode beyond it, and conjugates of those next to the real axis."""
+_SIGN = 0.01
+"""Real shift relative to omega beyond which real eigenvalues are even or odd in number."""
 _FARTHER = 8.0
 """Growth of the shift from one disc to the next."""
 _SMALL = 10_000
@@ -43,8 +46,8 @@ _INSIDE = 1 + 1e-9
 
 
 @dataclass(frozen=True)
-class RealDisc:
-    """A disc of lambda about a real shift in which every eigenvalue was found.
+class ShiftedDisc:
+    """A disc of lambda in which every eigenvalue was found.
 
     Parameters
     ----------
@@ -52,7 +55,7 @@ class RealDisc:
         In 1/s.
     """
 
-    centre: float
+    centre: complex
     radius: float
 
 
@@ -75,7 +78,7 @@ class QuadraticFound:
     """
 
     subspace: InvariantSubspace
-    discs: tuple[RealDisc, ...] = ()
+    discs: tuple[ShiftedDisc, ...] = ()
     growth: float = 0.0
     bounded: bool = False
     odd: bool = False
@@ -121,9 +124,9 @@ class QuadraticSearch:
         self.factorisations = 0
         self.factors: QuadraticShifted | None = None
         self._searches = 0
-        self._discs: list[RealDisc] = []
-        self._farthest: dict[float, float] = {}
-        self._signs: dict[float, int] = {}
+        self._discs: list[ShiftedDisc] = []
+        self._farthest: dict[complex, float] = {}
+        self._farthest_lambda = np.inf
 
     def window(self) -> QuadraticFound:
         """Every eigenvalue of the window, with what shows it.
@@ -133,62 +136,65 @@ class QuadraticSearch:
         ConvergenceError
             When a disc does not become full; ``best`` is what was found.
         """
-        height = _END * self._end
         centre, left = _SHIFT * self._end, -self._decay
-        known, centre = self._first(centre, np.hypot(centre - left, height))
+        known = self._first(centre, left)
         growth = 2 * centre - left
         bounded = self._bounded(growth)
         most = _MOST_DISCS[self._matrices.size <= _SMALL]
         while not bounded and known.size < self._finite and len(self._discs) <= most:
             left, centre = growth, _FARTHER * centre
-            known = self._beside(known, centre, np.hypot(centre - left, height))
+            known = self._beside(known, *self._disc(centre, left))
             growth = 2 * centre - left
             bounded = self._bounded(growth)
         if known.size >= self._finite:
             growth, bounded = np.inf, True
-        return QuadraticFound(known, tuple(self._discs), growth, bounded, self._odd(known))
+        odd = self._odd(known)
+        if odd and np.isfinite(growth):
+            known = self._beside(known, 0.5 * growth, 0.5 * growth)
+            odd = self._odd(known)
+        return QuadraticFound(known, tuple(self._discs), growth, bounded, odd)
 
     @property
     def _finite(self) -> int:
         return 2 * (self._matrices.size - self._matrices.tied)
 
-    def _first(self, centre: float, radius: float) -> tuple[InvariantSubspace, float]:
-        """Eigenvalues about the first shift, which steps aside where it is one."""
+    def _disc(self, centre: float, left: float) -> tuple[complex, float]:
+        """Shift and radius of a disc that holds the window to the right of a real part."""
+        half = (0.5 + MARGIN) * self._end
+        return complex(centre, 0.5 * self._end), float(np.hypot(centre - left, half))
+
+    def _first(self, centre: float, left: float) -> InvariantSubspace:
+        """Eigenvalues of the first disc, whose shift steps aside where it is one."""
+        shift, radius = self._disc(centre, left)
         for _ in range(_STEPS_ASIDE):
-            self.factors = self._factorised(centre)
+            self.factors = self._factorised(shift)
             if self.factors is not None:
                 known = self._filled(self._nothing(), self.factors, radius)
-                nearest = np.abs(known.eigenvalues() - centre).min(initial=np.inf)
-                if nearest > _ASIDE**2 * centre:
-                    return known, centre
+                nearest = np.abs(known.eigenvalues() - shift).min(initial=np.inf)
+                if nearest > _ASIDE**2 * abs(shift):
+                    return known
                 self.factors.free()
-            self._forget()
-            radius += _ASIDE * centre
-            centre *= 1 + _ASIDE
+            self._farthest.clear()
+            self._discs.clear()
+            radius += _ASIDE * abs(shift)
+            shift *= 1 + _ASIDE
         self.factors = None
-        raise ConvergenceError(f"the pencil is singular at every shift near {centre:.4g} 1/s")
+        raise ConvergenceError(f"the pencil is singular at every shift near {shift:.4g} 1/s")
 
-    def _forget(self) -> None:
-        for each in (self._farthest, self._signs, self._discs):
-            each.clear()
-
-    def _factorised(self, centre: float) -> QuadraticShifted | None:
-        """Factors at a real shift; None where it is an eigenvalue."""
+    def _factorised(self, shift: complex) -> QuadraticShifted | None:
+        """Factors at a shift; None where it is an eigenvalue."""
         self.factorisations += 1
         with self._timer("factorisation"):
             try:
-                factors = QuadraticShifted(self._matrices, centre)
+                return QuadraticShifted(self._matrices, shift)
             except ConvergenceError:
                 return None
-        if (parity := factors.parity()) is not None:
-            self._signs[centre] = parity
-        return factors
 
-    def _beside(self, known: InvariantSubspace, centre: float, radius: float) -> InvariantSubspace:
+    def _beside(self, known: InvariantSubspace, shift: complex, radius: float) -> InvariantSubspace:
         """The known with what lies in another disc."""
-        factors = self._factorised(centre)
+        factors = self._factorised(shift)
         if factors is None:
-            raise ConvergenceError(f"lambda = {centre:.6g} is an eigenvalue", best=known)
+            raise ConvergenceError(f"lambda = {shift:.6g} is an eigenvalue", best=known)
         known = self._filled(known, factors, radius)
         factors.free()
         return known
@@ -216,6 +222,7 @@ class QuadraticSearch:
         for _ in range(_MOST_SEARCHES):
             before = known.size
             known = krylov.search(known, radius, self._searches, both_ends=True)
+            self._farthest_lambda = krylov.farthest
             self._searches += 1  # never from the same random vectors
             new = np.abs(known.eigenvalues(before) - centre)
             if not transposed and len(new):
@@ -231,11 +238,11 @@ class QuadraticSearch:
             )
         krylov.free()
         if not transposed:
-            self._discs.append(RealDisc(centre, radius))
+            self._discs.append(ShiftedDisc(centre, radius))
         return known
 
     def left(self) -> tuple[Complexes, Complexes]:
-        """Conjugates of all eigenvalues that were found, and their left vectors, the rows of x."""
+        """All eigenvalues that were found, and conjugates of their left vectors, the rows of x."""
         known = self._nothing()
         for centre, distance in self._farthest.items():
             factors = self.factors
@@ -254,12 +261,23 @@ class QuadraticSearch:
             self.factors.free()
 
     def _odd(self, known: InvariantSubspace) -> bool:
-        """Whether the sign of a determinant shows another real eigenvalue beyond its shift."""
+        """Whether the sign of a determinant shows that a real eigenvalue is missing.
+
+        Of those next to the real axis conjugates were found too: they count twice, or not.
+        """
+        factors = self._factorised(_SIGN * self._end)
+        if factors is None:
+            return False
+        parity = factors.parity()
+        factors.free()
         values = known.eigenvalues()
-        real = values.real[values.imag == 0]
-        return any(parity != int((real > s).sum()) % 2 for s, parity in self._signs.items())
+        real = np.abs(values.imag) <= MARGIN * self._end
+        return parity not in (None, int((real & (values.real > _SIGN * self._end)).sum()) % 2)
 
     def _bounded(self, growth: float) -> bool:
+        """Whether no eigenvalue of the window grows at a rate or faster."""
+        if self._farthest_lambda <= growth:
+            return True
         self.factorisations += 1
         with self._timer("factorisation"):
             return bounded_growth(self._matrices, growth, self._end)

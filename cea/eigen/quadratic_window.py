@@ -10,8 +10,8 @@ class QuadraticWindow(Window):
     """What was searched of a quadratic problem, and why it is believed complete.
 
     The window holds the modes with 0 <= Im lambda <= omega of any growth, down to a decay. Shift
-    and radius are those of a disc of lambda about a real shift (1/s); ``upper`` is the height that
-    discs cover (1/s), and ``found_below`` counts the lambda found up to it.
+    and radius are those of the first disc of lambda, about shift + i omega / 2 (1/s); ``upper`` is
+    omega (1/s), and ``found_below`` counts the lambda found with 0 <= Im lambda <= omega.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class QuadraticWindow(Window):
     def evidence(self) -> str:
         """Why the window is believed complete, or how far it is not, in words."""
         found = (
-            f"{self.found} eigenvalues lambda and conjugates fill {self.discs} "
+            f"{self.found} eigenvalues lambda fill {self.discs} "
             f"disc{'s' * (self.discs > 1)}, which hold the window down to the growth rate "
             f"{self.min_growth:.4g} 1/s and were searched beside them until nothing more was found"
         )
