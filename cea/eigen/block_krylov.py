@@ -143,7 +143,7 @@ class BlockSearch(ABC):
 
     def inner(self, left: Floats, right: Floats) -> Floats:
         """Inner products of every column of one block with every column of another."""
-        return self.comm.allreduce(left.conj().T @ right)
+        return self.comm.allreduce((left.T @ right.conj()).conj())  # the right is the smaller
 
 
 class BlockKrylov(BlockSearch):

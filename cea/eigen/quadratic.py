@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cea.body import Complexes
+from cea.body import Complexes, Floats
 from cea.eigen.blocks import all_inner, times
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
 from cea.eigen.modes import Modes, refuse_what_is_lost, warnings_of
@@ -184,6 +185,22 @@ def _dual(
     return left
 
 
+def _real(values: Complexes, uncertainties: Floats, near: float) -> NDArray[np.bool_]:
+    """Which eigenvalues are real: next to the axis, where both of a conjugate pair were found.
+
+    Their imaginary parts are rounding, or have no other of the opposite sign.
+    """
+    real = np.abs(values.imag) <= np.minimum(uncertainties, near)
+    above = np.flatnonzero((values.imag > 0) & (values.imag <= near) & ~real)
+    below = np.flatnonzero((values.imag < 0) & (values.imag >= -near) & ~real)
+    distance = np.abs(values[above][:, None] - values[below].conj())
+    size = np.maximum(values.imag[above][:, None], -values.imag[below])
+    rows, columns = assign(distance / size, 1.0)
+    real[np.delete(above, rows)] = True
+    real[np.delete(below, columns)] = True
+    return real
+
+
 def _modes_of(
     pencil: Pencil,
     values: Mapping[str, float],
@@ -199,8 +216,7 @@ def _modes_of(
             true = dual_norms(matrices.mass, left.vectors) / (2 * np.abs(eigenvalues))
         slopes = np.where(np.isfinite(true), true, slopes)
     uncertainties = np.minimum(pairs.errors * slopes, pairs.bounds)
-    # Real ones have imaginary parts of rounding; of pairs next to the axis both were found.
-    real = np.abs(eigenvalues.imag) <= np.minimum(uncertainties, MARGIN * window.upper)
+    real = _real(eigenvalues, uncertainties, MARGIN * window.upper)
     eigenvalues = np.where(real, eigenvalues.real, eigenvalues)
     inside = (eigenvalues.imag >= 0) & (eigenvalues.imag <= window.upper)
     inside &= eigenvalues.real >= window.min_growth

@@ -1,30 +1,64 @@
 """Which eigenvalues a window of a damped pencil may hold: how fast they may grow.
 
-For an eigenvalue g + i w with its vector x, the real part of x^H P(lambda) x = 0 is
+With x^H M x = 1 let h + i n be x^H K x and c + i y be x^H (C + Y) x. An eigenvalue lambda = g + i w
+obeys x^H P(lambda) x = 0, of which the real part, as it is and divided by lambda, is
 
-    x^H ((g^2 - w^2) M + g C + H) x + w Im(x^H Y x) = 0
+    g^2 - w^2 + g c - w y + h = 0,       g (abs(lambda)^2 + h) + c abs(lambda)^2 + w n = 0.
 
-with the symmetric parts C of the damping and H of K, and the skew part Y. With abs(x^H Y x) below
-x^H diag(y) x, y the row sums of abs(Y), no eigenvalue with abs(w) <= omega grows at the rate g
-where
+The first: with y the row sums of abs(Y), no eigenvalue with abs(w) <= omega grows at the rate g
+where H + (g^2 - omega^2) M + g C - omega diag(y) has no negative eigenvalue, nor faster if 2 g M + C
+has none. The second: where h >= -X, c >= -d, and abs(n) <= t (h + X), the cone of
+:mod:`cea.eigen.field_of_values`,
 
-    H + (g^2 - omega^2) M + g C - omega diag(y)
+    g <= max(t omega + 2 d, sqrt(2 X)).
 
-has no negative eigenvalue: its inertia tells. It has none for any larger g either, if 2 g M + C
-has none; where C damps, it has not.
+Rotation does not enter it. H and C are symmetric parts, Y the skew one.
 """
 
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from cea.eigen.factorisation import Mumps
-from cea.eigen.field_of_values import factorised_hermitian, hermitian_part
+from cea.eigen.field_of_values import factorised_hermitian, field_of_values, hermitian_part
 from cea.eigen.pencil import Matrices
-from cea.matrices import destroy, local_part, scaled_total
+from cea.matrices import destroy, distributed, local_part, scaled_total
 from cea.petsc import PETSc
 
 _DIFFERENT: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
+
+
+_DEPTH = 0.02
+"""X of the cone relative to omega^2."""
+_NEGATIVE = (1e-6, 1e-2, 0.1)
+"""Negative damping d relative to omega that is tried: none but for rounding, and some."""
+
+
+def largest_growth(matrices: Matrices, end: float) -> float:
+    """Rate (1/s) that no eigenvalue with abs(Im lambda) <= end exceeds, by the cone; or infinity.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at given parameters.
+    end
+        omega (1/s).
+
+    Raises
+    ------
+    ConvergenceError
+        When a factorisation fails.
+    """
+    field = field_of_values(matrices, _DEPTH * end**2, cone=True)
+    if not field.bounded or not np.isfinite(field.slope):
+        return np.inf
+    damping, least = _symmetric_damping(matrices), 0.0
+    if damping is not None:
+        tried = (part * end for part in _NEGATIVE)
+        least = next((d for d in tried if _positive(matrices, damping, d)), np.inf)
+        destroy(damping)
+    return max(field.slope * end + 2 * least, float(np.sqrt(2 * field.depth)))
 
 
 def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
@@ -45,7 +79,7 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
         When a factorisation fails.
     """
     damping = _symmetric_damping(matrices)
-    if damping is not None and not _monotonic(matrices, damping, growth):
+    if damping is not None and not _positive(matrices, damping, 2 * growth):
         destroy(damping)
         return False
     hermitian = hermitian_part(matrices, growth**2 - end**2)
@@ -53,11 +87,9 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
         hermitian.axpy(growth, damping, structure=_DIFFERENT)
         destroy(damping)
     if matrices.gyroscopic is not None:
-        diagonal = hermitian.getDiagonal()
-        diagonal.array[:] -= end * _skew_row_sums(matrices.gyroscopic)
-        hermitian.setDiagonal(diagonal)
-        hermitian.assemble()
-        destroy(diagonal)
+        sums = _skew_row_sums(matrices.gyroscopic)
+        hermitian.axpy(-end, sums, structure=_DIFFERENT)
+        destroy(sums)
     factors, bounded = factorised_hermitian(hermitian, matrices)
     if factors is not None:
         factors.free()
@@ -75,20 +107,23 @@ def _symmetric_damping(matrices: Matrices) -> Any | None:
     return total
 
 
-def _monotonic(matrices: Matrices, damping: Any, growth: float) -> bool:
-    """Whether 2 g M + C has no negative eigenvalue."""
+def _positive(matrices: Matrices, damping: Any, rate: float) -> bool:
+    """Whether C + rate M has no negative eigenvalue."""
     factors = Mumps(
-        scaled_total([(2 * growth, matrices.mass), (1.0, damping)]), symmetric=True, inertia=True
+        scaled_total([(rate, matrices.mass), (1.0, damping)]), symmetric=True, inertia=True
     )
     negative = factors.negative_eigenvalues()
     factors.free()
     return negative == 0
 
 
-def _skew_row_sums(matrix: Any) -> np.ndarray:
-    """Row sums of the absolute values of the skew part, the rows of this rank."""
+def _skew_row_sums(matrix: Any) -> Any:
+    """Diagonal matrix of the row sums of the absolute values of the skew part, PETSc AIJ."""
     transpose = matrix.transpose(PETSc.Mat())
     skew = scaled_total([(0.5, matrix), (-0.5, transpose)])
     sums = np.asarray(abs(local_part(skew)).sum(axis=1)).ravel()
+    rows, columns = skew.getSizes()
+    start, stop = skew.getOwnershipRange()
+    diagonal = csr_array((sums, np.arange(start, stop), np.arange(rows[0] + 1)), (rows[0], rows[1]))
     destroy(transpose, skew)
-    return sums
+    return distributed(diagonal, columns, matrix.comm)

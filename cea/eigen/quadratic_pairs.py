@@ -6,6 +6,11 @@ With a left vector y, y^H (2 lambda M + D) x = 1, a change of the problem moves 
 
 so that a residual r = P(lambda) x is worth || y ||_M || r || in the norm of M^-1. Left vectors are
 those of the companion form within the invariant subspace that was found, unless they are given.
+Where the other eigenvalue of a motion was not found, as of overdamped ones, they say too little:
+
+    || y ||_M >= 1 / || (2 lambda M + D) x ||.
+
+An error e of lambda^2 makes no more than sqrt(e) of the two of a motion where they meet.
 """
 
 from dataclasses import dataclass
@@ -112,13 +117,14 @@ def checked_pairs(
     damping = Damping(matrices)
     x, f = _normalised(matrices, damping, factors, values, x)
     duals = _duals(matrices, values, x, scale)
-    residuals, errors = _residuals(matrices, damping, factors, values, x, f, duals, scale)
+    residuals, errors, least = _residuals(matrices, damping, factors, values, x, f, duals, scale)
     damping.free()
+    slopes = np.maximum(duals.slopes, np.minimum(least, 1 / np.sqrt(errors)))
     conditions = duals.right * duals.left
     bounds = cluster_bounds(
-        subspace.projected, values, errors * duals.slopes / conditions, conditions
+        subspace.projected, values, errors * slopes / conditions, conditions
     )
-    return QuadraticPairs(values, x, f, residuals, duals.slopes, errors, bounds)
+    return QuadraticPairs(values, x, f, residuals, slopes, errors, bounds)
 
 
 def inverse_step(
@@ -198,8 +204,8 @@ def _residuals(
     f: Complexes,
     duals: _Duals,
     scale: float,
-) -> tuple[Floats, Floats]:
-    """Relative residuals and backward errors (1/s^2).
+) -> tuple[Floats, Floats, Floats]:
+    """Relative residuals, backward errors (1/s^2), and what norms of y are at least (s).
 
     With d = P(s)^-1 r an eigenvalue is wrong by no more than abs(lambda - s) times the norms of d,
     beside s d / gamma, and of the dual vector: the backward error of the inverse problem, which is
@@ -207,7 +213,7 @@ def _residuals(
     (:func:`cea.eigen.eigenpairs.checked`).
     """
     n, comm, mass = len(values), matrices.stiffness.comm, matrices.mass
-    residuals, errors = np.empty((2, n))
+    residuals, errors, least = np.empty((3, n))
     sizes = QuadraticSizes(matrices, damping)
     diagonal = mass.getDiagonal()
     root = np.sqrt(diagonal.array_r)[:, None]
@@ -220,19 +226,22 @@ def _residuals(
         defect = _elastic(matrices, part, f[:, block]) + inertia * value**2 + drag * value
         rounding = np.finfo(float).eps * sizes.works(value, part, f[:, block])
         parts = np.abs(value) ** 2 * norms(inertia, comm) + np.abs(value) * norms(drag, comm)
-        least = rounding * norms(inertia, comm)
-        residuals[block] = norms(defect, comm) / np.maximum(parts, least)
+        parts = np.maximum(parts, rounding * norms(inertia, comm))
+        residuals[block] = norms(defect, comm) / parts
+        turned = norms((2 * value * inertia + drag) / root, comm)
+        least[block] = 1 / np.maximum(turned, np.finfo(float).tiny)
         error = LUMPED * norms(defect / root, comm)
         large = np.flatnonzero(error > SMALL * np.maximum(np.abs(value) ** 2, rounding))
         if len(large):  # solves cost as much as all the rest
             step, _ = factors.solve_with_forces(defect[:, large])
             length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
             far = np.abs(value[large] - shift) * np.hypot(1.0, abs(shift) / scale)
-            ratio = duals.left[block][large] / duals.slopes[block][large]
-            error[large] = np.minimum(error[large], far * length * ratio)
+            slope = np.maximum(duals.slopes[block][large], np.finfo(float).tiny)
+            inverse = far * length * duals.left[block][large] / slope
+            error[large] = np.minimum(error[large], inverse)
         errors[block] = rounding + error
     sizes.free()
-    return residuals, errors
+    return residuals, errors, least
 
 
 def _elastic(matrices: Matrices, x: Complexes, f: Complexes) -> Complexes:

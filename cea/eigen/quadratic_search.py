@@ -6,7 +6,8 @@ down to a decay d. A disc about c + i omega / 2,
     (Re lambda - c)^2 + (Im lambda - omega / 2)^2 <= (c + d)^2 + (omega / 2)^2,
 
 holds all of it up to the growth 2 c + d. It is searched until nothing more comes beside what was
-found. Where eigenvalues may grow faster, further discs follow to the right.
+found. Where eigenvalues may grow faster (:mod:`cea.eigen.quadratic_coverage`), further discs follow
+to the right.
 """
 
 from dataclasses import dataclass
@@ -16,14 +17,16 @@ import numpy as np
 from cea.body import Complexes
 from cea.eigen.companion import CompanionSearch
 from cea.eigen.pencil import Matrices
-from cea.eigen.quadratic_coverage import bounded_growth
+from cea.eigen.quadratic_coverage import bounded_growth, largest_growth
 from cea.eigen.quadratic_shifted import QuadraticShifted
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
 _SHIFT = 0.25
-"""Real part c of the first shift relative to omega."""
+"""Real part c of the first shift relative to omega, where growth may be large."""
+_LEAST_SHIFT = 0.1
+"""The least: a shift is no eigenvalue of those that hardly grow."""
 MARGIN = 0.005
 """What is covered beyond both ends of the window relative to omega: room between the window and the
 first mode beyond it, and conjugates of those next to the real axis."""
@@ -136,16 +139,20 @@ class QuadraticSearch:
         ConvergenceError
             When a disc does not become full; ``best`` is what was found.
         """
-        centre, left = _SHIFT * self._end, -self._decay
+        left, most = -self._decay, _MOST_DISCS[self._matrices.size <= _SMALL]
+        self.factorisations += 2
+        with self._timer("factorisation"):
+            largest = largest_growth(self._matrices, self._end)
+        centre = min(_SHIFT * self._end, 0.5 * (largest + left))
+        centre = max(_LEAST_SHIFT * self._end, centre)
         known = self._first(centre, left)
         growth = 2 * centre - left
-        bounded = self._bounded(growth)
-        most = _MOST_DISCS[self._matrices.size <= _SMALL]
+        bounded = growth >= largest or self._bounded(growth)
         while not bounded and known.size < self._finite and len(self._discs) <= most:
             left, centre = growth, _FARTHER * centre
             known = self._beside(known, *self._disc(centre, left))
             growth = 2 * centre - left
-            bounded = self._bounded(growth)
+            bounded = growth >= largest or self._bounded(growth)
         if known.size >= self._finite:
             growth, bounded = np.inf, True
         odd = self._odd(known)
