@@ -236,8 +236,9 @@ def _residuals(
             step, _ = factors.solve_with_forces(defect[:, large])
             length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
             far = np.abs(value[large] - shift) * np.hypot(1.0, abs(shift) / scale)
-            slope = np.maximum(duals.slopes[block][large], np.finfo(float).tiny)
-            inverse = far * length * duals.left[block][large] / slope
+            left = duals.left[block][large]
+            slope = np.maximum(duals.slopes[block][large], np.finfo(float).eps * left / scale)
+            inverse = far * length * left / slope
             error[large] = np.minimum(error[large], inverse)
         errors[block] = rounding + error
     sizes.free()

@@ -102,9 +102,7 @@ def quadratic_outcome(seed: int) -> Outcome:
 
     def run(found: Outcome):
         found.name = f"random damped matrices {seed}"
-        modes = solve_modes(
-            problem.pencil(), problem.max_frequency, min_growth=problem.min_growth
-        )
+        modes = solve_modes(problem.pencil(), problem.max_frequency, min_growth=problem.min_growth)
         return modes, None
 
     def judged(found: Outcome, modes: Modes, _: float | None):
@@ -187,7 +185,9 @@ def tell(text: str) -> None:
 def main(first: str, last: str, what: str = "scenes") -> None:
     """Run a range of seeds and print what came of them."""
     outcomes, begin = [], time.process_time()
-    outcome = {"scenes": scene_outcome, "matrices": matrix_outcome, "quadratic": quadratic_outcome}[what]
+    outcome = {"scenes": scene_outcome, "matrices": matrix_outcome, "quadratic": quadratic_outcome}[
+        what
+    ]
     for seed in range(int(first), int(last)):
         outcomes.append(outcome(seed))
         if outcomes[-1].faults:
