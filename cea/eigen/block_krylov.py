@@ -109,7 +109,7 @@ class BlockSearch(ABC):
         known
             An invariant subspace found before, at any shift.
         radius
-            Radius of the disc about the shift (1/s^2).
+            Radius of the disc about the shift.
         seed
             Of the random start vectors.
         both_ends
@@ -130,18 +130,18 @@ class BlockSearch(ABC):
             return known
 
     @abstractmethod
-    def apply(self, block: Floats, image: Floats) -> Floats:
+    def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
         """OP on a block whose image is given."""
 
     @abstractmethod
-    def image(self, block: Floats) -> Floats:
+    def image(self, block: NDArray[Any]) -> NDArray[Any]:
         """A block times the matrix of the inner product."""
 
-    def diagonal(self, left: Floats, right: Floats) -> Floats:
+    def diagonal(self, left: NDArray[Any], right: NDArray[Any]) -> Floats:
         """Inner products of the columns of two blocks, one with one."""
         return self.comm.allreduce(np.einsum("ij,ij->j", left.conj(), right).real)
 
-    def inner(self, left: Floats, right: Floats) -> Floats:
+    def inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
         """Inner products of every column of one block with every column of another."""
         return self.comm.allreduce((left.T @ right.conj()).conj())  # the right is the smaller
 
@@ -183,11 +183,11 @@ class BlockKrylov(BlockSearch):
         )
         self._mass, self._factors, self._transposed = mass, factors, transposed
 
-    def apply(self, block: Floats, image: Floats) -> Floats:
+    def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
         """OP on a block whose product with M is given."""
         return self._factors.solve_block(image, transposed=self._transposed)
 
-    def image(self, block: Floats) -> Floats:
+    def image(self, block: NDArray[Any]) -> NDArray[Any]:
         """M times a block."""
         return image_of(self._mass, block)
 
@@ -217,16 +217,17 @@ class _Run:
         self._room = owner.size - known.size
         self._finite = owner.finite - known.size
         room = (len(known.basis), known.size + 8 * _BLOCK)
-        self._vectors = np.empty(room, dtype=owner.dtype, order="F")
+        self._vectors: NDArray[Any] = np.empty(room, dtype=owner.dtype, order="F")
         self._vectors[:, : known.size] = known.basis
         self._size = self._next = 0
         self._coupling, self._operator = np.empty((known.size, 0)), np.empty((0, 0))
         if self._finite > 0:
             columns = min(_BLOCK, self._room)
             random = np.random.default_rng([seed, owner.comm.rank])
-            start = random.standard_normal((len(known.basis), columns)).astype(owner.dtype)
+            size = (len(known.basis), columns)
+            start: NDArray[Any] = random.standard_normal(size).astype(owner.dtype)
             if owner.dtype is complex:
-                start += 1j * random.standard_normal(start.shape)
+                start += 1j * random.standard_normal(size)
             # OP takes what is far away out of a vector, ties above all.
             far = both_ends and owner.finite == owner.size
             for _ in range(0 if far else owner.cleansing):
@@ -255,9 +256,10 @@ class _Run:
             wanted = int(inside.sum())
             if self._size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
                 if restarts == self._owner.max_restarts:
+                    where = f"{self._owner.unknown} = {self._shift:.4g}"
                     raise ConvergenceError(
                         f"{int((inside & ~converged).sum())} eigenvalues in the disc of radius "
-                        f"{1 / self._least:.4g} about {self._owner.unknown} = {self._shift:.4g} did not converge",
+                        f"{1 / self._least:.4g} about {where} did not converge",
                         best=self._locked(theta, converged),
                     )
                 restarts += 1
@@ -274,13 +276,14 @@ class _Run:
         self._size += columns
         coefficients = self._append(fresh)
         known = self._known.size
-        whole = np.zeros((self._size + self._next, self._size), dtype=self._owner.dtype)
+        shape = (self._size + self._next, self._size)
+        whole: NDArray[Any] = np.zeros(shape, dtype=self._owner.dtype)
         whole[: len(self._operator), :size] = self._operator
         whole[:, size:] = coefficients[known:]
         self._operator = whole
         self._coupling = np.hstack([self._coupling, coefficients[:known]])
 
-    def _append(self, w: Floats) -> Floats:
+    def _append(self, w: NDArray[Any]) -> NDArray[Any]:
         """Put the part of a block outside Q and V behind them: w = [Q V U] c.
 
         Columns of w that lie in Q and V but for rounding leave no column of U.
@@ -323,11 +326,11 @@ class _Run:
         self._vectors[:, first : first + self._next] = u
         return np.vstack([inside, rest])
 
-    def _square(self) -> Floats:
+    def _square(self) -> NDArray[Any]:
         square = self._operator[: self._size]
         return symmetric_part(square) if self._known.symmetric else square
 
-    def _space(self, vectors: Floats) -> Floats:
+    def _space(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """V times columns."""
         known = self._known.size
         return self._vectors[:, known : known + self._size] @ vectors
@@ -356,7 +359,7 @@ class _Run:
         part = float(parts.max(initial=0.0))
         return part / (1 - part) * abs(self._shift) if part < 1 else np.inf
 
-    def _leading(self, theta: Complexes, number: int) -> tuple[Floats, Floats]:
+    def _leading(self, theta: Complexes, number: int) -> tuple[NDArray[Any], NDArray[Any]]:
         """Schur form of OP on so many eigenvalues of largest modulus; no pair is split."""
         sizes = np.sort(np.abs(theta))[::-1]
         while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:

@@ -3,8 +3,9 @@
 Undamped sliding is linear in kappa = -lambda^2: K x = kappa M x, with K unsymmetric by friction.
 Without friction it is solved as a symmetric problem. The driver takes a parametric pencil, not
 bodies, and keeps inertia counts and factors for the solves that follow. Windows are searched by
-blocks (:mod:`cea.eigen.search`), the few modes nearest to a place by SLEPc. With damping or rotation
-the problem is quadratic in lambda, and another driver takes it (:mod:`cea.eigen.quadratic`).
+blocks (:mod:`cea.eigen.search`), the few modes nearest to a place by SLEPc. With damping or
+rotation the problem is quadratic in lambda, and another driver takes it
+(:mod:`cea.eigen.quadratic`).
 """
 
 from collections.abc import Mapping
@@ -364,6 +365,4 @@ def solve_modes(
     Parameters and errors are those of the driver and of :meth:`KrylovSchur.solve`.
     """
     with KrylovSchur(pencil, tolerance=tolerance, max_restarts=max_restarts) as driver:
-        return driver.solve(
-            max_frequency, changes, min_growth=min_growth, left=left, timer=timer
-        )
+        return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)

@@ -121,9 +121,7 @@ def checked_pairs(
     damping.free()
     slopes = np.maximum(duals.slopes, np.minimum(least, 1 / np.sqrt(errors)))
     conditions = duals.right * duals.left
-    bounds = cluster_bounds(
-        subspace.projected, values, errors * slopes / conditions, conditions
-    )
+    bounds = cluster_bounds(subspace.projected, values, errors * slopes / conditions, conditions)
     return QuadraticPairs(values, x, f, residuals, slopes, errors, bounds)
 
 

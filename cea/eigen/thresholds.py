@@ -112,7 +112,9 @@ def flutter_threshold(
             raise InputError(name, value, "zero or more")
     if any(driver.quadratic({parameter: value}) for value in (real, flutter)):
         raise InputError(
-            "pencil", "with damping or rotation", "without: no two modes coalesce; take growth_threshold"
+            "pencil",
+            "with damping or rotation",
+            "without: no two modes coalesce; take growth_threshold",
         )
     solves, factorisations = driver.solves, driver.factorisations
     follower = _Follower(driver, parameter, max_frequency)

@@ -1,4 +1,4 @@
-"""Random damped, rotating and rubbing pencils agree with dense eigenvalues, in number and verdict."""
+"""Random damped, rotating and rubbing pencils agree with dense eigenvalues, verdicts too."""
 
 import time
 

@@ -2,14 +2,12 @@
 
 import numpy as np
 from blocks import assemble, two_blocks
-from petsc_matrices import to_petsc
 from random_quadratic import pencil_of
 
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.parameters import Coefficient
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import distributed, local_part
-from cea.petsc import PETSc
 
 
 def lumped_modes(entry):

@@ -1,8 +1,8 @@
 """Random scenes and matrices run and judged by dense eigenvalues.
 
 ``python tests/helpers/random_runs.py 0 1000`` runs the scenes of these seeds, with ``matrices``
-behind it the matrices, with ``quadratic`` damped and rotating ones. It prints what is wrong, seed by seed, and how many results were refused or
-left open, and why.
+behind it the matrices, with ``quadratic`` the damped and rotating ones. It prints what is wrong,
+seed by seed, and how many results were refused or left open, and why.
 """
 
 import sys
@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
-
 from dense_reference import UnsureError, dense_eigenvalues
 from judge import Fault, found_by, judge, left_out
 from quadratic_judge import dense_quadratic, judge_quadratic
