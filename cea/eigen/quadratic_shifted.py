@@ -7,8 +7,8 @@ Scalars are real. At a complex s this P(s) is factorised as a real matrix of twi
 
 real and imaginary part of an unknown one after the other, so that the order of elimination is that
 of P. There are four times the factors of a real shift, and a solve takes twice the time. Factors of
-Re P with steps of GMRES instead take some thirty steps a solve and are slower by far. Contact forces that are unknowns stand
-beside the displacements (:mod:`cea.eigen.shifted`).
+Re P with steps of GMRES instead take some thirty steps a solve and are slower by far. Contact
+forces that are unknowns stand beside the displacements (:mod:`cea.eigen.shifted`).
 """
 
 from typing import Any

@@ -99,8 +99,9 @@ class Spectrum:
     eigenvalues
         lambda (1/s), shape (n,): growth rate + i * angular frequency.
     residuals
-        Norm of (lambda^2 M + lambda D + K) x relative to abs(lambda)^2 times that of M x, and
-        abs(lambda) times that of D x, D damping and rotation, shape (n,).
+        Norm of (lambda^2 M + K) x relative to abs(lambda)^2 times that of M x, shape (n,). With
+        damping or rotation D that of (lambda^2 M + lambda D + K) x relative to that of its parts,
+        abs(lambda)^2 abs(M) abs(x) and so on: the relative change of entries that makes it zero.
     conditions
         Condition numbers of lambda^2 in the M-norm, shape (n,): 1 for a symmetric problem without
         damping, large
