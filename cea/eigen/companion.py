@@ -15,9 +15,11 @@ the window: there x and z are equally large, in an inner product that is M for b
 are backward errors.
 """
 
-import numpy as np
+from typing import Any
 
-from cea.body import Complexes
+import numpy as np
+from numpy.typing import NDArray
+
 from cea.eigen.block_krylov import BlockSearch
 from cea.eigen.blocks import times
 from cea.eigen.pencil import Matrices
@@ -76,7 +78,7 @@ class CompanionSearch(BlockSearch):
             self._damping.matrix = before.transpose(PETSc.Mat())
             before.destroy()
 
-    def apply(self, block: Complexes, image: Complexes) -> Complexes:
+    def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
         """OP on a block [a; b] whose image [M a; M b] is given."""
         rows = len(block) // 2
         load = -(self._scale * image[rows:] + self.shift * image[:rows])
@@ -85,7 +87,7 @@ class CompanionSearch(BlockSearch):
         x, _ = self._factors.solve_with_forces(load, transposed=self._transposed)
         return np.vstack([x, (block[:rows] + self.shift * x) / self._scale])
 
-    def image(self, block: Complexes) -> Complexes:
+    def image(self, block: NDArray[Any]) -> NDArray[Any]:
         """[M a; M b] of a block [a; b]."""
         rows = len(block) // 2
         both = times(self._mass, np.hstack([block[:rows], block[rows:]]))

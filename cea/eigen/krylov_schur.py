@@ -1,9 +1,11 @@
-"""The eigenvalue driver: (lambda^2 M + K) x = 0 by shift-and-invert Krylov-Schur and MUMPS.
+"""The eigenvalue driver: (lambda^2 M + lambda (C + Y) + K) x = 0 by shift-and-invert and MUMPS.
 
 Undamped sliding is linear in kappa = -lambda^2: K x = kappa M x, with K unsymmetric by friction.
 Without friction it is solved as a symmetric problem. The driver takes a parametric pencil, not
 bodies, and keeps inertia counts and factors for the solves that follow. Windows are searched by
-blocks (:mod:`cea.eigen.search`), the few modes nearest to a place by SLEPc.
+blocks (:mod:`cea.eigen.search`), the few modes nearest to a place by SLEPc. With damping or
+rotation the problem is quadratic in lambda, and another driver takes it
+(:mod:`cea.eigen.quadratic`).
 """
 
 from collections.abc import Mapping
@@ -225,6 +227,8 @@ class KrylovSchur:
     ) -> Modes:
         """The few modes nearest to kappa = -lambda^2; factors made there before serve again.
 
+        With damping or rotation it is refused.
+
         Parameters
         ----------
         kappa
@@ -246,6 +250,8 @@ class KrylovSchur:
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
             matrices = self._matrices(values)
+        if matrices.quadratic:
+            raise InputError("pencil", "with damping or rotation", "without, for nearest modes")
         with timer("factorisation"):
             factors = self._nearby(matrices, values, kappa)
         search = NearestSearch(matrices, factors, self._tolerance, self._max_restarts, timer)
@@ -269,6 +275,10 @@ class KrylovSchur:
         if factors is not self._factors:
             factors.free()
         return modes_of(self.pencil, values, matrices, pairs, None, window)
+
+    def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:
+        """Whether the pencil is damped or rotates at given parameters."""
+        return self._matrices(self.pencil.values(changes)).quadratic
 
     def mass(self, values: Mapping[str, float]) -> Any:
         """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
@@ -355,6 +365,4 @@ def solve_modes(
     Parameters and errors are those of the driver and of :meth:`KrylovSchur.solve`.
     """
     with KrylovSchur(pencil, tolerance=tolerance, max_restarts=max_restarts) as driver:
-        return driver.solve(
-            max_frequency, changes, min_growth=min_growth, left=left, timer=timer
-        )
+        return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)

@@ -55,7 +55,8 @@ class Modes(Spectrum):
     def sensitivity(self, parameter: str) -> Complexes:
         """Derivatives of the eigenvalues in a parameter of the pencil, shape (n,).
 
-        d lambda / dt = - y^H (lambda^2 dM/dt + dK/dt) x / (2 lambda y^H M x) with left vectors y.
+        d lambda / dt = - y^H (lambda^2 dM/dt + lambda dD/dt + dK/dt) x / y^H (2 lambda M + D) x
+        with left vectors y and D of damping and rotation.
         Members of a multiple eigenvalue have those of its splitting, in any order. Infinite at a
         coalescence, and not a number at lambda = 0.
 

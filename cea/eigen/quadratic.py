@@ -110,6 +110,7 @@ class QuadraticDriver:
         with self.timer("post-processing"):
             pairs = checked_pairs(self.matrices, search.factors, found.subspace, end)
         vectors = self._left(search, pairs) if left else None
+        inside = (pairs.eigenvalues.imag >= 0) & (pairs.eigenvalues.imag <= end)
         first = found.discs[0] if found.discs else None
         window = QuadraticWindow(
             max_frequency=end / (2 * np.pi),
@@ -121,7 +122,7 @@ class QuadraticDriver:
             bounded=found.bounded,
             odd=found.odd,
             upper=end,
-            found_below=int(np.sum((pairs.eigenvalues.imag >= 0) & (pairs.eigenvalues.imag <= end))),
+            found_below=int(np.sum(inside)),
             symmetric_count=None,
             min_growth=-decay,
         )

@@ -6,8 +6,8 @@ obeys x^H P(lambda) x = 0, of which the real part, as it is and divided by lambd
     g^2 - w^2 + g c - w y + h = 0,       g (abs(lambda)^2 + h) + c abs(lambda)^2 + w n = 0.
 
 The first: with y the row sums of abs(Y), no eigenvalue with abs(w) <= omega grows at the rate g
-where H + (g^2 - omega^2) M + g C - omega diag(y) has no negative eigenvalue, nor faster if 2 g M + C
-has none. The second: where h >= -X, c >= -d, and abs(n) <= t (h + X), the cone of
+where H + (g^2 - omega^2) M + g C - omega diag(y) has no negative eigenvalue, nor faster if
+2 g M + C has none. The second: where h >= -X, c >= -d, and abs(n) <= t (h + X), the cone of
 :mod:`cea.eigen.field_of_values`,
 
     g <= max(t omega + 2 d, sqrt(2 X)).

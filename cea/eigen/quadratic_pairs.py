@@ -50,8 +50,8 @@ class QuadraticPairs:
     forces
         Contact forces that are unknowns, shape (multipliers of this rank, n).
     residuals
-        Norm of P(lambda) x relative to abs(lambda)^2 times that of M x and abs(lambda) times that
-        of D x together, shape (n,); where lambda is nothing but rounding, relative to that.
+        Norm of P(lambda) x relative to that of its parts, abs(lambda)^2 abs(M) abs(x) and so on,
+        shape (n,): the relative change of the entries of the matrices that makes it zero.
     slopes
         || y ||_M (s), shape (n,): what an error of lambda^2 makes of lambda.
     errors
@@ -121,9 +121,7 @@ def checked_pairs(
     damping.free()
     slopes = np.maximum(duals.slopes, np.minimum(least, 1 / np.sqrt(errors)))
     conditions = duals.right * duals.left
-    bounds = cluster_bounds(
-        subspace.projected, values, errors * slopes / conditions, conditions
-    )
+    bounds = cluster_bounds(subspace.projected, values, errors * slopes / conditions, conditions)
     return QuadraticPairs(values, x, f, residuals, slopes, errors, bounds)
 
 
@@ -205,7 +203,7 @@ def _residuals(
     duals: _Duals,
     scale: float,
 ) -> tuple[Floats, Floats, Floats]:
-    """Relative residuals, backward errors (1/s^2), and what norms of y are at least (s).
+    """Backward errors of the entries, of lambda^2 (1/s^2), and what norms of y are at least (s).
 
     With d = P(s)^-1 r an eigenvalue is wrong by no more than abs(lambda - s) times the norms of d,
     beside s d / gamma, and of the dual vector: the backward error of the inverse problem, which is
@@ -224,10 +222,10 @@ def _residuals(
         inertia = times(mass, part)
         drag = np.zeros_like(part) if damping.matrix is None else times(damping.matrix, part)
         defect = _elastic(matrices, part, f[:, block]) + inertia * value**2 + drag * value
-        rounding = np.finfo(float).eps * sizes.works(value, part, f[:, block])
-        parts = np.abs(value) ** 2 * norms(inertia, comm) + np.abs(value) * norms(drag, comm)
-        parts = np.maximum(parts, rounding * norms(inertia, comm))
-        residuals[block] = norms(defect, comm) / parts
+        forces = sizes.forces(value, part, f[:, block])
+        works = comm.tompi4py().allreduce(np.einsum("ij,ij->j", np.abs(part), forces))
+        rounding = np.finfo(float).eps * works
+        residuals[block] = norms(defect, comm) / norms(forces.astype(complex), comm)
         turned = norms((2 * value * inertia + drag) / root, comm)
         least[block] = 1 / np.maximum(turned, np.finfo(float).tiny)
         error = LUMPED * norms(defect / root, comm)
@@ -236,8 +234,9 @@ def _residuals(
             step, _ = factors.solve_with_forces(defect[:, large])
             length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
             far = np.abs(value[large] - shift) * np.hypot(1.0, abs(shift) / scale)
-            slope = np.maximum(duals.slopes[block][large], np.finfo(float).tiny)
-            inverse = far * length * duals.left[block][large] / slope
+            left = duals.left[block][large]
+            slope = np.maximum(duals.slopes[block][large], np.finfo(float).eps * left / scale)
+            inverse = far * length * left / slope
             error[large] = np.minimum(error[large], inverse)
         errors[block] = rounding + error
     sizes.free()
@@ -261,16 +260,17 @@ class QuadraticSizes:
         self._stiffness = Sizes(matrices)
         self._mass = absolute(matrices.mass)
         self._damping = None if damping.matrix is None else absolute(damping.matrix)
-        self._comm = matrices.stiffness.comm.tompi4py()
 
-    def works(self, values: Complexes, x: Complexes, f: Complexes) -> Floats:
-        """What the parts of x^H P(lambda) x come to, by column (1/s^2)."""
+    def forces(self, values: Complexes, x: Complexes, f: Complexes) -> Floats:
+        """What the parts of P(lambda) x come to, the rows of this rank.
+
+        Contact forces count twice: they stand in the rows of the contact too.
+        """
         size, speed = np.abs(x), np.abs(values)
         forces = image_of(self._mass, size) * speed**2
         if self._damping is not None:
             forces += image_of(self._damping, size) * speed
-        parts = self._comm.allreduce(np.einsum("ij,ij->j", size, forces))
-        return parts + self._stiffness.works(x, f)
+        return forces + self._stiffness.forces(size, 2 * np.abs(f))
 
     def free(self) -> None:
         """Free the matrices."""

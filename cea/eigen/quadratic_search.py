@@ -25,6 +25,8 @@ from cea.timing import StageTimer
 
 _SHIFT = 0.25
 """Real part c of the first shift relative to omega, where growth may be large."""
+_FARTHEST_SHIFT = 0.5
+"""The same where one disc then holds all that may grow."""
 _LEAST_SHIFT = 0.1
 """The least: a shift is no eigenvalue of those that hardly grow."""
 MARGIN = 0.005
@@ -143,8 +145,9 @@ class QuadraticSearch:
         self.factorisations += 2
         with self._timer("factorisation"):
             largest = largest_growth(self._matrices, self._end)
-        centre = min(_SHIFT * self._end, 0.5 * (largest + left))
-        centre = max(_LEAST_SHIFT * self._end, centre)
+        centre = max(_LEAST_SHIFT * self._end, 0.5 * (largest + left))
+        if centre > _FARTHEST_SHIFT * self._end:
+            centre = _SHIFT * self._end
         known = self._first(centre, left)
         growth = 2 * centre - left
         bounded = growth >= largest or self._bounded(growth)

@@ -1,8 +1,8 @@
 """Random scenes and matrices run and judged by dense eigenvalues.
 
 ``python tests/helpers/random_runs.py 0 1000`` runs the scenes of these seeds, with ``matrices``
-behind it the matrices, with ``quadratic`` damped and rotating ones. It prints what is wrong, seed by seed, and how many results were refused or
-left open, and why.
+behind it the matrices, with ``quadratic`` the damped and rotating ones. It prints what is wrong,
+seed by seed, and how many results were refused or left open, and why.
 """
 
 import sys
@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
-
 from dense_reference import UnsureError, dense_eigenvalues
 from judge import Fault, found_by, judge, left_out
 from quadratic_judge import dense_quadratic, judge_quadratic
@@ -102,9 +101,7 @@ def quadratic_outcome(seed: int) -> Outcome:
 
     def run(found: Outcome):
         found.name = f"random damped matrices {seed}"
-        modes = solve_modes(
-            problem.pencil(), problem.max_frequency, min_growth=problem.min_growth
-        )
+        modes = solve_modes(problem.pencil(), problem.max_frequency, min_growth=problem.min_growth)
         return modes, None
 
     def judged(found: Outcome, modes: Modes, _: float | None):
@@ -187,7 +184,9 @@ def tell(text: str) -> None:
 def main(first: str, last: str, what: str = "scenes") -> None:
     """Run a range of seeds and print what came of them."""
     outcomes, begin = [], time.process_time()
-    outcome = {"scenes": scene_outcome, "matrices": matrix_outcome, "quadratic": quadratic_outcome}[what]
+    outcome = {"scenes": scene_outcome, "matrices": matrix_outcome, "quadratic": quadratic_outcome}[
+        what
+    ]
     for seed in range(int(first), int(last)):
         outcomes.append(outcome(seed))
         if outcomes[-1].faults:
