@@ -37,6 +37,7 @@ FREE = (
     "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
     "bodies"
 )
+LEAVE_FREE = "the points that are closed leave a rigid motion free: the tangent is singular"
 OPENS = "the load opens the contact: no point is closed"
 
 
@@ -159,9 +160,7 @@ class _Path:
             uniqueness, uncertainty = uniqueness_at(tangent, state.x, state.f, path_parities(path))
         free_tangent(tangent)
         if uncertainty is None:
-            raise ConvergenceError(
-                f"{FREE}; those that are closed leave a tangent that is singular", best=state
-            )
+            raise ConvergenceError(LEAVE_FREE, best=state)
         return SteadySliding(
             displacement=problem.vector(state.x),
             uncertainty=uncertainty,
