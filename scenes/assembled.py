@@ -5,6 +5,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from cea.body import Body
+from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
@@ -111,6 +112,8 @@ class AssembledScene:
     ) -> Threshold:
         """Value of a parameter at which a pair of modes begins to flutter, or ceases to.
 
+        With damping or rotation it is where the largest growth rate passes through zero.
+
         Parameters
         ----------
         parameter
@@ -118,9 +121,11 @@ class AssembledScene:
             ``contacts.pad_disc.mu``, ``bodies.disc.damping.alpha``, ``bodies.disc.rotation.rate``,
             ``contacts.pad_disc.sliding.speed``; a factor where the field is an expression.
         real, flutter
-            Values on either side: at one the pair does not grow, at the other it does.
+            Values on either side: at one the pair does not grow, at the other it does; with damping
+            every mode decays at the first.
         frequency
-            The growing mode nearest to it (Hz) is followed; None follows the fastest.
+            The growing mode nearest to it (Hz) is followed; None follows the fastest. With damping
+            or rotation it is left out.
 
         Raises
         ------
@@ -131,9 +136,19 @@ class AssembledScene:
         """
         assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
         top = self.scene.analysis.max_frequency
+        if self._quadratic(parameter, real, flutter):
+            if frequency is not None:
+                raise InputError("frequency", frequency, "left out with damping or rotation")
+            return growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
         return flutter_threshold(
             self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
         )
+
+    def _quadratic(self, parameter: str, *values: float) -> bool:
+        """Whether velocities count at some values of a parameter."""
+        if not any(term.role == "damping" for term in self._driver.pencil.terms):
+            return False
+        return any(self._driver.quadratic({parameter: value}) for value in values)
 
     def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
         """Parameters that make this scene another; None where others differ, or forms would."""

@@ -6,6 +6,7 @@ from damped_numbers import damped_disc
 from mpi import on_ranks
 from pressed import pressed_blocks
 
+from cea.errors import InputError
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
 from scenes.assembled import AssembledScene
 from scenes.describe import save_result
@@ -70,6 +71,37 @@ def test_changes_need_no_assembly(assembled, change, monkeypatch):
 def test_other_changes_are_built_anew(assembled, change):
     expected = run_modes(assembled.scene.change(change)).eigenvalues
     np.testing.assert_allclose(assembled.modes(change).eigenvalues, expected, rtol=1e-9, atol=1e-9)
+
+
+def test_a_threshold_is_where_growth_begins(assembled):
+    """Of the slope of friction: at it the fastest mode neither grows nor decays."""
+    slope = "contacts.interface.sliding.mu_slope"
+    threshold = assembled.threshold(slope, real=0.1, flutter=-3.0)
+    assert -3.0 < threshold.value < 0.1
+    data = damped_disc("iga")
+    data["contacts"]["interface"]["sliding"]["mu_slope"] = threshold.value
+    top = 2 * np.pi * data["analysis"]["max_frequency"]
+    values = damped_eigenvalues(data)
+    assert values.real[values.imag <= top].max() == pytest.approx(0.0, abs=1e-9)
+    with pytest.raises(InputError, match="frequency"):
+        assembled.threshold(slope, real=0.1, flutter=-3.0, frequency=0.2)
+
+
+def test_sensitivities_are_differences(assembled):
+    """Of every parameter that acts on velocities."""
+    result = assembled.modes(left=True)
+    found = 0
+    for name in result.modes.pencil.parameters:
+        if not any(word in name for word in ("damping", "rotation", "sliding")):
+            continue
+        value = result.modes.values[name]
+        step = 1e-4 * abs(value)
+        ends = [assembled._driver.solve(0.3, {name: value + s * step}) for s in (1, -1)]
+        slopes = (ends[0].eigenvalues - ends[1].eigenvalues) / (2 * step)
+        size = np.abs(slopes).max()
+        np.testing.assert_allclose(result.modes.sensitivity(name), slopes, atol=1e-4 * size)
+        found += 1
+    assert found == 8
 
 
 def test_matrices_are_named(assembled):
