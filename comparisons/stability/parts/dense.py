@@ -7,8 +7,9 @@ nothing is compressed, inverted or iterated:
     [      J        -C  ] [f] = 0,     J = G or B,  L = J - mu-weighted slip,  C compliance
 
 The eigenvalues are those of the displacement part of A(sigma)^-1 [M; 0], which is accurate for the
-low ones however stiff the contact is. Where the sides are tied (C = 0), the limit P -> infinity of
-the penalty form is taken by a singular value decomposition.
+low ones however stiff the contact is; far from sigma those of M^-1 (K + L^T C^-1 J) take their
+place, unless sides are tied. Where they are (C = 0), the limit P -> infinity of the penalty form is
+taken by a singular value decomposition.
 """
 
 from collections.abc import Mapping
@@ -31,6 +32,8 @@ _DEPENDENT = 1e-11
 """Singular values below this part of the largest belong to gaps that depend on others."""
 _LOW = 24
 """Modes whose size sets the shift."""
+_ABOUT = 30.0
+"""How far from the best place the near eigenvalues may give way to the far ones."""
 _INFINITE = 1e-13
 """Eigenvalues of the inverse below this part of the largest are those of tied gaps: none."""
 
@@ -89,7 +92,31 @@ def dense_kappas(stiffness: Floats, mass: Floats, constraints: list[Constraint])
         kappa = _kappas_about(-shift, stiffness, mass, J, L, C)
         low = np.sort(np.abs(kappa))[: min(_LOW, len(kappa))]
         shift = _SHIFT * float(low.max())
-    return _kappas_about(-shift, stiffness, mass, J, L, C)
+    near = _kappas_about(-shift, stiffness, mass, J, L, C)
+    if np.abs(np.diag(C)).min(initial=np.inf) == 0:
+        return near
+    far = (
+        eigvals(stiffness + L.T @ np.linalg.solve(C, J), mass)
+        if len(J)
+        else eigvals(stiffness, mass)
+    )
+    return _joined(near, far, shift)
+
+
+def _joined(near: Complexes, far: Complexes, shift: float) -> Complexes:
+    """The ones that are accurate near a shift, and beyond a gap the ones that are far from it.
+
+    Rounding moves an eigenvalue by kappa^2 / shift there and by the largest one here: the gap is
+    the widest about where both are equal.
+    """
+    sizes = np.sort(np.abs(far))
+    middle = np.sqrt(sizes[-1] * shift)
+    about = sizes[(sizes > middle / _ABOUT) & (sizes < middle * _ABOUT)]
+    if len(about) > 1:
+        widest = int(np.argmax(np.diff(np.log(about))))
+        middle = float(np.sqrt(about[widest] * about[widest + 1]))
+    joined = np.concatenate([near[np.abs(near) < middle], far[np.abs(far) >= middle]])
+    return joined if len(joined) == len(far) else near
 
 
 def _kappas_about(shift: float, K: Floats, M: Floats, J: Floats, L: Floats, C: Floats) -> Complexes:
