@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cea.material import IsotropicMaterial
+from cea.rotation import Rotation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -363,8 +364,28 @@ class Body(Protocol):
         """
         ...
 
+    def gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew.
+
+        Raises
+        ------
+        InputError
+            When the material has no density.
+        """
+        ...
+
+    def convective_stiffness(self, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric.
+
+        Raises
+        ------
+        InputError
+            When the material has no density.
+        """
+        ...
+
     def load(self) -> Any:
-        """Forces of the pressures, PETSc vector (free), N."""
+        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""
         ...
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:

@@ -1,6 +1,6 @@
 """Elastic body on Lagrange elements of dolfinx."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, Self
 
@@ -12,16 +12,34 @@ from cea.body import VolumeCells, VolumeSample
 from cea.checks import check_density, check_jacobians
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.matrices import symmetrised
+from cea.matrices import antisymmetrised, symmetrised
 from cea.mesh import Mesh
 from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
-from cea.supports.boundary import Pressure, Spring, Support, check_boundary
+from cea.rotation import Rotation
+from cea.supports.boundary import (
+    Force,
+    Pressure,
+    Spring,
+    Support,
+    check_boundary,
+    on_surfaces,
+    through_body,
+)
 from cea.supports.constraints import Constraints
 from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute
 from fe_cea.facets import gather_facets
-from fe_cea.forms import mass_form, pressure_form, spring_form, stiffness_form
+from fe_cea.forms import (
+    body_force_form,
+    convective_form,
+    gyroscopic_form,
+    mass_form,
+    pressure_form,
+    spring_form,
+    stiffness_form,
+    traction_form,
+)
 from fe_cea.sampling import cell_jacobians, sample_volume
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
@@ -46,7 +64,7 @@ class FEBody:
         Degree of the space, 1 to 4.
     material
         Material.
-    supports, springs, pressures
+    supports, springs, pressures, forces
         What holds and loads the named surfaces.
 
     Raises
@@ -68,6 +86,7 @@ class FEBody:
         supports: Sequence[Support] = (),
         springs: Sequence[Spring] = (),
         pressures: Sequence[Pressure] = (),
+        forces: Sequence[Force] = (),
     ) -> None:
         self._name = name
         self._mesh = mesh
@@ -77,10 +96,11 @@ class FEBody:
         self._supports = tuple(supports)
         self._springs = tuple(springs)
         self._pressures = tuple(pressures)
+        self._forces = tuple(forces)
         if type(degree) is not int or not 1 <= degree <= 4:
             raise InputError(f"bodies.{name}.degree", degree, "1 to 4")
         field = f"bodies.{name}"
-        check_boundary(supports, springs, pressures, surface_tags, self.dim, field)
+        check_boundary(supports, springs, pressures, forces, surface_tags, self.dim, field)
         self._check_tags()
         with agreed(self.comm):
             check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
@@ -97,6 +117,7 @@ class FEBody:
         supports: Sequence[Support] = (),
         springs: Sequence[Spring] = (),
         pressures: Sequence[Pressure] = (),
+        forces: Sequence[Force] = (),
         comm: Any = MPI.COMM_WORLD,
     ) -> Self:
         """Body on a mesh given as plain arrays, whose named surfaces become its surfaces.
@@ -107,7 +128,7 @@ class FEBody:
             The mesh; only that of rank 0 is read, other ranks may give None.
         comm
             Communicator to spread the mesh over.
-        name, degree, material, supports, springs, pressures
+        name, degree, material, supports, springs, pressures, forces
             As for :class:`FEBody`.
 
         Raises
@@ -138,6 +159,7 @@ class FEBody:
             supports=supports,
             springs=springs,
             pressures=pressures,
+            forces=forces,
         )
 
     def _check_tags(self) -> None:
@@ -236,11 +258,30 @@ class FEBody:
 
     @cached_property
     def _mass(self) -> Any:
-        rho = check_density(self._material, f"bodies.{self._name}.material")
-        return self._assembled(mass_form(self._space, rho), with_zeros=False)
+        return self._assembled(mass_form(self._space, self._density), with_zeros=False)
+
+    def gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
+        form = gyroscopic_form(self._space, self._density, rotation)
+        return antisymmetrised(self._restricted(form, with_zeros=False))
+
+    def convective_stiffness(self, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
+        return self._assembled(
+            convective_form(self._space, self._density, rotation), with_zeros=False
+        )
+
+    @property
+    def _density(self) -> float:
+        return check_density(self._material, f"bodies.{self._name}.material")
 
     def _assembled(self, form: Any, *, with_zeros: bool = True) -> Any:
         """Matrix (free x free) of a symmetric form, symmetric to the last bit."""
+        # Element matrices, and products with a turned frame, are symmetric up to rounding only.
+        return symmetrised(self._restricted(form, with_zeros=with_zeros))
+
+    def _restricted(self, form: Any, *, with_zeros: bool) -> Any:
+        """Matrix (free x free) of a form."""
         full = assemble_matrix(form)
         full.assemble()
         if not with_zeros:  # ahead of all that copies it
@@ -248,22 +289,31 @@ class FEBody:
         free = self._constraints.restrict(full, self.expansion)
         if free is not full:
             full.destroy()
-        # Element matrices, and products with a turned frame, are symmetric up to rounding only.
-        return symmetrised(free)
+        return free
 
     def load(self) -> Any:
-        """Forces of the pressures, PETSc vector (free), N."""
+        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""
         return self._load
 
     @cached_property
     def _load(self) -> Any:
         free = self.expansion.createVecRight()
+        for form in self._load_forms():
+            full = assemble_vector(form)
+            full.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+            self.expansion.multTransposeAdd(full, free, free)
+        return free
+
+    def _load_forms(self) -> Iterator[Any]:
+        """Linear forms whose sum is the load."""
         if self._pressures:
             pressures = [(p, self._surface_tags[p.surface]) for p in self._pressures]
-            full = assemble_vector(pressure_form(self._space, pressures, self._facet_tags))
-            full.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-            self.expansion.multTranspose(full, free)
-        return free
+            yield pressure_form(self._space, pressures, self._facet_tags)
+        for name, value in on_surfaces(self._forces):
+            traction = value / self.surfaces[name].area
+            yield traction_form(self._space, traction, self._surface_tags[name], self._facet_tags)
+        if (through := through_body(self._forces)) is not None:
+            yield body_force_form(self._space, through)
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
         """Sample of the whole body, each cell divided so many times a direction; on every rank.

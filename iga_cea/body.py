@@ -1,6 +1,6 @@
 """Elastic body of NURBS patches."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -12,11 +12,20 @@ from cea.body import Floats, VolumeCells, VolumeSample
 from cea.checks import check_density
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.matrices import destroy, symmetrised, total
+from cea.matrices import antisymmetrised, destroy, symmetrised, total
 from cea.petsc import MPI, PETSc
-from cea.supports.boundary import Pressure, Spring, Support, check_boundary
+from cea.rotation import Rotation
+from cea.supports.boundary import (
+    Force,
+    Pressure,
+    Spring,
+    Support,
+    check_boundary,
+    on_surfaces,
+    through_body,
+)
 from cea.supports.constraints import Constraints
-from iga_cea import assembly
+from iga_cea import assembly, transport
 from iga_cea.cells import bezier_cells
 from iga_cea.inputs import check_faces, check_patches, checked_continuity, checked_degree
 from iga_cea.multipatch import End, Multipatch, join
@@ -51,6 +60,8 @@ class NurbsBody:
         Elastic foundations, part of the stiffness.
     pressures
         Pressures, part of the load.
+    forces
+        Forces on surfaces or on every part, part of the load.
     comm
         MPI communicator.
 
@@ -72,6 +83,7 @@ class NurbsBody:
         supports: Sequence[Support] = (),
         springs: Sequence[Spring] = (),
         pressures: Sequence[Pressure] = (),
+        forces: Sequence[Force] = (),
         comm: Any = MPI.COMM_WORLD,
     ) -> None:
         field = f"bodies.{name}"
@@ -79,7 +91,7 @@ class NurbsBody:
         degree = checked_degree(degree, patches, f"{field}.degree")
         continuity = checked_continuity(continuity, degree, f"{field}.continuity")
         check_faces(faces, patches, dim, f"{field}.faces")
-        check_boundary(supports, springs, pressures, faces, dim, field)
+        check_boundary(supports, springs, pressures, forces, faces, dim, field)
 
         self.name = name
         self.dim = dim
@@ -90,6 +102,7 @@ class NurbsBody:
         self._supports = tuple(supports)
         self._springs = tuple(springs)
         self._pressures = tuple(pressures)
+        self._forces = tuple(forces)
         self.multipatch: Multipatch = join(
             [refine(patch, degree, continuity) for patch in patches], comm.size, f"{field}.patches"
         )
@@ -134,8 +147,22 @@ class NurbsBody:
         """
         return self._mass
 
+    def gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
+        whole = transport.gyroscopic(
+            self.multipatch, self._pattern, self._density, rotation, self.comm
+        )
+        return self._restricted(whole, antisymmetrised)
+
+    def convective_stiffness(self, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
+        whole = transport.convective_stiffness(
+            self.multipatch, self._pattern, self._density, rotation, self.comm
+        )
+        return self._restricted(whole)
+
     def load(self) -> Any:
-        """Forces of the pressures, PETSc vector (free), N."""
+        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""
         return self._load
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
@@ -206,8 +233,12 @@ class NurbsBody:
 
     @cached_property
     def _mass(self) -> Any:
-        rho = check_density(self.material, f"bodies.{self.name}.material")
-        return self._restricted(assembly.mass(self.multipatch, self._pattern, rho, self.comm))
+        mass = assembly.mass(self.multipatch, self._pattern, self._density, self.comm)
+        return self._restricted(mass)
+
+    @property
+    def _density(self) -> float:
+        return check_density(self.material, f"bodies.{self.name}.material")
 
     @cached_property
     def _load(self) -> Any:
@@ -217,10 +248,24 @@ class NurbsBody:
             points = surface.gauss_points(max(self.degree) + 1)
             traction = -pressure.value * points.normal
             force += surface.trace(points.at).T @ (points.weight[:, None] * traction)
+        for name, value in on_surfaces(self._forces):
+            points = self.surfaces[name].gauss_points(max(self.degree) + 1)
+            share = self.surfaces[name].trace(points.at).T @ points.weight
+            force += share[:, None] * value / points.weight.sum()
         load, full = self.expansion.createVecs()
         full.setArray(force.ravel()[self._owned])
+        if (through := through_body(self._forces)) is not None:
+            self._add_body_force(full, through)
         self.expansion.multTranspose(full, load)
         return load
+
+    def _add_body_force(self, full: Any, force: Floats) -> None:
+        """Add the forces on all dofs of a force on every part (N/m^3)."""
+        volumes = assembly.mass(self.multipatch, self._pattern, 1.0, self.comm)
+        uniform = volumes.createVecRight()
+        uniform.array[:] = np.tile(force, uniform.getLocalSize() // self.dim)
+        volumes.multAdd(uniform, full, full)
+        destroy(volumes, uniform)
 
     def _foundation(self, spring: Spring) -> Any:
         """Matrix of a spring, all dofs: int k_c N_a N_b on the diagonal of components."""
@@ -241,12 +286,12 @@ class NurbsBody:
             comm=self.comm,
         )
 
-    def _restricted(self, matrix: Any) -> Any:
-        """Rows and columns of the free unknowns."""
+    def _restricted(self, matrix: Any, exactly: Callable[[Any], Any] = symmetrised) -> Any:
+        """Rows and columns of the free unknowns, symmetric or skew to the last bit."""
         restricted = self._constraints.restrict(matrix, self.expansion)
         if not self._constraints.selects or self.comm.size > 1:
-            # Products with a turned frame, and sums over ranks, are symmetric up to rounding only.
-            symmetrised(restricted)
+            # Products with a turned frame, and sums over ranks, are so up to rounding only.
+            exactly(restricted)
         if restricted is not matrix:
             matrix.destroy()
         return restricted

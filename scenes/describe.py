@@ -10,7 +10,9 @@ import numpy as np
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum
 from cea.system.contact_stresses import SideStress
+from scenes.plain import as_data
 from scenes.results import ModesResult, StaticResult
+from scenes.steady import steady_data
 from scenes.stored import record, write_record
 
 RUN = "run"
@@ -50,7 +52,7 @@ def save_result(
 def describe(result: ModesResult | StaticResult) -> dict[str, Any]:
     """Everything about a run, plain data as :func:`scenes.stored.write_record` takes them."""
     data: dict[str, Any] = {
-        "scene": asdict(result.scene),
+        "scene": as_data(result.scene),
         "dofs": {
             "free": result.system.size,
             "bodies": {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()},
@@ -60,6 +62,8 @@ def describe(result: ModesResult | StaticResult) -> dict[str, Any]:
         "skipped": dict(result.skipped),
         "contacts": {name: _interface(i) for name, i in result.interfaces.items()},
     }
+    if result.system.steady is not None:
+        data["steady_sliding"] = steady_data(result.system.steady)
     if isinstance(result, ModesResult):
         return data | describe_modes(result.modes, result.analysis.growth_threshold)
     return data | {

@@ -73,20 +73,45 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     """
     if matrices.symmetric:
         return FieldOfValues(depth, count_below(matrices, -depth) == 0, 0.0)
-    hermitian = _hermitian(matrices, depth)
+    factors, bounded = factorised_hermitian(hermitian_part(matrices, depth), matrices)
+    slope = np.inf
+    if factors is None:
+        return FieldOfValues(depth, bounded=False)
+    if cone and bounded and matrices.multipliers is None and not factors.null_pivots():
+        slope = _SAFETY * _slope(factors, matrices.unsymmetric)
+    factors.free()
+    return FieldOfValues(depth, bounded, slope)
+
+
+def factorised_hermitian(hermitian: Any, matrices: Matrices) -> tuple[Mumps | None, bool]:
+    """A matrix in the place of H + X M, with the contact forces, factorised.
+
+    Parameters
+    ----------
+    hermitian
+        Symmetric, PETSc AIJ, on the displacements; it is freed, or with the factors.
+    matrices
+        The pencil, whose contact forces are taken.
+
+    Returns
+    -------
+    tuple
+        Its factors, and whether it has no negative eigenvalue; none where that has no bound.
+
+    Raises
+    ------
+    ConvergenceError
+        When the factorisation fails.
+    """
     expected = 0
     if matrices.multipliers is not None:
         bordered = _with_forces(hermitian, matrices)
         destroy(hermitian)
         if bordered is None:
-            return FieldOfValues(depth, bounded=False)
+            return None, False
         hermitian, expected = bordered, matrices.multipliers.size + matrices.multipliers.dependent
     factors = Mumps(hermitian, symmetric=True, inertia=True)
-    bounded, slope = factors.negative_eigenvalues() == expected, np.inf
-    if cone and bounded and matrices.multipliers is None and not factors.null_pivots():
-        slope = _SAFETY * _slope(factors, matrices.unsymmetric)
-    factors.free()
-    return FieldOfValues(depth, bounded, slope)
+    return factors, factors.negative_eigenvalues() == expected
 
 
 def _slope(factors: Mumps, unsymmetric: Any) -> float:
@@ -118,7 +143,8 @@ def _slope(factors: Mumps, unsymmetric: Any) -> float:
     return float(np.linalg.norm(projected, 2)) if projected.size else 0.0
 
 
-def _hermitian(matrices: Matrices, depth: float) -> Any:
+def hermitian_part(matrices: Matrices, depth: float) -> Any:
+    """H + depth M on the displacements, H = (K + K^T) / 2, a new PETSc AIJ matrix."""
     parts = [(1.0, matrices.stiffness), (depth, matrices.mass)]
     if matrices.unsymmetric is None:
         return scaled_total(parts)
