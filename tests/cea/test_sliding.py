@@ -28,12 +28,17 @@ def damping(data, changes=None):
     shift[n:] = 0.0
     # The second half of a full pass has points on b, whose area opposite a depends on the rule.
     area = np.mean([contact.interface.points.weight.sum() for contact in system.contacts])
-    return to_numpy(system.pencil(leave_out=False).at(changes).damping), shift, area
+    found = system.pencil(leave_out=False).at(changes).damping
+    C = np.zeros((system.size, system.size)) if found is None else to_numpy(found)
+    return C, shift, area
 
 
-@pytest.mark.parametrize("full_pass", [False, True])
-def test_power_of_a_translation(backend, formulation, full_pass, placement):
-    """Along k it is sigma mu' A, across it mu sigma A / v, and none along the normal."""
+def test_power_of_a_translation(backend, formulation, placement):
+    """Along k it is sigma mu' A, across it mu sigma A / v, and none along the normal.
+
+    Blocks that stand turned have a full pass.
+    """
+    full_pass = bool(placement)
     sliding = {"pressure": PRESSURE, "speed": SPEED, "mu_slope": SLOPE}
     options = {"placement": placement, "full_pass": full_pass}
     data = scene(backend, formulation, sliding, max_missed=0.9, **options)
@@ -94,7 +99,6 @@ def test_fields_are_taken_at_the_points(backend):
     np.testing.assert_allclose(C, expected, rtol=1e-11, atol=1e-13 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("full_pass", [False, True])
 @pytest.mark.parametrize(
     "change",
     [
@@ -106,11 +110,10 @@ def test_fields_are_taken_at_the_points(backend):
         {"mu": 0.0},
     ],
 )
-def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(backend, full_pass, change):
+def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(backend, change):
     sliding = {"pressure": PRESSURE, "speed": SPEED, "mu_slope": SLOPE}
     formulation = {"method": "gpts", "points": 2}
-    options = {"full_pass": full_pass, "max_missed": 0.9}
-    data = scene(backend, formulation, sliding, **options)
+    data = scene(backend, formulation, sliding, full_pass=True, max_missed=0.9)
     changed, _, _ = damping(data, {f"contacts.interface.{k}": v for k, v in change.items()})
     path, value = next(iter(change.items()))
     contact = data["contacts"]["interface"]
