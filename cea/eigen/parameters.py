@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import inf, prod
+from math import inf, isfinite, prod
+from typing import Protocol
 
 from cea.errors import InputError
 
@@ -23,6 +24,8 @@ class Parameter:
         Whether zero is refused.
     finite
         Whether infinity is refused.
+    signed
+        Whether it may be below zero.
     """
 
     name: str
@@ -30,14 +33,36 @@ class Parameter:
     unit: str = "1"
     positive: bool = False
     finite: bool = True
+    signed: bool = False
 
     def check(self, value: float) -> float:
         """The value, or a refusal of it."""
+        if self.signed:
+            if not isfinite(value):
+                raise InputError(self.name, value, f"a finite number ({self.unit})")
+            return float(value)
         least = value > 0 if self.positive else value >= 0
         if not (least and (value < inf or not self.finite)):
             allowed = ("positive" if self.positive else "zero or positive") + f" ({self.unit})"
             raise InputError(self.name, value, allowed + (", finite" if self.finite else ""))
         return float(value)
+
+
+class Dependence(Protocol):
+    """How a piece of a pencil depends on parameters: its c_j(t)."""
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters it depends on."""
+        ...
+
+    def at(self, values: Mapping[str, float]) -> float:
+        """Value at given parameters."""
+        ...
+
+    def derivative(self, name: str, values: Mapping[str, float]) -> float:
+        """Derivative in one parameter."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -75,7 +100,7 @@ class Monomial:
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A sum of monomials in the parameters: the c_j(t) of one piece of a pencil."""
+    """A sum of monomials in the parameters, a :class:`Dependence`."""
 
     monomials: tuple[Monomial, ...] = (Monomial(),)
 
