@@ -19,6 +19,8 @@ from scenes.matrix_market_files import read_matrix_market
 
 LARGEST_SIZE = 50_000_000
 """Rows of a matrix at most: more is a broken header, or nothing that a run could solve."""
+_MOST_ENTRIES = 2**31 - 1
+"""What indices of 32 bits can count."""
 _HDF = b"\x89HDF"
 _PETSC_MATRIX = 1211216
 """First number of a matrix in PETSc's binary format."""
@@ -206,6 +208,8 @@ def _checked(found: Any) -> csr_array:
     if not np.isfinite(matrix.data).all():
         raise _UnreadableError("finite numbers")
     matrix.eliminate_zeros()
+    if matrix.nnz > _MOST_ENTRIES:
+        raise _UnreadableError(f"at most {_MOST_ENTRIES} entries, not {matrix.nnz}")
     if not matrix.nnz:
         raise _UnreadableError("a matrix with an entry that is not zero")
     return matrix

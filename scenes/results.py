@@ -58,6 +58,11 @@ class SceneResult:
         """Bodies by name."""
         return self.system.bodies
 
+    @property
+    def comm(self) -> Any:
+        """Communicator (mpi4py)."""
+        return next(iter(self.bodies.values())).comm
+
     def matrices(self) -> dict[str, csr_array]:
         """Matrices by name: K and M of the bodies, K_n and K_f of the contacts.
 
@@ -130,6 +135,7 @@ class ModesResult(OfModes, SceneResult):
         Eigenvalues, eigenvectors, their errors and the window that was searched.
     """
 
+    scene: Scene
     modes: Modes
 
     def _values(self) -> Mapping[str, float]:

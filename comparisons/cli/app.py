@@ -10,6 +10,7 @@ from comparisons.cli.exact import app as exact_app
 from comparisons.cli.paper import claims, figure
 from comparisons.cli.ranks import launched_together, one_voice
 from comparisons.cli.run import run
+from comparisons.cli.solve import solve
 from comparisons.cli.studies import accuracy, compare, formulations, reference, stability
 
 
@@ -35,7 +36,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for _command in (run, compare, figure, claims, formulations, accuracy, stability, reference):
+for _command in (run, solve, compare, figure, claims, formulations, accuracy, stability, reference):
     app.command()(_command)
 app.add_typer(exact_app, name="exact")
 

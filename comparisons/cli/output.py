@@ -10,6 +10,7 @@ from rich.table import Table
 from comparisons.kit.tables import Table as ReportTable
 
 if TYPE_CHECKING:
+    from scenes.matrix_run import MatrixResult
     from scenes.results import ModesResult, StaticResult
 
 console = Console()
@@ -32,7 +33,7 @@ def print_table(table: ReportTable) -> None:
 _COLOURS = {"unstable": "bold red", "undecided": "yellow", "stable": None}
 
 
-def print_modes(result: "ModesResult") -> None:
+def print_modes(result: "ModesResult | MatrixResult") -> None:
     """Print the eigenvalues of a run, its verdict, what it must be read with, and why it is all."""
     columns = ("mode", "frequency (Hz)", "growth rate (1/s)", "uncertainty", "residual")
     table = Table(*columns, "condition", "verdict")
