@@ -8,7 +8,6 @@ from scipy.sparse import csr_array
 
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
-from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.timing import StageTimer
@@ -166,18 +165,6 @@ class AssembledMatrices:
             with timer("factorisation"):
                 check_mass(self._driver.mass(values), " + ".join(mass))
             self._checked = coefficients
-
-    def threshold(
-        self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
-    ) -> Threshold:
-        """Value of a parameter at which a pair of modes begins to flutter, or ceases to.
-
-        Parameters and errors are those of :meth:`scenes.assembled.AssembledScene.threshold`.
-        """
-        top = self.scene.window.max_frequency
-        return flutter_threshold(
-            self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
-        )
 
     def free(self) -> None:
         """Free factors kept between solves."""

@@ -8,10 +8,12 @@ from typer.core import TyperGroup
 
 from comparisons.cli.exact import app as exact_app
 from comparisons.cli.paper import claims, figure
+from comparisons.cli.race import race
 from comparisons.cli.ranks import launched_together, one_voice
 from comparisons.cli.run import run
 from comparisons.cli.solve import solve
 from comparisons.cli.studies import accuracy, compare, formulations, reference, stability
+from comparisons.cli.sweep import sweep
 
 
 class _LightGroup(TyperGroup):
@@ -36,7 +38,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for _command in (run, solve, compare, figure, claims, formulations, accuracy, stability, reference):
+_COMMANDS = (
+    *(run, solve, sweep, race),
+    *(compare, figure, claims, formulations, accuracy, stability, reference),
+)
+for _command in _COMMANDS:
     app.command()(_command)
 app.add_typer(exact_app, name="exact")
 
