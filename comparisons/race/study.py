@@ -128,8 +128,9 @@ def companion(matrices: Matrices, shift: complex) -> Complexes:
     """Eigenvalues nearest to a shift by the companion form, as it is."""
     M, C, K = (matrices[name] for name in "MCK")
     one = eye_array(M.shape[0], format="csc")
-    left = block_array([[None, one], [-K, -C]], format="csc")
-    right = block_array([[one, None], [None, M]], format="csc")
+    # Complex matrices: of real ones ARPACK iterates with the real part of the inverse alone.
+    left = block_array([[None, one], [-K, -C]], format="csc", dtype=complex)
+    right = block_array([[one, None], [None, M]], format="csc", dtype=complex)
     return eigs(left, WANTED, M=right, sigma=shift, return_eigenvectors=False)
 
 
