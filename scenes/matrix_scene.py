@@ -8,8 +8,8 @@ The A_j are read from files, the c_j are numbers or arithmetic in the parameters
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from math import isfinite
 from pathlib import Path
+from sys import float_info
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, SkipValidation, TypeAdapter
@@ -173,11 +173,13 @@ def load_matrices(
     if data is not None:
         tables["data"] = str(data)
     set_fields(tables, overrides)
-    if comes_with_the_project and "data" not in tables:
-        names = ", ".join(map(str, dict(tables["files"]).values()))
-        allowed = f"the folder that holds {names}; it does not come with the project"
-        raise SceneError([InputError("data", None, allowed)])
-    return read_matrix_scene(tables)
+    read = read_matrix_scene(tables)
+    if comes_with_the_project and not read.data:
+        allowed = f"the folder that holds {', '.join(read.files.values())}"
+        raise SceneError(
+            [InputError("data", None, f"{allowed}; it does not come with the project")]
+        )
+    return read
 
 
 def read_matrix_scene(data: Mapping[str, Any]) -> MatrixScene:
@@ -271,6 +273,7 @@ def _text(value: Any, place: str = "coefficient") -> str:
     """A number or arithmetic as text."""
     if isinstance(value, str):
         return value
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not (number and abs(value) <= float_info.max):  # whole numbers may be beyond all others
         raise InputError(place, value, "a finite number, or arithmetic as text")
     return repr(float(value))

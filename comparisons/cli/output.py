@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 console = Console()
 _TABLE_WIDTH = 120
+_SLOW = 0.01
+"""Growth rate (1/s) below which three digits after the point show too little."""
 
 
 def print_table(table: ReportTable) -> None:
@@ -41,7 +43,7 @@ def print_modes(result: "ModesResult | MatrixResult") -> None:
         table.add_row(
             str(mode["mode"]),
             f"{mode['frequency']:.3f}",
-            f"{mode['growth_rate']:+.3f}",
+            _growth(mode["growth_rate"]),
             f"{mode['uncertainty']:.1e}",
             f"{mode['residual']:.1e}",
             f"{mode['condition']:.1f}",
@@ -50,9 +52,15 @@ def print_modes(result: "ModesResult | MatrixResult") -> None:
         )
     console.print(table)
     typer.echo(result.modes.window.evidence)
-    for warning in result.modes.warnings:
+    of_matrices = [w for w in result.warnings if w.kind == "symmetrised"]
+    for warning in (*result.modes.warnings, *of_matrices):
         console.print(f"warning ({warning.kind}): {warning.message}", style="yellow")
     console.print(f"verdict: {result.verdict}")
+
+
+def _growth(rate: float) -> str:
+    """A growth rate; a slow one by its digits, for it decides as a fast one does."""
+    return f"{rate:+.3f}" if rate == 0 or abs(rate) >= _SLOW else f"{rate:+.2e}"
 
 
 def print_stresses(result: "StaticResult") -> None:

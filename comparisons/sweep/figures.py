@@ -13,6 +13,9 @@ _STYLES = ("-", "--", ":")
 _LOGARITHMIC = 100.0
 """Range of growth rates of unstable modes from which on their scale is logarithmic."""
 
+_ROOM = 4.0
+"""Room above the fastest on that scale, as a factor."""
+
 
 @styled
 def sweep_figure(data: Data) -> Figure:
@@ -57,3 +60,4 @@ def _growth_axis(axes: Axes, growths: list[np.ndarray]) -> None:
     positive = np.concatenate([g[g > 0] for g in growths]) if growths else np.empty(0)
     if len(positive) and positive.max() > _LOGARITHMIC * positive.min():
         axes.set_yscale("symlog", linthresh=10.0 ** np.floor(np.log10(positive.min())))
+        axes.set_ylim(top=_ROOM * positive.max())
