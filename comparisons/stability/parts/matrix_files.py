@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 from scipy.sparse import csr_array, save_npz
 
 from cea.body import Complexes, Floats
-from cea.petsc import MPI, PETSc
+from cea.petsc import PETSc
 from comparisons.stability.parts.answers import Answer, answer_of
 from scenes.matrix_run import run_matrices
 from scenes.matrix_scene import read_matrix_scene
@@ -120,7 +120,7 @@ def _write(matrix: csr_array, file: Path) -> None:
         case ".npz":
             save_npz(file, matrix)
         case _:
-            viewer = PETSc.Viewer().createBinary(str(file), "w", comm=MPI.COMM_SELF)
+            viewer = PETSc.Viewer().createBinary(str(file), "w", comm=PETSc.COMM_SELF)
             parts: Any = (matrix.indptr, matrix.indices, matrix.data)
-            PETSc.Mat().createAIJ(matrix.shape, csr=parts, comm=MPI.COMM_SELF).view(viewer)
+            PETSc.Mat().createAIJ(matrix.shape, csr=parts, comm=PETSc.COMM_SELF).view(viewer)
             viewer.destroy()
