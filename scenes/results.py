@@ -58,11 +58,6 @@ class SceneResult:
         """Bodies by name."""
         return self.system.bodies
 
-    @property
-    def comm(self) -> Any:
-        """Communicator (mpi4py)."""
-        return next(iter(self.bodies.values())).comm
-
     def matrices(self) -> dict[str, csr_array]:
         """Matrices by name: K and M of the bodies, K_n and K_f of the contacts.
 
@@ -102,6 +97,11 @@ class SceneResult:
     def _values(self) -> Mapping[str, float]:
         """The parameters that were solved at."""
         return self.system.pencil().values()
+
+    @property
+    def comm(self) -> Any:
+        """Communicator (mpi4py)."""
+        return next(iter(self.bodies.values())).comm
 
     def _displacements(
         self,

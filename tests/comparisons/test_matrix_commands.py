@@ -18,12 +18,18 @@ from cea.errors import ConvergenceError, InputError
 from comparisons.cli.app import main
 from comparisons.race.study import race
 from comparisons.race.tables import race_table
+from comparisons.sweep import page as sweep_page
 from comparisons.sweep.page import read_sweep, write_sweep
 from comparisons.sweep.study import Curves, Sweep, curves_of, run_sweep
 from comparisons.sweep.tables import unstable_table, values_table
 from scenes.matrix_scene import load_matrices, read_matrix_scene
 from scenes.read import SceneError
 
+STORED = Path(sweep_page.__file__).with_name("results")
+PUBLISHED = """
+    119.2 74.83 5.474 0.5738 9.587e-5 -0.04333 -1.122 -1.433 -1.834 -1.913 -2.367 -3.983 -6.571
+"""
+"""Growth rates of the brake at 2 turns a second."""
 SPEEDS = [1.0, 1.5, 2.0, 2.5, 3.0]
 
 
@@ -257,13 +263,27 @@ def test_the_brake_is_faster_than_five_runs_of_scipy():
     assert rows[2][3] > 1
 
 
+def test_the_stored_sweep_of_the_brake_passes_through_what_is_published():
+    """At 2 turns a second, the ninth of 25 values from 1 to 4."""
+    data = read_sweep(STORED)
+    assert data["inputs"]["data"] == "tu_berlin_brake"
+    assert not any(point["failed"] for point in data["points"])
+    values = [point["value"] for point in data["points"]]
+    np.testing.assert_allclose(values, np.linspace(2, 8, 25) * np.pi, rtol=1e-15)
+    growths = sorted(f"{mode['re']:.3e}" for mode in data["points"][8]["modes"])
+    assert growths == sorted(f"{float(growth):.3e}" for growth in PUBLISHED.split())
+    assert [row[2] for row in values_table(data).rows] == [4, *[5] * 8, *[6] * 10, *[7] * 6]
+    assert len(unstable_table(data).rows) == 7
+
+
 @pytest.mark.slow
-def test_unstable_modes_of_the_brake_along_its_speed():
-    """From 1 to 4 turns a second: published values in between, more and more unstable modes."""
+def test_the_stored_sweep_of_the_brake_is_what_is_computed():
     data = str(external("tu_berlin_brake"))
-    swept = run_sweep(Sweep("tu_berlin", "parameters.Omega", 2 * np.pi, 8 * np.pi, 7, data=data))
-    assert all(point["failed"] == "" for point in swept["points"])
-    counts = [row[2] for row in values_table(swept).rows]
-    assert counts == sorted(counts)
-    assert counts[2] == 5  # 2 turns a second, as published
-    assert counts[-1] > counts[0]
+    swept = run_sweep(Sweep("tu_berlin", "parameters.Omega", 2 * np.pi, 8 * np.pi, 4, data=data))
+    for point, stored in zip(swept["points"], read_sweep(STORED)["points"][::8], strict=True):
+        assert point["value"] == pytest.approx(stored["value"])
+        found, true = (
+            np.array([mode["re"] + 1j * mode["im"] for mode in each["modes"]])
+            for each in (point, stored)
+        )
+        np.testing.assert_allclose(found, true, rtol=1e-11)
