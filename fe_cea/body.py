@@ -12,16 +12,24 @@ from cea.body import VolumeCells, VolumeSample
 from cea.checks import check_density, check_jacobians
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.matrices import symmetrised
+from cea.matrices import antisymmetrised, symmetrised
 from cea.mesh import Mesh
 from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
+from cea.rotation import Rotation
 from cea.supports.boundary import Pressure, Spring, Support, check_boundary
 from cea.supports.constraints import Constraints
 from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute
 from fe_cea.facets import gather_facets
-from fe_cea.forms import mass_form, pressure_form, spring_form, stiffness_form
+from fe_cea.forms import (
+    convective_form,
+    gyroscopic_form,
+    mass_form,
+    pressure_form,
+    spring_form,
+    stiffness_form,
+)
 from fe_cea.sampling import cell_jacobians, sample_volume
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
@@ -236,11 +244,30 @@ class FEBody:
 
     @cached_property
     def _mass(self) -> Any:
-        rho = check_density(self._material, f"bodies.{self._name}.material")
-        return self._assembled(mass_form(self._space, rho), with_zeros=False)
+        return self._assembled(mass_form(self._space, self._density), with_zeros=False)
+
+    def gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
+        form = gyroscopic_form(self._space, self._density, rotation)
+        return antisymmetrised(self._restricted(form, with_zeros=False))
+
+    def convective_stiffness(self, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
+        return self._assembled(
+            convective_form(self._space, self._density, rotation), with_zeros=False
+        )
+
+    @property
+    def _density(self) -> float:
+        return check_density(self._material, f"bodies.{self._name}.material")
 
     def _assembled(self, form: Any, *, with_zeros: bool = True) -> Any:
         """Matrix (free x free) of a symmetric form, symmetric to the last bit."""
+        # Element matrices, and products with a turned frame, are symmetric up to rounding only.
+        return symmetrised(self._restricted(form, with_zeros=with_zeros))
+
+    def _restricted(self, form: Any, *, with_zeros: bool) -> Any:
+        """Matrix (free x free) of a form."""
         full = assemble_matrix(form)
         full.assemble()
         if not with_zeros:  # ahead of all that copies it
@@ -248,8 +275,7 @@ class FEBody:
         free = self._constraints.restrict(full, self.expansion)
         if free is not full:
             full.destroy()
-        # Element matrices, and products with a turned frame, are symmetric up to rounding only.
-        return symmetrised(free)
+        return free
 
     def load(self) -> Any:
         """Forces of the pressures, PETSc vector (free), N."""

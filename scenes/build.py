@@ -2,24 +2,27 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cea.body import Body, Floats
 from cea.contact.friction import FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
-from cea.contact.laws import Friction, LinearLaw
+from cea.contact.laws import Friction, LinearLaw, NormalLaw
 from cea.contact.operators import HalfPass
+from cea.contact.sliding import Sliding
 from cea.errors import InputError
 from cea.fields import Expression, evaluate
 from cea.mesh import Mesh
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Pressure
+from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
+from scenes.motion_spec import SlidingSpec
 from scenes.read import Scene
 from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh
 
@@ -165,11 +168,8 @@ def _half_pass(half: _Half, interface: Interface) -> HalfPass:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
     spec, x = half.spec, interface.points.x
     with _of_contact(half.pair):
-        if spec.p is None:
-            stiffness = np.full(len(x), _required(spec.P) / interface.points.weight.sum())
-        else:
-            stiffness = _values("p", spec.p, x)
-        law = LinearLaw(half.share * stiffness)
+        law = _law(spec, interface, half.share)
+        added_gap = _values("added_gap", spec.added_gap, x)
         direction = half.direction
         friction = Friction(_friction(spec.mu, x), direction) if direction is not None else None
     return HalfPass(
@@ -181,7 +181,18 @@ def _half_pass(half: _Half, interface: Interface) -> HalfPass:
         coupling=spec.formulation.coupling,
         form=spec.form,
         pair=half.pair,
+        added_gap=added_gap,
     )
+
+
+def _law(spec: ContactSpec, interface: Interface, share: float) -> NormalLaw:
+    """Law of a half pass, which has a share of the stiffness."""
+    if spec.law is not None:
+        return replace(spec.law, c=share * spec.law.c)
+    if spec.p is not None:
+        return LinearLaw(share * _values("p", spec.p, interface.points.x))
+    points = interface.points
+    return LinearLaw(share * np.full(len(points), _required(spec.P) / points.weight.sum()))
 
 
 @contextmanager
@@ -224,10 +235,40 @@ def build_system(
     *,
     leave_out: bool = True,
 ) -> CoupledSystem:
-    """Coupled matrices of a scene: mass only for eigenvalues, loads only for statics."""
+    """Coupled matrices of a scene: mass only for eigenvalues, loads only where they matter."""
     halves = {
         half.name: _half_pass(half, interfaces[half.name]) for half in _halves(scene.contacts)
     }
     static = scene.analysis.kind == "static"
     with timer("assembly"):
-        return couple(bodies, halves, with_mass=not static, with_load=static, leave_out=leave_out)
+        return couple(
+            bodies,
+            halves,
+            with_mass=not static,
+            with_load=static or scene.slides_steadily,
+            leave_out=leave_out,
+            motions={name: _motion(body) for name, body in scene.bodies.items()},
+            sliding={
+                half.name: _sliding(half, half.spec.sliding, interfaces[half.name])
+                for half in _halves(scene.contacts)
+                if half.spec.sliding is not None
+            },
+        )
+
+
+def _motion(body: BodySpec) -> Motion:
+    """Damping and rotation of a body."""
+    damping = body.damping.rayleigh() if body.damping is not None else None
+    return Motion(damping, body.rotation)
+
+
+def _sliding(half: _Half, spec: SlidingSpec, interface: Interface) -> Sliding:
+    """How a half pass slides, at its points."""
+    x = interface.points.x
+    with _of_contact(half.pair):
+        return Sliding(
+            **{
+                name: _values(f"sliding.{name}", value, x) if value is not None else None
+                for name, value in spec.fields.items()
+            }
+        )

@@ -11,7 +11,9 @@ from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum
 from cea.system.contact_stresses import SideStress
 from scenes.matrix_run import MatrixResult
+from scenes.plain import as_data
 from scenes.results import ModesResult, StaticResult
+from scenes.steady import steady_data
 from scenes.stored import record, write_record
 
 RUN = "run"
@@ -53,7 +55,7 @@ def describe(result: ModesResult | StaticResult | MatrixResult) -> dict[str, Any
     if isinstance(result, MatrixResult):
         return _describe_matrices(result)
     data: dict[str, Any] = {
-        "scene": asdict(result.scene),
+        "scene": as_data(result.scene),
         "dofs": {
             "free": result.system.size,
             "bodies": {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()},
@@ -63,6 +65,8 @@ def describe(result: ModesResult | StaticResult | MatrixResult) -> dict[str, Any
         "skipped": dict(result.skipped),
         "contacts": {name: _interface(i) for name, i in result.interfaces.items()},
     }
+    if result.system.steady is not None:
+        data["steady_sliding"] = steady_data(result.system.steady)
     if isinstance(result, ModesResult):
         return data | describe_modes(result.modes, result.analysis.growth_threshold)
     return data | {
@@ -75,7 +79,7 @@ def describe(result: ModesResult | StaticResult | MatrixResult) -> dict[str, Any
 
 def _describe_matrices(result: MatrixResult) -> dict[str, Any]:
     return {
-        "scene": asdict(result.scene),
+        "scene": as_data(result.scene),
         "dofs": {"free": result.size},
         "timings": dict(result.timer.seconds),
         "seconds": result.timer.total,

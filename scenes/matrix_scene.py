@@ -28,7 +28,7 @@ from scenes.read import (
     set_fields,
     tables_of,
 )
-from scenes.spec import ComplexEigenvalueAnalysis, StaticAnalysis
+from scenes.spec import Analysis, ComplexEigenvalueAnalysis
 
 Role = Literal["mass", "damping", "stiffness"]
 ROLES: tuple[Role, ...] = ("mass", "damping", "stiffness")
@@ -39,22 +39,6 @@ PARAMETERS = "parameters"
 
 Number = Annotated[float | str, SkipValidation]
 """A number, or arithmetic as text; looked at by :func:`_checks`, under its own name."""
-
-
-@dataclass(frozen=True)
-class MatrixAnalysis(ComplexEigenvalueAnalysis):
-    """All modes up to a frequency.
-
-    Parameters
-    ----------
-    max_frequency, growth_threshold
-        As there.
-    min_growth
-        With damping, growth rate (1/s), zero or less, down to which modes are asked for; left out,
-        a tenth of the angular frequency of the window's end.
-    """
-
-    min_growth: Annotated[float, Field(le=0)] | None = None
 
 
 @dataclass(frozen=True)
@@ -86,7 +70,7 @@ class MatrixScene:
     files: dict[str, str]
     mass: dict[str, Number]
     stiffness: dict[str, Number]
-    analysis: Annotated[StaticAnalysis | MatrixAnalysis, Field(discriminator="kind")]
+    analysis: Annotated[Analysis, Field(discriminator="kind")]
     damping: dict[str, Number] = field(default_factory=dict)
     parameters: dict[str, Number] = field(default_factory=dict)
     data: str = ""
@@ -102,9 +86,9 @@ class MatrixScene:
         return "matrices"
 
     @property
-    def window(self) -> MatrixAnalysis:
+    def window(self) -> ComplexEigenvalueAnalysis:
         """The modes that are wanted."""
-        assert isinstance(self.analysis, MatrixAnalysis)
+        assert isinstance(self.analysis, ComplexEigenvalueAnalysis)
         return self.analysis
 
     @property

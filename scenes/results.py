@@ -13,12 +13,14 @@ from cea.eigen.modes import Modes
 from cea.errors import InputError
 from cea.system.contact_stresses import SideStress
 from cea.system.coupled import CoupledSystem
+from cea.system.sliding_state import SteadySliding
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from scenes.arrays import gathered_displacements, gathered_sums
 from scenes.of_modes import OfModes
 from scenes.read import Scene
 from scenes.spec import StaticAnalysis
+from scenes.steady import steady_data, steady_lines
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -58,16 +60,26 @@ class SceneResult:
         """Bodies by name."""
         return self.system.bodies
 
+    @property
+    def steady(self) -> SteadySliding | None:
+        """The state of steady sliding; None where the stiffness of every contact is given."""
+        return self.system.steady
+
+    def steady_lines(self) -> list[str]:
+        """What the contacts carry in steady sliding, a line for each half pass."""
+        return [] if self.steady is None else steady_lines(steady_data(self.steady))
+
     def matrices(self) -> dict[str, csr_array]:
         """Matrices by name: K and M of the bodies, K_n and K_f of the contacts.
 
         Their rows are the free dofs of all ranks. K_f is zero without friction, M is left out of
-        static analyses.
+        static analyses. C is there where something damps, Y where a body rotates; a convective
+        stiffness is part of K.
 
         Returns
         -------
         dict
-            scipy matrices (N/m, kg) on rank 0; empty on other ranks.
+            scipy matrices (N/m, kg, N s/m) on rank 0; empty on other ranks.
 
         Raises
         ------
@@ -77,7 +89,7 @@ class SceneResult:
         values = self._values()
         for contact in self.system.contacts:
             name = f"contacts.{contact.pair}.P"
-            if not values[name] < inf:
+            if not values.get(name, 0.0) < inf:
                 raise InputError(name, values[name], "finite for matrices")
         pencil = self.system.pencil(eliminate=True)
         pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "M": [], "K_n": [], "K_f": []}
@@ -85,10 +97,13 @@ class SceneResult:
             factor = term.coefficient.at(values)
             if term.role == "mass":
                 pieces["M"].append((factor, term.matrix))
+            elif term.role == "damping":
+                name = "C" if term.symmetric else "Y"
+                pieces.setdefault(name, []).append((factor, term.matrix))
             elif not term.symmetric:
                 pieces["K_f"].append((-factor, term.matrix))
             else:
-                of_contact = any(name.startswith("contacts.") for name in term.coefficient.names)
+                of_contact = any(term.matrix is c.stiffness for c in self.system.contacts)
                 pieces["K_n" if of_contact else "K"].append((factor, term.matrix))
         if not pieces["M"]:
             del pieces["M"]
@@ -142,8 +157,13 @@ class ModesResult(OfModes, SceneResult):
         return self.modes.values
 
     def relative_stiffness(self, contact: str) -> float:
-        """P of a contact where the modes were solved for, over that of the system's matrices."""
+        """P of a contact where the modes were solved for, over that of the system's matrices.
+
+        1 where steady sliding makes it, and nothing changes it.
+        """
         name = f"contacts.{contact}.P"
+        if name not in self.modes.values:
+            return 1.0
         return self.modes.values[name] / self.modes.pencil.parameters[name].value
 
     def mode_shapes(
@@ -211,7 +231,8 @@ class ModesResult(OfModes, SceneResult):
             for i, mode in enumerate(modes)
         ]
 
-    __repr__ = OfModes.__repr__
+    def __repr__(self) -> str:
+        return "\n".join([OfModes.__repr__(self), *self.steady_lines()])
 
 
 @dataclass(frozen=True)
@@ -266,4 +287,4 @@ class StaticResult(SceneResult):
             f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
             for row in self.table()
         ]
-        return "\n".join([f"{self.scene.name}: static analysis", *rows])
+        return "\n".join([f"{self.scene.name}: static analysis", *self.steady_lines(), *rows])

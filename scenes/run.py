@@ -11,12 +11,14 @@ from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.system.contact_stresses import contact_stresses
 from cea.system.coupled import CoupledSystem
+from cea.system.steady_sliding import steady_sliding
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system, check_interfaces
 from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
 from scenes.spec import ComplexEigenvalueAnalysis, StaticAnalysis
+from scenes.steady import steady_warnings
 from scenes.warnings import scene_warnings, short_modes
 
 
@@ -87,7 +89,8 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
-    modes = solve_modes(pencil, scene.analysis.max_frequency, left=left, timer=timer)
+    top, decay = scene.analysis.max_frequency, scene.analysis.min_growth
+    modes = solve_modes(pencil, top, min_growth=decay, left=left, timer=timer)
     return with_warnings(ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes))
 
 
@@ -102,15 +105,18 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
     if not isinstance(scene.analysis, StaticAnalysis):
         raise InputError("analysis.kind", scene.analysis.kind, "'static'")
     system, interfaces, timer = coupled(scene, **options)
-    with timer("assembly"):
-        pencil = system.pencil(leave_out=options.get("leave_out", True))
-    x = solve_static(pencil, system.load, timer).displacement
+    if system.steady is not None:
+        x = system.steady.displacement
+    else:
+        with timer("assembly"):
+            pencil = system.pencil(leave_out=options.get("leave_out", True))
+        x = solve_static(pencil, system.load, timer).displacement
     with timer("post-processing"):
         stresses = {
             name: contact_stresses(system, name, x, scene.analysis.samples)
             for name in scene.contacts
         }
-        warnings = scene_warnings(scene, system.contacts)
+        warnings = scene_warnings(scene, system.contacts) + steady_warnings(scene, system)
     return StaticResult(
         scene, system, interfaces, timer, skipped_by(scene), x, stresses, warnings=warnings
     )
@@ -120,6 +126,7 @@ def with_warnings(result: ModesResult) -> ModesResult:
     """A result with all that it must be read with; collective."""
     with result.timer("post-processing"):
         found = scene_warnings(result.scene, result.system.contacts)
+        found += steady_warnings(result.scene, result.system)
         found += short_modes(result.scene, result.bodies, result.mode_shapes, len(result.modes))
     return replace(result, warnings=(*result.modes.warnings, *found))
 
@@ -147,16 +154,24 @@ def coupled(
     else:
         check_interfaces(scene, bodies, interfaces)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
+    if scene.slides_steadily:
+        system = system.linearised(steady_sliding(system, timer))
     return system, interfaces, timer
 
 
 def skipped_by(scene: Scene) -> dict[str, str]:
     """What a scene does not need, with the reason; none of it is computed."""
-    skipped = {
-        "newton": "contact stiffness is known, no steady sliding state is sought",
-        "damping": "no damping: the problem is linear in lambda^2",
-        "gyroscopic": "no rotation of the frame",
-    }
+    rotations = [body.rotation for body in scene.bodies.values() if body.rotation is not None]
+    skipped = {}
+    if not scene.slides_steadily:
+        skipped["newton"] = "contact stiffness is known, no steady sliding state is sought"
+    if not scene.damped:
+        linear = "" if rotations else ": the problem is linear in lambda^2"
+        skipped["damping"] = f"no damping{linear}"
+    if not rotations:
+        skipped["gyroscopic"] = "no body rotates"
+    elif not any(rotation.convective_stiffness for rotation in rotations):
+        skipped["convective stiffness"] = "not asked for: of the order of rho Omega^2"
     if not any(contact.mu for contact in scene.contacts.values()):
         skipped["friction"] = "mu = 0: no slip operator, symmetric solver"
     if not scene.contacts:
@@ -164,7 +179,10 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     if scene.analysis.kind == "static":
         skipped["mass"] = "static analysis"
         skipped["eigenvalues"] = "static analysis"
-        del skipped["damping"], skipped["gyroscopic"]
+        skipped.pop("convective stiffness", None)
+        for name in ("damping", "gyroscopic"):
+            if skipped.pop(name, None) is None:
+                skipped[name] = "static analysis"
     elif not scene.loads:
         skipped["loads"] = "no loads"
     if not scene.output.pictures:

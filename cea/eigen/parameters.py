@@ -109,6 +109,15 @@ class Coefficient:
         """One monomial."""
         return cls((Monomial(factor, powers),))
 
+    def times(self, name: str, exponent: float = 1.0, factor: float = 1.0) -> "Coefficient":
+        """It times a factor and a power of one more parameter."""
+        return Coefficient(
+            tuple(
+                Monomial(factor * each.factor, {**each.powers, name: (1.0, exponent)})
+                for each in self.monomials
+            )
+        )
+
     @property
     def names(self) -> frozenset[str]:
         """Parameters it depends on."""

@@ -1,13 +1,13 @@
 """Coupled matrices of bodies in frictional contact, kept apart until a solver sums them.
 
-    (lambda^2 M + K + K_n - K_f) x = 0
+    (lambda^2 M + lambda (C + Y) + K + K_n - K_f) x = 0
 
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import inf, log10
 from typing import Any
 
@@ -17,11 +17,15 @@ from cea.body import Body, Floats
 from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.operators import Contact, HalfPass, assemble_contact
 from cea.contact.saddle import contact_forces
+from cea.contact.sliding import Sliding, SlidingDamping, damping_of
 from cea.eigen.multipliers import ForcesOfContact
-from cea.eigen.parameters import NOTHING, Coefficient, Monomial, Parameter
+from cea.eigen.parameters import NOTHING, Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import block_diagonal, destroy, empty, gather
 from cea.petsc import PETSc
+from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
+from cea.system.sliding_state import SteadySliding
+from cea.system.sliding_terms import sliding_parameters, sliding_terms
 from cea.warned import ResultWarning
 
 
@@ -47,6 +51,12 @@ class CoupledSystem:
         Diagonal of K of all bodies (N/m), PETSc vector.
     penalty_digits
         Digits that the penalty form costs, or would cost, by contact.
+    motions
+        Damping and rotation of bodies that have any, by name; none in static scenes.
+    sliding
+        How half passes slide, by name, where that damps; none in static scenes.
+    steady
+        The state of steady sliding that contacts were linearised about; None where none was sought.
     """
 
     bodies: Mapping[str, Body]
@@ -57,6 +67,9 @@ class CoupledSystem:
     load: Any | None
     stiffness_diagonal: Any
     penalty_digits: Mapping[str, float]
+    motions: Mapping[str, Motion]
+    sliding: Mapping[str, Sliding]
+    steady: SteadySliding | None = None
 
     @property
     def size(self) -> int:
@@ -100,7 +113,7 @@ class CoupledSystem:
         P = values.get(f"contacts.{contact}.P", before)
         if inf in (P, before):
             return inf
-        if half.projection is not None:
+        if half.projection is not None and half.half.law.linear:
             return 0.0
         moduli = {name: self.bodies[name].material.E for name in (half.half.a, half.half.b)}
         softer = min(values.get(f"bodies.{name}.material.E", E) / E for name, E in moduli.items())
@@ -117,7 +130,10 @@ class CoupledSystem:
 
         Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
         ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor on it
-        where it varies. Without friction, if that was left out, there is no mu.
+        where it varies. Without friction, if that was left out, there is no mu. Where p is the
+        slope of a law in a state of steady sliding there is no P, and the state stays what it is
+        whatever the parameters. Damping, rotation and sliding add theirs
+        (:mod:`cea.system.body_terms`, :mod:`cea.system.sliding_terms`).
 
         Parameters
         ----------
@@ -129,24 +145,47 @@ class CoupledSystem:
         """
         keeping = [c for c in self.contacts if c.keeps_forces and not eliminate]
         return Pencil(
-            [*self._body_terms(), *self._contact_terms(keeping)],
+            [*self._body_terms(), *self._contact_terms(keeping), *self._sliding_terms()],
             self._parameters(),
             tuple(self._contact_forces(keeping)),
             leave_out=leave_out,
         )
 
+    def linearised(self, steady: SteadySliding) -> "CoupledSystem":
+        """The system of small motions about a state of steady sliding."""
+        contacts = [
+            replace(
+                contact,
+                half=replace(contact.half, penetration=steady.contacts[contact.name].closure),
+            )
+            if contact.name in steady.contacts
+            else contact
+            for contact in self.contacts
+        ]
+        digits = penalty_digits(contacts, self.stiffness_diagonal)
+        return replace(
+            self, contacts=with_forms(contacts, digits), penalty_digits=digits, steady=steady
+        )
+
     def _body_terms(self) -> Iterator[Term]:
-        """K and M of each body; springs do not grow with E."""
+        """K, M, C and Y of each body."""
         for name, body in self.bodies.items():
-            E = (f"bodies.{name}.material.E", body.material.E)
-            stiffness = self._embedded(name, body.stiffness())
-            yield Term("stiffness", stiffness, Coefficient.of({E[0]: (E[1], 1.0)}))
-            if (springs := body.spring_stiffness()) is not None:
-                rest = (Monomial(), Monomial(-1.0, {E[0]: (E[1], 1.0)}))
-                yield Term("stiffness", self._embedded(name, springs), Coefficient(rest))
-            if self.with_mass:
-                rho = {f"bodies.{name}.material.rho": (float(body.material.rho or 0), 1.0)}
-                yield Term("mass", self._embedded(name, body.mass()), Coefficient.of(rho))
+            path, motion = f"bodies.{name}", self.motions.get(name, STILL)
+            embedded = partial(self._embedded, name)
+            yield from body_terms(path, body, motion, embedded, with_mass=self.with_mass)
+
+    def _sliding_terms(self) -> Iterator[Term]:
+        """Damping of contacts that slide."""
+        halves = [
+            half if self._rubs(half.contact) else replace(half, turning=None)
+            for half in self._sliding_damping
+        ]
+        return sliding_terms(halves, self._references())
+
+    @cached_property
+    def _sliding_damping(self) -> tuple[SlidingDamping, ...]:
+        """Damping of the half passes that slide, at their pressures in the state of sliding."""
+        return damping_of(self.bodies, self.contacts, self.sliding)
 
     def _contact_terms(self, keeping: Sequence[Contact]) -> Iterator[Term]:
         """K_n and K_f of each half pass that keeps no forces."""
@@ -155,7 +194,9 @@ class CoupledSystem:
         for contact in self.contacts:
             if contact.name in names:
                 continue
-            P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
+            P = {}
+            if contact.half.law.linear:
+                P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
             yield Term("stiffness", contact.stiffness, Coefficient.of(P))
             if contact.friction is not None and self._rubs(contact):
                 mu = {f"contacts.{contact.pair}.mu": (references[contact.pair], 1.0)}
@@ -164,16 +205,19 @@ class CoupledSystem:
 
     def _contact_forces(self, keeping: Sequence[Contact]) -> Iterator[ForcesOfContact]:
         """Forces of each contact that keeps them."""
-        references = self._references()
+        references, laws = self._references(), self._with_laws()
         rubbing = [c if self._rubs(c) else replace(c, slip=None) for c in keeping]
         for name, forces in contact_forces(rubbing).items():
             P, mu = f"contacts.{name}.P", f"contacts.{name}.mu"
             slips = Coefficient.of({mu: (references[name], 1.0)}) if forces.slip else NOTHING
+            compliance = Coefficient.of({P: (1.0, -1.0)})
+            if name in laws:
+                compliance = Coefficient.of({}, factor=1 / self._stiffnesses()[name])
             yield ForcesOfContact(
                 forces.closure,
                 forces.slip,
                 forces.compliance,
-                inverse_stiffness=Coefficient.of({P: (1.0, -1.0)}),
+                inverse_stiffness=compliance,
                 friction=slips,
                 body_stiffness=forces.body_stiffness(self.stiffness_diagonal),
             )
@@ -187,17 +231,23 @@ class CoupledSystem:
 
     def _parameters(self) -> Iterator[Parameter]:
         for name, body in self.bodies.items():
-            yield Parameter(f"bodies.{name}.material.E", body.material.E, "N/m^2", positive=True)
-            if self.with_mass:
-                rho = float(body.material.rho or 0)
-                yield Parameter(f"bodies.{name}.material.rho", rho, "kg/m^3", positive=True)
+            motion = self.motions.get(name, STILL)
+            yield from body_parameters(f"bodies.{name}", body, motion, with_mass=self.with_mass)
         saddle = {c.pair for c in self.contacts if c.half.form == "saddle"}
+        laws = self._with_laws()
         for name, P in self._stiffnesses().items():
+            if name in laws:
+                continue
             finite = name not in saddle
             yield Parameter(f"contacts.{name}.P", P, "N/m", positive=True, finite=finite)
         for name, reference in self._references().items():
             acts = any(_acts(c) for c in self._halves(name))
             yield Parameter(f"contacts.{name}.mu", reference if acts else 0.0)
+        yield from sliding_parameters(self._sliding_damping)
+
+    def _with_laws(self) -> set[str]:
+        """Contacts whose stiffness is that of a law in the state that is linearised about."""
+        return {contact.pair for contact in self.contacts if not contact.half.law.linear}
 
     def _halves(self, name: str) -> list[Contact]:
         return [c for c in self.contacts if c.pair == name]
@@ -259,6 +309,8 @@ def couple(
     with_mass: bool = True,
     with_load: bool = False,
     leave_out: bool = True,
+    motions: Mapping[str, Motion] | None = None,
+    sliding: Mapping[str, Sliding] | None = None,
 ) -> CoupledSystem:
     """Assemble the coupled matrices.
 
@@ -274,6 +326,10 @@ def couple(
         Whether the loads are needed.
     leave_out
         Whether slip operators and K_f are left out where mu = 0.
+    motions
+        Damping and rotation of bodies that have any, by name; they need the mass.
+    sliding
+        How half passes slide, by name, where that damps; it needs the mass.
     """
     PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
     nest = block_diagonal([body.stiffness() for body in bodies.values()])
@@ -301,6 +357,8 @@ def couple(
         load=load,
         stiffness_diagonal=diagonal,
         penalty_digits=digits,
+        motions=motions or {} if with_mass else {},
+        sliding=sliding or {} if with_mass else {},
     )
 
 

@@ -12,7 +12,14 @@ from comparisons.cli.race import race
 from comparisons.cli.ranks import launched_together, one_voice
 from comparisons.cli.run import run
 from comparisons.cli.solve import solve
-from comparisons.cli.studies import accuracy, compare, formulations, reference, stability
+from comparisons.cli.studies import (
+    accuracy,
+    compare,
+    damping,
+    formulations,
+    reference,
+    stability,
+)
 from comparisons.cli.sweep import sweep
 
 
@@ -40,7 +47,7 @@ app = typer.Typer(
 )
 _COMMANDS = (
     *(run, solve, sweep, race),
-    *(compare, figure, claims, formulations, accuracy, stability, reference),
+    *(compare, figure, claims, formulations, accuracy, damping, stability, reference),
 )
 for _command in _COMMANDS:
     app.command()(_command)

@@ -70,7 +70,7 @@ def _run_bodies(
     """Run a scene of bodies and write its result.json, pictures and files for ParaView."""
     from cea.files import check_writable
     from comparisons.cli.extras import need
-    from comparisons.cli.output import console, print_modes, print_stresses
+    from comparisons.cli.output import console, print_modes, print_steady, print_stresses
     from scenes.describe import save_result
     from scenes.read import load_scene
     from scenes.results import ModesResult
@@ -96,6 +96,7 @@ def _run_bodies(
             collections = write_paraview(result, chosen.output.paraview, out)
             files["paraview"] = [file.name for file in collections]
     file = save_result(result, out / "result.json", inputs=inputs, data=files)
+    print_steady(result)
     if isinstance(result, ModesResult):
         print_modes(result)
     else:

@@ -57,17 +57,17 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
         for name, contact in scene.get("contacts", {}).items()
     }
     system, _, _ = coupled(read_scene(scene))
-    stiffness, mass = _array(system.stiffness), _array(system.mass)
+    stiffness, mass = array(system.stiffness), array(system.mass)
     compliant, stiff = [], []
     for contact in system.contacts:
         if contact.half.coupling == "lumped":
-            stiffness = stiffness + _array(contact.stiffness)
+            stiffness = stiffness + array(contact.stiffness)
             if contact.friction is not None:
-                stiffness -= _array(contact.friction)
+                stiffness -= array(contact.friction)
         elif np.isinf(contact.half.stiffness).any():
-            stiff.append(_constraint(system, contact))
+            stiff.append(constraint(system, contact))
         else:
-            compliant.append(_constraint(system, contact))
+            compliant.append(constraint(system, contact))
     constraints = [*compliant, *([_tied(stiff)] if stiff else [])]
     return lambdas(dense_kappas(stiffness, mass, [(J, J - T, C) for J, T, C in constraints]))
 
@@ -139,7 +139,7 @@ def lambdas(kappa: Complexes) -> Complexes:
     return values[np.lexsort((values.real, values.imag))]
 
 
-def _constraint(system: CoupledSystem, contact: Contact) -> Constraint:
+def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
     """J, T and C of a half pass, from its points and the traces of both sides.
 
     Where it is tied, C is that of a stiffness of 1 N/m over the whole interface.
@@ -151,13 +151,13 @@ def _constraint(system: CoupledSystem, contact: Contact) -> Constraint:
     if half.coupling == "bonded":
         copies = normal.shape[1]
         axes = [np.tile(axis, (len(points), 1)) for axis in np.eye(copies)]
-        gap = np.vstack([_jump(system, contact, axis) for axis in axes])
+        gap = np.vstack([jump(system, contact, axis) for axis in axes])
     else:
-        gap = _jump(system, contact, normal)
+        gap = jump(system, contact, normal)
     slip = np.zeros_like(gap)
     if half.friction is not None and half.friction.acts:
         mu = np.broadcast_to(half.friction.mu, len(points))
-        slip = mu[:, None] * _jump(system, contact, half.friction.direction.at(points.x, normal))
+        slip = mu[:, None] * jump(system, contact, half.friction.direction.at(points.x, normal))
     if half.coupling in ("mortar", "bonded"):
         trace = half.interface.trace_a
         psi = trace[:, np.unique(trace.indices)].toarray()
@@ -183,21 +183,21 @@ def _tied(parts: list[Constraint]) -> Constraint:
     return J, U.T @ (root.T @ T), np.zeros((len(J), len(J)))
 
 
-def _jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
+def jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
     """Jump along a direction at every point, on the unknowns of the system, shape (points, n)."""
     interface, start = contact.half.interface, 0
     columns = {}
     for name, body in system.bodies.items():
         columns[name] = slice(start, start + body.expansion.getSizes()[1][1])
         start = columns[name].stop
-    jump = np.zeros((len(direction), system.size))
+    jumps = np.zeros((len(direction), system.size))
     for name, trace, sign in (
         (contact.half.a, interface.trace_a, 1.0),
         (contact.half.b, interface.trace_b, -1.0),
     ):
         full = diags_array(np.full(len(direction), sign)) @ along(trace, direction)
-        jump[:, columns[name]] += (full @ _sparse(system.bodies[name].expansion)).toarray()
-    return jump
+        jumps[:, columns[name]] += (full @ _sparse(system.bodies[name].expansion)).toarray()
+    return jumps
 
 
 def _sparse(matrix: Any) -> csr_array:
@@ -206,5 +206,6 @@ def _sparse(matrix: Any) -> csr_array:
     return csr_array((values, indices, indptr), shape=matrix.getSize())
 
 
-def _array(matrix: Any) -> Floats:
+def array(matrix: Any) -> Floats:
+    """Dense array of a PETSc matrix of one rank."""
     return _sparse(matrix).toarray()
