@@ -12,6 +12,7 @@ so that Q and V together remain an invariant subspace, friction or not (Stewart,
 algorithm for large eigenproblems, SIAM J. Matrix Anal. Appl. 23 (2002)).
 """
 
+import sys
 from abc import ABC, abstractmethod
 from typing import Any
 
@@ -59,6 +60,8 @@ class BlockSearch(ABC):
     """Of its vectors."""
     cleansing = 1
     """Times that OP takes what is infinite out of a vector by being applied."""
+    most = sys.maxsize
+    """Eigenvalues in a disc at which it is called crowded."""
 
     def __init__(
         self,
@@ -102,6 +105,8 @@ class BlockSearch(ABC):
         ------
         ConvergenceError
             When the disc does not become full; ``best`` is the invariant subspace known so far.
+        CrowdedError
+            When it holds more than ``most`` eigenvalues.
         """
         with self._timer("krylov"):
             run = KrylovRun(self, known, radius, seed, both_ends=both_ends)

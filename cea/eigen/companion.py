@@ -43,6 +43,8 @@ class CompanionSearch(BlockSearch):
         gamma (1/s).
     tolerance, max_restarts, timer
         Those of :class:`cea.eigen.block_krylov.BlockSearch`.
+    most
+        Eigenvalues in a disc at which it is called crowded.
     transposed
         Whether vectors of P^T are searched: conjugates of left ones.
     """
@@ -59,6 +61,7 @@ class CompanionSearch(BlockSearch):
         tolerance: float,
         max_restarts: int,
         timer: StageTimer,
+        most: int,
         transposed: bool = False,
     ) -> None:
         super().__init__(
@@ -71,7 +74,7 @@ class CompanionSearch(BlockSearch):
             timer=timer,
         )
         self._mass, self._factors, self._transposed = matrices.mass, factors, transposed
-        self._scale = scale
+        self._scale, self.most = scale, most
         self._damping = Damping(matrices)
         if transposed and self._damping.matrix is not None:
             before = self._damping.matrix

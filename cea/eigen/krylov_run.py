@@ -30,6 +30,19 @@ _CLEAR = 3.0
 """Residuals by which an eigenvalue outside a disc must lie outside."""
 
 
+class CrowdedError(ConvergenceError):
+    """More eigenvalues in a disc than are worth their price.
+
+    Parameters
+    ----------
+    number
+        How many its space knows of.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__(f"a disc holds {number} eigenvalues or more")
+
+
 class ShiftInvert(Protocol):
     """An operator OP with eigenvalues theta = 1 / (kappa - sigma), and its inner product.
 
@@ -51,6 +64,8 @@ class ShiftInvert(Protocol):
         Residual relative to theta below which an eigenvalue has converged.
     max_restarts
         Restarts before a search is given up.
+    most
+        Eigenvalues beside the known in a disc at which it is called crowded.
     """
 
     size: int
@@ -62,6 +77,7 @@ class ShiftInvert(Protocol):
     cleansing: int
     tolerance: float
     max_restarts: int
+    most: int
 
     def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
         """OP on a block whose image is given."""
@@ -142,6 +158,8 @@ class KrylovRun:
                 self.farthest = self._far_end(theta, residuals)
                 return self._locked(theta, converged & near)
             wanted = int(inside.sum())
+            if wanted > self._owner.most:
+                raise CrowdedError(wanted)
             if self._size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
                 if restarts == self._owner.max_restarts:
                     where = f"{self._owner.unknown} = {self._shift:.4g}"

@@ -105,8 +105,8 @@ class KrylovSchur:
             Parameters of the pencil that differ from their own values.
         min_growth
             With damping or rotation, growth rate (1/s), zero or less, down to which modes are
-            asked for; None takes a tenth of the angular frequency of the end. Without, modes that
-            decay mirror those that grow.
+            asked for; None takes a tenth of the angular frequency of the end, or less where
+            overdamped modes crowd. Without, modes that decay mirror those that grow.
         left
             Whether left vectors are wanted too, for sensitivities and true condition numbers.
         timer

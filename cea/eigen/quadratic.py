@@ -16,16 +16,13 @@ from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
 from cea.eigen.modes import Modes, refuse_what_is_lost, warnings_of
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.quadratic_pairs import QuadraticPairs, checked_pairs, inverse_step
-from cea.eigen.quadratic_search import MARGIN, QuadraticFound, QuadraticSearch
+from cea.eigen.quadratic_search import MARGIN, QuadraticSearch
 from cea.eigen.quadratic_shifted import Damping
-from cea.eigen.quadratic_window import QuadraticWindow
+from cea.eigen.quadratic_window import QuadraticFound, QuadraticWindow
 from cea.eigen.sensitivity import SAME, LeftVectors, dual_norms
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
-
-_DECAY = 0.1
-"""Decay down to which a window is complete by default, relative to its end."""
 
 
 @dataclass
@@ -66,7 +63,7 @@ class QuadraticDriver:
             Upper end of the modes asked for (Hz).
         min_growth
             Growth rate (1/s), zero or less, down to which they are asked for; None takes a tenth
-            of the angular frequency of the end.
+            of the angular frequency of the end, or less where overdamped modes crowd.
         left
             Whether left vectors are wanted too.
 
@@ -76,22 +73,21 @@ class QuadraticDriver:
             When the window cannot be filled; the modes found so far are attached.
         """
         end = 2 * np.pi * max_frequency
-        decay = _DECAY * end if min_growth is None else -min_growth
         search = QuadraticSearch(
             self.matrices,
             end,
-            decay,
+            None if min_growth is None else -min_growth,
             tolerance=self.tolerance,
             max_restarts=self.max_restarts,
             timer=self.timer,
         )
         try:
             found = search.window()
-            return self._judged(search, found, end, decay, left=left)
+            return self._judged(search, found, end, left=left)
         except ConvergenceError as error:
             if isinstance(error.best, InvariantSubspace) and search.factors is not None:
                 known = QuadraticFound(error.best)
-                error.best = self._judged(search, known, end, decay, left=False)
+                error.best = self._judged(search, known, end, left=False)
             raise
         finally:
             self.factorisations += search.factorisations
@@ -102,7 +98,6 @@ class QuadraticDriver:
         search: QuadraticSearch,
         found: QuadraticFound,
         end: float,
-        decay: float,
         *,
         left: bool,
     ) -> Modes:
@@ -124,7 +119,7 @@ class QuadraticDriver:
             upper=end,
             found_below=int(np.sum(inside)),
             symmetric_count=None,
-            min_growth=-decay,
+            min_growth=-search.decay,
         )
         return _modes_of(self.pencil, self.values, self.matrices, pairs, vectors, window)
 

@@ -10,15 +10,18 @@ found. Where eigenvalues may grow faster (:mod:`cea.eigen.quadratic_coverage`), 
 to the right.
 """
 
-from dataclasses import dataclass
+import sys
 
 import numpy as np
 
 from cea.body import Complexes
 from cea.eigen.companion import CompanionSearch
+from cea.eigen.krylov_run import CrowdedError
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_coverage import bounded_growth, largest_growth
 from cea.eigen.quadratic_shifted import QuadraticShifted
+from cea.eigen.quadratic_window import QuadraticFound, ShiftedDisc
+from cea.eigen.shifted import count_below
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
@@ -34,6 +37,14 @@ MARGIN = 0.005
 first mode beyond it, and conjugates of those next to the real axis."""
 _SIGN = 0.01
 """Real shift relative to omega beyond which real eigenvalues are even or odd in number."""
+_DECAY = 0.1
+"""Decay d down to which a window is complete by default, relative to omega."""
+_CROWD = 1000
+"""Unknowns up to which a disc may hold any number of eigenvalues."""
+_CROWDED, _FEW = 4, 100
+"""Eigenvalues in a disc that are too many: modes of the window without damping, and a number."""
+_ATTEMPTS, _AWAY = 4, 4.0
+"""Shifts tried where eigenvalues crowd, and growth of their real part from one to the next."""
 _FARTHER = 8.0
 """Growth of the shift from one disc to the next."""
 _SMALL = 10_000
@@ -50,45 +61,6 @@ _INSIDE = 1 + 1e-9
 """Radius of a disc of left eigenvalues relative to the farthest right one in it."""
 
 
-@dataclass(frozen=True)
-class ShiftedDisc:
-    """A disc of lambda in which every eigenvalue was found.
-
-    Parameters
-    ----------
-    centre, radius
-        In 1/s.
-    """
-
-    centre: complex
-    radius: float
-
-
-@dataclass(frozen=True)
-class QuadraticFound:
-    """What a search of a window found.
-
-    Parameters
-    ----------
-    subspace
-        Invariant subspace of the eigenvalues found, of the companion form.
-    discs
-        Discs that are full.
-    growth
-        Every eigenvalue of the window with Re lambda <= growth was found (1/s).
-    bounded
-        Whether none grows faster.
-    odd
-        Whether the sign of a determinant shows that a real eigenvalue is missing.
-    """
-
-    subspace: InvariantSubspace
-    discs: tuple[ShiftedDisc, ...] = ()
-    growth: float = 0.0
-    bounded: bool = False
-    odd: bool = False
-
-
 class QuadraticSearch:
     """Searches of one window of one pencil at given parameters.
 
@@ -99,7 +71,7 @@ class QuadraticSearch:
     end
         omega (1/s).
     decay
-        d (1/s).
+        d (1/s); None takes a tenth of omega, or less where modes crowd.
     tolerance, max_restarts
         Of each search (:class:`cea.eigen.block_krylov.BlockSearch`).
     timer
@@ -111,25 +83,30 @@ class QuadraticSearch:
         The pencil factorised at the first shift, once it was searched.
     factorisations
         Factorisations made so far.
+    decay
+        d (1/s), once the window was searched.
     """
 
     def __init__(
         self,
         matrices: Matrices,
         end: float,
-        decay: float,
+        decay: float | None,
         *,
         tolerance: float,
         max_restarts: int,
         timer: StageTimer,
     ) -> None:
-        self._matrices, self._end, self._decay = matrices, end, decay
+        self._matrices, self._end = matrices, end
+        self._asked = decay is not None
+        self.decay = _DECAY * end if decay is None else decay
         self._limits = tolerance, max_restarts
         self._timer = timer
         self.factorisations = 0
         self.factors: QuadraticShifted | None = None
         self._searches = 0
         self._discs: list[ShiftedDisc] = []
+        self._most = sys.maxsize
         self._farthest: dict[complex, float] = {}
         self._farthest_lambda = np.inf
 
@@ -141,19 +118,27 @@ class QuadraticSearch:
         ConvergenceError
             When a disc does not become full; ``best`` is what was found.
         """
-        left, most = -self._decay, _MOST_DISCS[self._matrices.size <= _SMALL]
+        left, most = -self.decay, _MOST_DISCS[self._matrices.size <= _SMALL]
         self.factorisations += 2
         with self._timer("factorisation"):
             largest = largest_growth(self._matrices, self._end)
+        if self._matrices.size > _CROWD:
+            with self._timer("factorisation"):
+                modes = count_below(self._matrices, self._end**2)
+            self._most = _CROWDED * modes + _FEW
         centre = max(_LEAST_SHIFT * self._end, 0.5 * (largest + left))
         if centre > _FARTHEST_SHIFT * self._end:
             centre = _SHIFT * self._end
-        known = self._first(centre, left)
+        known, centre = self._not_crowded(centre)
+        left = -self.decay
         growth = 2 * centre - left
         bounded = growth >= largest or self._bounded(growth)
         while not bounded and known.size < self._finite and len(self._discs) <= most:
             left, centre = growth, _FARTHER * centre
-            known = self._beside(known, *self._disc(centre, left))
+            try:
+                known = self._beside(known, *self._disc(centre, left))
+            except CrowdedError:
+                break
             growth = 2 * centre - left
             bounded = growth >= largest or self._bounded(growth)
         if known.size >= self._finite:
@@ -172,6 +157,27 @@ class QuadraticSearch:
         """Shift and radius of a disc that holds the window to the right of a real part."""
         half = (0.5 + MARGIN) * self._end
         return complex(centre, 0.5 * self._end), float(np.hypot(centre - left, half))
+
+    def _not_crowded(self, centre: float) -> tuple[InvariantSubspace, float]:
+        """Eigenvalues of the first disc, and the real part of its shift.
+
+        Overdamped modes may crowd at one rate of decay. From farther to the right a disc reaches
+        less beyond the decay asked for, and that is reduced where nobody asked.
+        """
+        for _ in range(_ATTEMPTS):
+            try:
+                return self._first(centre, -self.decay), centre
+            except CrowdedError as error:
+                crowded = error
+            self.free()
+            self._farthest.clear()
+            centre *= _AWAY
+            if not self._asked:
+                self.decay /= _AWAY
+        raise ConvergenceError(
+            f"{crowded}: modes crowd near or above the growth rate {-self.decay:.4g} 1/s; a higher "
+            "min_growth leaves them out"
+        )
 
     def _first(self, centre: float, left: float) -> InvariantSubspace:
         """Eigenvalues of the first disc, whose shift steps aside where it is one."""
@@ -226,6 +232,7 @@ class QuadraticSearch:
             tolerance=tolerance,
             max_restarts=max_restarts,
             timer=self._timer,
+            most=self._most,
             transposed=transposed,
         )
         centre = krylov.shift

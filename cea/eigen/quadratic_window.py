@@ -3,6 +3,46 @@
 from dataclasses import dataclass
 
 from cea.eigen.spectrum import Window
+from cea.eigen.subspace import InvariantSubspace
+
+
+@dataclass(frozen=True)
+class ShiftedDisc:
+    """A disc of lambda in which every eigenvalue was found.
+
+    Parameters
+    ----------
+    centre, radius
+        In 1/s.
+    """
+
+    centre: complex
+    radius: float
+
+
+@dataclass(frozen=True)
+class QuadraticFound:
+    """What a search of a window found.
+
+    Parameters
+    ----------
+    subspace
+        Invariant subspace of the eigenvalues found, of the companion form.
+    discs
+        Discs that are full.
+    growth
+        Every eigenvalue of the window with Re lambda <= growth was found (1/s).
+    bounded
+        Whether none grows faster.
+    odd
+        Whether the sign of a determinant shows that a real eigenvalue is missing.
+    """
+
+    subspace: InvariantSubspace
+    discs: tuple[ShiftedDisc, ...] = ()
+    growth: float = 0.0
+    bounded: bool = False
+    odd: bool = False
 
 
 @dataclass(frozen=True)

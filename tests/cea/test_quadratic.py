@@ -11,6 +11,7 @@ from quadratic_cases import damped, lumped_modes
 from quadratic_judge import dense_quadratic, judge_quadratic
 from random_quadratic import pencil_of, random_quadratic
 from reference_data import eigenvalues, stored
+from scipy.sparse import diags_array, eye_array
 
 from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur, solve_modes
@@ -19,7 +20,7 @@ from cea.eigen.pencil import Pencil, Term
 from cea.eigen.quadratic_coverage import bounded_growth, largest_growth
 from cea.eigen.quadratic_shifted import QuadraticShifted
 from cea.eigen.thresholds import flutter_threshold
-from cea.errors import InputError
+from cea.errors import ConvergenceError, InputError
 
 GPTS = {"method": "gpts", "points": 3}
 TOP = 1.0
@@ -259,3 +260,35 @@ def test_many_copies_of_damped_modes_are_all_found():
     expected = -0.01 + 1j * np.sqrt(np.repeat([1.0, 2.0], [17, 8]) - 1e-4)
     assert modes.eigenvalues == pytest.approx(expected, abs=1e-10)
     assert modes.verdict() == "stable"
+
+
+def overdamped(n, end):
+    """A string of which modes beyond a fifth of the window crowd at one rate of decay."""
+    ones = np.ones(n)
+    K = diags_array([2 * ones, -ones[1:], -ones[1:]], offsets=[0, 1, -1]) * (n + 1.0) ** 2
+    return Pencil(
+        [
+            Term("mass", to_petsc(eye_array(n))),
+            Term("stiffness", to_petsc(K)),
+            Term("damping", to_petsc(10 / end * K)),
+        ]
+    )
+
+
+def test_overdamped_modes_that_crowd_are_left_out():
+    n, end = 1200, 20.5 * np.pi
+    modes = solve_modes(overdamped(n, end), end / (2 * np.pi))
+    kappa = 4 * (n + 1) ** 2 * np.sin(np.arange(1, n + 1) * np.pi / (2 * (n + 1))) ** 2
+    drag = 5 / end * kappa
+    exact = np.concatenate([-drag + s * np.sqrt(drag**2 - kappa + 0j) for s in (1, -1)])
+    asked = (exact.imag >= 0) & (exact.real >= modes.window.min_growth)
+    assert modes.eigenvalues == pytest.approx(exact[asked], abs=1e-8)
+    assert -0.1 * end < modes.window.min_growth < 0
+    assert modes.verdict() == "stable"
+
+
+@pytest.mark.slow
+def test_overdamped_modes_that_crowd_in_the_window_are_refused():
+    end = 20.5 * np.pi
+    with pytest.raises(ConvergenceError, match="min_growth"):
+        solve_modes(overdamped(1200, end), end / (2 * np.pi), min_growth=-0.3 * end)

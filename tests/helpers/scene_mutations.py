@@ -16,7 +16,7 @@ from scenes.read import SCENES
 NAMES = sorted(file.stem for file in SCENES.glob("*.toml"))
 POSITIVE = {
     *("E", "rho", "P", "p", "max_frequency", "inner_radius", "outer_radius", "degree", "elements"),
-    *("size", "points", "samples", "frequencies"),
+    *("size", "points", "samples", "frequencies", "c_n", "m_n"),
 }
 """Fields whose numbers are greater than zero."""
 NOT_NEGATIVE = POSITIVE | {
@@ -28,7 +28,9 @@ REQUIRED = {
     *("inner_radius", "outer_radius", "bottom", "top", "start", "end", "vector"),
     "circumferential_about",
 }
-MAY_BE_NONE = ("P", "p", "growth_threshold", "min_growth", "rho", "alpha", "beta", "mu_slope")
+MAY_BE_NONE = {
+    *("P", "p", "m_n", "growth_threshold", "min_growth", "rho", "alpha", "beta", "mu_slope"),
+}
 """Numbers that may be left out, beside others."""
 FREE_TEXT = {"name", "description"}
 NAMED = {"bodies", "contacts", "through", "faces"}
@@ -222,7 +224,7 @@ def _number_changes(value, field, path):
 
 def _text_changes(value, field):
     free = field in FREE_TEXT
-    expression = field in ("mu", "p", "field", "speed", "pressure", "mu_slope")
+    expression = field in ("mu", "p", "added_gap", "field", "speed", "pressure", "mu_slope")
     for new in (3, 1.5, [], {}, [value], True):
         yield "wrong type", new, (not expression) or None
     for new in ("", "inf", "nan", "no such", value + "x", value.upper() + "?", "\0", "a.b.c", "é"):
