@@ -71,7 +71,7 @@ class Expression:
     def _varies(self) -> bool:
         """Whether it names a coordinate."""
         return any(
-            isinstance(n, ast.Name) and n.id in _COORDINATES for n in ast.walk(_parsed(self.text))
+            isinstance(n, ast.Name) and n.id in _COORDINATES for n in ast.walk(parsed(self.text))
         )
 
     def __call__(self, x: Floats) -> Floats:
@@ -91,7 +91,7 @@ class Expression:
         }
         names = {name: getattr(np, name) for name in FUNCTIONS} | {"pi": np.pi} | coordinates
         try:
-            tree = _parsed(self.text)
+            tree = parsed(self.text)
         except ValueError as error:
             raise self._refused(coordinates, str(error)) from None
         evaluator = Interpreter(symtable=names, minimal=True, use_numpy=False)
@@ -116,10 +116,11 @@ class Expression:
 
 
 @cache
-def _parsed(text: str) -> ast.expr:
+def parsed(text: str) -> ast.expr:
     """Syntax tree of an expression that is nothing but arithmetic and calls of known functions.
 
-    Whole numbers become floats: powers of them would grow without bound.
+    Whole numbers become floats: powers of them would grow without bound. The tree is shared: it is
+    read and never changed.
 
     Raises
     ------

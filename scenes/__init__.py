@@ -12,6 +12,12 @@ if TYPE_CHECKING:
     from scenes.assembled import AssembledScene as AssembledScene
     from scenes.assembled import assemble as assemble
     from scenes.describe import save_result as save_result
+    from scenes.matrix_run import AssembledMatrices as AssembledMatrices
+    from scenes.matrix_run import MatrixResult as MatrixResult
+    from scenes.matrix_run import run_matrices as run_matrices
+    from scenes.matrix_scene import MatrixScene as MatrixScene
+    from scenes.matrix_scene import load_matrices as load_matrices
+    from scenes.matrix_scene import read_matrix_scene as read_matrix_scene
     from scenes.opened import open_result as open_result
     from scenes.read import Scene as Scene
     from scenes.read import SceneError as SceneError
@@ -28,6 +34,8 @@ _OWNERS = {
     "cea.contact.formulations": ("Formulation", "register"),
     "scenes.assembled": ("AssembledScene", "assemble"),
     "scenes.describe": ("save_result",),
+    "scenes.matrix_run": ("AssembledMatrices", "MatrixResult", "run_matrices"),
+    "scenes.matrix_scene": ("MatrixScene", "load_matrices", "read_matrix_scene"),
     "scenes.opened": ("open_result",),
     "scenes.read": ("Scene", "SceneError", "load_scene", "read_scene", "scene_names"),
     "scenes.results": ("ModesResult", "StaticResult"),

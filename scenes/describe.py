@@ -10,6 +10,7 @@ import numpy as np
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum
 from cea.system.contact_stresses import SideStress
+from scenes.matrix_run import MatrixResult
 from scenes.plain import as_data
 from scenes.results import ModesResult, StaticResult
 from scenes.steady import steady_data
@@ -20,7 +21,7 @@ RUN = "run"
 
 
 def save_result(
-    result: ModesResult | StaticResult,
+    result: ModesResult | StaticResult | MatrixResult,
     file: str | Path,
     *,
     inputs: Mapping[str, Any] | None = None,
@@ -41,7 +42,7 @@ def save_result(
     """
     path, described = Path(file), describe(result)
     seconds = described.pop("seconds")
-    if next(iter(result.bodies.values())).comm.rank == 0:
+    if result.comm.rank == 0:
         inputs = {"scene": result.scene.name} if inputs is None else inputs
         described |= data or {}
         told = [warning.plain() for warning in result.warnings]
@@ -49,8 +50,10 @@ def save_result(
     return path
 
 
-def describe(result: ModesResult | StaticResult) -> dict[str, Any]:
+def describe(result: ModesResult | StaticResult | MatrixResult) -> dict[str, Any]:
     """Everything about a run, plain data as :func:`scenes.stored.write_record` takes them."""
+    if isinstance(result, MatrixResult):
+        return _describe_matrices(result)
     data: dict[str, Any] = {
         "scene": as_data(result.scene),
         "dofs": {
@@ -72,6 +75,17 @@ def describe(result: ModesResult | StaticResult) -> dict[str, Any]:
             for name, sides in result.stresses.items()
         }
     }
+
+
+def _describe_matrices(result: MatrixResult) -> dict[str, Any]:
+    return {
+        "scene": as_data(result.scene),
+        "dofs": {"free": result.size},
+        "timings": dict(result.timer.seconds),
+        "seconds": result.timer.total,
+        "skipped": dict(result.skipped),
+        "matrices": {name: piece.plain() for name, piece in result.pieces.items()},
+    } | describe_modes(result.modes, result.analysis.growth_threshold)
 
 
 def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats
 from cea.eigen.spectrum import Spectrum, Verdict
+from scenes.matrix_scene import MatrixScene
 from scenes.names import backend_name
 from scenes.read import Scene
 from scenes.spec import ComplexEigenvalueAnalysis
@@ -23,7 +24,7 @@ class OfModes:
         Its eigenvalues with their errors and the window that was searched.
     """
 
-    scene: Scene
+    scene: Scene | MatrixScene
     modes: Spectrum
 
     @property

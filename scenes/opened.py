@@ -15,6 +15,7 @@ from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
 from scenes.checks import faults_told_by
+from scenes.matrix_scene import MatrixScene, read_matrix_scene
 from scenes.of_modes import OfModes
 from scenes.read import Scene, read_scene
 from scenes.stored import PROVENANCE, read_record
@@ -61,7 +62,7 @@ class _StoredRun(StoredResult):
         The scene as run.
     """
 
-    scene: Scene
+    scene: Scene | MatrixScene
 
     @property
     def dofs(self) -> int:
@@ -231,9 +232,10 @@ def _typed(common: dict[str, Any], data: dict[str, Any]) -> StoredResult:
     return StoredResult(**common)
 
 
-def _scene(data: Mapping[str, Any], kind: str) -> Scene:
+def _scene(data: Mapping[str, Any], kind: str) -> Scene | MatrixScene:
     """The scene of a run, whose analysis must be of the kind of its data."""
-    scene = read_scene(data["scene"])
+    of_matrices = "files" in data["scene"]
+    scene = read_matrix_scene(data["scene"]) if of_matrices else read_scene(data["scene"])
     if scene.analysis.kind != kind:
         raise InputError("scene.analysis.kind", scene.analysis.kind, f"{kind!r}, as the data are")
     return scene

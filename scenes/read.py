@@ -20,6 +20,8 @@ from scenes.spec import Backend, SceneSpec
 
 SCENES = Path(__file__).parent / "catalogue"
 """Folder of the scenes that come with the project."""
+OF_MATRICES = SCENES / "matrices"
+"""Folder of those whose matrices come from files."""
 
 
 _SHOWN = 20
@@ -90,10 +92,7 @@ class Scene(SceneSpec):
         SceneError
             With one line for each fault.
         """
-        data = plain_data(self)
-        for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
-            _set(data, path, plain_data(new))
-        return read_scene(data)
+        return read_scene(changed(self, field, value))
 
     def on(self, backend: Backend) -> "Scene":
         """The scene with every body on one backend.
@@ -127,12 +126,10 @@ def load_scene(
     SceneError
         With one line for each fault.
     """
-    data = _tables_of(scene)
-    for override in overrides:
-        path, equals, text = override.partition("=")
-        if not equals:
-            raise SceneError([InputError("--set", override, "path.to.field=value")])
-        _set(data, path.strip(), _toml_value(text))
+    data = tables_of(scene, overrides)
+    if "files" in data and "bodies" not in data:
+        allowed = "a scene of bodies; one of matrices is read by load_matrices"
+        raise SceneError([InputError("scene", str(scene), allowed)])
     if backend is not None and isinstance(data.get("bodies"), dict):
         for body in data["bodies"].values():
             if isinstance(body, dict):
@@ -140,22 +137,45 @@ def load_scene(
     return read_scene(data)
 
 
-def _tables_of(scene: str | Path) -> dict[str, Any]:
-    """What a scene file says.
+def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any]:
+    """What a scene file says, with fields set; parameters are those of :func:`load_scene`.
 
     Raises
     ------
     SceneError
-        When there is no such file, or no TOML in it.
+        When there is no such file, or no TOML in it, or a field cannot be set.
     """
-    file = _file(scene)
+    data = _toml(scene)
+    set_fields(data, overrides)
+    return data
+
+
+def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
+    """Set fields of plain data, each as "path.to.field=value" with a TOML value.
+
+    Raises
+    ------
+    SceneError
+        When one cannot be set.
+    """
+    for override in overrides:
+        path, equals, text = override.partition("=")
+        if not equals:
+            raise SceneError([InputError("--set", override, "path.to.field=value")])
+        _set(data, path.strip(), _toml_value(text))
+
+
+def _toml(scene: str | Path) -> dict[str, Any]:
+    """What a scene file says."""
+    file = scene_file(scene)
     try:
         if not file.is_file():
             raise FileNotFoundError
         with file.open("rb") as stream:
             content = stream.read(_LARGEST + 1)
     except (OSError, ValueError) as error:
-        allowed = f"a TOML file, or one of {', '.join(scene_names())}"
+        names = ", ".join([*scene_names(), *matrix_scene_names()])
+        allowed = f"a TOML file, or one of {names}"
         reason = f" ({error.strerror})" if isinstance(error, OSError) and error.strerror else ""
         raise SceneError([InputError("scene", str(scene), allowed + reason)]) from error
     if len(content) > _LARGEST:
@@ -171,12 +191,28 @@ def _tables_of(scene: str | Path) -> dict[str, Any]:
 
 
 def scene_names() -> list[str]:
-    """Names of the scenes that come with the project."""
+    """Names of the scenes of bodies that come with the project."""
     return sorted(file.stem for file in SCENES.glob("*.toml"))
+
+
+def matrix_scene_names() -> list[str]:
+    """Names of the scenes of matrices that come with the project."""
+    return sorted(file.stem for file in OF_MATRICES.glob("*.toml"))
 
 
 def read_scene(data: Mapping[str, Any]) -> Scene:
     """Check a scene given as nested dictionaries and make it a :class:`Scene`.
+
+    Raises
+    ------
+    SceneError
+        With one line for each fault.
+    """
+    return _without_faults(checked(_adapter(tuple(registered().values())), data))
+
+
+def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
+    """Nested dictionaries as what they should be.
 
     Raises
     ------
@@ -189,10 +225,17 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
     except (SceneError, TypeError, ValueError, RecursionError) as error:
         raise SceneError([_unreadable(data)]) from error
     try:
-        scene = _adapter(tuple(registered().values())).validate_json(content)
+        return kind.validate_json(content)
     except ValidationError as error:
         raise SceneError(faults_told_by(error)) from error
-    return _without_faults(scene)
+
+
+def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> dict[str, Any]:
+    """Plain data of a scene with fields changed, as :meth:`Scene.change` takes them."""
+    data = plain_data(scene)
+    for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
+        _set(data, path, plain_data(new))
+    return data
 
 
 def plain_data(value: Any) -> Any:
@@ -241,11 +284,13 @@ def _is_plain_number(value: Any) -> bool:
     return isinstance(value, bool | float) or (isinstance(value, int) and abs(value) < _WHOLE)
 
 
-def _file(scene: str | Path) -> Path:
+def scene_file(scene: str | Path) -> Path:
     """The file that is meant; what lies in the working directory never shadows a scene."""
     text = os.fspath(scene)
-    named = os.sep not in text and "/" not in text and not text.endswith(".toml")
-    return SCENES / f"{text}.toml" if named else Path(scene)
+    if os.sep in text or "/" in text or text.endswith(".toml"):
+        return Path(scene)
+    of_matrices = OF_MATRICES / f"{text}.toml"
+    return of_matrices if text in matrix_scene_names() else SCENES / f"{text}.toml"
 
 
 @cache

@@ -113,6 +113,11 @@ class SceneResult:
         """The parameters that were solved at."""
         return self.system.pencil().values()
 
+    @property
+    def comm(self) -> Any:
+        """Communicator (mpi4py)."""
+        return next(iter(self.bodies.values())).comm
+
     def _displacements(
         self,
         place: str,
@@ -145,6 +150,7 @@ class ModesResult(OfModes, SceneResult):
         Eigenvalues, eigenvectors, their errors and the window that was searched.
     """
 
+    scene: Scene
     modes: Modes
 
     def _values(self) -> Mapping[str, float]:

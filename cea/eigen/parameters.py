@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, prod
+from typing import Protocol
 
 from cea.errors import InputError
 
@@ -47,6 +48,23 @@ class Parameter:
         return float(value)
 
 
+class Dependence(Protocol):
+    """How a piece of a pencil depends on parameters: its c_j(t)."""
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters it depends on."""
+        ...
+
+    def at(self, values: Mapping[str, float]) -> float:
+        """Value at given parameters."""
+        ...
+
+    def derivative(self, name: str, values: Mapping[str, float]) -> float:
+        """Derivative in one parameter."""
+        ...
+
+
 @dataclass(frozen=True)
 class Monomial:
     """A product of powers of parameters, each relative to a reference.
@@ -82,7 +100,7 @@ class Monomial:
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A sum of monomials in the parameters: the c_j(t) of one piece of a pencil."""
+    """A sum of monomials in the parameters, a :class:`Dependence`."""
 
     monomials: tuple[Monomial, ...] = (Monomial(),)
 

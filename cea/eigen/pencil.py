@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
-from cea.eigen.parameters import CONSTANT, Coefficient, Parameter
+from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Parameter
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
 from cea.petsc import Mat
@@ -42,7 +42,7 @@ class Term:
 
     role: Role
     matrix: Mat
-    coefficient: Coefficient = CONSTANT
+    coefficient: Dependence = CONSTANT
     symmetric: bool = True
 
 

@@ -8,8 +8,10 @@ from typer.core import TyperGroup
 
 from comparisons.cli.exact import app as exact_app
 from comparisons.cli.paper import claims, figure
+from comparisons.cli.race import race
 from comparisons.cli.ranks import launched_together, one_voice
 from comparisons.cli.run import run
+from comparisons.cli.solve import solve
 from comparisons.cli.studies import (
     accuracy,
     compare,
@@ -18,6 +20,7 @@ from comparisons.cli.studies import (
     reference,
     stability,
 )
+from comparisons.cli.sweep import sweep
 
 
 class _LightGroup(TyperGroup):
@@ -42,7 +45,10 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-_COMMANDS = run, compare, figure, claims, formulations, accuracy, damping, stability, reference
+_COMMANDS = (
+    *(run, solve, sweep, race),
+    *(compare, figure, claims, formulations, accuracy, damping, stability, reference),
+)
 for _command in _COMMANDS:
     app.command()(_command)
 app.add_typer(exact_app, name="exact")

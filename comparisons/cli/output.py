@@ -10,10 +10,13 @@ from rich.table import Table
 from comparisons.kit.tables import Table as ReportTable
 
 if TYPE_CHECKING:
+    from scenes.matrix_run import MatrixResult
     from scenes.results import ModesResult, StaticResult
 
 console = Console()
 _TABLE_WIDTH = 120
+_SLOW = 0.01
+"""Growth rate (1/s) below which three digits after the point show too little."""
 
 
 def print_table(table: ReportTable) -> None:
@@ -38,7 +41,7 @@ def print_steady(result: "ModesResult | StaticResult") -> None:
         console.print(line)
 
 
-def print_modes(result: "ModesResult") -> None:
+def print_modes(result: "ModesResult | MatrixResult") -> None:
     """Print the eigenvalues of a run, its verdict, what it must be read with, and why it is all."""
     columns = ("mode", "frequency (Hz)", "growth rate (1/s)", "uncertainty", "residual")
     table = Table(*columns, "condition", "verdict")
@@ -46,23 +49,26 @@ def print_modes(result: "ModesResult") -> None:
         table.add_row(
             str(mode["mode"]),
             f"{mode['frequency']:.3f}",
-            f"{mode['growth_rate']:+.3f}",
+            _growth(mode["growth_rate"]),
             f"{mode['uncertainty']:.1e}",
             f"{mode['residual']:.1e}",
             f"{mode['condition']:.1f}",
             mode["verdict"],
             style=_COLOURS[mode["verdict"]],
         )
-    print_steady(result)
     console.print(table)
     typer.echo(result.modes.window.evidence)
     _print_warnings(result)
     console.print(f"verdict: {result.verdict}")
 
 
+def _growth(rate: float) -> str:
+    """A growth rate; a slow one by its digits, for it decides as a fast one does."""
+    return f"{rate:+.3f}" if rate == 0 or abs(rate) >= _SLOW else f"{rate:+.2e}"
+
+
 def print_stresses(result: "StaticResult") -> None:
     """Print the range of the normal stress on each side of each contact."""
-    print_steady(result)
     for row in result.table():
         console.print(
             f"{row['contact']}, side {row['side']}: sigma_n from {row['min']:.6g} to "
@@ -71,7 +77,7 @@ def print_stresses(result: "StaticResult") -> None:
     _print_warnings(result)
 
 
-def _print_warnings(result: "ModesResult | StaticResult") -> None:
+def _print_warnings(result: "ModesResult | StaticResult | MatrixResult") -> None:
     """Print what a result must be read with."""
     for warning in result.warnings:
         console.print(f"warning ({warning.kind}): {warning.message}", style="yellow")

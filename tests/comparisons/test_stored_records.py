@@ -10,6 +10,8 @@ from comparisons.accuracy.runner import COMMAND as ACCURACY
 from comparisons.paper.common.store import COMMAND as FIGURE
 from comparisons.paper.common.store import STORED
 from comparisons.reference.study import REFERENCE
+from comparisons.sweep import page as sweep_page
+from comparisons.sweep.study import COMMAND as SWEEP
 from scenes.stored import PROVENANCE, read_record
 
 MEASURED = Path(accuracy_page.__file__).with_name("results") / "result.json.gz"
@@ -17,6 +19,7 @@ RECORDS = [
     *((FIGURE, file) for file in sorted(STORED.glob("*.json.gz"))),
     (ACCURACY, MEASURED),
     ("reference", REFERENCE),
+    (SWEEP, Path(sweep_page.__file__).with_name("results") / "result.json.gz"),
 ]
 
 

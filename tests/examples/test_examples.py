@@ -10,6 +10,7 @@ from examples import (
     exact_errors,
     flutter_threshold,
     friction_sweep,
+    matrices_from_files,
     matrices_in_scipy,
     mixed_bodies,
     own_scene,
@@ -78,3 +79,11 @@ def test_examples_are_short_and_every_one_is_run():
         assert f"{file.stem}." in text, file
         assert len(file.read_text().splitlines()) <= 40, file
     assert len(files) >= 6
+
+
+def test_matrices_from_files():
+    """2 lambda = -0.1 + sqrt(0.01 - 16 + 0.4 v i); at v = 2 the root is 0.1 + 4 i."""
+    speeds = np.array([1.0, 2.0, 4.0])
+    true = 0.5 * (np.sqrt(-15.99 + 0.4j * speeds).real - 0.1)
+    found = matrices_from_files.growth_rates(tuple(speeds.tolist()))
+    np.testing.assert_allclose(found, true, rtol=0, atol=1e-13)

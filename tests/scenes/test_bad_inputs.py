@@ -9,13 +9,16 @@ import pytest
 from bad_inputs import complaint, faults_of, patience, random_bad, reader
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from scene_mutations import NAMES, Bad, coarse, mutations, random_mutation, valid
+from matrix_files import scene as a_scene_of_matrices
+from scene_mutations import HOSTILE, NAMES, Bad, coarse, mutations, random_mutation, valid
 from stored_runs import PATCH, a_record
 
+from cea.eigen.formula import Formula
 from cea.errors import InputError
 from cea.fields import Expression
 from cea.mesh import Mesh
 from scenes.describe import save_result
+from scenes.matrix_scene import load_matrices, read_matrix_scene
 from scenes.opened import open_result
 from scenes.read import SceneError, load_scene, read_scene
 from scenes.run import run_scene
@@ -142,6 +145,47 @@ def test_random_values_in_random_places(name, data):
         table = table[key]
     table[key] = data.draw(plain)
     assert refused_or_read(read_scene, scene) != NAMELESS
+
+
+@quickly
+@given(st.data())
+def test_random_values_in_a_scene_of_matrices(data):
+    scene = a_scene_of_matrices()
+    section = scene[data.draw(st.sampled_from(sorted(scene)))]
+    table = section if isinstance(section, dict) and data.draw(st.booleans()) else scene
+    table[data.draw(st.sampled_from(sorted(table)) | st.text(max_size=8))] = data.draw(plain)
+    assert refused_or_read(read_matrix_scene, scene) != NAMELESS
+
+
+@quickly
+@given(st.text(max_size=60), st.text(max_size=40))
+def test_random_settings_of_matrices(path, value):
+    setting = f"{path}={value}"
+    read = refused_or_read(lambda text: load_matrices("tu_berlin", [text], "nowhere"), setting)
+    assert read != NAMELESS
+
+
+@quickly
+@given(st.text(alphabet="xy0123456789.+-*/()<>=&|^, sincoexplgqrtb", max_size=50))
+def test_random_formulas_give_a_finite_number_or_a_refusal(text):
+    names = {"x": "parameters.x", "y": "parameters.y"}
+
+    def values(text):
+        formula, at = Formula(text, names), {"parameters.x": 0.3, "parameters.y": -2.0}
+        return [formula.at(at), formula.derivative("parameters.x", at)]
+
+    found = refused_or_read(values, text)
+    assert found is None or np.isfinite(found).all()
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=lambda text: text[:20])
+def test_hostile_formulas_are_refused(text):
+    def read(text):
+        return Formula(text, {"x": "parameters.x", "y": "parameters.y"}).at(
+            {"parameters.x": 0.3, "parameters.y": -2.0}
+        )
+
+    assert refused_or_read(read, text) is None
 
 
 @quickly

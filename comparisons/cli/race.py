@@ -1,0 +1,31 @@
+"""The command ``cea race``: run time beside scipy."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def race(
+    scene: Annotated[str, typer.Argument(help="Scene of matrices: TOML file, or its name.")],
+    set_: Annotated[list[str] | None, typer.Option("--set", help="Override of a field.")] = None,
+    data: Annotated[str | None, typer.Option(help="Folder of the files it names.")] = None,
+    repeats: Annotated[int, typer.Option(help="Runs of each; the median counts.")] = 3,
+    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/race"),
+) -> None:
+    """Time a scene of matrices beside five shift-and-invert runs of scipy in the same process."""
+    from cea.files import check_writable
+    from comparisons.cli.output import console, print_table
+    from comparisons.race.page import write_race
+    from comparisons.race.study import race as run_race
+    from comparisons.race.tables import race_table
+    from scenes.matrix_scene import load_matrices
+
+    with console.status("race") as status:
+        chosen = load_matrices(scene, set_ or (), data)
+        check_writable(out / "result.json", "out")
+        inputs = {"scene": scene, "set": set_ or [], "data": data, "repeats": repeats}
+        found = run_race(chosen, inputs, repeats=repeats, progress=status.update)
+        file = write_race(found, out)
+    print_table(race_table(found))
+    typer.echo(f"{file}")

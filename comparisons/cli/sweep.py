@@ -1,0 +1,46 @@
+"""The command ``cea sweep``: one scene along one of its fields."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def sweep(
+    scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
+    field: Annotated[str, typer.Argument(help="Field that is changed, e.g. parameters.Omega.")],
+    start: Annotated[float, typer.Argument(help="Its first value.")],
+    stop: Annotated[float, typer.Argument(help="Its last value.")],
+    points: Annotated[int, typer.Option(help="Number of values.")] = 13,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", help="Override of another field.")
+    ] = None,
+    data: Annotated[
+        str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
+    ] = None,
+    redraw: Annotated[
+        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/sweep"),
+) -> None:
+    """Follow the modes of a scene along a field, and draw those that become unstable."""
+    from comparisons.cli.extras import need
+    from comparisons.cli.output import console, print_table
+
+    need("pictures")
+    from cea.files import check_writable
+    from comparisons.sweep.page import read_sweep, write_sweep
+    from comparisons.sweep.study import Sweep, run_sweep
+    from comparisons.sweep.tables import unstable_table, values_table
+
+    with console.status("sweep") as status:
+        if redraw:
+            found = read_sweep(out)
+        else:
+            check_writable(out / "result.json", "out")
+            asked = Sweep(scene, field, start, stop, points, tuple(set_ or ()), data)
+            found = run_sweep(asked, status.update)
+        picture = write_sweep(found, out)
+    print_table(values_table(found))
+    print_table(unstable_table(found))
+    typer.echo(f"The picture to open: {picture}")

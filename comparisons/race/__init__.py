@@ -1,0 +1,1 @@
+"""Run time beside shift-and-invert by scipy: `cea race`."""

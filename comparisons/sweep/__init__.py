@@ -1,0 +1,1 @@
+"""Modes of a scene along one parameter: `cea sweep`."""

@@ -1,0 +1,217 @@
+"""A sweep: the modes of a scene at some values of one field, and which of them belong together."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any, Protocol
+
+import numpy as np
+
+from cea.body import Complexes
+from cea.eigen.eigenvalue_matching import assign
+from cea.errors import ConvergenceError, InputError
+from comparisons.kit.tables import Data
+from scenes.assembled import AssembledScene
+from scenes.matrix_run import AssembledMatrices
+from scenes.matrix_scene import is_of_matrices, load_matrices
+from scenes.of_modes import OfModes
+from scenes.read import load_scene
+from scenes.stored import record
+
+COMMAND = "sweep"
+_NEAR = 0.02
+"""Distance, relative to abs(lambda), up to which modes at neighbouring values are one curve."""
+_MOST = 1000
+"""Values of a sweep."""
+
+
+class Assembled(Protocol):
+    """A scene that is solved at changed fields."""
+
+    def modes(
+        self,
+        changes: Mapping[str, Any] | None = None,
+        *,
+        listener: Callable[[str], None] | None = None,
+    ) -> OfModes:
+        """Modes with fields changed."""
+        ...
+
+    def free(self) -> None:
+        """Free what is kept between solves."""
+        ...
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What is swept.
+
+    Parameters
+    ----------
+    scene
+        Name of a scene, or its file.
+    field
+        Path of the field that is changed, e.g. ``parameters.Omega``.
+    start, stop
+        Its first and its last value.
+    count
+        Number of values, evenly spaced.
+    overrides
+        Other fields, as ``--set`` takes them.
+    data
+        Folder of the files of a scene of matrices.
+    """
+
+    scene: str | Path
+    field: str
+    start: float
+    stop: float
+    count: int
+    overrides: tuple[str, ...] = ()
+    data: str | None = None
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.count <= _MOST:
+            raise InputError("points", self.count, f"2 to {_MOST}")
+        for name, value in (("start", self.start), ("stop", self.stop)):
+            if not np.isfinite(value):
+                raise InputError(name, value, "a finite number")
+        if self.start == self.stop:
+            raise InputError("stop", self.stop, "another value than start")
+
+    @property
+    def values(self) -> list[float]:
+        """The values of the field."""
+        return np.linspace(self.start, self.stop, self.count).tolist()
+
+    def assembled(self) -> Assembled:
+        """The scene, assembled at the first value."""
+        overrides = [*self.overrides, f"{self.field}={self.start!r}"]
+        if is_of_matrices(self.scene):
+            return AssembledMatrices(load_matrices(self.scene, overrides, self.data))
+        if self.data is not None:
+            raise InputError("data", self.data, "left out: a scene of bodies reads no matrices")
+        return AssembledScene(load_scene(self.scene, overrides))
+
+
+def run_sweep(sweep: Sweep, progress: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+    """Run a sweep; a value without an answer is kept beside the others, with the reason.
+
+    Parameters
+    ----------
+    sweep
+        What is swept.
+    progress
+        Called with each value as it begins.
+
+    Returns
+    -------
+    dict
+        The record: ``field``, ``points`` with ``value``, ``failed`` (the reason, or "") and
+        ``modes``, each with ``curve``, a number that modes of one curve share, ``re``, ``im``,
+        ``uncertainty`` and ``verdict``; and the ``window``.
+    """
+    begun = perf_counter()
+    assembled = sweep.assembled()
+    points: list[dict[str, Any]] = []
+    warnings: list[dict[str, Any]] = []
+    curves = Curves()
+    for value in sweep.values:
+        progress(f"{sweep.field} = {value:g}")
+        try:
+            result = assembled.modes({sweep.field: value})
+        except ConvergenceError as error:
+            points.append({"value": value, "failed": str(error), "modes": [], "verdict": ""})
+            curves.interrupt()
+            continue
+        told = [warning.plain() for warning in result.modes.warnings]
+        warnings += [warning | {"value": value} for warning in told]
+        points.append(_point(value, result, curves.follow(result.eigenvalues)))
+    assembled.free()
+    inputs = {
+        "scene": str(sweep.scene),
+        "field": sweep.field,
+        "start": sweep.start,
+        "stop": sweep.stop,
+        "points": sweep.count,
+        "set": list(sweep.overrides),
+        "data": sweep.data,
+    }
+    data = {"field": sweep.field, "points": points}
+    seconds = perf_counter() - begun
+    return record(COMMAND, data, inputs=inputs, seconds=seconds, warnings=warnings)
+
+
+def _point(value: float, result: OfModes, curves: Sequence[int]) -> dict[str, Any]:
+    modes = [
+        {
+            "curve": curve,
+            "re": float(eigenvalue.real),
+            "im": float(eigenvalue.imag),
+            "uncertainty": float(uncertainty),
+            "verdict": verdict,
+        }
+        for curve, eigenvalue, uncertainty, verdict in zip(
+            curves,
+            result.eigenvalues,
+            result.modes.growth_uncertainties,
+            result.modes.verdicts(result.analysis.growth_threshold),
+            strict=True,
+        )
+    ]
+    return {"value": value, "failed": "", "modes": modes, "verdict": result.verdict}
+
+
+class Curves:
+    """Which modes at neighbouring values are one curve: the nearest to where it was going.
+
+    Curves are for the eye. Where modes come nearer to each other than they move from one value to
+    the next, a curve may go on as another.
+    """
+
+    def __init__(self) -> None:
+        self._last: Complexes = np.empty(0, dtype=complex)
+        self._before: Complexes = np.empty(0, dtype=complex)
+        self._numbers: list[int] = []
+        self._next = 0
+
+    def follow(self, eigenvalues: Complexes) -> list[int]:
+        """Numbers of the curves of eigenvalues at the next value, shape (n,)."""
+        foreseen = np.where(np.isnan(self._before), self._last, 2 * self._last - self._before)
+        numbers, before = [-1] * len(eigenvalues), np.full(len(eigenvalues), np.nan + 0j)
+        if len(foreseen) and len(eigenvalues):
+            sizes = np.maximum(np.abs(eigenvalues), np.abs(eigenvalues).max() * _NEAR)
+            cost = np.abs(foreseen[:, None] - eigenvalues) / sizes
+            for i, j in zip(*assign(cost, _NEAR), strict=True):
+                numbers[j], before[j] = self._numbers[i], self._last[i]
+        for j, number in enumerate(numbers):
+            if number < 0:
+                numbers[j] = self._next
+                self._next += 1
+        self._last, self._before, self._numbers = eigenvalues.copy(), before, numbers
+        return numbers
+
+    def interrupt(self) -> None:
+        """End all curves: there is no answer at the next value."""
+        self._last = self._before = np.empty(0, dtype=complex)
+        self._numbers = []
+
+
+def curves_of(data: Data) -> dict[int, dict[str, Any]]:
+    """Modes of each curve along the sweep: arrays of value, growth (1/s), frequency (Hz)."""
+    found: dict[int, list[tuple[float, float, float, str]]] = {}
+    for point in data["points"]:
+        for mode in point["modes"]:
+            frequency = mode["im"] / (2 * np.pi)
+            row = (point["value"], mode["re"], frequency, mode["verdict"])
+            found.setdefault(mode["curve"], []).append(row)
+    return {
+        number: {
+            "value": np.array([row[0] for row in rows]),
+            "growth": np.array([row[1] for row in rows]),
+            "frequency": np.array([row[2] for row in rows]),
+            "unstable": np.array([row[3] == "unstable" for row in rows]),
+        }
+        for number, rows in found.items()
+    }

@@ -1,0 +1,68 @@
+"""How symmetric a matrix is, and its parts that are and are not."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.sparse import csr_array
+
+Kind = Literal["symmetric", "symmetric to rounding", "skew", "general"]
+
+_ROUNDING = 16 * np.finfo(float).eps
+"""Difference of an entry and its mirror image that rounding explains, relative to their size."""
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """How symmetric a matrix is.
+
+    Parameters
+    ----------
+    kind
+        ``symmetric`` to the last bit; ``symmetric to rounding``; ``skew`` to the last bit;
+        ``general``.
+    asymmetry
+        Largest difference of an entry and its mirror image, relative to their size: the larger of
+        both, or the mean of the diagonal entries of their row and column,
+        sqrt(abs(a_ii a_jj)), which scaling of unknowns leaves alone.
+    """
+
+    kind: Kind
+    asymmetry: float
+
+
+def symmetry_of(matrix: csr_array) -> Symmetry:
+    """How symmetric a square matrix is, shape (n, n)."""
+    transpose = matrix.T.tocsr()
+    difference = csr_array(matrix - transpose).tocoo()
+    differing = difference.data != 0
+    if not differing.any():
+        return Symmetry("symmetric", 0.0)
+    rows, columns = difference.coords[0][differing], difference.coords[1][differing]
+    gaps = np.abs(difference.data[differing])
+    root = np.sqrt(np.abs(matrix.diagonal()))
+    larger = csr_array(abs(matrix)).maximum(csr_array(abs(transpose)))
+    sizes = np.maximum(root[rows] * root[columns], np.asarray(larger[rows, columns]).ravel())
+    worst = float((gaps / sizes).max())
+    if worst <= _ROUNDING:
+        return Symmetry("symmetric to rounding", worst)
+    skew = not (matrix + transpose).count_nonzero()
+    return Symmetry("skew" if skew else "general", worst)
+
+
+def mean_with_transpose(matrix: csr_array) -> csr_array:
+    """(A + A^T) / 2, symmetric to the last bit."""
+    return csr_array(0.5 * matrix + 0.5 * matrix.T)
+
+
+def equal_entries(matrix: csr_array) -> tuple[csr_array, csr_array]:
+    """The entries that are equal to their mirror image, and the others: no bit is changed."""
+    whole = matrix.tocoo()
+    rows, columns = whole.coords
+    mirrored = np.asarray(matrix.T.tocsr()[rows, columns]).ravel()
+    equal = whole.data == mirrored
+    parts = [
+        csr_array((whole.data[part], (rows[part], columns[part])), shape=matrix.shape)
+        for part in (equal, ~equal)
+    ]
+    return parts[0], parts[1]

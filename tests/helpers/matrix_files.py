@@ -1,0 +1,96 @@
+"""Small systems as files: a damped gyroscopic circulatory one that depends on a speed."""
+
+import numpy as np
+from scipy.io import mmwrite, savemat
+from scipy.linalg import eig
+from scipy.sparse import csr_array, save_npz
+
+N = 24
+
+
+def pieces(seed=1):
+    """Matrices by name: M, D symmetric, G skew, K symmetric, F of friction, Q of rotation."""
+    rng = np.random.default_rng(seed)
+    half = rng.standard_normal((N, N)) / np.sqrt(N)
+    basis = np.eye(N) + 0.3 * half
+    M = basis @ basis.T
+    D = 0.02 * half @ half.T
+    G = 0.02 * (half - half.T)
+    K = basis @ np.diag(np.linspace(1.0, 40.0, N)) @ basis.T
+    F = np.zeros((N, N))
+    F[:6, :6] = 8.0 * half[:6, :6]
+    Q = np.diag(np.linspace(0.0, 0.2, N))
+    made = {"M": M, "D": D, "G": G, "K": K, "F": F, "Q": Q}
+    return {
+        name: matrix if name in "GF" else 0.5 * (matrix + matrix.T) for name, matrix in made.items()
+    }
+
+
+def write(folder, matrices):
+    """Write them, each in another format."""
+    mmwrite(folder / "M.mtx", csr_array(matrices["M"]), precision=17)
+    savemat(folder / "both.mat", {"D": csr_array(matrices["D"]), "G": csr_array(matrices["G"])})
+    for name in "KFQ":
+        save_npz(folder / f"{name}.npz", csr_array(matrices[name]))
+    return folder
+
+
+def scene(folder="", speed=2.0, **analysis):
+    """A scene of them as plain data."""
+    files = {"M": "M.mtx", "D": "both.mat:D", "G": "both.mat:G"}
+    return {
+        "name": "speed",
+        "data": str(folder),
+        "files": files | {name: f"{name}.npz" for name in "KFQ"},
+        "parameters": {"v": speed, "v0": 1.0, "mu": 0.7},
+        "mass": {"M": 1.0},
+        "damping": {"D": "1 + v0/v", "G": "v/v0"},
+        "stiffness": {"K": 1, "F": "mu", "Q": "(v/v0)**2 - 1"},
+        "analysis": {"kind": "cea", "max_frequency": 0.6, "min_growth": -1.0, **analysis},
+    }
+
+
+def dense(matrices, speed=2.0, mu=0.7):
+    """All eigenvalues at a speed, by the companion form."""
+    M = matrices["M"]
+    C = (1 + 1 / speed) * matrices["D"] + speed * matrices["G"]
+    K = matrices["K"] + mu * matrices["F"] + (speed**2 - 1) * matrices["Q"]
+    one, zero = np.eye(N), np.zeros((N, N))
+    return eig(np.block([[zero, one], [-K, -C]]), np.block([[one, zero], [zero, M]]))[0]
+
+
+def inside(values, max_frequency=0.6, min_growth=-1.0):
+    """Those of a window, by rising frequency."""
+    top = 2 * np.pi * max_frequency
+    chosen = values[(values.imag >= 0) & (values.imag <= top) & (values.real >= min_growth)]
+    return chosen[np.argsort(chosen.imag)]
+
+
+def on_this_many_ranks(folder):
+    """Modes of the scene, with sums of its matrices, on all ranks of a program."""
+    from scenes.matrix_run import run_matrices
+    from scenes.matrix_scene import read_matrix_scene
+
+    result = run_matrices(read_matrix_scene(scene(folder)))
+    values = result.eigenvalues
+    return {
+        "re": values.real.tolist(),
+        "im": values.imag.tolist(),
+        "verdicts": result.modes.verdicts(),
+        "pieces": {name: piece.plain() for name, piece in result.pieces.items()},
+        "sums": {name: float(abs(m).sum()) for name, m in result.matrices().items()},
+    }
+
+
+def refused(folder):
+    """The field that each rank refuses."""
+    from cea.errors import InputError
+    from cea.petsc import MPI
+    from scenes.matrix_run import run_matrices
+    from scenes.matrix_scene import read_matrix_scene
+
+    try:
+        run_matrices(read_matrix_scene(scene(folder)))
+    except InputError as error:
+        return MPI.COMM_WORLD.allgather(error.field)
+    return MPI.COMM_WORLD.allgather(None)
