@@ -5,15 +5,17 @@ Each shape has directions with physical coordinates, (x, y, z) or (r, theta, z) 
 by breaks (:mod:`meshes.breaks`).
 """
 
+from meshes.crowned import Crowned
 from meshes.patches import Patches
 from meshes.plane_shapes import Rectangle, Ring, RingSector
 from meshes.solid_shapes import Annulus, Box, Disc, Hub, Sector
 
-Shape = Box | Annulus | Sector | Hub | Disc | Rectangle | Ring | RingSector | Patches
+Shape = Box | Annulus | Sector | Hub | Disc | Rectangle | Ring | RingSector | Crowned | Patches
 
 __all__ = [
     "Annulus",
     "Box",
+    "Crowned",
     "Disc",
     "Hub",
     "Patches",
