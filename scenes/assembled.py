@@ -135,6 +135,8 @@ class AssembledScene:
     def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
         """Parameters that make this scene another; None where others differ, or forms would."""
         values = _parameters_changed(self.scene, scene)
+        if scene.slides_steadily and not all(name.endswith(".rho") for name in values or ()):
+            return None  # another state of steady sliding
         left_open = [name for name, contact in scene.contacts.items() if contact.form is None]
         if values is not None and self._system.keeps_forms(left_open, values):
             return values
@@ -198,7 +200,7 @@ def _of_contact(old: ContactSpec, new: ContactSpec) -> dict[str, float] | None:
     return found
 
 
-_LAW = ("P", "p", "mu", "friction_direction_on_a", "form")
+_LAW = ("P", "p", "c_n", "m_n", "added_gap", "mu", "friction_direction_on_a", "form")
 """Fields of a contact on which its points do not depend."""
 
 

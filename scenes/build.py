@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cea.body import Body, Floats
 from cea.contact.friction import FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
-from cea.contact.laws import Friction, LinearLaw
+from cea.contact.laws import Friction, LinearLaw, NormalLaw
 from cea.contact.operators import HalfPass
 from cea.errors import InputError
 from cea.fields import Expression, evaluate
@@ -165,11 +165,8 @@ def _half_pass(half: _Half, interface: Interface) -> HalfPass:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
     spec, x = half.spec, interface.points.x
     with _of_contact(half.pair):
-        if spec.p is None:
-            stiffness = np.full(len(x), _required(spec.P) / interface.points.weight.sum())
-        else:
-            stiffness = _values("p", spec.p, x)
-        law = LinearLaw(half.share * stiffness)
+        law = _law(spec, interface, half.share)
+        added_gap = _values("added_gap", spec.added_gap, x)
         direction = half.direction
         friction = Friction(_friction(spec.mu, x), direction) if direction is not None else None
     return HalfPass(
@@ -181,7 +178,18 @@ def _half_pass(half: _Half, interface: Interface) -> HalfPass:
         coupling=spec.formulation.coupling,
         form=spec.form,
         pair=half.pair,
+        added_gap=added_gap,
     )
+
+
+def _law(spec: ContactSpec, interface: Interface, share: float) -> NormalLaw:
+    """Law of a half pass, which has a share of the stiffness."""
+    if spec.law is not None:
+        return replace(spec.law, c=share * spec.law.c)
+    if spec.p is not None:
+        return LinearLaw(share * _values("p", spec.p, interface.points.x))
+    points = interface.points
+    return LinearLaw(share * np.full(len(points), _required(spec.P) / points.weight.sum()))
 
 
 @contextmanager
@@ -224,10 +232,16 @@ def build_system(
     *,
     leave_out: bool = True,
 ) -> CoupledSystem:
-    """Coupled matrices of a scene: mass only for eigenvalues, loads only for statics."""
+    """Coupled matrices of a scene: mass only for eigenvalues, loads only where they matter."""
     halves = {
         half.name: _half_pass(half, interfaces[half.name]) for half in _halves(scene.contacts)
     }
     static = scene.analysis.kind == "static"
     with timer("assembly"):
-        return couple(bodies, halves, with_mass=not static, with_load=static, leave_out=leave_out)
+        return couple(
+            bodies,
+            halves,
+            with_mass=not static,
+            with_load=static or scene.slides_steadily,
+            leave_out=leave_out,
+        )

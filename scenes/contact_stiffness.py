@@ -1,6 +1,8 @@
 """How stiff a contact is beside its bodies: nondimensional, from the scene and its points."""
 
-from cea.contact.interface import Interface
+from collections.abc import Sequence
+
+from cea.contact.operators import Contact
 from cea.fields import Expression, evaluate
 from scenes.read import Scene
 from scenes.spec import ContactSpec
@@ -14,36 +16,38 @@ _ENDS = {
 """Surfaces that end a body along each direction of its shape."""
 
 
-def relative_stiffness(scene: Scene, name: str, interface: Interface) -> float:
+def relative_stiffness(scene: Scene, name: str, halves: Sequence[Contact]) -> float:
     """P (L_a / E_a + L_b / E_b): how much more the bodies yield than the contact.
 
     L is the depth of a body behind the contact, or the width of the contact where that is less or
     the depth is not known; p the mean contact stiffness (N/m^3), of both halves of a full pass.
     """
-    spec, compliance = scene.contacts[name], 0.0
+    spec, compliance, interface = scene.contacts[name], 0.0, halves[0].interface
     width = float(interface.points.weight.sum()) ** (1 / (interface.a.dim - 1))
     for side in (spec.a, spec.b):
         body, surface = side.split(".")
         depth = _depth(scene, body, surface)
         compliance += min(depth or width, width) / scene.bodies[body].material.E
-    return _mean(spec, interface) * compliance
+    return _mean(spec, halves) * compliance
 
 
-def stiffness_in_the_mesh(scene: Scene, name: str, interface: Interface) -> float:
+def stiffness_in_the_mesh(scene: Scene, name: str, halves: Sequence[Contact]) -> float:
     """P h / E with the mesh size h and E of the side for which h / E is larger."""
-    spec = scene.contacts[name]
+    spec, interface = scene.contacts[name], halves[0].interface
     sides = zip((spec.a, spec.b), (interface.a, interface.b), strict=True)
     yields = (s.mesh_size / scene.bodies[side.split(".")[0]].material.E for side, s in sides)
-    return _mean(spec, interface) * max(yields)
+    return _mean(spec, halves) * max(yields)
 
 
-def _mean(spec: ContactSpec, interface: Interface) -> float:
-    """Mean contact stiffness p (N/m^3)."""
-    weight = interface.points.weight
+def _mean(spec: ContactSpec, halves: Sequence[Contact]) -> float:
+    """Mean contact stiffness p (N/m^3), of steady sliding where a law makes it, open parts too."""
+    points = halves[0].interface.points
+    if spec.c_n is not None:
+        return sum(half.P for half in halves) / float(points.weight.sum())
     if spec.P is not None:
-        return spec.P / float(weight.sum())
+        return spec.P / float(points.weight.sum())
     if isinstance(spec.p, str):
-        return float(weight @ evaluate(Expression(spec.p), interface.points.x) / weight.sum())
+        return float(points.weight @ evaluate(Expression(spec.p), points.x) / points.weight.sum())
     assert spec.p is not None
     return spec.p
 

@@ -10,6 +10,7 @@ import numpy as np
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum
 from cea.system.contact_stresses import SideStress
+from scenes.plain import as_data
 from scenes.results import ModesResult, StaticResult
 from scenes.stored import record, write_record
 
@@ -50,7 +51,7 @@ def save_result(
 def describe(result: ModesResult | StaticResult) -> dict[str, Any]:
     """Everything about a run, plain data as :func:`scenes.stored.write_record` takes them."""
     data: dict[str, Any] = {
-        "scene": asdict(result.scene),
+        "scene": as_data(result.scene),
         "dofs": {
             "free": result.system.size,
             "bodies": {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()},

@@ -57,6 +57,11 @@ class Scene(SceneSpec):
         """Backends of its bodies: "fe", "iga" or "fe+iga"."""
         return "+".join(sorted({body.backend for body in self.bodies.values()}))
 
+    @property
+    def slides_steadily(self) -> bool:
+        """Whether a state of steady sliding is sought: a contact has a law of its closure."""
+        return any(contact.c_n is not None for contact in self.contacts.values())
+
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "Scene":
         """The scene with fields changed, checked anew as a file is.
 

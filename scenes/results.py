@@ -77,7 +77,7 @@ class SceneResult:
         values = self._values()
         for contact in self.system.contacts:
             name = f"contacts.{contact.pair}.P"
-            if not values[name] < inf:
+            if not values.get(name, 0.0) < inf:
                 raise InputError(name, values[name], "finite for matrices")
         pencil = self.system.pencil(eliminate=True)
         pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "M": [], "K_n": [], "K_f": []}
@@ -88,7 +88,7 @@ class SceneResult:
             elif not term.symmetric:
                 pieces["K_f"].append((-factor, term.matrix))
             else:
-                of_contact = any(name.startswith("contacts.") for name in term.coefficient.names)
+                of_contact = any(term.matrix is c.stiffness for c in self.system.contacts)
                 pieces["K_n" if of_contact else "K"].append((factor, term.matrix))
         if not pieces["M"]:
             del pieces["M"]
@@ -136,8 +136,13 @@ class ModesResult(OfModes, SceneResult):
         return self.modes.values
 
     def relative_stiffness(self, contact: str) -> float:
-        """P of a contact where the modes were solved for, over that of the system's matrices."""
+        """P of a contact where the modes were solved for, over that of the system's matrices.
+
+        1 where steady sliding makes it, and nothing changes it.
+        """
         name = f"contacts.{contact}.P"
+        if name not in self.modes.values:
+            return 1.0
         return self.modes.values[name] / self.modes.pencil.parameters[name].value
 
     def mode_shapes(

@@ -11,6 +11,7 @@ from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.system.contact_stresses import contact_stresses
 from cea.system.coupled import CoupledSystem
+from cea.system.steady_sliding import steady_sliding
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system, check_interfaces
 from scenes.memory import check_memory
@@ -102,9 +103,12 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
     if not isinstance(scene.analysis, StaticAnalysis):
         raise InputError("analysis.kind", scene.analysis.kind, "'static'")
     system, interfaces, timer = coupled(scene, **options)
-    with timer("assembly"):
-        pencil = system.pencil(leave_out=options.get("leave_out", True))
-    x = solve_static(pencil, system.load, timer).displacement
+    if system.steady is not None:
+        x = system.steady.displacement
+    else:
+        with timer("assembly"):
+            pencil = system.pencil(leave_out=options.get("leave_out", True))
+        x = solve_static(pencil, system.load, timer).displacement
     with timer("post-processing"):
         stresses = {
             name: contact_stresses(system, name, x, scene.analysis.samples)
@@ -147,6 +151,8 @@ def coupled(
     else:
         check_interfaces(scene, bodies, interfaces)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
+    if scene.slides_steadily:
+        system = system.linearised(steady_sliding(system, timer))
     return system, interfaces, timer
 
 

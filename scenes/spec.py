@@ -9,6 +9,7 @@ from pydantic_core import CoreSchema
 from cea.contact.coupling import Form
 from cea.contact.formulations import Formulation, registered
 from cea.contact.friction import FrictionDirection
+from cea.contact.laws import NormalCompliance
 from cea.errors import InputError
 from cea.fields import Expression
 from cea.material import IsotropicMaterial
@@ -187,7 +188,12 @@ class ContactSpec:
         Global contact stiffness, the integral of p over the interface (N/m).
     p
         Contact stiffness (N/m^3), a number or an expression in the coordinates
-        (:class:`cea.fields.Expression`); either P or p is given.
+        (:class:`cea.fields.Expression`); either P or p is given, or c_n.
+    c_n, m_n
+        Normal compliance -sigma_n = c_n (u_n - g_n)_+^m_n (N/m^(2 + m_n)), m_n 1 or more, 1 by
+        default: the loads press the sides together, and p is that of steady sliding.
+    added_gap
+        With c_n: what is added to the distance between the sides (m), a number or an expression.
     mu
         Friction coefficient, likewise.
     friction_direction_on_a
@@ -211,6 +217,9 @@ class ContactSpec:
     formulation: Annotated[Formulation, _Registered()]
     P: Annotated[float, Field(gt=0, allow_inf_nan=True)] | None = None
     p: Annotated[float, Field(allow_inf_nan=True)] | str | None = None
+    c_n: Annotated[float, Field(allow_inf_nan=True)] | None = None
+    m_n: Annotated[float, Field(allow_inf_nan=True)] | None = None
+    added_gap: float | str = 0.0
     mu: float | str = 0.0
     friction_direction_on_a: FrictionDirection | None = None
     full_pass: bool = False
@@ -218,16 +227,17 @@ class ContactSpec:
     reach: Annotated[float, Field(gt=0)] | None = None
     max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
 
+    left_out: ClassVar[tuple[str, ...]] = ("c_n", "m_n", "added_gap")
+
     def __post_init__(self) -> None:
         if isinstance(self.p, float) and not self.p > 0:
             raise InputError("p", self.p, "greater than 0")
         if isinstance(self.mu, float) and not self.mu >= 0:
             raise InputError("mu", self.mu, "greater than or equal to 0")
-        for name, value in (("p", self.p), ("mu", self.mu)):
+        for name, value in (("p", self.p), ("mu", self.mu), ("added_gap", self.added_gap)):
             if isinstance(value, str):
                 Expression(value).check(name)
-        if (self.P is None) == (self.p is None):
-            raise InputError("P", self.P, f"either P or p is given, not both (p = {self.p})")
+        self._check_stiffness()
         if self.mu != 0 and self.friction_direction_on_a is None:
             raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
         coupling = self.formulation.coupling
@@ -241,6 +251,32 @@ class ContactSpec:
         if coupling == "bonded" and (self.mu != 0 or self.full_pass):
             method = self.formulation.method
             raise InputError("formulation.method", method, "a half pass with mu = 0")
+
+    @property
+    def law(self) -> NormalCompliance | None:
+        """Its normal compliance; None where its stiffness is given."""
+        return None if self.c_n is None else NormalCompliance(self.c_n, self.m_n or 1.0)
+
+    def _check_stiffness(self) -> None:
+        """Refuse another number of stiffnesses than one, and what does not go with a law."""
+        given = {"P": self.P, "p": self.p, "c_n": self.c_n}
+        if sum(value is not None for value in given.values()) != 1:
+            others = ", ".join(f"{name} = {value}" for name, value in given.items() if name != "P")
+            raise InputError("P", self.P, f"one of P, p and c_n is given ({others})")
+        if self.c_n is None:
+            for name, value in (("m_n", self.m_n), ("added_gap", self.added_gap or None)):
+                if value is not None:
+                    raise InputError(name, value, "left out where c_n is not given")
+            return
+        if self.m_n is not None:
+            NormalCompliance(1.0, self.m_n)
+        NormalCompliance(self.c_n, 1.0)
+        if self.formulation.coupling in ("lumped", "bonded"):
+            allowed = "one whose gaps at points meet a law, where c_n is given: not lumped, bonded"
+            raise InputError("formulation.method", self.formulation.method, allowed)
+        if self.formulation.coupling == "mortar" and self.form == "saddle":
+            allowed = "penalty where c_n is given: open parts of mortar contact have no compliance"
+            raise InputError("form", self.form, allowed)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from math import inf
 import numpy as np
 
 from cea.body import Body, Complexes, Surface, SurfaceCoordinates
-from cea.contact.interface import Interface
 from cea.contact.operators import Contact
 from cea.contact.sampling import nested, sampling
 from cea.warned import ResultWarning
@@ -76,12 +75,13 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
     found = [w for name, body in scene.bodies.items() for w in volumetric_locking(name, body)]
     for name, spec in scene.contacts.items():
         halves = [contact for contact in contacts if contact.pair == name]
-        found += gap_closed(name, halves)
+        if spec.c_n is None:
+            found += gap_closed(name, halves)
         found += partly_uncovered(name, spec, halves)
         if halves[0].half.coupling not in ("mortar", "bonded"):
             found += sampled(name, scene, halves)
             if scene.analysis.kind == "cea" and spec.mu:
-                found += point_rule(name, scene, halves[0].interface)
+                found += point_rule(name, scene, halves)
     return tuple(found)
 
 
@@ -146,7 +146,7 @@ def sampled(name: str, scene: Scene, halves: Sequence[Contact]) -> Iterator[Resu
             f"there: {needed}",
             data,
         )
-    stiffness = stiffness_in_the_mesh(scene, name, halves[0].interface)
+    stiffness = stiffness_in_the_mesh(scene, name, halves)
     if points > max(functions.values()) and stiffness > _LOCKS and not nested(halves[0].interface):
         yield ResultWarning(
             "over-constrained",
@@ -156,11 +156,11 @@ def sampled(name: str, scene: Scene, halves: Sequence[Contact]) -> Iterator[Resu
         )
 
 
-def point_rule(name: str, scene: Scene, interface: Interface) -> Iterator[ResultWarning]:
+def point_rule(name: str, scene: Scene, halves: Sequence[Contact]) -> Iterator[ResultWarning]:
     """A rule that the study of accuracy found too crude at such a stiffness of the contact."""
-    spec, dim = scene.contacts[name], interface.a.dim
+    spec, dim = scene.contacts[name], halves[0].interface.a.dim
     rule, backend = spec.formulation, scene.bodies[spec.a.split(".")[0]].backend
-    stiffness = relative_stiffness(scene, name, interface)
+    stiffness = relative_stiffness(scene, name, halves)
     if rule.coupling == "lumped":
         limit = _LUMPED[backend, dim]
         crude, when = stiffness > limit, "above"

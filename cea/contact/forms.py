@@ -36,8 +36,11 @@ def penalty_digits(contacts: Sequence[Contact], stiffness: Any) -> dict[str, flo
     for contact in contacts:
         if np.isinf(contact.half.stiffness).any():
             lost = inf
+        elif _is_unknown(contact):
+            lost = 0.0
         else:
-            lost = 0.0 if contact.projection is not None else _lost(contact, stiffness)
+            projected = contact.projection is not None and not _meets_projected(contact)
+            lost = 0.0 if projected else _lost(contact, stiffness)
         digits[contact.pair] = max(lost, digits.get(contact.pair, 0.0))
     return digits
 
@@ -52,8 +55,8 @@ def _lost(contact: Contact, stiffness: Any) -> float:
 
 def _diagonal(contact: Contact, template: Any) -> Any:
     """Diagonal of K_n (N/m), PETSc vector, without the rest of it."""
-    if contact.lumped is not None:
-        return contact.lumped[0].getDiagonal()
+    if contact.lumped is not None or _meets_projected(contact):
+        return contact.stiffness.getDiagonal()
     weight, own = contact.weight(contact.half.stiffness), template.duplicate()
     squares = squared(contact.gap)
     squares.multTranspose(weight, own)
@@ -76,6 +79,8 @@ def form_for(digits: float) -> Form:
 def with_forms(contacts: Sequence[Contact], digits: Mapping[str, float]) -> tuple[Contact, ...]:
     """Contacts whose forms are all chosen; lumped ones have no other than the penalty.
 
+    Where the stiffness is not known before a state of steady sliding is, the form stays open.
+
     Parameters
     ----------
     contacts
@@ -85,14 +90,25 @@ def with_forms(contacts: Sequence[Contact], digits: Mapping[str, float]) -> tupl
     """
     return tuple(
         contact
-        if contact.half.form is not None
+        if contact.half.form is not None or _is_unknown(contact)
         else replace(contact, half=replace(contact.half, form=_chosen(contact, digits)))
         for contact in contacts
     )
 
 
+def _is_unknown(contact: Contact) -> bool:
+    """Whether its stiffness is not known before a state of steady sliding is."""
+    return not contact.half.law.linear and contact.half.penetration is None
+
+
 def _chosen(contact: Contact, digits: Mapping[str, float]) -> Form:
-    return "penalty" if contact.lumped is not None else form_for(digits[contact.pair])
+    only = contact.lumped is not None or _meets_projected(contact)
+    return "penalty" if only else form_for(digits[contact.pair])
+
+
+def _meets_projected(contact: Contact) -> bool:
+    """Whether a law that is not linear meets projected gaps: its forces cannot be kept."""
+    return contact.projection is not None and not contact.half.law.linear
 
 
 def penalty_warnings(

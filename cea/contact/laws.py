@@ -17,6 +17,11 @@ from cea.errors import InputError
 class NormalLaw(Protocol):
     """What a penetration of side a into side b meets."""
 
+    @property
+    def linear(self) -> bool:
+        """Whether the slope is the same at any penetration: no steady sliding state is sought."""
+        ...
+
     def pressure(self, penetration: Floats) -> Floats:
         """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
         ...
@@ -45,6 +50,11 @@ class LinearLaw:
             raise InputError("p", float(p.min()), "positive (N/m^3)")
         if np.isinf(p).any() and not np.isinf(p).all():
             raise InputError("p", float("inf"), "finite, or infinite everywhere")
+
+    @property
+    def linear(self) -> bool:
+        """True."""
+        return True
 
     def pressure(self, penetration: Floats) -> Floats:
         """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
@@ -76,6 +86,11 @@ class NormalCompliance:
         if not 1 <= self.m < np.inf:
             raise InputError("m_n", self.m, "1 or more")
 
+    @property
+    def linear(self) -> bool:
+        """False: where it opens it meets nothing, whatever m."""
+        return False
+
     def pressure(self, penetration: Floats) -> Floats:
         """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
         return self.c * np.maximum(penetration, 0.0) ** self.m
@@ -84,6 +99,10 @@ class NormalCompliance:
         """Contact stiffness p (N/m^3), zero where the contact is open, shape (n,)."""
         closed = np.maximum(penetration, 0.0)
         return np.where(penetration > 0, self.m * self.c * closed ** (self.m - 1), 0.0)
+
+    def closure(self, pressure: float) -> float:
+        """Penetration (m) that meets a pressure (N/m^2), zero or positive."""
+        return float((pressure / self.c) ** (1 / self.m))
 
 
 class TangentField(Protocol):

@@ -30,7 +30,7 @@ from cea.matrices import (
 )
 from cea.ranks import local_rows
 
-_INDEPENDENT = 1e-15
+INDEPENDENT = 1e-15
 """Least pivot of M, scaled to a diagonal of ones, of a trace that is not a sum of others."""
 
 
@@ -91,7 +91,7 @@ class MortarProjection:
             B x, PETSc vector (m).
         """
         compliance = self.compliance(stiffness)
-        multiplier = spsolve(_everywhere(compliance).tocsc(), gather(closed))
+        multiplier = spsolve(everywhere(compliance).tocsc(), gather(closed))
         destroy(compliance)
         at_points = local_part(self.traces) @ multiplier
         return np.concatenate(self.interface.comm.allgather(at_points))
@@ -125,16 +125,16 @@ def eliminated(compliance: Any, gap: Any, slip: Any | None) -> tuple[Any, Any | 
         PETSc AIJ; without B_k no K_f.
     """
     comm = gap.comm.tompi4py()
-    M = _everywhere(compliance).toarray()
+    M = everywhere(compliance).toarray()
     scale = 1 / np.sqrt(np.diag(M))
-    factor, order, rank, _ = lapack.dpstrf(scale[:, None] * M * scale, tol=_INDEPENDENT)
+    factor, order, rank, _ = lapack.dpstrf(scale[:, None] * M * scale, tol=INDEPENDENT)
     kept = order[:rank] - 1
     start, stop = local_rows(rank, comm)
     reduced = []
     for operator in (gap, slip):
         if operator is None:
             continue
-        whole = _everywhere(operator)
+        whole = everywhere(operator)
         columns = np.unique(whole.indices[whole.data != 0])
         right = scale[kept, None] * whole[kept][:, columns].toarray()
         rows = solve_triangular(factor[:rank, :rank], right, trans="T", check_finite=False)
@@ -148,7 +148,7 @@ def eliminated(compliance: Any, gap: Any, slip: Any | None) -> tuple[Any, Any | 
     return normal, friction
 
 
-def _everywhere(matrix: Any) -> csr_array:
+def everywhere(matrix: Any) -> csr_array:
     """All rows of a matrix on every rank."""
     return csr_array(vstack(matrix.comm.tompi4py().allgather(local_part(matrix))))
 

@@ -19,6 +19,7 @@ from cea.contact.interface import Interface, jump_along
 from cea.contact.laws import Friction, NormalLaw
 from cea.contact.lumping import lumped_matrices
 from cea.contact.mortar import MortarProjection, eliminated, repeated
+from cea.contact.reactions import MortarReactions, PointReactions, Reactions
 from cea.errors import InputError
 from cea.matrices import (
     destroy,
@@ -51,6 +52,9 @@ class HalfPass:
         Penalty or saddle form; None leaves the choice to :func:`cea.contact.forms.chosen_forms`.
     pair
         Name of the contact it belongs to, where that is not its own: a full pass has two halves.
+    added_gap
+        What is added to the distance of the sides (m), at all points, shape (n,), or one number; a
+        linear law takes the sides to touch.
     penetration
         Penetrations at all points in the state that is linearised about (m), shape (n,); a linear
         law needs none.
@@ -69,6 +73,7 @@ class HalfPass:
     coupling: Coupling = "pointwise"
     form: Form | None = None
     pair: str | None = None
+    added_gap: Floats | float = 0.0
     penetration: Floats | None = None
 
     def __post_init__(self) -> None:
@@ -76,7 +81,7 @@ class HalfPass:
         if tied and (self.form == "penalty" or self.coupling == "lumped"):
             allowed = "finite; or, in the saddle form, infinite everywhere"
             raise InputError("p", float("inf"), allowed)
-        if self.projected and not (self.stiffness > 0).all():
+        if self.projected and self.law.linear and not (self.stiffness > 0).all():
             allowed = "positive where the gap is projected: no contact is open"
             raise InputError("p", float(self.stiffness.min()), allowed)
         if self.coupling == "bonded" and self.friction is not None and self.friction.acts:
@@ -84,6 +89,17 @@ class HalfPass:
             raise InputError("mu", mu, "0 where both sides are bonded")
         if self.coupling == "lumped" and self.form == "saddle":
             allowed = "penalty: lumped contact is not of the form G^T D G"
+            raise InputError("form", self.form, allowed)
+        if not self.law.linear:
+            self._check_law()
+
+    def _check_law(self) -> None:
+        """Refuse what cannot meet its gaps by a law that is not linear."""
+        if self.coupling in ("lumped", "bonded"):
+            allowed = "pointwise or mortar for a law of the gap: here no gap at the points decides"
+            raise InputError("coupling", self.coupling, allowed)
+        if self.projected and self.form == "saddle":
+            allowed = "penalty where a law meets projected gaps: open parts have no compliance"
             raise InputError("form", self.form, allowed)
 
     @property
@@ -96,6 +112,19 @@ class HalfPass:
     def projected(self) -> bool:
         """Whether gaps are projected on the traces of side a."""
         return self.coupling in ("mortar", "bonded")
+
+    @property
+    def pressure(self) -> Floats:
+        """Contact pressure at all points in the state that is linearised about (N/m^2), (n,).
+
+        Raises
+        ------
+        InputError
+            Where no such state is known: the law is linear, or was not linearised yet.
+        """
+        if self.penetration is None:
+            raise InputError("penetration", None, "that of a steady sliding state")
+        return self.law.pressure(self.penetration)
 
 
 @dataclass(frozen=True)
@@ -151,8 +180,12 @@ class Contact:
 
     @property
     def keeps_forces(self) -> bool:
-        """Whether its forces are unknowns of what is solved."""
-        return self.projection is not None or self.half.form == "saddle"
+        """Whether its forces are unknowns of what is solved.
+
+        Where a law meets projected gaps they are not: open parts have no compliance.
+        """
+        projected = self.projection is not None and self.half.law.linear
+        return projected or self.half.form == "saddle"
 
     @property
     def stiffness(self) -> Any:
@@ -169,6 +202,8 @@ class Contact:
         """K_n and K_f, made when they are first asked for."""
         if self.lumped is not None:
             return self.lumped
+        if not self.half.law.linear:
+            return self.reactions.tangent(self.half.stiffness)
         if self.projection is not None:
             compliance = self.compliance(self.half.stiffness)
             matrices = eliminated(compliance, self.gap, self.slip)
@@ -179,6 +214,13 @@ class Contact:
         friction = product(self.slip, self.gap, weight) if self.slip is not None else None
         destroy(weight)
         return normal, friction
+
+    @cached_property
+    def reactions(self) -> Reactions:
+        """What it does at any state, for a law that is not linear."""
+        if self.projection is not None:
+            return MortarReactions(self.projection, self.gap, self.slip)
+        return PointReactions(self.interface, self.gap, self.slip)
 
     def weight(self, stiffness: Floats) -> Any:
         """Diagonal of D = w p (N/m), PETSc vector, for a stiffness p at all points (N/m^3)."""
@@ -200,7 +242,8 @@ class Contact:
     def pressure(self, x: Any) -> Floats:
         """Contact pressure (N/m^2) at every point, on every rank, for unknowns x.
 
-        It is made of gaps, which hold the fewer digits the stiffer the contact.
+        It is made of gaps, which hold the fewer digits the stiffer the contact. Of a law that is
+        not linear it is the change of pressure that small motions x make.
 
         Raises
         ------
@@ -209,6 +252,8 @@ class Contact:
         """
         if not self.has_pressure:
             raise InputError(self.name, self.P, "a finite stiffness, and sides that are not bonded")
+        if not self.half.law.linear:
+            return self.half.stiffness * self.reactions.approach(x)
         closed = self.gap.createVecLeft()
         self.gap.mult(x, closed)
         if self.projection is None:

@@ -70,7 +70,7 @@ def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = No
             np.array(load.array_r, dtype=np.float64)[:, None]
         )
         x.array[:] = displacement[:, 0]
-        uncertainty = _uncertainty(matrices, factors, displacement, forces)
+        uncertainty = rounding_uncertainty(matrices, factors, displacement, forces)
         factors.free()
     release(matrices)
     if not uncertainty < _LOST:
@@ -82,8 +82,23 @@ def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = No
     return Equilibrium(x, uncertainty)
 
 
-def _uncertainty(matrices: Matrices, factors: Shifted, x: Floats, f: Floats) -> float:
-    """What random roundings of the entries of K, u abs(K) abs(x), make of the displacements."""
+def rounding_uncertainty(matrices: Matrices, factors: Shifted, x: Floats, f: Floats) -> float:
+    """What random roundings of the entries of K, u abs(K) abs(x), make of the displacements.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at given parameters.
+    factors
+        Its factors at kappa = 0.
+    x, f
+        Displacements and contact forces, the rows of this rank, one column each.
+
+    Returns
+    -------
+    float
+        Relative to the largest displacement.
+    """
     comm = matrices.stiffness.comm.tompi4py()
     sizes = Sizes(matrices)
     rounding = np.finfo(float).eps * sizes.forces(np.abs(x), np.abs(f))

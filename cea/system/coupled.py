@@ -22,6 +22,7 @@ from cea.eigen.parameters import NOTHING, Coefficient, Monomial, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import block_diagonal, destroy, empty, gather
 from cea.petsc import PETSc
+from cea.system.sliding_state import SteadySliding
 from cea.warned import ResultWarning
 
 
@@ -47,6 +48,8 @@ class CoupledSystem:
         Diagonal of K of all bodies (N/m), PETSc vector.
     penalty_digits
         Digits that the penalty form costs, or would cost, by contact.
+    steady
+        The state of steady sliding that contacts were linearised about; None where none was sought.
     """
 
     bodies: Mapping[str, Body]
@@ -57,6 +60,7 @@ class CoupledSystem:
     load: Any | None
     stiffness_diagonal: Any
     penalty_digits: Mapping[str, float]
+    steady: SteadySliding | None = None
 
     @property
     def size(self) -> int:
@@ -100,7 +104,7 @@ class CoupledSystem:
         P = values.get(f"contacts.{contact}.P", before)
         if inf in (P, before):
             return inf
-        if half.projection is not None:
+        if half.projection is not None and half.half.law.linear:
             return 0.0
         moduli = {name: self.bodies[name].material.E for name in (half.half.a, half.half.b)}
         softer = min(values.get(f"bodies.{name}.material.E", E) / E for name, E in moduli.items())
@@ -117,7 +121,9 @@ class CoupledSystem:
 
         Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
         ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor on it
-        where it varies. Without friction, if that was left out, there is no mu.
+        where it varies. Without friction, if that was left out, there is no mu. Where p is the
+        slope of a law in a state of steady sliding there is no P, and the state stays what it is
+        whatever the parameters.
 
         Parameters
         ----------
@@ -133,6 +139,22 @@ class CoupledSystem:
             self._parameters(),
             tuple(self._contact_forces(keeping)),
             leave_out=leave_out,
+        )
+
+    def linearised(self, steady: SteadySliding) -> "CoupledSystem":
+        """The system of small motions about a state of steady sliding."""
+        contacts = [
+            replace(
+                contact,
+                half=replace(contact.half, penetration=steady.contacts[contact.name].closure),
+            )
+            if contact.name in steady.contacts
+            else contact
+            for contact in self.contacts
+        ]
+        digits = penalty_digits(contacts, self.stiffness_diagonal)
+        return replace(
+            self, contacts=with_forms(contacts, digits), penalty_digits=digits, steady=steady
         )
 
     def _body_terms(self) -> Iterator[Term]:
@@ -155,7 +177,9 @@ class CoupledSystem:
         for contact in self.contacts:
             if contact.name in names:
                 continue
-            P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
+            P = {}
+            if contact.half.law.linear:
+                P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
             yield Term("stiffness", contact.stiffness, Coefficient.of(P))
             if contact.friction is not None and self._rubs(contact):
                 mu = {f"contacts.{contact.pair}.mu": (references[contact.pair], 1.0)}
@@ -164,16 +188,19 @@ class CoupledSystem:
 
     def _contact_forces(self, keeping: Sequence[Contact]) -> Iterator[ForcesOfContact]:
         """Forces of each contact that keeps them."""
-        references = self._references()
+        references, laws = self._references(), self._with_laws()
         rubbing = [c if self._rubs(c) else replace(c, slip=None) for c in keeping]
         for name, forces in contact_forces(rubbing).items():
             P, mu = f"contacts.{name}.P", f"contacts.{name}.mu"
             slips = Coefficient.of({mu: (references[name], 1.0)}) if forces.slip else NOTHING
+            compliance = Coefficient.of({P: (1.0, -1.0)})
+            if name in laws:
+                compliance = Coefficient.of({}, factor=1 / self._stiffnesses()[name])
             yield ForcesOfContact(
                 forces.closure,
                 forces.slip,
                 forces.compliance,
-                inverse_stiffness=Coefficient.of({P: (1.0, -1.0)}),
+                inverse_stiffness=compliance,
                 friction=slips,
                 body_stiffness=forces.body_stiffness(self.stiffness_diagonal),
             )
@@ -192,12 +219,19 @@ class CoupledSystem:
                 rho = float(body.material.rho or 0)
                 yield Parameter(f"bodies.{name}.material.rho", rho, "kg/m^3", positive=True)
         saddle = {c.pair for c in self.contacts if c.half.form == "saddle"}
+        laws = self._with_laws()
         for name, P in self._stiffnesses().items():
+            if name in laws:
+                continue
             finite = name not in saddle
             yield Parameter(f"contacts.{name}.P", P, "N/m", positive=True, finite=finite)
         for name, reference in self._references().items():
             acts = any(_acts(c) for c in self._halves(name))
             yield Parameter(f"contacts.{name}.mu", reference if acts else 0.0)
+
+    def _with_laws(self) -> set[str]:
+        """Contacts whose stiffness is that of a law in the state that is linearised about."""
+        return {contact.pair for contact in self.contacts if not contact.half.law.linear}
 
     def _halves(self, name: str) -> list[Contact]:
         return [c for c in self.contacts if c.pair == name]

@@ -3,7 +3,7 @@
 Sections 3 and 4 of the paper: mu = 0.7, the knots of the disc trace the boundary of the pad.
 """
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from cea.contact.coupling import Form
@@ -12,6 +12,7 @@ from cea.mesh import Cell
 from comparisons.kit.numbers import number
 from comparisons.paper.common.families import BACKEND_OF, Family
 from comparisons.paper.common.figure import Data
+from scenes.plain import as_data
 from scenes.read import Scene, load_scene
 from scenes.spec import ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec
 from scenes.variants import on_backend
@@ -159,7 +160,7 @@ class CeaCase:
 
         Divided hexahedra stand there as hexahedra, with a word in the description.
         """
-        described: Data = asdict(self.scene(family))
+        described: Data = as_data(self.scene(family))
         if self.on(family).divided:
             for body in described["bodies"].values():
                 body["mesh"]["fe"]["cell"] = "hexahedron"

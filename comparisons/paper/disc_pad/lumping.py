@@ -7,7 +7,7 @@ an eigenvalue kappa by x^H (K_lumped - K_n) x of the mode x without lumping.
 """
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import tau
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from comparisons.paper.common.style import COLOURS, drawing
 from comparisons.paper.disc_pad.case import DISC, PAD
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra
+from scenes.plain import as_data
 from scenes.results import ModesResult
 from scenes.spec import Backend
 
@@ -44,7 +45,7 @@ class LumpingStudy:
     def inputs(self, backend: Backend) -> Data:
         """Scenes of both runs on every kind of mesh."""
         return {
-            family: [asdict(case.scene(family)) for case in (GPTS, LUMPED)]
+            family: [as_data(case.scene(family)) for case in (GPTS, LUMPED)]
             for family in FAMILIES[backend]
         }
 

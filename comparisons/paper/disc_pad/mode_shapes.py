@@ -6,7 +6,7 @@ the disc that crosses the boundary of the pad twice.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import tau
 from pathlib import Path
 from typing import Any, Literal
@@ -23,6 +23,7 @@ from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.measures import motion_ratio
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra, displacements
 from comparisons.paper.disc_pad.shape_drawing import draw_lines, draw_shapes
+from scenes.plain import as_data
 from scenes.results import ModesResult
 from scenes.spec import Backend
 
@@ -79,7 +80,7 @@ class ShapeFigure:
     def inputs(self, backend: Backend) -> Data:
         """Scenes of both runs on every kind of mesh, and the line."""
         scenes = {
-            family: {name: asdict(case.scene(family)) for name, case in self.cases.items()}
+            family: {name: as_data(case.scene(family)) for name, case in self.cases.items()}
             for family in FAMILIES[backend]
         }
         return {"scenes": scenes, "line": [*_MIDDLE, _HALF, _SAMPLES], "alike": _ALIKE}

@@ -1,7 +1,7 @@
 """Runs of disc and pad, made once, and what is kept of them: modes seen at common points."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from comparisons.paper.common.store import fingerprint
 from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase
 from meshes.shapes import Annulus, Sector
 from scenes.describe import describe_modes
+from scenes.plain import as_data
 from scenes.results import ModesResult
 from scenes.run import run_modes
 
@@ -61,7 +62,7 @@ class Runs:
 
     def spectrum(self, case: CeaCase, family: Family) -> Spectrum:
         """Modes of a case, computed where they are not known."""
-        mark = fingerprint(asdict(case.scene(family)))
+        mark = fingerprint(as_data(case.scene(family)))
         if mark not in self._spectra:
             self.result(case, family)
         return self._spectra[mark]
@@ -69,12 +70,12 @@ class Runs:
     def result(self, case: CeaCase, family: Family) -> ModesResult:
         """Run a case; its spectrum is kept."""
         scene = case.scene(family)
-        mesh = fingerprint({name: asdict(body) for name, body in scene.bodies.items()})
+        mesh = fingerprint({name: as_data(body) for name, body in scene.bodies.items()})
         known = self._bodies[1] if self._bodies and self._bodies[0] == mesh else None
         self._bodies = None
         result = run_modes(scene, bodies=known)
         self._bodies = mesh, result.system.bodies
-        self._spectra[fingerprint(asdict(scene))] = _spectrum(case.on(family).label, result)
+        self._spectra[fingerprint(as_data(scene))] = _spectrum(case.on(family).label, result)
         return result
 
 

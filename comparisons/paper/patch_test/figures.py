@@ -1,7 +1,7 @@
 """Figures 3, 7 to 10 and 12: normal stress in the contact patch test."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.patch_test.case import PatchTestCase, run_case, worse
 from comparisons.paper.patch_test.drawing import draw_cases
+from scenes.plain import as_data
 from scenes.spec import Backend
 
 _OSCILLATION = "Oscillation (N/m²): largest less smallest σₙ over the interface, worse side."
@@ -77,7 +78,7 @@ class PatchTestFigure:
 
     def inputs(self, backend: Backend) -> Data:
         """Scenes of all cases."""
-        return {label: asdict(case.scene(backend)) for label, case in self.on(backend).items()}
+        return {label: as_data(case.scene(backend)) for label, case in self.on(backend).items()}
 
     def compute(self, backend: Backend, progress: Progress) -> Data:
         """Run every case."""

@@ -1,7 +1,7 @@
 """Figures 2 and 11: the two contact patch tests, drawn from the meshes themselves."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.common.style import SIDES, drawing
 from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
 from scenes.build import build_bodies, build_interfaces
+from scenes.plain import as_data
 from scenes.read import Scene
 from scenes.spec import Backend
 from scenes.variants import with_contact
@@ -60,7 +61,7 @@ class SettingFigure:
 
     def inputs(self, backend: Backend) -> Data:
         """The scene."""
-        return {"scene": asdict(self.case.on(backend)[0].scene(backend))}
+        return {"scene": as_data(self.case.on(backend)[0].scene(backend))}
 
     def compute(self, backend: Backend, progress: Progress) -> Data:
         """Mesh both bodies; corners of the cells of every face, and the points of side a."""

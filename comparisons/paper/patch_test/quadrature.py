@@ -8,7 +8,7 @@ one n to the next by up to a factor of 10, so that the slope is fitted over all 
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,7 @@ from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.common.style import COLOURS, drawing
 from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
+from scenes.plain import as_data
 from scenes.read import Scene
 from scenes.run import run_static
 from scenes.spec import Backend, StaticAnalysis
@@ -55,7 +56,7 @@ class QuadratureStudy:
     def inputs(self, backend: Backend) -> Data:
         """Scenes of all spaces at the first number of points, and the numbers of points."""
         first = {
-            f"D{p}C{c}": asdict(self._scene(p, c, self.points[0], backend))
+            f"D{p}C{c}": as_data(self._scene(p, c, self.points[0], backend))
             for p, c in _SPACES[backend]
         }
         return {"points": list(self.points), "scenes": first}

@@ -1,0 +1,234 @@
+"""Forces on sliding bodies at any state, and the tangent there: what Newton's method works on.
+
+With K and K_f of what is linear (bodies, contacts of known stiffness, their forces f where these
+are unknowns), the load F and the contacts whose pressure obeys a law of their closure,
+
+    R(x) = K x + L^T f + sum (G - mu T)^T w sigma(g) - t F,     g = G x - g_n
+
+vanishes in steady sliding at the load factor t (Mohanasundaram et al., 2023, eqs. 5 and 16).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cea.body import Floats
+from cea.contact.laws import NormalCompliance
+from cea.contact.operators import Contact
+from cea.eigen.pencil import Matrices, release
+from cea.matrices import destroy, scaled_total
+from cea.petsc import MPI, Vec
+from cea.system.coupled import CoupledSystem
+
+Slopes = Sequence[Floats]
+"""Slope p at all points (N/m^3) of each contact with a law, shape (n,) each."""
+
+
+@dataclass(frozen=True)
+class State:
+    """A state of the bodies and what it meets.
+
+    Parameters
+    ----------
+    x
+        Displacements, the rows of this rank (m).
+    f
+        Contact forces that are unknowns, the rows of this rank (N).
+    closures
+        Closures u_n - g_n at all points of each contact with a law (m), on every rank.
+    residual
+        R, the rows of this rank (N).
+    norm
+        Its norm over all ranks (N).
+    scale
+        Size of the forces that it is the sum of (N).
+    """
+
+    x: Floats
+    f: Floats
+    closures: tuple[Floats, ...]
+    residual: Floats
+    norm: float
+    scale: float
+
+    @property
+    def relative(self) -> float:
+        """Residual relative to the forces it is the sum of."""
+        return self.norm / self.scale if self.scale else 0.0
+
+
+class SlidingProblem:
+    """The equations of steady sliding of a coupled system.
+
+    Parameters
+    ----------
+    system
+        The system, with loads; some contact has a law that is not linear.
+    friction
+        Whether with the friction of contacts that have such a law.
+    """
+
+    def __init__(self, system: CoupledSystem, *, friction: bool = True) -> None:
+        self.system = system
+        self.comm = system.template.comm.tompi4py()
+        self.contacts: tuple[Contact, ...] = tuple(
+            contact for contact in system.contacts if not contact.half.law.linear
+        )
+        self.frictional = tuple(friction and _rubs(contact) for contact in self.contacts)
+        linear = tuple(contact for contact in system.contacts if contact.half.law.linear)
+        self.matrices = replace(system, contacts=linear, with_mass=False).pencil().at()
+        assert system.load is not None
+        self._load = system.load
+        self.gaps = tuple(contact.reactions.met(initial_gap(contact)) for contact in self.contacts)
+        self._x = system.vector()
+        self._y = system.vector()
+
+    @property
+    def areas(self) -> tuple[float, ...]:
+        """Area of each contact (m^2)."""
+        return tuple(float(c.interface.points.weight.sum()) for c in self.contacts)
+
+    @property
+    def load(self) -> float:
+        """Sum of the absolute forces of the load (N)."""
+        return float(self._load.norm(1))
+
+    def law(self, number: int) -> NormalCompliance:
+        """Law of a contact."""
+        law = self.contacts[number].half.law
+        assert isinstance(law, NormalCompliance)
+        return law
+
+    @property
+    def rows(self) -> int:
+        """Displacements of this rank."""
+        return int(self._x.getLocalSize())
+
+    def zero(self) -> tuple[Floats, Floats]:
+        """Displacements and contact forces of bodies at rest."""
+        multipliers = self.matrices.multipliers
+        forces = 0 if multipliers is None else multipliers.closure.getLocalSize()[0]
+        return np.zeros(self.rows), np.zeros(forces)
+
+    def state(self, x: Floats, f: Floats, factor: float) -> State:
+        """The state of some displacements and forces under a part of the load.
+
+        Parameters
+        ----------
+        x, f
+            Displacements (m) and contact forces that are unknowns (N), the rows of this rank.
+        factor
+            The part of the load.
+        """
+        self._x.array[:] = x
+        elastic = self._linear_forces(f)
+        closures, contact = [], np.zeros_like(x)
+        for number, (each, gap) in enumerate(zip(self.contacts, self.gaps, strict=True)):
+            closures.append(each.reactions.approach(self._x) - gap)
+            pressure = each.half.law.pressure(closures[-1])
+            force = each.reactions.forces(pressure, friction=self.frictional[number])
+            contact += force.array_r
+            destroy(force)
+        load = self.load_at(factor)
+        residual = elastic + contact - load
+        sizes = self.norms(residual, load, contact, elastic)
+        return State(x, f, tuple(closures), residual, sizes[0], float(np.max(sizes[1:])))
+
+    def _linear_forces(self, f: Floats) -> Floats:
+        """K x + L^T f of what is linear, the rows of this rank; x is in its place."""
+        matrices = self.matrices
+        matrices.stiffness.mult(self._x, self._y)
+        if matrices.unsymmetric is not None:
+            matrices.unsymmetric.multAdd(self._x, self._y, self._y)
+        if matrices.multipliers is not None:
+            forces = matrices.multipliers.reaction.createVecLeft()
+            forces.array[:] = f
+            matrices.multipliers.reaction.multTransposeAdd(forces, self._y, self._y)
+            destroy(forces)
+        return np.array(self._y.array_r)
+
+    def norms(self, *vectors: Floats) -> Floats:
+        """Norms over all ranks of vectors given by the rows of this rank."""
+        squares = np.array([float(v @ v) for v in vectors])
+        return np.sqrt(self.comm.allreduce(squares, MPI.SUM))
+
+    def slopes(self, closures: Sequence[Floats]) -> tuple[Floats, ...]:
+        """Slopes of the laws at given closures."""
+        laws = (contact.half.law for contact in self.contacts)
+        return tuple(law.slope(g) for law, g in zip(laws, closures, strict=True))
+
+    def tangent(self, slopes: Slopes, *, friction: bool = True) -> Matrices:
+        """Derivative of R at given slopes; free it with :func:`free_tangent`.
+
+        Parameters
+        ----------
+        slopes
+            Slopes at all points (N/m^3).
+        friction
+            Whether with the derivative of friction.
+        """
+        symmetric: list[tuple[float, Any]] = [(1.0, self.matrices.stiffness)]
+        rest: list[tuple[float, Any]] = []
+        made: list[Any] = []
+        if self.matrices.unsymmetric is not None:
+            rest.append((1.0, self.matrices.unsymmetric))
+        for contact, slope, rubs in zip(self.contacts, slopes, self.frictional, strict=True):
+            normal, rubbing = contact.reactions.tangent(slope)
+            made += [normal] if rubbing is None else [normal, rubbing]
+            symmetric.append((1.0, normal))
+            if rubbing is not None and rubs and friction:
+                rest.append((-1.0, rubbing))
+        stiffness = scaled_total(symmetric)
+        stiffness.setOption(stiffness.Option.SYMMETRIC, True)
+        unsymmetric = scaled_total(rest) if rest else None
+        destroy(*made)
+        return replace(self.matrices, stiffness=stiffness, unsymmetric=unsymmetric)
+
+    def load_at(self, factor: float) -> Floats:
+        """A part of the load (N), the rows of this rank."""
+        return factor * self._load.array_r
+
+    def spring_forces(self, slopes: Slopes) -> Floats:
+        """Forces of springs at all points whose rest is the least gap (N), the rows of this rank.
+
+        Parameters
+        ----------
+        slopes
+            Stiffness of the springs (N/m^3).
+        """
+        total = np.zeros(self.rows)
+        for contact, slope, gap in zip(self.contacts, slopes, self.gaps, strict=True):
+            force = contact.reactions.forces(slope * gap.min(), friction=False)
+            total += force.array_r
+            destroy(force)
+        return total
+
+    def vector(self, x: Floats) -> Vec:
+        """Displacements as a new PETSc vector."""
+        vector = self.system.vector()
+        vector.array[:] = x
+        return vector
+
+    def free(self) -> None:
+        """Free what was made for the equations."""
+        release(self.matrices)
+        destroy(self._x, self._y)
+
+
+def free_tangent(tangent: Matrices) -> None:
+    """Free a tangent, not the multipliers it shares."""
+    destroy(*(m for m in (tangent.stiffness, tangent.unsymmetric) if m))
+
+
+def initial_gap(contact: Contact) -> Floats:
+    """Initial gap g_n at all points (m), of the geometry with what is added to it, shape (n,)."""
+    interface = contact.interface
+    distance = np.concatenate(interface.comm.allgather(interface.initial_gap))
+    return distance + contact.half.added_gap
+
+
+def _rubs(contact: Contact) -> bool:
+    friction = contact.half.friction
+    return contact.slip is not None and friction is not None and friction.acts
