@@ -12,6 +12,7 @@ from cea.eigen.spectrum import Spectrum
 from cea.system.contact_stresses import SideStress
 from scenes.plain import as_data
 from scenes.results import ModesResult, StaticResult
+from scenes.steady import steady_data
 from scenes.stored import record, write_record
 
 RUN = "run"
@@ -61,6 +62,8 @@ def describe(result: ModesResult | StaticResult) -> dict[str, Any]:
         "skipped": dict(result.skipped),
         "contacts": {name: _interface(i) for name, i in result.interfaces.items()},
     }
+    if result.system.steady is not None:
+        data["steady_sliding"] = steady_data(result.system.steady)
     if isinstance(result, ModesResult):
         return data | describe_modes(result.modes, result.analysis.growth_threshold)
     return data | {

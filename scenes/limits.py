@@ -23,10 +23,14 @@ _LONGEST = 100
 """Characters of a name."""
 
 _SCALES = (
-    "E", "rho", "P", "p", "max_frequency", "size", "inner_radius", "outer_radius", "bore",
+    "E", "rho", "P", "p", "c_n", "max_frequency", "size", "inner_radius", "outer_radius", "bore",
     "hub_radius", "reach",
 )  # fmt: skip
 """Fields that set scales, and may not be next to nothing; coordinates and the like may."""
+
+
+_LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
+"""Fields of another range: c_n is a pressure over a small length to the power of m_n."""
 
 
 def limit_checks(scene: SceneSpec) -> Iterable[InputError]:
@@ -77,7 +81,8 @@ def _numbers(value: Any, place: str) -> Iterator[tuple[str, float]]:
 
 def _number_checks(place: str, number: float) -> Iterable[InputError]:
     field = next(part for part in reversed(place.split(".")) if not part.isdecimal())
-    if abs(number) > LARGEST and not (field in ("P", "p") and number == float("inf")):
-        yield InputError(place, number, f"at most {LARGEST:g}")
+    largest = _LARGEST_OF.get(field, LARGEST)
+    if abs(number) > largest and not (field in ("P", "p") and number == float("inf")):
+        yield InputError(place, number, f"at most {largest:g}")
     elif field in _SCALES and 0 < abs(number) < SMALLEST:
         yield InputError(place, number, f"at least {SMALLEST:g}")

@@ -13,12 +13,14 @@ from cea.eigen.modes import Modes
 from cea.errors import InputError
 from cea.system.contact_stresses import SideStress
 from cea.system.coupled import CoupledSystem
+from cea.system.sliding_state import SteadySliding
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from scenes.arrays import gathered_displacements, gathered_sums
 from scenes.of_modes import OfModes
 from scenes.read import Scene
 from scenes.spec import StaticAnalysis
+from scenes.steady import steady_data, steady_lines
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -57,6 +59,15 @@ class SceneResult:
     def bodies(self) -> Mapping[str, Body]:
         """Bodies by name."""
         return self.system.bodies
+
+    @property
+    def steady(self) -> SteadySliding | None:
+        """The state of steady sliding; None where the stiffness of every contact is given."""
+        return self.system.steady
+
+    def steady_lines(self) -> list[str]:
+        """What the contacts carry in steady sliding, a line for each half pass."""
+        return [] if self.steady is None else steady_lines(steady_data(self.steady))
 
     def matrices(self) -> dict[str, csr_array]:
         """Matrices by name: K and M of the bodies, K_n and K_f of the contacts.
@@ -210,7 +221,8 @@ class ModesResult(OfModes, SceneResult):
             for i, mode in enumerate(modes)
         ]
 
-    __repr__ = OfModes.__repr__
+    def __repr__(self) -> str:
+        return "\n".join([OfModes.__repr__(self), *self.steady_lines()])
 
 
 @dataclass(frozen=True)
@@ -265,4 +277,4 @@ class StaticResult(SceneResult):
             f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
             for row in self.table()
         ]
-        return "\n".join([f"{self.scene.name}: static analysis", *rows])
+        return "\n".join([f"{self.scene.name}: static analysis", *self.steady_lines(), *rows])

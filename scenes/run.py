@@ -18,6 +18,7 @@ from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
 from scenes.spec import ComplexEigenvalueAnalysis, StaticAnalysis
+from scenes.steady import steady_warnings
 from scenes.warnings import scene_warnings, short_modes
 
 
@@ -114,7 +115,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
             name: contact_stresses(system, name, x, scene.analysis.samples)
             for name in scene.contacts
         }
-        warnings = scene_warnings(scene, system.contacts)
+        warnings = scene_warnings(scene, system.contacts) + steady_warnings(scene, system)
     return StaticResult(
         scene, system, interfaces, timer, skipped_by(scene), x, stresses, warnings=warnings
     )
@@ -124,6 +125,7 @@ def with_warnings(result: ModesResult) -> ModesResult:
     """A result with all that it must be read with; collective."""
     with result.timer("post-processing"):
         found = scene_warnings(result.scene, result.system.contacts)
+        found += steady_warnings(result.scene, result.system)
         found += short_modes(result.scene, result.bodies, result.mode_shapes, len(result.modes))
     return replace(result, warnings=(*result.modes.warnings, *found))
 
@@ -163,6 +165,8 @@ def skipped_by(scene: Scene) -> dict[str, str]:
         "damping": "no damping: the problem is linear in lambda^2",
         "gyroscopic": "no rotation of the frame",
     }
+    if scene.slides_steadily:
+        del skipped["newton"]
     if not any(contact.mu for contact in scene.contacts.values()):
         skipped["friction"] = "mu = 0: no slip operator, symmetric solver"
     if not scene.contacts:

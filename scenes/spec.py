@@ -262,7 +262,7 @@ class ContactSpec:
         given = {"P": self.P, "p": self.p, "c_n": self.c_n}
         if sum(value is not None for value in given.values()) != 1:
             others = ", ".join(f"{name} = {value}" for name, value in given.items() if name != "P")
-            raise InputError("P", self.P, f"one of P, p and c_n is given ({others})")
+            raise InputError("P", self.P, f"either P, p or c_n is given, not both ({others})")
         if self.c_n is None:
             for name, value in (("m_n", self.m_n), ("added_gap", self.added_gap or None)):
                 if value is not None:

@@ -26,6 +26,8 @@ _SOLVED = 1e-14
 """Residual, relative to the forces, at which there is nothing left to gain."""
 _ROUNDING = 1e-7
 """Residual, relative to the forces, from which what does not get smaller may be rounding."""
+_NOISE = 10.0
+"""The same in parts of what rounding of the closures makes of it."""
 _STALLS = 0.3
 """Ratio of residuals that is no convergence of Newton's method."""
 _SHORTEST = 2.0**-12
@@ -103,10 +105,10 @@ class SlidingNewton:
                 break
             step = self._step(state, factor, run)
             if step is None:
-                run.converged = state.relative <= _ROUNDING
+                run.converged = _is_small(state)
                 break
             new, length = step
-            if state.relative <= _ROUNDING and new.norm > _STALLS * state.norm:
+            if _is_small(state) and new.norm > _STALLS * state.norm:
                 run.state = state if state.norm < new.norm else new
                 run.converged = True
                 break
@@ -213,6 +215,11 @@ def solved_regularly(matrices: Matrices, b: Floats) -> tuple[Floats, Floats, flo
 def closed_points(state: State) -> int:
     """Number of points that are closed."""
     return sum(int(np.count_nonzero(closure > 0)) for closure in state.closures)
+
+
+def _is_small(state: State) -> bool:
+    """Whether what is left may be rounding."""
+    return state.norm <= max(_ROUNDING * state.scale, _NOISE * state.noise)
 
 
 def _solved(factors: Shifted, b: Floats) -> tuple[Floats, Floats]:

@@ -44,6 +44,8 @@ class State:
         Its norm over all ranks (N).
     scale
         Size of the forces that it is the sum of (N).
+    noise
+        What rounding of the closures makes of it (N).
     """
 
     x: Floats
@@ -52,6 +54,7 @@ class State:
     residual: Floats
     norm: float
     scale: float
+    noise: float
 
     @property
     def relative(self) -> float:
@@ -68,10 +71,16 @@ class SlidingProblem:
         The system, with loads; some contact has a law that is not linear.
     friction
         Whether with the friction of contacts that have such a law.
+
+    Attributes
+    ----------
+    softness
+        What pressures and slopes of the laws are divided by; 1 but on the way to a solution.
     """
 
     def __init__(self, system: CoupledSystem, *, friction: bool = True) -> None:
         self.system = system
+        self.softness = 1.0
         self.comm = system.template.comm.tompi4py()
         self.contacts: tuple[Contact, ...] = tuple(
             contact for contact in system.contacts if not contact.half.law.linear
@@ -124,17 +133,33 @@ class SlidingProblem:
         """
         self._x.array[:] = x
         elastic = self._linear_forces(f)
-        closures, contact = [], np.zeros_like(x)
-        for number, (each, gap) in enumerate(zip(self.contacts, self.gaps, strict=True)):
-            closures.append(each.reactions.approach(self._x) - gap)
-            pressure = each.half.law.pressure(closures[-1])
-            force = each.reactions.forces(pressure, friction=self.frictional[number])
-            contact += force.array_r
-            destroy(force)
+        approaches = [each.reactions.approach(self._x) for each in self.contacts]
+        closures = tuple(u - gap for u, gap in zip(approaches, self.gaps, strict=True))
+        contact = self._reactions(
+            [
+                each.half.law.pressure(closure) / self.softness
+                for each, closure in zip(self.contacts, closures, strict=True)
+            ]
+        )
+        rounding = self._reactions(
+            [
+                slope * np.finfo(float).eps * np.maximum(np.abs(u), np.abs(gap))
+                for slope, u, gap in zip(self.slopes(closures), approaches, self.gaps, strict=True)
+            ]
+        )
         load = self.load_at(factor)
         residual = elastic + contact - load
-        sizes = self.norms(residual, load, contact, elastic)
-        return State(x, f, tuple(closures), residual, sizes[0], float(np.max(sizes[1:])))
+        norm, noise, *sizes = self.norms(residual, rounding, load, contact, elastic)
+        return State(x, f, closures, residual, float(norm), float(max(sizes)), float(noise))
+
+    def _reactions(self, pressures: Sequence[Floats]) -> Floats:
+        """Forces of pressures at all points of each contact, the rows of this rank."""
+        total = np.zeros(self.rows)
+        for contact, pressure, rubs in zip(self.contacts, pressures, self.frictional, strict=True):
+            force = contact.reactions.forces(pressure, friction=rubs)
+            total += force.array_r
+            destroy(force)
+        return total
 
     def _linear_forces(self, f: Floats) -> Floats:
         """K x + L^T f of what is linear, the rows of this rank; x is in its place."""
@@ -157,7 +182,7 @@ class SlidingProblem:
     def slopes(self, closures: Sequence[Floats]) -> tuple[Floats, ...]:
         """Slopes of the laws at given closures."""
         laws = (contact.half.law for contact in self.contacts)
-        return tuple(law.slope(g) for law, g in zip(laws, closures, strict=True))
+        return tuple(law.slope(g) / self.softness for law, g in zip(laws, closures, strict=True))
 
     def tangent(self, slopes: Slopes, *, friction: bool = True) -> Matrices:
         """Derivative of R at given slopes; free it with :func:`free_tangent`.

@@ -144,6 +144,8 @@ class SteadySliding:
         Free displacements (m), PETSc vector.
     uncertainty
         What rounding the tangent makes of them, relative to the largest.
+    residual
+        Forces left over, relative to those that hold each other.
     contacts
         State of each half pass with a law, by its name.
     path
@@ -154,6 +156,7 @@ class SteadySliding:
 
     displacement: Vec
     uncertainty: float
+    residual: float
     contacts: Mapping[str, ContactState]
     path: tuple[LoadStep, ...]
     uniqueness: Uniqueness | None

@@ -12,6 +12,7 @@ import numpy as np
 from cea.body import Floats
 from cea.contact.operators import Contact
 from cea.errors import ConvergenceError, InputError
+from cea.matrices import destroy
 from cea.system.coupled import CoupledSystem
 from cea.system.sliding_newton import (
     Iteration,
@@ -28,6 +29,10 @@ _SHORTEST = 1 / 64
 """Least part of the load of a step."""
 _GROWS = 2.0
 """By how much a step is longer than the one before."""
+_SOFTNESSES = tuple(10.0**power for power in range(12, -1, -1))
+"""By what laws are divided in turn where the law itself does not converge."""
+_OVERLAP = 1e-9
+"""Overlap of the sides, relative to the mesh size, that rounding and facets may make."""
 FREE = (
     "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
     "bodies"
@@ -102,13 +107,26 @@ class _Path:
 
     def _at(self, state: State | None, factor: float) -> Iteration:
         """Equilibrium under a part of the load, from that under a smaller one or from none."""
-        run = None
         if state is not None:
             run = self._newton.solve(state.x, state.f, factor)
             if run.converged:
                 return run
-        fresh = self._newton.solve(*self._start(factor), factor)
-        return fresh if fresh.converged or run is None else run
+        run = self._newton.solve(*self._start(factor), factor)
+        return run if run.converged else self._stiffened(factor)
+
+    def _stiffened(self, factor: float) -> Iteration:
+        """Equilibrium under a part of the load by way of softer laws, each from the one before."""
+        problem = self._problem
+        x, f = self._start(factor)
+        try:
+            for softness in _SOFTNESSES:
+                problem.softness = softness
+                run = self._newton.solve(x, f, factor)
+                if run.converged:
+                    x, f = run.state.x, run.state.f
+        finally:
+            problem.softness = 1.0
+        return run
 
     def _start(self, factor: float) -> tuple[Floats, Floats]:
         """Displacements where springs at all points hold the sides together where they are nearest.
@@ -139,6 +157,7 @@ class _Path:
         return SteadySliding(
             displacement=problem.vector(state.x),
             uncertainty=uncertainty,
+            residual=state.relative,
             contacts={
                 contact.name: _contact_state(contact, closure)
                 for contact, closure in zip(problem.contacts, state.closures, strict=True)
@@ -149,7 +168,7 @@ class _Path:
 
     def _reason(self, run: Iteration, factor: float) -> str:
         """Why there is no equilibrium."""
-        if not closed_points(run.state):
+        if not closed_points(run.state) or self._pulls(factor):
             return OPENS
         reason = (
             f"no state of steady sliding was found at {factor:.3g} of the load: the residual is "
@@ -162,6 +181,20 @@ class _Path:
                 reason += "; without friction there is one: friction is too large"
             smooth.free()
         return reason
+
+    def _pulls(self, factor: float) -> bool:
+        """Whether springs that hold the sides together are in tension, taken together."""
+        problem = self._problem
+        x = problem.vector(self._start(factor)[0])
+        force = sum(
+            float(contact.interface.points.weight @ (slope * contact.reactions.approach(x)))
+            - float(contact.interface.points.weight @ (slope * gap.min()))
+            for contact, slope, gap in zip(
+                problem.contacts, self._springs, problem.gaps, strict=True
+            )
+        )
+        destroy(x)
+        return force <= 0
 
 
 def path_parities(path: Sequence[LoadStep]) -> dict[float, int | None]:
@@ -177,8 +210,10 @@ def _closed_slopes(problem: SlidingProblem) -> list[Floats]:
     """Secant slope of each contact where the whole load presses all of it evenly (N/m^3)."""
     slopes = []
     for number, (gap, area) in enumerate(zip(problem.gaps, problem.areas, strict=True)):
-        law, overlap = problem.law(number), max(0.0, -float(gap.min()))
-        closure = max(law.closure(problem.load / area), overlap)
+        law, overlap = problem.law(number), -float(gap.min())
+        interface = problem.contacts[number].interface
+        size = min(interface.a.mesh_size, interface.b.mesh_size)
+        closure = max(law.closure(problem.load / area), overlap if overlap > _OVERLAP * size else 0)
         if not closure > 0:
             raise ConvergenceError(f"{OPENS}; nothing presses the sides together", best=None)
         pressure = float(law.pressure(np.array(closure)))

@@ -32,6 +32,12 @@ def print_table(table: ReportTable) -> None:
 _COLOURS = {"unstable": "bold red", "undecided": "yellow", "stable": None}
 
 
+def print_steady(result: "ModesResult | StaticResult") -> None:
+    """Print what the contacts carry in steady sliding, where that was sought."""
+    for line in result.steady_lines():
+        console.print(line)
+
+
 def print_modes(result: "ModesResult") -> None:
     """Print the eigenvalues of a run, its verdict, what it must be read with, and why it is all."""
     columns = ("mode", "frequency (Hz)", "growth rate (1/s)", "uncertainty", "residual")
@@ -47,17 +53,25 @@ def print_modes(result: "ModesResult") -> None:
             mode["verdict"],
             style=_COLOURS[mode["verdict"]],
         )
+    print_steady(result)
     console.print(table)
     typer.echo(result.modes.window.evidence)
-    for warning in result.modes.warnings:
-        console.print(f"warning ({warning.kind}): {warning.message}", style="yellow")
+    _print_warnings(result)
     console.print(f"verdict: {result.verdict}")
 
 
 def print_stresses(result: "StaticResult") -> None:
     """Print the range of the normal stress on each side of each contact."""
+    print_steady(result)
     for row in result.table():
         console.print(
             f"{row['contact']}, side {row['side']}: sigma_n from {row['min']:.6g} to "
             f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
         )
+    _print_warnings(result)
+
+
+def _print_warnings(result: "ModesResult | StaticResult") -> None:
+    """Print what a result must be read with."""
+    for warning in result.warnings:
+        console.print(f"warning ({warning.kind}): {warning.message}", style="yellow")
