@@ -170,14 +170,14 @@ class SlidingNewton:
     ) -> bool:
         if not np.isfinite(new.norm):
             return False
-        if closed_points(state) and not closed_points(new) and not self._is_held():
+        if closed_points(state) and not closed_points(new) and not self.is_held():
             return False
         if new.norm <= 0.5 * state.norm:
             return True
         (next_,) = self._problem.norms(_solved(factors, -new.residual)[0])
         return bool(next_ <= (1 - 0.25 * length) * size)
 
-    def _is_held(self) -> bool:
+    def is_held(self) -> bool:
         """Whether the bodies are held without the contacts that have a law."""
         if self._held is None:
             load = np.random.default_rng(self._problem.comm.rank).standard_normal(

@@ -37,6 +37,7 @@ FREE = (
     "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
     "bodies"
 )
+LEAVE_FREE = "the points that are closed leave a rigid motion free: the tangent is singular"
 OPENS = "the load opens the contact: no point is closed"
 
 
@@ -89,6 +90,9 @@ class _Path:
     def solve(self, steps: int) -> SteadySliding:
         """Put the load on in so many parts, or in more where it takes them."""
         done, part = 0.0, 1.0 / steps
+        if self._pulls(part) and not self._newton.is_held():
+            start = self._problem.state(*self._start(part), part)
+            raise ConvergenceError(OPENS, best=start)
         path: list[LoadStep] = []
         state: State | None = None
         while done < 1.0:
@@ -100,7 +104,7 @@ class _Path:
                 path.append(_load_step(factor, run))
                 continue
             part *= 0.5
-            if part < _SHORTEST:
+            if part < _SHORTEST or (state is None and self._pulls(factor)):
                 raise ConvergenceError(self._reason(run, factor), best=run.state)
         assert state is not None
         return self._result(state, path)
@@ -112,18 +116,23 @@ class _Path:
             if run.converged:
                 return run
         run = self._newton.solve(*self._start(factor), factor)
-        return run if run.converged else self._stiffened(factor)
+        if run.converged or self._pulls(factor):
+            return run
+        return self._stiffened(factor)
 
     def _stiffened(self, factor: float) -> Iteration:
         """Equilibrium under a part of the load by way of softer laws, each from the one before."""
         problem = self._problem
         x, f = self._start(factor)
+        found = False
         try:
             for softness in _SOFTNESSES:
                 problem.softness = softness
                 run = self._newton.solve(x, f, factor)
                 if run.converged:
-                    x, f = run.state.x, run.state.f
+                    x, f, found = run.state.x, run.state.f, True
+                elif found:
+                    break
         finally:
             problem.softness = 1.0
         return run
@@ -151,9 +160,7 @@ class _Path:
             uniqueness, uncertainty = uniqueness_at(tangent, state.x, state.f, path_parities(path))
         free_tangent(tangent)
         if uncertainty is None:
-            raise ConvergenceError(
-                f"{FREE}; those that are closed leave a tangent that is singular", best=state
-            )
+            raise ConvergenceError(LEAVE_FREE, best=state)
         return SteadySliding(
             displacement=problem.vector(state.x),
             uncertainty=uncertainty,

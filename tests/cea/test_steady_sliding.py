@@ -1,0 +1,171 @@
+"""Steady sliding with normal compliance: equations, tangent, convergence, balance, refusals."""
+
+import numpy as np
+import pytest
+from blocks import ROTATED, assemble, two_blocks
+from motions import dense, resultant
+from pressed import AREA, PRESSURE, SOFT, coupled_blocks
+
+from cea.contact.laws import NormalCompliance
+from cea.errors import ConvergenceError, InputError
+from cea.system.sliding_problem import SlidingProblem
+from cea.system.steady_sliding import steady_sliding
+
+GPTS = {"method": "gpts", "points": 3}
+RNG = np.random.default_rng(5)
+
+
+def orders(residuals):
+    """Orders of convergence of a sequence, as far as rounding lets them be seen."""
+    logs = np.log([r for r in residuals if r > 1e-11])
+    return np.diff(logs)[1:] / np.diff(logs)[:-1]
+
+
+@pytest.mark.parametrize("m", [2.0, 2.5, 3.3])
+def test_newton_converges_quadratically(backend, m):
+    steady = steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT, m_n=m))
+    (step,) = steady.path
+    assert step.residuals[-1] < 1e-11
+    assert orders(step.residuals)[-1] > 1.85
+
+
+def test_a_linear_law_closed_everywhere_takes_one_step(backend):
+    steady = steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT))
+    assert steady.iterations == 1
+    assert steady.contacts["interface"].closed_fraction == 1.0
+
+
+@pytest.mark.parametrize("m", [1.0, 2.5])
+def test_the_tangent_is_the_derivative_of_the_forces(backend, formulation, m):
+    """Where some points are open and others closed; a law of m = 1 has a kink that is kept off."""
+    problem = SlidingProblem(coupled_blocks(backend, formulation, c_n=SOFT, m_n=m, mu=0.4))
+    x, f = problem.zero()
+    x = 1e-3 * RNG.standard_normal(x.shape)
+    direction = RNG.standard_normal(x.shape)
+    state = problem.state(x, f, 1.0)
+    assert 0 < np.mean(state.closures[0] > 0) < 1
+    step = 1e-3 * np.abs(state.closures[0]).min() if m == 1 else 1e-6
+    ends = [problem.state(x + sign * step * direction, f, 1.0).residual for sign in (1, -1)]
+    difference = (ends[0] - ends[1]) / (2 * step)
+    tangent = problem.tangent(problem.slopes(state.closures))
+    exact = (dense(tangent.stiffness) + dense(tangent.unsymmetric)) @ direction
+    without = dense(problem.matrices.stiffness) @ direction
+    assert np.abs(difference - exact).max() <= 1e-6 * np.abs(exact - without).max()
+
+
+def test_forces_equal_a_loop_over_points(backend):
+    system = coupled_blocks(backend, GPTS, c_n=SOFT, m_n=2.5, mu=0.4)
+    problem = SlidingProblem(system)
+    x = 1e-3 * RNG.standard_normal(problem.rows)
+    state = problem.state(x, problem.zero()[1], 0.7)
+    contact = system.contacts[0]
+    G, S = dense(contact.gap), dense(contact.slip)
+    force = dense(problem.matrices.stiffness) @ x - 0.7 * system.load.array
+    law = NormalCompliance(SOFT, 2.5)
+    for i, weight in enumerate(contact.interface.points.weight):
+        closure = G[i] @ x - contact.interface.initial_gap[i]
+        force += weight * law.pressure(np.array(closure)) * (G[i] - S[i])
+    assert state.residual == pytest.approx(force, abs=1e-13 * np.abs(force).max())
+
+
+@pytest.mark.parametrize("full_pass", [False, True])
+def test_the_contact_bears_the_load(backend, formulation, full_pass):
+    options = {"c_n": 1e4, "m_n": 2.5, "mu": 0.3, "full_pass": full_pass}
+    states = steady_sliding(coupled_blocks(backend, formulation, **options)).contacts.values()
+    assert len(states) == 1 + full_pass
+    force = sum(state.force_on_a[2] * sign for state, sign in zip(states, (1, -1), strict=False))
+    assert force == pytest.approx(PRESSURE * AREA, rel=1e-10)
+    assert sum(s.friction_force for s in states) == pytest.approx(0.3 * force, rel=1e-10)
+    for state in states:
+        law = NormalCompliance(1e4 / len(states), 2.5)
+        assert (state.stiffness[state.closure <= 0] == 0).all()
+        assert state.stiffness == pytest.approx(law.slope(state.closure), rel=1e-12)
+        assert state.pressure == pytest.approx(law.pressure(state.closure), rel=1e-12)
+
+
+def test_forces_on_both_sides_cancel(backend, formulation):
+    data = two_blocks(backend, formulation, ROTATED)
+    contact = data["contacts"]["interface"]
+    del contact["P"]
+    contact |= {"c_n": 3.0, "m_n": 2.0}
+    system = assemble(data | {"loads": [{"surface": "upper.z_max", "pressure": 0.0}]})
+    reactions = system.contacts[0].reactions
+    points = len(system.contacts[0].interface.points)
+    force = reactions.forces(np.maximum(RNG.standard_normal(points), 0.0), friction=True)
+    (on_a, scale), (on_b, _) = (resultant(system, force, body) for body in system.bodies)
+    assert np.abs(on_a + on_b).max() <= 1e-13 * scale
+
+
+def test_an_added_gap_moves_the_state_and_changes_no_pressure(backend, formulation):
+    """A block that nothing holds along the normal sinks as far as it is lifted."""
+    options = {"c_n": SOFT, "m_n": 2.0, "reach": 0.1}
+    near = steady_sliding(coupled_blocks(backend, formulation, **options))
+    far = steady_sliding(coupled_blocks(backend, formulation, added_gap=0.05, **options))
+    pressures = [steady.contacts["interface"].pressure for steady in (near, far)]
+    assert pressures[1] == pytest.approx(pressures[0], rel=1e-8)
+    closures = [steady.contacts["interface"].closure for steady in (near, far)]
+    assert closures[1] == pytest.approx(closures[0], rel=1e-8)
+
+
+def test_a_crowned_gap_closes_in_part(backend, formulation):
+    law = {"c_n": 100.0, "m_n": 2.0, "added_gap": "0.2*(x-0.45)**2"}
+    system = coupled_blocks(backend, formulation, mu=0.0, **law)
+    state = steady_sliding(system).contacts["interface"]
+    distance = np.abs(system.contacts[0].interface.points.x[:, 0] - 0.45)
+    assert 0.05 < state.closed_fraction < 0.95
+    assert distance[state.pressure > 0].max() < distance.max()
+    assert distance[state.pressure > 0].mean() < distance[state.pressure == 0].mean()
+    assert state.normal_force == pytest.approx(PRESSURE * AREA, rel=1e-10)
+
+
+def test_parts_of_the_load_lead_to_the_same_state(backend):
+    system = coupled_blocks(backend, GPTS, c_n=1e4, m_n=2.0, mu=0.4)
+    once, often = (steady_sliding(system, steps=steps) for steps in (1, 5))
+    assert [step.factor for step in often.path] == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
+    pressures = [each.contacts["interface"].pressure for each in (once, often)]
+    assert pressures[1] == pytest.approx(pressures[0], abs=1e-9 * pressures[0].max())
+
+
+def test_without_friction_the_tangent_is_symmetric_and_the_state_alone(backend):
+    steady = steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT, m_n=2.0, mu=0.0))
+    assert steady.uniqueness is None
+    assert steady.contacts["interface"].friction_force == 0.0
+
+
+@pytest.mark.parametrize("law", [{"c_n": SOFT}, {"c_n": SOFT, "m_n": 2.5}])
+def test_a_load_that_opens_the_contact_is_refused(backend, law):
+    system = coupled_blocks(backend, GPTS, pressure=-PRESSURE, **law)
+    with pytest.raises(ConvergenceError, match="the load opens the contact"):
+        steady_sliding(system)
+
+
+def test_without_a_load_nothing_presses(backend):
+    with pytest.raises(ConvergenceError, match="nothing presses the sides together"):
+        steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT, pressure=0.0))
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_a_free_rigid_motion_is_refused(backend, mu):
+    data = two_blocks(backend, GPTS, held=True, mu=mu)
+    data["bodies"]["upper"]["supports"] = []
+    del data["contacts"]["interface"]["P"]
+    data["contacts"]["interface"]["c_n"] = SOFT
+    data["loads"] = [{"surface": "upper.z_max", "pressure": PRESSURE}]
+    with pytest.raises(ConvergenceError, match="a rigid motion is free"):
+        steady_sliding(assemble(data))
+
+
+def test_points_in_a_line_leave_a_rotation_free(backend):
+    law = {"c_n": 1e4, "m_n": 2.0, "added_gap": "5*(x-0.45)**2"}
+    grid = {"method": "grid", "points": 5}
+    with pytest.raises(ConvergenceError, match="points that are closed leave a rigid motion free"):
+        steady_sliding(coupled_blocks(backend, grid, mu=0.0, **law))
+
+
+def test_what_has_no_law_or_no_load_is_refused(backend):
+    with pytest.raises(InputError, match="contacts"):
+        steady_sliding(coupled_blocks(backend, GPTS, p=1.0, kind="static"))
+    with pytest.raises(InputError, match="load"):
+        steady_sliding(coupled_blocks(backend, GPTS, p=1.0))
+    with pytest.raises(InputError, match="steps"):
+        steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT), steps=0)
