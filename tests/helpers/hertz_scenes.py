@@ -66,11 +66,14 @@ def scene(name, backend, *, elements, c_n, formulation, more_below=0):
     return of_catalogue.change(changes)
 
 
-def closed_form(result):
-    """The Hertz contact of a scene: by symmetry it is half of a cylinder, a quarter of a sphere."""
-    upper, lower = (result.scene.bodies[name] for name in ("upper", "lower"))
+def closed_form(scene):
+    """The Hertz contact of a scene, and the part of it that the scene has.
+
+    By symmetry it is half of a cylinder, a quarter of a sphere.
+    """
+    upper, lower = (scene.bodies[name] for name in ("upper", "lower"))
     modulus = contact_modulus(*((b.material.E, b.material.nu) for b in (upper, lower)))
-    (load,) = result.scene.loads
+    (load,) = scene.loads
     *sides, _ = (high - low for low, high in upper.geometry.extent)
     parts = 2 ** len(sides)
     force = parts * load.pressure * float(np.prod(sides))
@@ -78,18 +81,24 @@ def closed_form(result):
     return kind(force, upper.geometry.radii["x"], modulus), parts
 
 
+def radius_of(hertz):
+    """Half width or radius of a contact (m)."""
+    return hertz.half_width if isinstance(hertz, LineContact) else hertz.contact_radius
+
+
 def errors(result):
     """How far a result is from the closed form."""
-    hertz, parts = closed_form(result)
+    hertz, parts = closed_form(result.scene)
     state = result.system.steady.contacts["interface"]
     points = result.interfaces["interface"].points
     distance = np.linalg.norm(points.x[:, :-1], axis=1)
     force = points.weight * state.pressure
     mean_square = force @ distance**2 / force.sum()
+    a = radius_of(hertz)
     if parts == 2:
-        a, by_moment, by_area = hertz.half_width, 2 * np.sqrt(mean_square), state.closed_area
+        by_moment, by_area = 2 * np.sqrt(mean_square), state.closed_area
     else:
-        a, by_moment = hertz.contact_radius, np.sqrt(2.5 * mean_square)
+        by_moment = np.sqrt(2.5 * mean_square)
         by_area = np.sqrt(parts * state.closed_area / np.pi)
     exact = hertz.pressure(distance)
     square = points.weight @ (state.pressure - exact) ** 2 / (points.weight @ exact**2)

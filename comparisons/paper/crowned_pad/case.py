@@ -24,23 +24,29 @@ FACE, COUNTER = "bottom", "top"
 """Sides of the contact: of the pad, where points lie, and of the disc."""
 EXACT, COLLOCATION, QUADRATURE = "segments", "collocation", "GPTS 3 × 3"
 """Labels of the exact integration, and of what the paper sets against each other."""
+WEIGHTED = "collocation, area weights"
+"""Label of collocation whose points bear the area that is theirs, not equal parts of it."""
 FINER = "segments, finer mesh"
 """Label of the exact integration on the finer mesh."""
 
-PRESSURES = (1e5, 3e5, 1e6, 3e6)
+PRESSURES = (1e5, 4e5, 2e6)
 """Pressures on the back of the pad (N/m^2)."""
 
 _COMMON: Mapping[str, Formulation] = {
     EXACT: Segments(),
     "mortar": Mortar(),
     QUADRATURE: GaussPointToSurface(3),
-    "GPTS 5 × 5": GaussPointToSurface(5),
 }
 _OWN: Mapping[str, Mapping[str, Formulation]] = {
-    "iga": {COLLOCATION: Greville(), "Botella": Botella(), "grid": Grid(10)},
-    "fe": {COLLOCATION: NodeToSurface(), "grid": Grid(4)},
+    "iga": {
+        COLLOCATION: Greville(),
+        WEIGHTED: Greville("area"),
+        "Botella": Botella(),
+        "grid": Grid(10),
+    },
+    "fe": {COLLOCATION: NodeToSurface(), WEIGHTED: NodeToSurface("tributary"), "grid": Grid(4)},
 }
-_REFINED = (1.5, 1.5, 2.0)
+_REFINED = (1.5, 1.5, 1.5)
 """Factors on the elements of the finer mesh."""
 
 

@@ -6,13 +6,15 @@ from typing import Any
 import numpy as np
 
 from comparisons.kit.numbers import number
+from comparisons.kit.plots import AXIS
 from comparisons.paper.common.figure import Data
 from comparisons.paper.common.style import COLOURS, drawing
-from comparisons.paper.crowned_pad.case import COLLOCATION, EXACT, FINER, QUADRATURE
+from comparisons.paper.crowned_pad.case import COLLOCATION, EXACT, FINER, QUADRATURE, WEIGHTED
 from comparisons.paper.crowned_pad.measures import distance
 
-_SHOWN = (EXACT, FINER, QUADRATURE, COLLOCATION, "grid", "mortar")
-_STYLES = ("-", "--", "-", "-", "-", ":")
+_SHOWN = (EXACT, FINER, QUADRATURE, COLLOCATION, "grid", WEIGHTED, "mortar")
+_STYLES = ("-", "--", "-", "-", "-", "-.", ":")
+_COLOURS = (*COLOURS, AXIS)
 
 
 def draw_study(data: Data, file: Path, title: str) -> Path:
@@ -28,20 +30,21 @@ def draw_study(data: Data, file: Path, title: str) -> Path:
         Title of the picture.
     """
     families = data["families"]
-    with drawing(file, (13.0, 3.2 * len(families) + 0.4)) as figure:
+    with drawing(file, (13.0, 3.2 * len(families) + 0.7)) as figure:
         figure.suptitle(title, fontsize=10)
         rows = figure.subplots(len(families), 4, squeeze=False)
         for axes, (family, cases) in zip(rows, families.items(), strict=True):
             _draw_family(axes, data, cases)
             axes[0].set_title(family)
-        rows[0][0].legend()
+        handles, labels = rows[0][1].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
     return file
 
 
 def _draw_family(axes: Any, data: Data, cases: Data) -> None:
     loads = np.array(data["pressures"]) / 1e6
     middle, shown = len(data["radii"]) // 2, len(loads) // 2
-    for label, style, colour in zip(_SHOWN, _STYLES, COLOURS, strict=True):
+    for label, style, colour in zip(_SHOWN, _STYLES, _COLOURS, strict=True):
         row = cases[label]
         look = {"linestyle": style, "color": colour, "linewidth": 1.1, "label": label}
         if label != EXACT:

@@ -21,6 +21,7 @@ from comparisons.paper.crowned_pad.case import (
     PAD,
     PRESSURES,
     QUADRATURE,
+    WEIGHTED,
     CrownedCase,
     formulations,
 )
@@ -99,7 +100,7 @@ class CrownedPadStudy:
                 "%",
                 f"{low} at the smallest, {high} at the largest",
             )
-            for label in (COLLOCATION, QUADRATURE, "grid", "mortar", FINER):
+            for label in (COLLOCATION, WEIGHTED, QUADRATURE, "grid", "mortar", FINER):
                 pairs = list(zip(cases[label], exact, strict=True))
                 far = max(distance(*pair) for pair in pairs)
                 yield Number(f"{family}, {label}: pressure off segments", None, 100 * far, "%")
