@@ -13,6 +13,7 @@ from cea.body import Complexes, Floats
 from cea.contact.operators import Contact
 from cea.files import folder_whole
 from cea.matrices import destroy
+from cea.system.sliding_state import SteadySliding
 from scenes.arrays import displacements
 from scenes.results import ModesResult, StaticResult
 from scenes.vtu import Entry, cell_grid, in_space, point_grid, write_collection, write_grid
@@ -52,7 +53,9 @@ def write_paraview(result: ModesResult | StaticResult, count: int, out: Path) ->
 
     Points of the bodies bear ``displacement`` (m); those of the contacts ``normal``, ``weight``
     (m^2), ``gap`` (m, penetration positive) and, where a penalty makes one of the gap,
-    ``pressure`` (N/m^2). Of modes these are complex: names end in ``_real`` and ``_imag``.
+    ``pressure`` (N/m^2). Of modes these are complex: names end in ``_real`` and ``_imag``. Where a
+    state of steady sliding was sought the points bear its ``contact pressure`` (N/m^2), ``closure``
+    (m) and ``contact stiffness`` (N/m^3) too, the same beside every mode.
 
     Parameters
     ----------
@@ -85,7 +88,7 @@ def write_paraview(result: ModesResult | StaticResult, count: int, out: Path) ->
     }
     gaps = {contact.name: _gaps(result, contact, modes) for contact in contacts}
     body_grids = {name: cell_grid(cells[name]) for name in bodies} if is_root else {}
-    point_grids = {c.name: _contact_grid(c) for c in contacts} if is_root else {}
+    point_grids = {c.name: _contact_grid(c, result.steady) for c in contacts} if is_root else {}
     collections = [volumes, surfaces] if contacts else [volumes]
     with ExitStack() as stack:
         if is_root:
@@ -151,11 +154,16 @@ def _solutions(result: ModesResult | StaticResult, modes: list[int]) -> list[_So
     ]
 
 
-def _contact_grid(contact: Contact) -> Any:
+def _contact_grid(contact: Contact, steady: SteadySliding | None) -> Any:
     points = contact.interface.points
     grid = point_grid(points.x)
     grid.point_data["normal"] = in_space(points.normal)
     grid.point_data["weight"] = points.weight
+    if steady is not None and contact.name in steady.contacts:
+        state = steady.contacts[contact.name]
+        grid.point_data["contact pressure"] = state.pressure
+        grid.point_data["closure"] = state.closure
+        grid.point_data["contact stiffness"] = state.stiffness
     return grid
 
 
@@ -179,6 +187,8 @@ def _pressure(
     if not contact.has_pressure:
         return {}
     if isinstance(result, StaticResult):
+        if not contact.half.law.linear:
+            return {}  # the contact pressure of the state stands there
         return {"pressure": contact.pressure(result.displacement)}
     if not np.isfinite(result.relative_stiffness(contact.pair)):
         return {}

@@ -15,14 +15,14 @@ FORMULATIONS = {
 }
 
 
-def states():
-    """Contact states and eigenvalues by backend and formulation, and how a refusal is heard."""
+def states(*chosen):
+    """Contact states and eigenvalues of cases "backend formulation", and how a refusal is heard."""
     found = {}
-    for backend in ("fe", "iga"):
-        for name, changes in FORMULATIONS.items():
-            options = LAW | changes
-            data = pressed_blocks(backend, options.pop("formulation"), **options)
-            found[f"{backend} {name}"] = numbers(run_scene(read_scene(data)))
+    for case in chosen:
+        backend, name = case.split(" ", 1)
+        options = LAW | FORMULATIONS[name]
+        data = pressed_blocks(backend, options.pop("formulation"), **options)
+        found[case] = numbers(run_scene(read_scene(data)))
     opening = pressed_blocks("fe", FORMULATIONS["gpts"]["formulation"], c_n=1.0, pressure=-1e-3)
     try:
         run_scene(read_scene(opening))
@@ -34,11 +34,9 @@ def states():
 def numbers(result):
     states = result.steady.contacts
     return {
-        "pressure": [np.sort(state.pressure).tolist() for state in states.values()],
-        "stiffness": [np.sort(state.stiffness).tolist() for state in states.values()],
+        "pressure": {name: np.sort(state.pressure).tolist() for name, state in states.items()},
+        "stiffness": {name: np.sort(state.stiffness).tolist() for name, state in states.items()},
         "force": np.concatenate([state.force_on_a for state in states.values()]).tolist(),
         "closed": [state.closed_fraction for state in states.values()],
-        "iterations": result.steady.iterations,
-        "im": result.eigenvalues.imag.tolist(),
-        "re": result.eigenvalues.real.tolist(),
+        "eigenvalues": np.abs(result.eigenvalues).tolist(),
     }

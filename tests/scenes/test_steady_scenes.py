@@ -158,9 +158,12 @@ def test_fields_that_say_nothing_stand_in_no_fingerprint(name):
         assert ("c_n" in contact) == (contact.get("c_n") is not None)
 
 
+FEW = ("fe gpts", "iga mortar")
+MORE = ("fe full pass", "fe mortar", "iga saddle")
+
+
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
-def test_ranks_find_the_same_state(ranks):
-    assert_same(
-        on_ranks(ranks, "steady_numbers.states"), on_ranks(1, "steady_numbers.states"), rel=1e-8
-    )
+@pytest.mark.parametrize(("ranks", "cases"), [(2, (*FEW, *MORE)), (3, FEW)])
+def test_ranks_find_the_same_state(ranks, cases):
+    found, expected = (on_ranks(n, "steady_numbers.states", *cases) for n in (ranks, 1))
+    assert_same(found, expected, rel=1e-8)
