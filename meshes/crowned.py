@@ -63,11 +63,11 @@ class Crowned:
         require(bool(self.radii), "radii", self.radii, f"a radius along {' or '.join(within)}")
         for name, radius in self.radii.items():
             require(name in within, "radii", name, " or ".join(within))
-            require(radius > 0, f"radii.{name}", radius, "a positive length (m)")
+            require(radius > 0, f"radii[{name}]", radius, "a positive length (m)")
         for name, place in self.apex.items():
             require(name in self.radii, "apex", name, f"one of {', '.join(self.radii)}, as radii")
             low, high = extent[name]
-            require(low <= place <= high, f"apex.{name}", place, f"{low} to {high}")
+            require(low <= place <= high, f"apex[{name}]", place, f"{low} to {high}")
         low, high = self.extent[self.across]
         if not self.fall < high - low:
             largest = f"radii with which the face falls by less than {high - low:g} m"

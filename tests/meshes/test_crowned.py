@@ -121,11 +121,11 @@ def test_a_crown_takes_its_volume():
         ((SECTOR, "outer", {"theta": 1.0}), "surface"),
         ((BOX, "z_min", {}), "radii"),
         ((BOX, "z_min", {"z": 1.0}), "radii"),
-        ((BOX, "z_min", {"x": 0.0}), "radii.x"),
-        ((BOX, "z_min", {"x": float("nan")}), "radii.x"),
+        ((BOX, "z_min", {"x": 0.0}), "radii[x]"),
+        ((BOX, "z_min", {"x": float("nan")}), "radii[x]"),
         ((BOX, "z_min", {"x": 0.1}), "radii"),
         ((BOX, "z_min", {"x": 1.0}, {"y": 0.1}), "apex"),
-        ((BOX, "z_min", {"x": 1.0}, {"x": 0.3}), "apex.x"),
+        ((BOX, "z_min", {"x": 1.0}, {"x": 0.3}), "apex[x]"),
     ],
 )
 def test_what_is_no_crown_is_refused(arguments, field):
