@@ -364,7 +364,7 @@ class Body(Protocol):
         ...
 
     def load(self) -> Any:
-        """Forces of the pressures, PETSc vector (free), N."""
+        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""
         ...
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:

@@ -1,6 +1,6 @@
 """Elastic body on Lagrange elements of dolfinx."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, Self
 
@@ -16,12 +16,27 @@ from cea.matrices import symmetrised
 from cea.mesh import Mesh
 from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
-from cea.supports.boundary import Pressure, Spring, Support, check_boundary
+from cea.supports.boundary import (
+    Force,
+    Pressure,
+    Spring,
+    Support,
+    check_boundary,
+    on_surfaces,
+    through_body,
+)
 from cea.supports.constraints import Constraints
 from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute
 from fe_cea.facets import gather_facets
-from fe_cea.forms import mass_form, pressure_form, spring_form, stiffness_form
+from fe_cea.forms import (
+    body_force_form,
+    mass_form,
+    pressure_form,
+    spring_form,
+    stiffness_form,
+    traction_form,
+)
 from fe_cea.sampling import cell_jacobians, sample_volume
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
@@ -46,7 +61,7 @@ class FEBody:
         Degree of the space, 1 to 4.
     material
         Material.
-    supports, springs, pressures
+    supports, springs, pressures, forces
         What holds and loads the named surfaces.
 
     Raises
@@ -68,6 +83,7 @@ class FEBody:
         supports: Sequence[Support] = (),
         springs: Sequence[Spring] = (),
         pressures: Sequence[Pressure] = (),
+        forces: Sequence[Force] = (),
     ) -> None:
         self._name = name
         self._mesh = mesh
@@ -77,10 +93,11 @@ class FEBody:
         self._supports = tuple(supports)
         self._springs = tuple(springs)
         self._pressures = tuple(pressures)
+        self._forces = tuple(forces)
         if type(degree) is not int or not 1 <= degree <= 4:
             raise InputError(f"bodies.{name}.degree", degree, "1 to 4")
         field = f"bodies.{name}"
-        check_boundary(supports, springs, pressures, surface_tags, self.dim, field)
+        check_boundary(supports, springs, pressures, forces, surface_tags, self.dim, field)
         self._check_tags()
         with agreed(self.comm):
             check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
@@ -97,6 +114,7 @@ class FEBody:
         supports: Sequence[Support] = (),
         springs: Sequence[Spring] = (),
         pressures: Sequence[Pressure] = (),
+        forces: Sequence[Force] = (),
         comm: Any = MPI.COMM_WORLD,
     ) -> Self:
         """Body on a mesh given as plain arrays, whose named surfaces become its surfaces.
@@ -107,7 +125,7 @@ class FEBody:
             The mesh; only that of rank 0 is read, other ranks may give None.
         comm
             Communicator to spread the mesh over.
-        name, degree, material, supports, springs, pressures
+        name, degree, material, supports, springs, pressures, forces
             As for :class:`FEBody`.
 
         Raises
@@ -138,6 +156,7 @@ class FEBody:
             supports=supports,
             springs=springs,
             pressures=pressures,
+            forces=forces,
         )
 
     def _check_tags(self) -> None:
@@ -252,18 +271,28 @@ class FEBody:
         return symmetrised(free)
 
     def load(self) -> Any:
-        """Forces of the pressures, PETSc vector (free), N."""
+        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""
         return self._load
 
     @cached_property
     def _load(self) -> Any:
         free = self.expansion.createVecRight()
+        for form in self._load_forms():
+            full = assemble_vector(form)
+            full.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+            self.expansion.multTransposeAdd(full, free, free)
+        return free
+
+    def _load_forms(self) -> Iterator[Any]:
+        """Linear forms whose sum is the load."""
         if self._pressures:
             pressures = [(p, self._surface_tags[p.surface]) for p in self._pressures]
-            full = assemble_vector(pressure_form(self._space, pressures, self._facet_tags))
-            full.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-            self.expansion.multTranspose(full, free)
-        return free
+            yield pressure_form(self._space, pressures, self._facet_tags)
+        for name, value in on_surfaces(self._forces):
+            traction = value / self.surfaces[name].area
+            yield traction_form(self._space, traction, self._surface_tags[name], self._facet_tags)
+        if (through := through_body(self._forces)) is not None:
+            yield body_force_form(self._space, through)
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
         """Sample of the whole body, each cell divided so many times a direction; on every rank.

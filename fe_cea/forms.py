@@ -11,6 +11,7 @@ import ufl
 from dolfinx import default_scalar_type
 from dolfinx.fem import Constant, Form, form
 
+from cea.body import Floats
 from cea.material import IsotropicMaterial
 from cea.supports.boundary import Pressure, Spring
 
@@ -121,6 +122,20 @@ def pressure_form(V: Any, pressures: Iterable[tuple[Pressure, int]], facet_tags:
         for pressure, tag in pressures
     ]
     return compiled(sum(terms[1:], terms[0]))
+
+
+def traction_form(V: Any, traction: Floats, tag: int, facet_tags: Any) -> Form:
+    """Forces of a uniform traction (N/m^2), shape (dim,), on the surface of a facet tag, N."""
+    value = Constant(V.mesh, np.asarray(traction, dtype=default_scalar_type))
+    ds = _facet_measure(V, facet_tags, mass_degree(V))
+    return compiled(ufl.inner(value, ufl.TestFunction(V)) * ds(tag))
+
+
+def body_force_form(V: Any, force: Floats) -> Form:
+    """Forces of a force on every part (N/m^3), shape (dim,), N."""
+    value = Constant(V.mesh, np.asarray(force, dtype=default_scalar_type))
+    dx = ufl.dx(metadata={"quadrature_degree": mass_degree(V)})
+    return compiled(ufl.inner(value, ufl.TestFunction(V)) * dx)
 
 
 def _facet_measure(V: Any, facet_tags: Any, degree: int) -> Any:

@@ -14,7 +14,15 @@ from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import destroy, symmetrised, total
 from cea.petsc import MPI, PETSc
-from cea.supports.boundary import Pressure, Spring, Support, check_boundary
+from cea.supports.boundary import (
+    Force,
+    Pressure,
+    Spring,
+    Support,
+    check_boundary,
+    on_surfaces,
+    through_body,
+)
 from cea.supports.constraints import Constraints
 from iga_cea import assembly
 from iga_cea.cells import bezier_cells
@@ -51,6 +59,8 @@ class NurbsBody:
         Elastic foundations, part of the stiffness.
     pressures
         Pressures, part of the load.
+    forces
+        Forces on surfaces or on every part, part of the load.
     comm
         MPI communicator.
 
@@ -72,6 +82,7 @@ class NurbsBody:
         supports: Sequence[Support] = (),
         springs: Sequence[Spring] = (),
         pressures: Sequence[Pressure] = (),
+        forces: Sequence[Force] = (),
         comm: Any = MPI.COMM_WORLD,
     ) -> None:
         field = f"bodies.{name}"
@@ -79,7 +90,7 @@ class NurbsBody:
         degree = checked_degree(degree, patches, f"{field}.degree")
         continuity = checked_continuity(continuity, degree, f"{field}.continuity")
         check_faces(faces, patches, dim, f"{field}.faces")
-        check_boundary(supports, springs, pressures, faces, dim, field)
+        check_boundary(supports, springs, pressures, forces, faces, dim, field)
 
         self.name = name
         self.dim = dim
@@ -90,6 +101,7 @@ class NurbsBody:
         self._supports = tuple(supports)
         self._springs = tuple(springs)
         self._pressures = tuple(pressures)
+        self._forces = tuple(forces)
         self.multipatch: Multipatch = join(
             [refine(patch, degree, continuity) for patch in patches], comm.size, f"{field}.patches"
         )
@@ -135,7 +147,7 @@ class NurbsBody:
         return self._mass
 
     def load(self) -> Any:
-        """Forces of the pressures, PETSc vector (free), N."""
+        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""
         return self._load
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
@@ -217,10 +229,24 @@ class NurbsBody:
             points = surface.gauss_points(max(self.degree) + 1)
             traction = -pressure.value * points.normal
             force += surface.trace(points.at).T @ (points.weight[:, None] * traction)
+        for name, value in on_surfaces(self._forces):
+            points = self.surfaces[name].gauss_points(max(self.degree) + 1)
+            share = self.surfaces[name].trace(points.at).T @ points.weight
+            force += share[:, None] * value / points.weight.sum()
         load, full = self.expansion.createVecs()
         full.setArray(force.ravel()[self._owned])
+        if (through := through_body(self._forces)) is not None:
+            self._add_body_force(full, through)
         self.expansion.multTranspose(full, load)
         return load
+
+    def _add_body_force(self, full: Any, force: Floats) -> None:
+        """Add the forces on all dofs of a force on every part (N/m^3)."""
+        volumes = assembly.mass(self.multipatch, self._pattern, 1.0, self.comm)
+        uniform = volumes.createVecRight()
+        uniform.array[:] = np.tile(force, uniform.getLocalSize() // self.dim)
+        volumes.multAdd(uniform, full, full)
+        destroy(volumes, uniform)
 
     def _foundation(self, spring: Spring) -> Any:
         """Matrix of a spring, all dofs: int k_c N_a N_b on the diagonal of components."""

@@ -1,6 +1,6 @@
 """Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -16,10 +16,11 @@ from cea.fields import Expression, evaluate
 from cea.mesh import Mesh
 from cea.petsc import MPI
 from cea.ranks import made_on_first
-from cea.supports.boundary import Pressure
+from cea.supports.boundary import Force, Pressure
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
+from scenes.load_spec import LoadSpec
 from scenes.read import Scene
 from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh
 
@@ -29,26 +30,40 @@ _ROUNDING = 1e-14
 
 def build_bodies(scene: Scene, timer: StageTimer) -> dict[str, Body]:
     """Bodies of a scene by name."""
-    loads = {name: [] for name in scene.bodies}  # type: dict[str, list[Pressure]]
-    for load in scene.loads:
-        body, surface = load.surface.split(".")
-        loads[body].append(Pressure(surface, load.pressure))
     with timer("meshing"):
         return {
-            name: build_body(name, spec, tuple(loads[name])) for name, spec in scene.bodies.items()
+            name: build_body(name, spec, [load for load in scene.loads if load.on == name])
+            for name, spec in scene.bodies.items()
         }
 
 
-def build_body(name: str, spec: BodySpec, pressures: tuple[Pressure, ...] = ()) -> Body:
+def build_body(name: str, spec: BodySpec, loads: Sequence[LoadSpec] = ()) -> Body:
     """One body of a scene on its backend."""
     if spec.backend == "fe" and spec.mesh.fe is not None:
-        return _fe_body(name, spec, spec.mesh.fe, pressures)
+        return _fe_body(name, spec, spec.mesh.fe, loads)
     if spec.backend == "iga" and spec.mesh.iga is not None:
-        return _iga_body(name, spec, spec.mesh.iga, pressures)
+        return _iga_body(name, spec, spec.mesh.iga, loads)
     raise InputError(f"bodies.{name}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
 
 
-def _fe_body(name: str, spec: BodySpec, mesh: FeMesh, pressures: tuple[Pressure, ...]) -> Body:
+def _pressures(loads: Sequence[LoadSpec]) -> list[Pressure]:
+    return [
+        Pressure(load.surface.split(".")[1], load.pressure)
+        for load in loads
+        if load.surface is not None and load.pressure is not None
+    ]
+
+
+def _forces(loads: Sequence[LoadSpec]) -> list[Force]:
+    found = [
+        Force(load.force, load.surface.split(".")[1])
+        for load in loads
+        if load.surface is not None and load.force is not None
+    ]
+    return found + [Force(load.body_force) for load in loads if load.body_force is not None]
+
+
+def _fe_body(name: str, spec: BodySpec, mesh: FeMesh, loads: Sequence[LoadSpec]) -> Body:
     from fe_cea import FEBody
     from meshes.shape_mesh import shape_mesh
 
@@ -72,11 +87,12 @@ def _fe_body(name: str, spec: BodySpec, mesh: FeMesh, pressures: tuple[Pressure,
         material=spec.material,
         supports=[s.support() for s in spec.supports],
         springs=spec.springs,
-        pressures=pressures,
+        pressures=_pressures(loads),
+        forces=_forces(loads),
     )
 
 
-def _iga_body(name: str, spec: BodySpec, mesh: IgaMesh, pressures: tuple[Pressure, ...]) -> Body:
+def _iga_body(name: str, spec: BodySpec, mesh: IgaMesh, loads: Sequence[LoadSpec]) -> Body:
     from iga_cea import NurbsBody
     from meshes.nurbs_shapes import nurbs_shape
 
@@ -91,7 +107,8 @@ def _iga_body(name: str, spec: BodySpec, mesh: IgaMesh, pressures: tuple[Pressur
         material=spec.material,
         supports=[s.support() for s in spec.supports],
         springs=spec.springs,
-        pressures=pressures,
+        pressures=_pressures(loads),
+        forces=_forces(loads),
     )
 
 

@@ -12,6 +12,7 @@ from cea.errors import InputError
 from cea.fields import Expression
 from meshes.breaks import check_breaks
 from scenes.limits import MAX_ELEMENTS, limit_checks
+from scenes.load_spec import LoadSpec
 from scenes.spec import Backend, BodySpec, ContactSpec, FeMesh, IgaMesh, SceneSpec
 
 
@@ -77,7 +78,23 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
     if scene.analysis.kind == "static" and scene.output.pictures:
         yield InputError("output.pictures", scene.output.pictures, "0 in a static analysis")
     for i, load in enumerate(scene.loads):
-        yield from _known(f"loads.{i}.surface", load.surface, known)
+        yield from _load_checks(scene, f"loads.{i}", load, known)
+
+
+def _load_checks(
+    scene: SceneSpec, place: str, load: LoadSpec, known: Sequence[str]
+) -> Iterable[InputError]:
+    """Loads on what is not there, and forces of another dimension."""
+    if load.surface is not None:
+        yield from _known(f"{place}.surface", load.surface, known)
+    elif load.body not in scene.bodies:
+        yield InputError(f"{place}.body", load.body, f"one of {', '.join(scene.bodies)}")
+    if load.on not in scene.bodies:
+        return
+    dim = len(scene.bodies[load.on].geometry.directions)
+    for name, value in (("force", load.force), ("body_force", load.body_force)):
+        if value is not None and len(value) != dim:
+            yield InputError(f"{place}.{name}", value, f"{dim} components")
 
 
 _THIN = 1e-12

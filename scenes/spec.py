@@ -18,6 +18,7 @@ from cea.supports.boundary import Spring, Support
 from cea.supports.frames import Cartesian, Cylindrical, SurfaceNormal
 from meshes.placement import Placement
 from meshes.shapes import Shape
+from scenes.load_spec import LoadSpec
 
 Backend = Literal["fe", "iga"]
 Component = Literal["x", "y", "z", "radial", "circumferential", "axial", "normal"]
@@ -277,14 +278,6 @@ class ContactSpec:
         if self.formulation.coupling == "mortar" and self.form == "saddle":
             allowed = "penalty where c_n is given: open parts of mortar contact have no compliance"
             raise InputError("form", self.form, allowed)
-
-
-@dataclass(frozen=True)
-class LoadSpec:
-    """Uniform pressure (N/m^2) on a surface "body.surface", positive pushes on the body."""
-
-    surface: str
-    pressure: float
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Supports, springs and pressures on named surfaces of a body."""
+"""Supports, springs, pressures and forces on named surfaces of a body, and through all of it."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -115,27 +115,64 @@ class Pressure:
             raise InputError("pressure.value", self.value, "a finite number (N/m^2)")
 
 
+@dataclass(frozen=True)
+class Force:
+    """A force on a body: spread evenly over a surface, or for each volume where none is named.
+
+    Parameters
+    ----------
+    value
+        Its components: the whole of it (N; N/m in the plane), or that of a unit volume (N/m^3).
+    surface
+        Name of the surface; None of a force on every part of the body.
+    """
+
+    value: tuple[float, ...]
+    surface: str | None = None
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(np.asarray(self.value, dtype=float)).all():
+            raise InputError("force.value", self.value, "finite numbers (N, or N/m^3)")
+
+
+def on_surfaces(forces: Iterable[Force]) -> list[tuple[str, Floats]]:
+    """Surface and components (N) of those forces that are spread over one."""
+    return [(f.surface, np.array(f.value, dtype=float)) for f in forces if f.surface is not None]
+
+
+def through_body(forces: Iterable[Force]) -> Floats | None:
+    """Sum of those forces that act on every part of a body (N/m^3), shape (dim,); None without."""
+    values = [force.value for force in forces if force.surface is None]
+    return np.sum(values, axis=0) if values else None
+
+
 def check_boundary(
     supports: Sequence[Support],
     springs: Sequence[Spring],
     pressures: Sequence[Pressure],
+    forces: Sequence[Force],
     surfaces: Iterable[str],
     dim: int,
     field: str,
 ) -> None:
-    """Refuse supports, springs and pressures on unknown surfaces, or of another dimension."""
+    """Refuse supports, springs and loads on unknown surfaces, or of another dimension."""
     known = list(surfaces)
-    conditions: dict[str, Sequence[Support | Spring | Pressure]] = {
+    conditions: dict[str, Sequence[Support | Spring | Pressure | Force]] = {
         "supports": supports,
         "springs": springs,
         "pressures": pressures,
+        "forces": forces,
     }
     for kind, items in conditions.items():
         for number, item in enumerate(items):
-            check_surface(item.surface, known, f"{field}.{kind}[{number}].surface")
+            if item.surface is not None:
+                check_surface(item.surface, known, f"{field}.{kind}[{number}].surface")
     for number, support in enumerate(supports):
         support.check(dim, f"{field}.supports[{number}]")
     for number, spring in enumerate(springs):
         if len(spring.stiffness) != dim:
             allowed = f"{dim} values (N/m^3), one for each component"
             raise InputError(f"{field}.springs[{number}].stiffness", spring.stiffness, allowed)
+    for number, force in enumerate(forces):
+        if len(force.value) != dim:
+            raise InputError(f"{field}.forces[{number}].value", force.value, f"{dim} components")

@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from math import pi
 from pathlib import Path
 
+from scenes.load_spec import LoadSpec
 from scenes.read import Scene, load_scene
-from scenes.spec import Backend, LoadSpec
+from scenes.spec import Backend
 
 PRESSURE = 1000.0
 """Exact contact pressure of every patch test (N/m^2)."""

@@ -1,0 +1,83 @@
+"""Loads of scenes: pressures and forces on surfaces, forces on every part of a body."""
+
+import numpy as np
+import pytest
+from blocks import ROTATED, block
+from motions import resultant
+from pressed import AREA, PRESSURE, SOFT, pressed_blocks
+
+from cea.timing import StageTimer
+from scenes import read_scene, run_scene
+from scenes.build import build_bodies, build_system
+from scenes.read import SceneError
+
+GPTS = {"method": "gpts", "points": 3}
+SIZE, FORCE = [0.5, 0.6, 0.3], [0.3, -0.7, 1.1]
+
+
+def loaded(backend, load, *, placement=None):
+    """System of one free block under a load."""
+    data = {
+        "name": "loaded",
+        "bodies": {"part": block(backend, SIZE, [0.0, 0.0, 0.0], [3, 2, 1], placement=placement)},
+        "loads": [load],
+        "analysis": {"kind": "static"},
+    }
+    scene, timer = read_scene(data), StageTimer()
+    return build_system(scene, build_bodies(scene, timer), {}, timer)
+
+
+@pytest.mark.parametrize("placement", [None, ROTATED])
+def test_a_force_on_a_surface_is_the_sum_of_its_nodal_forces(backend, placement):
+    system = loaded(backend, {"surface": "part.x_max", "force": FORCE}, placement=placement)
+    assert resultant(system, system.load, "part")[0] == pytest.approx(FORCE, rel=1e-12)
+
+
+def test_a_force_on_every_part_is_its_volume_times_it(backend):
+    system = loaded(backend, {"body": "part", "body_force": FORCE})
+    expected = np.prod(SIZE) * np.array(FORCE)
+    assert resultant(system, system.load, "part")[0] == pytest.approx(expected, rel=1e-12)
+
+
+def test_on_a_flat_surface_a_force_along_the_normal_is_a_pressure(backend):
+    area = SIZE[0] * SIZE[1]
+    pushed, pressed = (
+        loaded(backend, {"surface": "part.z_max"} | load).load.array
+        for load in ({"force": [0.0, 0.0, -2.0 * area]}, {"pressure": 2.0})
+    )
+    assert pushed == pytest.approx(pressed, abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        {"surface": "upper.z_max", "force": [0.0, 0.0, -PRESSURE * AREA]},
+        {"body": "upper", "body_force": [0.0, 0.0, -PRESSURE / SIZE[2]]},
+    ],
+)
+def test_every_load_presses_the_sides_together(backend, load):
+    data = pressed_blocks(backend, GPTS, c_n=SOFT, m_n=2.0) | {"loads": [load]}
+    state = run_scene(read_scene(data)).steady.contacts["interface"]
+    assert state.normal_force == pytest.approx(PRESSURE * AREA, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("load", "field"),
+    [
+        ({}, "surface"),
+        ({"surface": "upper.z_max"}, "pressure"),
+        ({"surface": "upper.z_max", "pressure": 1.0, "force": FORCE}, "pressure"),
+        ({"surface": "upper.z_max", "pressure": 1.0, "body": "upper"}, "surface"),
+        ({"surface": "upper.z_max", "force": [1.0, 2.0]}, "force"),
+        ({"surface": "upper.lid", "force": FORCE}, "surface"),
+        ({"surface": "upper.z_max", "pressure": 1.0, "body_force": FORCE}, "body_force"),
+        ({"body": "upper"}, "body_force"),
+        ({"body": "upper", "body_force": [1.0]}, "body_force"),
+        ({"body": "nobody", "body_force": FORCE}, "body"),
+        ({"body": "upper", "pressure": 1.0}, "pressure"),
+    ],
+)
+def test_what_is_no_load_is_refused(backend, load, field):
+    with pytest.raises(SceneError) as refused:
+        read_scene(pressed_blocks(backend, GPTS, c_n=SOFT) | {"loads": [load]})
+    assert any(fault.field == f"loads.0.{field}" for fault in refused.value.faults)
