@@ -55,13 +55,13 @@ def stiffness(evidence: Evidence, family: Family) -> Judgement:
 def growth(evidence: Evidence, family: Family) -> Judgement:
     """Largest difference of the largest growth rate, collocation over GPTS."""
     largest = max(_growth_rates(evidence, family))
-    collocation, quadrature = (
+    collocation, quadrature, mesh = (
         max(_off_exact(evidence, family, label, lambda a, b: a["growth"] - b["growth"]))
-        for label in (COLLOCATION, QUADRATURE)
+        for label in (COLLOCATION, QUADRATURE, FINER)
     )
     why = (
-        f"collocation {number(collocation)} 1/s, GPTS {number(quadrature)} 1/s; the largest growth "
-        f"rate is {number(largest)} 1/s"
+        f"collocation {number(collocation)} 1/s, GPTS {number(quadrature)} 1/s, a finer mesh "
+        f"{number(mesh)} 1/s; the largest growth rate is {number(largest)} 1/s"
     )
     return Judgement(_verdict(collocation > quadrature), collocation / quadrature, why)
 
