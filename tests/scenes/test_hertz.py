@@ -3,8 +3,9 @@
 The law yields by p / c_n, which makes a contact wider and lower by a part that falls like 1 / c_n;
 elements of size h know its rim to h, beyond which the pressure falls like the root of the distance.
 With c_n h kept, so that contact and elements stay as stiff beside each other, both errors fall like
-h: order 1 for the radius by the second moment of the pressure, for the pressure in the middle, and
-for the pressure over the contact in the mean square.
+h: order 1 for the radius by the second moment of the pressure, and for the pressure over the contact
+in the mean square; for the pressure in the middle order 1 at least, since what elements err there,
+far from the rim, falls faster than what the law yields.
 """
 
 import numpy as np
@@ -27,7 +28,7 @@ def element(name, row):
 
 def check_orders(found, row, name):
     assert rate(row, found["radius"]) == pytest.approx(ORDER, abs=TOLERANCE)
-    assert rate(row, found["peak"]) == pytest.approx(ORDER, abs=TOLERANCE)
+    assert rate(row, found["peak"]) > ORDER - TOLERANCE
     assert (np.abs(found["closed"]) < element(name, row)).all()
     assert np.abs(found["load"]).max() < 1e-9
 
