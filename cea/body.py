@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cea.material import IsotropicMaterial
+from cea.rotation import Rotation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -355,6 +356,26 @@ class Body(Protocol):
 
     def mass(self) -> Any:
         """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
+
+        Raises
+        ------
+        InputError
+            When the material has no density.
+        """
+        ...
+
+    def gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew.
+
+        Raises
+        ------
+        InputError
+            When the material has no density.
+        """
+        ...
+
+    def convective_stiffness(self, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric.
 
         Raises
         ------

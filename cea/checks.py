@@ -94,6 +94,13 @@ def check_coverage(missed: int, count: int, fraction: float, limit: float, **wor
     words
         ``field``, ``sides`` and ``reach`` for the message.
     """
+    if fraction > limit and not missed:
+        raise InputError(
+            words["field"],
+            words["sides"],
+            f"points whose weights add up to the area of side a: those of {count} points leave "
+            f"out {100 * fraction:.2g} % of it; take more points or elements",
+        )
     if fraction > limit:
         raise InputError(
             words["field"],

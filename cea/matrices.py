@@ -121,6 +121,15 @@ def symmetrised(matrix: Any) -> Any:
     return matrix
 
 
+def antisymmetrised(matrix: Any) -> Any:
+    """Half of a PETSc AIJ matrix less its transpose, in place: skew to the last bit."""
+    transpose = matrix.transpose(PETSc.Mat())
+    matrix.axpy(-1.0, transpose, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    matrix.scale(0.5)
+    transpose.destroy()
+    return matrix
+
+
 def total(matrices: Sequence[Any]) -> Any:
     """Sum of matrices, a new one."""
     return scaled_total([(1.0, matrix) for matrix in matrices])

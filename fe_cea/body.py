@@ -12,10 +12,11 @@ from cea.body import VolumeCells, VolumeSample
 from cea.checks import check_density, check_jacobians
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.matrices import symmetrised
+from cea.matrices import antisymmetrised, symmetrised
 from cea.mesh import Mesh
 from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
+from cea.rotation import Rotation
 from cea.supports.boundary import (
     Force,
     Pressure,
@@ -31,6 +32,8 @@ from fe_cea.distribution import distribute
 from fe_cea.facets import gather_facets
 from fe_cea.forms import (
     body_force_form,
+    convective_form,
+    gyroscopic_form,
     mass_form,
     pressure_form,
     spring_form,
@@ -255,11 +258,30 @@ class FEBody:
 
     @cached_property
     def _mass(self) -> Any:
-        rho = check_density(self._material, f"bodies.{self._name}.material")
-        return self._assembled(mass_form(self._space, rho), with_zeros=False)
+        return self._assembled(mass_form(self._space, self._density), with_zeros=False)
+
+    def gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
+        form = gyroscopic_form(self._space, self._density, rotation)
+        return antisymmetrised(self._restricted(form, with_zeros=False))
+
+    def convective_stiffness(self, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
+        return self._assembled(
+            convective_form(self._space, self._density, rotation), with_zeros=False
+        )
+
+    @property
+    def _density(self) -> float:
+        return check_density(self._material, f"bodies.{self._name}.material")
 
     def _assembled(self, form: Any, *, with_zeros: bool = True) -> Any:
         """Matrix (free x free) of a symmetric form, symmetric to the last bit."""
+        # Element matrices, and products with a turned frame, are symmetric up to rounding only.
+        return symmetrised(self._restricted(form, with_zeros=with_zeros))
+
+    def _restricted(self, form: Any, *, with_zeros: bool) -> Any:
+        """Matrix (free x free) of a form."""
         full = assemble_matrix(form)
         full.assemble()
         if not with_zeros:  # ahead of all that copies it
@@ -267,8 +289,7 @@ class FEBody:
         free = self._constraints.restrict(full, self.expansion)
         if free is not full:
             full.destroy()
-        # Element matrices, and products with a turned frame, are symmetric up to rounding only.
-        return symmetrised(free)
+        return free
 
     def load(self) -> Any:
         """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""

@@ -13,6 +13,7 @@ from dolfinx.fem import Constant, Form, form
 
 from cea.body import Floats
 from cea.material import IsotropicMaterial
+from cea.rotation import Rotation
 from cea.supports.boundary import Pressure, Spring
 
 JIT_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
@@ -110,6 +111,37 @@ def mass_form(V: Any, rho: float) -> Form:
     u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
     dx = ufl.dx(metadata={"quadrature_degree": mass_degree(V)})
     return compiled(density * ufl.inner(u, v) * dx)
+
+
+def transport_degree(V: Any) -> int:
+    """Quadrature degree of a function times the derivative of another along the rotation."""
+    return mass_degree(V) + 1
+
+
+def gyroscopic_form(V: Any, rho: float, rotation: Rotation) -> Form:
+    """Twice int rho v . R u of a rotation (:mod:`cea.rotation`), whose skew part is Y, kg."""
+    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
+    density = Constant(V.mesh, default_scalar_type(2 * rho))
+    dx = ufl.dx(metadata={"quadrature_degree": transport_degree(V)})
+    return compiled(density * ufl.inner(_transported(u, rotation), v) * dx)
+
+
+def convective_form(V: Any, rho: float, rotation: Rotation) -> Form:
+    """Z = int rho R v . R u of a rotation (:mod:`cea.rotation`), kg."""
+    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
+    density = Constant(V.mesh, default_scalar_type(rho))
+    dx = ufl.dx(metadata={"quadrature_degree": transport_degree(V) + 1})
+    return compiled(density * ufl.inner(_transported(u, rotation), _transported(v, rotation)) * dx)
+
+
+def _transported(u: Any, rotation: Rotation) -> Any:
+    """R u: the derivative along the rotation."""
+    mesh = u.ufl_function_space().mesh
+    dim = mesh.geometry.dim
+    spin = Constant(mesh, np.asarray(rotation.spin(dim), dtype=default_scalar_type))
+    origin = Constant(mesh, np.asarray(rotation.origin[:dim], dtype=default_scalar_type))
+    along = ufl.dot(ufl.grad(u), ufl.dot(spin, ufl.SpatialCoordinate(mesh) - origin))
+    return along if rotation.coriolis else along - ufl.dot(spin, u)
 
 
 def pressure_form(V: Any, pressures: Iterable[tuple[Pressure, int]], facet_tags: Any) -> Form:

@@ -49,14 +49,14 @@ def stiffness(
 
     for batch in batches(multipatch, pattern, comm.rank, components=dim):
         scaled = batch.gradients * np.sqrt(batch.measure)[..., None, None]
-        H = _gram(scaled.reshape(*scaled.shape[:2], -1))
+        H = gram(scaled.reshape(*scaled.shape[:2], -1))
         shape = (len(H), *scaled.shape[2:], *scaled.shape[2:])
         K = _elasticity(H.reshape(shape), *lame)
         for a, row, place in batch.places:
             start, count = dim * pattern.starts[row], pattern.counts[row]
             for i in range(dim):
                 triples[(start + i * count)[:, None] + place] += K[:, a, i]
-    return _matrix(multipatch, pattern, (indptr, indices, data), comm)
+    return distributed_matrix(multipatch, pattern, (indptr, indices, data), comm)
 
 
 def mass(multipatch: Multipatch, pattern: Pattern, rho: float, comm: Any) -> Any:
@@ -81,13 +81,13 @@ def mass(multipatch: Multipatch, pattern: Pattern, rho: float, comm: Any) -> Any
     data = np.zeros(len(pattern.columns))
 
     for batch in batches(multipatch, pattern, comm.rank, components=1):
-        M = _gram(batch.values * np.sqrt(rho * batch.measure)[..., None])
+        M = gram(batch.values * np.sqrt(rho * batch.measure)[..., None])
         for a, row, place in batch.places:
             data[pattern.starts[row][:, None] + place] += M[:, a]
-    return _matrix(multipatch, pattern, pattern.expanded(data, multipatch.dim), comm)
+    return distributed_matrix(multipatch, pattern, pattern.expanded(data, multipatch.dim), comm)
 
 
-def _gram(a: Floats) -> Floats:
+def gram(a: Floats) -> Floats:
     """Products A^T A of stacked matrices, exactly symmetric (BLAS syrk)."""
     return a.swapaxes(1, 2) @ a
 
@@ -101,8 +101,20 @@ def _elasticity(H: Floats, lam: float, mu: float) -> Floats:
     return K
 
 
-def _matrix(multipatch: Multipatch, pattern: Pattern, csr: Any, comm: Any) -> Any:
-    """AIJ matrix from the local contributions of each rank."""
+def distributed_matrix(multipatch: Multipatch, pattern: Pattern, csr: Any, comm: Any) -> Any:
+    """AIJ matrix of block size dim from what each rank adds to it.
+
+    Parameters
+    ----------
+    multipatch
+        The joined patches.
+    pattern
+        Pattern of this rank.
+    csr
+        Row starts, columns and values on the local full dofs of this rank.
+    comm
+        MPI communicator.
+    """
     dim = multipatch.dim
     local = dim * len(pattern.dofs)
     part = PETSc.Mat().createAIJWithArrays(

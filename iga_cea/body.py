@@ -1,6 +1,6 @@
 """Elastic body of NURBS patches."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -12,8 +12,9 @@ from cea.body import Floats, VolumeCells, VolumeSample
 from cea.checks import check_density
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.matrices import destroy, symmetrised, total
+from cea.matrices import antisymmetrised, destroy, symmetrised, total
 from cea.petsc import MPI, PETSc
+from cea.rotation import Rotation
 from cea.supports.boundary import (
     Force,
     Pressure,
@@ -24,7 +25,7 @@ from cea.supports.boundary import (
     through_body,
 )
 from cea.supports.constraints import Constraints
-from iga_cea import assembly
+from iga_cea import assembly, transport
 from iga_cea.cells import bezier_cells
 from iga_cea.inputs import check_faces, check_patches, checked_continuity, checked_degree
 from iga_cea.multipatch import End, Multipatch, join
@@ -146,6 +147,20 @@ class NurbsBody:
         """
         return self._mass
 
+    def gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
+        whole = transport.gyroscopic(
+            self.multipatch, self._pattern, self._density, rotation, self.comm
+        )
+        return self._restricted(whole, antisymmetrised)
+
+    def convective_stiffness(self, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
+        whole = transport.convective_stiffness(
+            self.multipatch, self._pattern, self._density, rotation, self.comm
+        )
+        return self._restricted(whole)
+
     def load(self) -> Any:
         """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""
         return self._load
@@ -218,8 +233,12 @@ class NurbsBody:
 
     @cached_property
     def _mass(self) -> Any:
-        rho = check_density(self.material, f"bodies.{self.name}.material")
-        return self._restricted(assembly.mass(self.multipatch, self._pattern, rho, self.comm))
+        mass = assembly.mass(self.multipatch, self._pattern, self._density, self.comm)
+        return self._restricted(mass)
+
+    @property
+    def _density(self) -> float:
+        return check_density(self.material, f"bodies.{self.name}.material")
 
     @cached_property
     def _load(self) -> Any:
@@ -267,12 +286,12 @@ class NurbsBody:
             comm=self.comm,
         )
 
-    def _restricted(self, matrix: Any) -> Any:
-        """Rows and columns of the free unknowns."""
+    def _restricted(self, matrix: Any, exactly: Callable[[Any], Any] = symmetrised) -> Any:
+        """Rows and columns of the free unknowns, symmetric or skew to the last bit."""
         restricted = self._constraints.restrict(matrix, self.expansion)
         if not self._constraints.selects or self.comm.size > 1:
-            # Products with a turned frame, and sums over ranks, are symmetric up to rounding only.
-            symmetrised(restricted)
+            # Products with a turned frame, and sums over ranks, are so up to rounding only.
+            exactly(restricted)
         if restricted is not matrix:
             matrix.destroy()
         return restricted

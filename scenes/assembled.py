@@ -5,6 +5,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from cea.body import Body
+from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
@@ -18,8 +19,9 @@ from scenes.spec import BodySpec, ComplexEigenvalueAnalysis, ContactSpec
 class AssembledScene:
     """A scene whose matrices are the pieces of a parametric pencil.
 
-    Modes at another E or rho of a body, P or mu of a contact need no assembly. Other changes build
-    again what they touch: bodies, contact points, or the contact matrices alone.
+    Modes at another E or rho, damping or rate of rotation of a body, at another P or mu, pressure,
+    speed or slope of friction of a contact need no assembly. Other changes build again what they
+    touch: bodies, contact points, or the contact matrices alone.
 
     Parameters
     ----------
@@ -100,7 +102,8 @@ class AssembledScene:
             options: RunOptions = {"listener": listener, **self._reusable(scene)}
             return run_modes(scene, left=left, **options)
         timer = StageTimer(listener)
-        modes = self._driver.solve(scene.analysis.max_frequency, values, left=left, timer=timer)
+        top, decay = scene.analysis.max_frequency, scene.analysis.min_growth
+        modes = self._driver.solve(top, values, min_growth=decay, left=left, timer=timer)
         result = ModesResult(scene, self._system, self.interfaces, timer, skipped_by(scene), modes)
         return with_warnings(result)
 
@@ -109,15 +112,20 @@ class AssembledScene:
     ) -> Threshold:
         """Value of a parameter at which a pair of modes begins to flutter, or ceases to.
 
+        With damping or rotation it is where the largest growth rate passes through zero.
+
         Parameters
         ----------
         parameter
-            Path of mu or P of a contact, of E or rho of a body, e.g. ``contacts.pad_disc.mu``; a
-            factor where the field is an expression.
+            Path of a parameter of the pencil: mu or P of a contact, E or rho of a body, e.g.
+            ``contacts.pad_disc.mu``, ``bodies.disc.damping.alpha``, ``bodies.disc.rotation.rate``,
+            ``contacts.pad_disc.sliding.speed``; a factor where the field is an expression.
         real, flutter
-            Values on either side: at one the pair does not grow, at the other it does.
+            Values on either side: at one the pair does not grow, at the other it does; with damping
+            every mode decays at the first.
         frequency
-            The growing mode nearest to it (Hz) is followed; None follows the fastest.
+            The growing mode nearest to it (Hz) is followed; None follows the fastest. With damping
+            or rotation it is left out.
 
         Raises
         ------
@@ -128,9 +136,19 @@ class AssembledScene:
         """
         assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
         top = self.scene.analysis.max_frequency
+        if self._quadratic(parameter, real, flutter):
+            if frequency is not None:
+                raise InputError("frequency", frequency, "left out with damping or rotation")
+            return growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
         return flutter_threshold(
             self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
         )
+
+    def _quadratic(self, parameter: str, *values: float) -> bool:
+        """Whether velocities count at some values of a parameter."""
+        if not any(term.role == "damping" for term in self._driver.pencil.terms):
+            return False
+        return any(self._driver.quadratic({parameter: value}) for value in values)
 
     def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
         """Parameters that make this scene another; None where others differ, or forms would."""
@@ -169,7 +187,7 @@ def _parameters_changed(old: Scene, new: Scene) -> dict[str, float] | None:
         found = _of_body(body, new.bodies[name])
         if found is None:
             return None
-        values |= {f"bodies.{name}.material.{key}": value for key, value in found.items()}
+        values |= {f"bodies.{name}.{key}": value for key, value in found.items()}
     for name, contact in old.contacts.items():
         found = _of_contact(contact, new.contacts[name])
         if found is None:
@@ -179,28 +197,57 @@ def _parameters_changed(old: Scene, new: Scene) -> dict[str, float] | None:
 
 
 def _of_body(old: BodySpec, new: BodySpec) -> dict[str, float] | None:
-    E, rho = new.material.E, new.material.rho
-    if rho is None or replace(old, material=replace(old.material, E=E, rho=rho)) != new:
+    """Changes of E, rho, damping and rate of rotation."""
+    before, after = _numbers_of(old), _numbers_of(new)
+    if before.keys() != after.keys() or _without_numbers(old) != _without_numbers(new):
         return None
-    found = {"E": E, "rho": rho}
-    return {key: value for key, value in found.items() if value != getattr(old.material, key)}
+    return {key: value for key, value in after.items() if value != before[key]}
+
+
+def _numbers_of(body: BodySpec) -> dict[str, float]:
+    """Parameters that a body brings to a pencil, by their paths below its own."""
+    numbers = {"material.E": body.material.E}
+    if body.material.rho is not None:
+        numbers["material.rho"] = body.material.rho
+    if body.damping is not None:
+        damping = body.damping.rayleigh()
+        numbers |= {"damping.alpha": damping.alpha, "damping.beta": damping.beta}
+    if body.rotation is not None:
+        numbers["rotation.rate"] = body.rotation.rate
+    return numbers
+
+
+def _without_numbers(body: BodySpec) -> BodySpec:
+    """What the matrices of a body depend on beside its parameters."""
+    material = replace(body.material, E=1.0, rho=None)
+    rotation = replace(body.rotation, rate=0.0) if body.rotation is not None else None
+    return replace(body, material=material, damping=None, rotation=rotation)
 
 
 def _of_contact(old: ContactSpec, new: ContactSpec) -> dict[str, float] | None:
-    """Changes of P and mu; where these are expressions, parameters are factors on them."""
-    if not _alike(old, new, ("P", "mu")):
+    """Changes of P, mu and of how it slides; expressions have factors for parameters."""
+    if not _alike(old, new, ("P", "mu", "sliding")) or (old.sliding is None) != (
+        new.sliding is None
+    ):
         return None
+    fields = [(key, getattr(old, key), getattr(new, key)) for key in ("P", "mu")]
+    if old.sliding is not None and new.sliding is not None:
+        after = new.sliding.fields
+        fields += [
+            (f"sliding.{key}", value, after[key]) for key, value in old.sliding.fields.items()
+        ]
     found = {}
-    for key in ("P", "mu"):
-        before, after = getattr(old, key), getattr(new, key)
-        if before != after:
-            if not (isinstance(before, float) and isinstance(after, float)):
+    for key, before, value in fields:
+        if before != value:
+            if not (isinstance(before, float) and isinstance(value, float)):
                 return None
-            found[key] = after
+            if key.startswith("sliding.") and not before:
+                return None  # zero everywhere is no parameter
+            found[key] = value
     return found
 
 
-_LAW = ("P", "p", "c_n", "m_n", "added_gap", "mu", "friction_direction_on_a", "form")
+_LAW = (*("P", "p", "c_n", "m_n", "added_gap", "mu", "friction_direction_on_a", "form", "sliding"),)
 """Fields of a contact on which its points do not depend."""
 
 

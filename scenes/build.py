@@ -11,16 +11,19 @@ from cea.contact.friction import FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
 from cea.contact.laws import Friction, LinearLaw, NormalLaw
 from cea.contact.operators import HalfPass
+from cea.contact.sliding import Sliding
 from cea.errors import InputError
 from cea.fields import Expression, evaluate
 from cea.mesh import Mesh
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Force, Pressure
+from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
 from scenes.load_spec import LoadSpec
+from scenes.motion_spec import SlidingSpec
 from scenes.read import Scene
 from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh
 
@@ -261,4 +264,28 @@ def build_system(
             with_mass=not static,
             with_load=static or scene.slides_steadily,
             leave_out=leave_out,
+            motions={name: _motion(body) for name, body in scene.bodies.items()},
+            sliding={
+                half.name: _sliding(half, half.spec.sliding, interfaces[half.name])
+                for half in _halves(scene.contacts)
+                if half.spec.sliding is not None
+            },
+        )
+
+
+def _motion(body: BodySpec) -> Motion:
+    """Damping and rotation of a body."""
+    damping = body.damping.rayleigh() if body.damping is not None else None
+    return Motion(damping, body.rotation)
+
+
+def _sliding(half: _Half, spec: SlidingSpec, interface: Interface) -> Sliding:
+    """How a half pass slides, at its points."""
+    x = interface.points.x
+    with _of_contact(half.pair):
+        return Sliding(
+            **{
+                name: _values(f"sliding.{name}", value, x) if value is not None else None
+                for name, value in spec.fields.items()
+            }
         )

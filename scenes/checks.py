@@ -4,12 +4,15 @@ from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
+from cea.arrays import of_size_one
 from cea.checks import check_density, check_surface
 from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError
 from cea.fields import Expression
+from cea.rotation import Rotation
 from meshes.breaks import check_breaks
 from scenes.limits import MAX_ELEMENTS, limit_checks
 from scenes.load_spec import LoadSpec
@@ -41,7 +44,10 @@ def faults_told_by(error: ValidationError) -> list[InputError]:
     return list(faults.values())
 
 
-_CHOICES = ("geometry", "formulation", "analysis", "friction_direction_on_a", "p", "mu")
+_CHOICES = (
+    *("geometry", "formulation", "analysis", "friction_direction_on_a", "p", "mu"),
+    *("pressure", "speed", "mu_slope"),
+)
 """Fields of several forms: pydantic adds the name of the form to the path behind them."""
 _INNER_CHOICES = (("crowned", "base"),)
 """The same inside of a form, of which its name is told too, as a body may be named as the field."""
@@ -73,6 +79,7 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
             yield from _known(f"contacts.{name}.{side}", getattr(contact, side), known)
         if contact.a.split(".")[0] == contact.b.split(".")[0]:
             yield InputError(f"contacts.{name}.b", contact.b, f"another body than {contact.a}")
+        yield from _pressure_checks(f"contacts.{name}.sliding.pressure", contact)
         yield from _formulation_checks(scene, name, contact)
         yield from _dimension_checks(scene, f"contacts.{name}", contact)
     if scene.analysis.kind == "static" and scene.output.pictures:
@@ -141,6 +148,8 @@ def _space_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     yield from _fault(body.placement.check, dim, f"{place}.placement")
     for i, support in enumerate(body.supports):
         yield from _fault(support.support().check, dim, f"{place}.supports.{i}")
+    if body.rotation is not None:
+        yield from _rotation_checks(place, body, body.rotation)
     for i, spring in enumerate(body.springs):
         if len(spring.stiffness) != dim:
             allowed = f"{dim} values (N/m^3), one for each component"
@@ -151,6 +160,31 @@ def _space_checks(place: str, body: BodySpec) -> Iterable[InputError]:
             yield InputError(f"{place}.geometry", f"{name} from {low} to {high}", allowed)
 
 
+_AXISYMMETRIC = ("annulus", "hub", "disc", "ring")
+"""Shapes that a rotation about their own axis leaves as they are."""
+_ASIDE = 1e-9
+"""Distance of an axis from that of a shape, relative to its radius, and sine of their angle."""
+
+
+def _rotation_checks(place: str, body: BodySpec, rotation: Rotation) -> Iterable[InputError]:
+    """Rotations that do not leave the body as it is."""
+    shape, dim = body.geometry.shape, len(body.geometry.directions)
+    yield from _fault(rotation.check, dim, f"{place}.rotation")
+    if shape not in _AXISYMMETRIC:
+        yield InputError(f"{place}.geometry.shape", shape, f"{', '.join(_AXISYMMETRIC)} to rotate")
+        return
+    axis = body.placement.rotation[:, 2]
+    given = of_size_one(rotation.axis)
+    given /= np.linalg.norm(given)
+    if np.linalg.norm(np.cross(axis, given)) > _ASIDE:
+        yield InputError(f"{place}.rotation.axis", rotation.axis, f"along {axis.tolist()}")
+    arm = np.subtract(rotation.origin, body.placement.translation)
+    radius = body.geometry.extent[0][1]
+    if np.linalg.norm(np.cross(axis, arm)) > _ASIDE * radius:
+        allowed = f"a point of the axis of the body, as {list(body.placement.translation)}"
+        yield InputError(f"{place}.rotation.origin", rotation.origin, allowed)
+
+
 def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     yield from _mesh_checks(place, body)
     yield from _space_checks(place, body)
@@ -159,6 +193,17 @@ def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     for kind in ("supports", "springs"):
         for i, item in enumerate(getattr(body, kind)):
             yield from _known(f"{place}.{kind}.{i}.surface", item.surface, body.geometry.surfaces)
+
+
+def _pressure_checks(place: str, contact: ContactSpec) -> Iterable[InputError]:
+    """Contacts that slide at an unknown pressure, or at one beside that of the loads."""
+    if contact.sliding is None:
+        return
+    pressure = contact.sliding.pressure
+    if pressure is None and contact.c_n is None:
+        yield InputError(place, None, "the contact pressure (N/m^2), or c_n, which makes it")
+    elif pressure is not None and contact.c_n is not None:
+        yield InputError(place, pressure, "left out where c_n is given: the loads make it")
 
 
 _ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}
@@ -191,7 +236,13 @@ def _dimension_checks(scene: SceneSpec, place: str, contact: ContactSpec) -> Ite
         if contact.friction_direction_on_a is not None:
             direction = f"{place}.friction_direction_on_a"
             yield from _fault(contact.friction_direction_on_a.check, dim, direction)
-        for name, value in (("p", contact.p), ("mu", contact.mu)):
+        sliding = contact.sliding.fields if contact.sliding is not None else {}
+        if dim == 2 and sliding.get("speed") is not None:
+            allowed = "left out in the plane, where the direction of sliding cannot turn"
+            yield InputError(f"{place}.sliding.speed", sliding["speed"], allowed)
+        fields = {"p": contact.p, "mu": contact.mu}
+        fields |= {f"sliding.{name}": value for name, value in sliding.items()}
+        for name, value in fields.items():
             if isinstance(value, str):
                 yield from _fault(Expression(value).check, f"{place}.{name}", dim)
 

@@ -24,7 +24,7 @@ _LONGEST = 100
 
 _SCALES = (
     "E", "rho", "P", "p", "c_n", "max_frequency", "size", "inner_radius", "outer_radius", "bore",
-    "hub_radius", "reach",
+    "hub_radius", "reach", "speed", "frequencies",
 )  # fmt: skip
 """Fields that set scales, and may not be next to nothing; coordinates and the like may."""
 

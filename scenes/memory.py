@@ -31,6 +31,9 @@ _FACTORS = 1.6
 """Memory of the factors with the room they are made in, relative to their entries."""
 _SYMMETRIC = 0.6
 """The same of a symmetric matrix, of which one factor is kept, relative to that of both."""
+_COMPLEX = 4.0
+"""Entries of matrices and factors of a complex shift in real numbers, and of its complex vectors of
+displacements and velocities, relative to those of a real one."""
 _SIMPLEX = 0.55
 """Couplings of a node of simplices, relative to one of boxes."""
 _VECTORS = 6.0
@@ -130,14 +133,17 @@ def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
     static = scene.analysis.kind == "static"
     modes = 1.0 if static else min(max(modes, _FEWEST), dofs)
     unsymmetric = any(contact.mu for contact in scene.contacts.values())
+    quadratic = not static and (scene.damped or scene.rotates)
+    numbers, kept = (_COMPLEX, 1.0) if quadratic else (1.0, 1.0 if unsymmetric else _SYMMETRIC)
+    alive = _MATRICES[scene.analysis.kind] + (_COMPLEX if quadratic else 0.0)
     return MemoryEstimate(
         dofs,
         nonzeros,
         entries,
         modes,
-        matrices=_MATRICES[scene.analysis.kind] * _ENTRY * nonzeros,
-        factors=_FACTORS * (1.0 if unsymmetric else _SYMMETRIC) * _NUMBER * entries,
-        vectors=_VECTORS * _NUMBER * modes * dofs,
+        matrices=alive * _ENTRY * nonzeros,
+        factors=_FACTORS * kept * numbers * _NUMBER * entries,
+        vectors=_VECTORS * numbers * _NUMBER * modes * dofs,
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from cea.body import Floats
+from cea.eigen.quadratic_window import QuadraticWindow
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
@@ -192,7 +193,7 @@ class _Eigenvalue(TypedDict):
 
 class _Modes(_Run):
     eigenvalues: list[_Eigenvalue]
-    window: Window
+    window: QuadraticWindow | Window
 
 
 class _Stress(TypedDict):

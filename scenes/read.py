@@ -13,6 +13,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from cea.contact.formulations import Formulation, registered
+from cea.damping import RayleighDamping
 from cea.errors import InputError
 from scenes.checks import cross_checks, faults_told_by
 from scenes.spec import Backend, SceneSpec
@@ -56,6 +57,18 @@ class Scene(SceneSpec):
     def backends(self) -> str:
         """Backends of its bodies: "fe", "iga" or "fe+iga"."""
         return "+".join(sorted({body.backend for body in self.bodies.values()}))
+
+    @property
+    def damped(self) -> bool:
+        """Whether anything damps, or feeds, small velocities."""
+        damping = [body.damping for body in self.bodies.values() if body.damping is not None]
+        sliding = [contact.sliding for contact in self.contacts.values()]
+        return any(each.rayleigh() != RayleighDamping() for each in damping) or any(sliding)
+
+    @property
+    def rotates(self) -> bool:
+        """Whether a body rotates."""
+        return any(body.rotation is not None for body in self.bodies.values())
 
     @property
     def slides_steadily(self) -> bool:

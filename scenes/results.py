@@ -73,12 +73,13 @@ class SceneResult:
         """Matrices by name: K and M of the bodies, K_n and K_f of the contacts.
 
         Their rows are the free dofs of all ranks. K_f is zero without friction, M is left out of
-        static analyses.
+        static analyses. C is there where something damps, Y where a body rotates; a convective
+        stiffness is part of K.
 
         Returns
         -------
         dict
-            scipy matrices (N/m, kg) on rank 0; empty on other ranks.
+            scipy matrices (N/m, kg, N s/m) on rank 0; empty on other ranks.
 
         Raises
         ------
@@ -96,6 +97,9 @@ class SceneResult:
             factor = term.coefficient.at(values)
             if term.role == "mass":
                 pieces["M"].append((factor, term.matrix))
+            elif term.role == "damping":
+                name = "C" if term.symmetric else "Y"
+                pieces.setdefault(name, []).append((factor, term.matrix))
             elif not term.symmetric:
                 pieces["K_f"].append((-factor, term.matrix))
             else:

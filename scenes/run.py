@@ -89,7 +89,8 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
-    modes = solve_modes(pencil, scene.analysis.max_frequency, left=left, timer=timer)
+    top, decay = scene.analysis.max_frequency, scene.analysis.min_growth
+    modes = solve_modes(pencil, top, min_growth=decay, left=left, timer=timer)
     return with_warnings(ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes))
 
 
@@ -160,13 +161,17 @@ def coupled(
 
 def skipped_by(scene: Scene) -> dict[str, str]:
     """What a scene does not need, with the reason; none of it is computed."""
-    skipped = {
-        "newton": "contact stiffness is known, no steady sliding state is sought",
-        "damping": "no damping: the problem is linear in lambda^2",
-        "gyroscopic": "no rotation of the frame",
-    }
-    if scene.slides_steadily:
-        del skipped["newton"]
+    rotations = [body.rotation for body in scene.bodies.values() if body.rotation is not None]
+    skipped = {}
+    if not scene.slides_steadily:
+        skipped["newton"] = "contact stiffness is known, no steady sliding state is sought"
+    if not scene.damped:
+        linear = "" if rotations else ": the problem is linear in lambda^2"
+        skipped["damping"] = f"no damping{linear}"
+    if not rotations:
+        skipped["gyroscopic"] = "no body rotates"
+    elif not any(rotation.convective_stiffness for rotation in rotations):
+        skipped["convective stiffness"] = "not asked for: of the order of rho Omega^2"
     if not any(contact.mu for contact in scene.contacts.values()):
         skipped["friction"] = "mu = 0: no slip operator, symmetric solver"
     if not scene.contacts:
@@ -174,7 +179,10 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     if scene.analysis.kind == "static":
         skipped["mass"] = "static analysis"
         skipped["eigenvalues"] = "static analysis"
-        del skipped["damping"], skipped["gyroscopic"]
+        skipped.pop("convective stiffness", None)
+        for name in ("damping", "gyroscopic"):
+            if skipped.pop(name, None) is None:
+                skipped[name] = "static analysis"
     elif not scene.loads:
         skipped["loads"] = "no loads"
     if not scene.output.pictures:

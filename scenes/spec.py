@@ -14,11 +14,13 @@ from cea.errors import InputError
 from cea.fields import Expression
 from cea.material import IsotropicMaterial
 from cea.mesh import SIMPLICES, Cell
+from cea.rotation import Rotation
 from cea.supports.boundary import Spring, Support
 from cea.supports.frames import Cartesian, Cylindrical, SurfaceNormal
 from meshes.placement import Placement
 from meshes.shapes import Shape
 from scenes.load_spec import LoadSpec
+from scenes.motion_spec import DampingSpec, SlidingSpec
 
 Backend = Literal["fe", "iga"]
 Component = Literal["x", "y", "z", "radial", "circumferential", "axial", "normal"]
@@ -154,7 +156,7 @@ class SupportSpec:
 
 @dataclass(frozen=True)
 class BodySpec:
-    """A body: backend, geometry, meshes, material, supports."""
+    """A body: backend, geometry, meshes, material, supports, damping, rotation."""
 
     backend: Backend
     geometry: Annotated[Shape, Field(discriminator="shape")]
@@ -163,6 +165,11 @@ class BodySpec:
     supports: tuple[SupportSpec, ...] = ()
     springs: tuple[Spring, ...] = ()
     placement: Placement = field(default_factory=Placement)
+    damping: DampingSpec | None = None
+    rotation: Rotation | None = None
+
+    left_out: ClassVar[tuple[str, ...]] = ("damping", "rotation")
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
 
 
 class _Registered:
@@ -211,6 +218,8 @@ class ContactSpec:
         Largest distance (m) between the sides; left out, they must touch.
     max_missed
         Largest fraction of side a that may find nothing on side b.
+    sliding
+        Speed, pressure and slope of friction, where they damp or feed small motions.
     """
 
     a: str
@@ -227,8 +236,10 @@ class ContactSpec:
     form: Form | None = None
     reach: Annotated[float, Field(gt=0)] | None = None
     max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    sliding: SlidingSpec | None = None
 
-    left_out: ClassVar[tuple[str, ...]] = ("c_n", "m_n", "added_gap")
+    left_out: ClassVar[tuple[str, ...]] = ("c_n", "m_n", "added_gap", "sliding")
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
 
     def __post_init__(self) -> None:
         if isinstance(self.p, float) and not self.p > 0:
@@ -252,6 +263,15 @@ class ContactSpec:
         if coupling == "bonded" and (self.mu != 0 or self.full_pass):
             method = self.formulation.method
             raise InputError("formulation.method", method, "a half pass with mu = 0")
+        if self.sliding is not None:
+            self._check_sliding()
+
+    def _check_sliding(self) -> None:
+        if self.formulation.coupling == "bonded":
+            allowed = "one that is not bonded where it slides"
+            raise InputError("formulation", self.formulation.method, allowed)
+        if self.friction_direction_on_a is None:
+            raise InputError("friction_direction_on_a", None, "needed where it slides")
 
     @property
     def law(self) -> NormalCompliance | None:
@@ -298,11 +318,18 @@ class ComplexEigenvalueAnalysis:
         Upper end of the window (Hz).
     growth_threshold
         Growth rate above which a mode is called unstable (1/s); by default 1e-4 of abs(lambda).
+    min_growth
+        With damping or rotation, growth rate (1/s), zero or less, down to which modes are sought;
+        by default a tenth of the angular frequency of the upper end.
     """
 
     kind: Literal["cea"]
     max_frequency: Annotated[float, Field(gt=0)]
     growth_threshold: Annotated[float, Field(ge=0)] | None = None
+    min_growth: Annotated[float, Field(le=0)] | None = None
+
+    left_out: ClassVar[tuple[str, ...]] = ("min_growth",)
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
 
 
 Analysis = StaticAnalysis | ComplexEigenvalueAnalysis

@@ -15,6 +15,7 @@ from cea.contact.operators import Contact
 from cea.contact.sampling import nested, sampling
 from cea.warned import ResultWarning
 from scenes.contact_stiffness import relative_stiffness, stiffness_in_the_mesh
+from scenes.motion_warnings import against_rotation, centrifugal_stresses
 from scenes.read import Scene
 from scenes.resolution import unresolved, waves
 from scenes.spec import BodySpec, ContactSpec
@@ -73,6 +74,9 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
         Its contacts, both halves of each full pass.
     """
     found = [w for name, body in scene.bodies.items() for w in volumetric_locking(name, body)]
+    if scene.analysis.kind == "cea":
+        found += centrifugal_stresses(scene)
+        found += against_rotation(scene, contacts)
     for name, spec in scene.contacts.items():
         halves = [contact for contact in contacts if contact.pair == name]
         if spec.c_n is None:

@@ -300,7 +300,7 @@ def assemble_contact(
     else:
         gap = operator(points.normal)
     slip = direction = None
-    field, mu = _friction_at(half)
+    field, mu = friction_at(half)
     keeps = not leave_out and half.coupling != "bonded"
     if half.friction is not None and (half.friction.acts or keeps):
         with agreed(interface.comm):
@@ -313,8 +313,11 @@ def assemble_contact(
     return Contact(name, half, gap, slip, mu, projection, lumped)
 
 
-def _friction_at(half: HalfPass) -> tuple[Floats, float]:
-    """Friction coefficient at the points of this rank, and what of it is its size."""
+def friction_at(half: HalfPass) -> tuple[Floats, float]:
+    """Friction coefficient at the points of this rank, and what of it is its size.
+
+    Where it is zero everywhere, 1 stands in its place.
+    """
     interface = half.interface
     mu = np.asarray(half.friction.mu if half.friction is not None else 0.0, dtype=float)
     varies = np.ptp(mu) != 0

@@ -12,83 +12,71 @@ so that Q and V together remain an invariant subspace, friction or not (Stewart,
 algorithm for large eigenproblems, SIAM J. Matrix Anal. Appl. 23 (2002)).
 """
 
+import sys
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import schur
 
-from cea.body import Complexes, Floats
+from cea.body import Floats
 from cea.eigen.blocks import image_of
+from cea.eigen.krylov_run import KrylovRun
 from cea.eigen.shifted import Shifted
-from cea.eigen.subspace import InvariantSubspace, small_eigenpairs, symmetric_part
-from cea.errors import ConvergenceError
+from cea.eigen.subspace import InvariantSubspace
 from cea.timing import StageTimer
 
-_BLOCK = 8
-"""Columns of a block."""
-_LEAST = 6
-"""Blocks of a space before it is looked at: an eigenvalue must have had time to show."""
-_GROWTH = 1.3
-"""Growth of the Krylov space between two looks at its eigenvalues."""
-_RESTART = 2.5
-"""Size of the space, relative to the eigenvalues wanted of it, at which it is restarted."""
-_NOISE = 1e-12
-"""Part of a vector that projections leave below which it lies in the space already."""
-_ORTHONORMAL = 1e-12
-"""Distance of inner products from those of orthonormal vectors that is good enough."""
-_PAIR = 1e-9
-"""Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
-_AROUND = 0.1
-"""Part of 1 / radius to which eigenvalues around a disc are kept: those farther lose digits."""
-_CLEAR = 3.0
-"""Residuals by which an eigenvalue outside a disc must lie outside."""
 
-
-class BlockKrylov:
-    """Searches around one shift, beside what is known.
+class BlockSearch(ABC):
+    """Searches around one shift, beside what is known, with an operator that inverts there.
 
     Parameters
     ----------
-    mass
-        M, PETSc AIJ, symmetric positive definite.
-    factors
-        The pencil factorised at the shift.
+    rows
+        Rows of its vectors on all ranks.
     finite
         Number of finite eigenvalues of the pencil.
+    shift
+        The shift.
+    comm
+        Communicator (mpi4py).
     tolerance
         Residual of OP relative to theta below which an eigenvalue has converged.
     max_restarts
         Restarts before a search is given up.
     timer
         Counts krylov.
-    transposed
-        Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
 
     Attributes
     ----------
     farthest
-        Largest abs(kappa) that the space of the last search knows of beside what was known
-        (1/s^2); infinite where it does not see the far end of the spectrum.
+        Largest modulus of an eigenvalue that the space of the last search knows of beside what was
+        known; infinite where it does not see the far end of the spectrum.
     """
+
+    unknown = "kappa"
+    """What the eigenvalues are called."""
+    dtype: type = float
+    """Of its vectors."""
+    cleansing = 1
+    """Times that OP takes what is infinite out of a vector by being applied."""
+    most = sys.maxsize
+    """Eigenvalues in a disc at which it is called crowded."""
 
     def __init__(
         self,
-        mass: Any,
-        factors: Shifted,
+        rows: int,
         finite: int,
+        shift: complex,
+        comm: Any,
         *,
         tolerance: float,
         max_restarts: int,
         timer: StageTimer,
-        transposed: bool = False,
     ) -> None:
-        self._mass, self._factors, self._transposed = mass, factors, transposed
-        self._timer = timer
-        self.size, self.finite = int(mass.getSize()[0]), finite
+        self.size, self.finite, self.shift, self.comm = rows, finite, shift, comm
         self.tolerance, self.max_restarts = tolerance, max_restarts
-        self.shift = factors.kappa
-        self.comm = mass.comm.tompi4py()
+        self._timer = timer
         self.farthest = np.inf
 
     def search(
@@ -104,7 +92,7 @@ class BlockKrylov:
         known
             An invariant subspace found before, at any shift.
         radius
-            Radius of the disc about the shift (1/s^2).
+            Radius of the disc about the shift.
         seed
             Of the random start vectors.
         both_ends
@@ -117,230 +105,73 @@ class BlockKrylov:
         ------
         ConvergenceError
             When the disc does not become full; ``best`` is the invariant subspace known so far.
+        CrowdedError
+            When it holds more than ``most`` eigenvalues.
         """
         with self._timer("krylov"):
-            run = _Run(self, known, radius, seed, both_ends=both_ends)
+            run = KrylovRun(self, known, radius, seed, both_ends=both_ends)
             known = run.complete()
             self.farthest = run.farthest
             return known
 
-    def apply(self, image: Floats) -> Floats:
-        """OP on a block whose product with M is given."""
-        return self._factors.solve_block(image, transposed=self._transposed)
+    @abstractmethod
+    def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
+        """OP on a block whose image is given."""
 
-    def image(self, block: Floats) -> Floats:
-        """M times a block."""
-        return image_of(self._mass, block)
+    @abstractmethod
+    def image(self, block: NDArray[Any]) -> NDArray[Any]:
+        """A block times the matrix of the inner product."""
 
-    def diagonal(self, left: Floats, right: Floats) -> Floats:
+    def diagonal(self, left: NDArray[Any], right: NDArray[Any]) -> Floats:
         """Inner products of the columns of two blocks, one with one."""
-        return self.comm.allreduce(np.einsum("ij,ij->j", left, right))
+        return self.comm.allreduce(np.einsum("ij,ij->j", left.conj(), right).real)
 
-    def inner(self, left: Floats, right: Floats) -> Floats:
+    def inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
         """Inner products of every column of one block with every column of another."""
-        return self.comm.allreduce(left.T @ right)
+        return self.comm.allreduce((left.T @ right.conj()).conj())  # the right is the smaller
 
 
-class _Run:
-    """One search: its Krylov space V, M-orthonormal and beside Q, with OP on it.
+class BlockKrylov(BlockSearch):
+    """Searches of K x = kappa M x.
 
-    Vectors stand in one array: those of Q, those of V, and a block U that OP is applied to next,
-
-        OP V = Q C + [V U] H.
+    Parameters
+    ----------
+    mass
+        M, PETSc AIJ, symmetric positive definite.
+    factors
+        The pencil factorised at the shift.
+    finite, tolerance, max_restarts, timer
+        Those of :class:`BlockSearch`.
+    transposed
+        Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
     """
 
     def __init__(
         self,
-        owner: BlockKrylov,
-        known: InvariantSubspace,
-        radius: float,
-        seed: int,
+        mass: Any,
+        factors: Shifted,
+        finite: int,
         *,
-        both_ends: bool,
+        tolerance: float,
+        max_restarts: int,
+        timer: StageTimer,
+        transposed: bool = False,
     ) -> None:
-        self._owner, self._known = owner, known
-        self._least = 1.0 / radius
-        self._both_ends = both_ends
-        self.farthest = np.inf
-        self._shift = owner.shift
-        self._room = owner.size - known.size
-        self._finite = owner.finite - known.size
-        self._vectors = np.empty((len(known.basis), known.size + 8 * _BLOCK), order="F")
-        self._vectors[:, : known.size] = known.basis
-        self._size = self._next = 0
-        self._coupling, self._operator = np.empty((known.size, 0)), np.empty((0, 0))
-        if self._finite > 0:
-            columns = min(_BLOCK, self._room)
-            random = np.random.default_rng([seed, owner.comm.rank])
-            start = random.standard_normal((len(known.basis), columns))
-            # OP takes what is far away out of a vector, ties above all.
-            far = both_ends and owner.finite == owner.size
-            self._append(start if far else owner.apply(owner.image(start)))
-
-    def complete(self) -> InvariantSubspace:
-        """The known with all that is in the disc."""
-        restarts, look = 0, _LEAST * _BLOCK
-        while self._finite > 0:
-            exhausted = not self._next or self._size >= self._room
-            if self._size < look and not exhausted:
-                self._extend()
-                continue
-            theta, residuals = self._ritz()
-            inside = np.abs(theta) >= self._least
-            near = inside if self._both_ends else np.abs(theta) >= _AROUND * self._least
-            converged = residuals <= self._owner.tolerance * np.abs(theta)
-            if exhausted:  # ties have infinite eigenvalues, theta = 0 but for rounding
-                converged = self._largest(theta)
-                self.farthest = self._far_end(theta[converged], 0 * residuals[converged])
-                return self._locked(theta, converged & near)
-            if converged[inside].all() and self._clear(theta, residuals, inside):
-                self.farthest = self._far_end(theta, residuals)
-                return self._locked(theta, converged & near)
-            wanted = int(inside.sum())
-            if self._size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
-                if restarts == self._owner.max_restarts:
-                    raise ConvergenceError(
-                        f"{int((inside & ~converged).sum())} eigenvalues in the disc of radius "
-                        f"{1 / self._least:.4g} about kappa = {self._shift:.4g} did not converge",
-                        best=self._locked(theta, converged),
-                    )
-                restarts += 1
-                self._restart(theta, wanted + 3 * _BLOCK)
-            look = max(self._size + _BLOCK, int(_GROWTH * self._size))
-        return self._known
-
-    def _extend(self) -> None:
-        """Take U into V, and OP U beside them as the next U."""
-        size, columns = self._size, self._next
-        fresh = self._owner.apply(self._image)
-        self._size += columns
-        coefficients = self._append(fresh)
-        known = self._known.size
-        whole = np.zeros((self._size + self._next, self._size))
-        whole[: len(self._operator), :size] = self._operator
-        whole[:, size:] = coefficients[known:]
-        self._operator = whole
-        self._coupling = np.hstack([self._coupling, coefficients[:known]])
-
-    def _append(self, w: Floats) -> Floats:
-        """Put the part of a block outside Q and V behind them: w = [Q V U] c.
-
-        Columns of w that lie in Q and V but for rounding leave no column of U.
-
-        Returns
-        -------
-        ndarray
-            c.
-        """
-        owner, first = self._owner, self._known.size + self._size
-        before = self._vectors[:, :first]
-        most = self._room - self._size  # more directions there are not, but of rounding
-        image = owner.image(w)
-        squares = owner.diagonal(w, image)
-        lengths = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
-        u, image = w / lengths, image / lengths
-        inside, rest, least = np.zeros((first, w.shape[1])), np.diag(lengths), _NOISE
-        for _ in range(3):  # a third time, for the first leaves small vectors far from orthogonal
-            part = owner.inner(before, image)
-            inside += part @ rest
-            u -= before @ part
-            image = owner.image(u)
-            gram = owner.inner(u, image)
-            if np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
-                break
-            axes = np.linalg.eigh(gram)[1]
-            u, image = u @ axes, image @ axes
-            # Of small vectors beside large ones the lengths say more than the eigenvalues.
-            lengths = np.sqrt(np.maximum(owner.diagonal(u, image), 0.0))
-            kept = np.flatnonzero(lengths > least)
-            kept = kept[max(0, len(kept) - most) :]
-            u, image = u[:, kept] / lengths[kept], image[:, kept] / lengths[kept]
-            rest = (axes[:, kept] * lengths[kept]).T @ rest
-            least = 0.3  # what a second projection takes most of was rounding
-        self._next, self._image = u.shape[1], image
-        if first + self._next > self._vectors.shape[1]:
-            wider = np.empty((len(u), int(1.5 * first) + _BLOCK), order="F")
-            wider[:, :first] = before
-            self._vectors = wider
-        self._vectors[:, first : first + self._next] = u
-        return np.vstack([inside, rest])
-
-    def _square(self) -> Floats:
-        square = self._operator[: self._size]
-        return symmetric_part(square) if self._known.symmetric else square
-
-    def _space(self, vectors: Floats) -> Floats:
-        """V times columns."""
-        known = self._known.size
-        return self._vectors[:, known : known + self._size] @ vectors
-
-    def _ritz(self) -> tuple[Complexes, Floats]:
-        """Eigenvalues of OP on the space and the residuals of their vectors."""
-        theta, vectors = small_eigenpairs(self._square(), symmetric=self._known.symmetric)
-        rest = self._operator[self._size :]
-        return theta, np.linalg.norm(rest @ vectors, axis=0)
-
-    def _clear(self, theta: Complexes, residuals: Floats, inside: NDArray[np.bool_]) -> bool:
-        """Whether the first eigenvalue outside has converged enough to be outside."""
-        if inside.all():
-            return False
-        sizes = np.where(inside, 0.0, np.abs(theta))
-        first = int(np.argmax(sizes))
-        return bool(_CLEAR * residuals[first] <= self._least - sizes[first])
-
-    def _far_end(self, theta: Complexes, residuals: Floats) -> float:
-        """Largest abs(kappa), by kappa / (kappa - sigma) = 1 + sigma theta.
-
-        As theta itself for eigenvalues near the shift, this is largest for those far from it, and
-        the same space finds both ends.
-        """
-        parts = np.abs(1 + self._shift * theta) + _CLEAR * np.abs(self._shift) * residuals
-        part = float(parts.max(initial=0.0))
-        return part / (1 - part) * abs(self._shift) if part < 1 else np.inf
-
-    def _leading(self, theta: Complexes, number: int) -> tuple[Floats, Floats]:
-        """Schur form of OP on so many eigenvalues of largest modulus; no pair is split."""
-        sizes = np.sort(np.abs(theta))[::-1]
-        while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:
-            number += 1
-        if number >= len(sizes):
-            form, vectors = schur(self._square(), output="real")
-            return form, vectors
-        cut = 0.5 * (sizes[number - 1] + sizes[number])
-        form, vectors, kept = schur(
-            self._square(), output="real", sort=lambda re, im=0.0: bool(np.hypot(re, im) >= cut)
+        super().__init__(
+            int(mass.getSize()[0]),
+            finite,
+            factors.kappa,
+            mass.comm.tompi4py(),
+            tolerance=tolerance,
+            max_restarts=max_restarts,
+            timer=timer,
         )
-        return form[:kept, :kept], vectors[:, :kept]
+        self._mass, self._factors, self._transposed = mass, factors, transposed
 
-    def _restart(self, theta: Complexes, number: int) -> None:
-        """Keep the leading eigenvalues, and U."""
-        form, vectors = self._leading(theta, number)
-        known, size = self._known.size, self._size
-        block = self._vectors[:, known + size : known + size + self._next].copy()
-        kept = self._space(vectors)
-        rest = self._operator[size:] @ vectors
-        self._size = len(form)
-        end = known + self._size
-        self._vectors[:, known:end] = kept
-        self._vectors[:, end : end + self._next] = block
-        self._operator = np.vstack([form, rest])
-        self._coupling = self._coupling @ vectors
+    def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
+        """OP on a block whose product with M is given."""
+        return self._factors.solve_block(image, transposed=self._transposed)
 
-    def _largest(self, theta: Complexes) -> NDArray[np.bool_]:
-        """So many eigenvalues as are finite."""
-        chosen = np.zeros(len(theta), dtype=bool)
-        chosen[np.argsort(-np.abs(theta))[: self._finite]] = True
-        return chosen
-
-    def _locked(self, theta: Complexes, converged: NDArray[np.bool_]) -> InvariantSubspace:
-        """The known with the leading eigenvalues, as far as they have converged."""
-        order = np.argsort(-np.abs(theta))
-        number = len(order) if converged.all() else int(np.argmin(converged[order]))
-        if 0 < number < len(order):
-            last, beyond = theta[order[number - 1]], theta[order[number]]
-            number -= int(last.imag != 0 and np.isclose(last.conj(), beyond, rtol=_PAIR, atol=0.0))
-        if not number:
-            return self._known
-        form, vectors = self._leading(theta, number)
-        coupling = self._coupling @ vectors
-        return self._known.extended(self._space(vectors), coupling, form, self._shift)
+    def image(self, block: NDArray[Any]) -> NDArray[Any]:
+        """M times a block."""
+        return image_of(self._mass, block)

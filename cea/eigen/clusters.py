@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 
 from cea.body import Complexes, Floats
 
-_ILL = 1e2
+_ILL = 1e1
 """Condition number from which a cluster is looked at."""
 
 

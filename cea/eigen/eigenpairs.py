@@ -18,9 +18,9 @@ from cea.eigen.shifted import Shifted
 from cea.eigen.sizes import Sizes
 from cea.matrices import destroy
 
-_SMALL = 1e-8
+SMALL = 1e-8
 """Part of an eigenvalue up to which it does not matter how large a residual is exactly."""
-_LUMPED = 4.0
+LUMPED = 4.0
 """What the norm of the inverse of a mass is at most, about, in that of its diagonal."""
 
 
@@ -108,8 +108,8 @@ def checked(
         defect = force - inertia * kappa[block]
         scale = np.maximum(np.abs(kappa[block]), rounding)
         residuals[block] = norms(defect, comm) / (scale * norms(inertia, comm))
-        error = _LUMPED * norms(defect / root[:, None], comm)
-        large = np.flatnonzero(error > _SMALL * np.abs(kappa[block]))
+        error = LUMPED * norms(defect / root[:, None], comm)
+        large = np.flatnonzero(error > SMALL * np.abs(kappa[block]))
         if len(large):  # solves cost as much as all the rest
             step = solved(factors, defect[:, large])
             length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))

@@ -49,7 +49,7 @@ class Mumps:
         Whether A is symmetric.
     inertia
         Whether its negative eigenvalues will be asked for; null pivots are then counted rather
-        than failed on, and systems should not be solved.
+        than failed on, and with any of them systems should not be solved.
 
     Raises
     ------
@@ -120,6 +120,11 @@ class Mumps:
         """Number of negative eigenvalues of a symmetric A, by its inertia."""
         negative, _, _ = self._pc.getFactorMatrix().getInertia()
         return int(negative)
+
+    def null_pivots(self) -> int:
+        """Number of pivots that count as zero, where inertia was asked for."""
+        _, zero, _ = self._pc.getFactorMatrix().getInertia()
+        return int(zero)
 
     def sign(self) -> int:
         """Sign of the determinant of an unsymmetric A."""

@@ -1,9 +1,11 @@
-"""The eigenvalue driver: (lambda^2 M + K) x = 0 by shift-and-invert Krylov-Schur and MUMPS.
+"""The eigenvalue driver: (lambda^2 M + lambda (C + Y) + K) x = 0 by shift-and-invert and MUMPS.
 
 Undamped sliding is linear in kappa = -lambda^2: K x = kappa M x, with K unsymmetric by friction.
 Without friction it is solved as a symmetric problem. The driver takes a parametric pencil, not
 bodies, and keeps inertia counts and factors for the solves that follow. Windows are searched by
-blocks (:mod:`cea.eigen.search`), the few modes nearest to a place by SLEPc.
+blocks (:mod:`cea.eigen.search`), the few modes nearest to a place by SLEPc. With damping or
+rotation the problem is quadratic in lambda, and another driver takes it
+(:mod:`cea.eigen.quadratic`).
 """
 
 from collections.abc import Mapping
@@ -17,6 +19,7 @@ from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.nearest import NearestSearch
 from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.quadratic import QuadraticDriver
 from cea.eigen.search import Found, WindowSearch, upper_end
 from cea.eigen.sensitivity import LeftVectors, biorthonormal
 from cea.eigen.shifted import Shifted, count_below
@@ -59,8 +62,6 @@ class KrylovSchur:
     ) -> None:
         if not any(term.role == "mass" for term in pencil.terms):
             raise InputError("mass", None, "a mass: modes have none without")
-        if any(term.role == "damping" for term in pencil.terms):
-            raise InputError("pencil", "with damping", "without: this driver solves for kappa")
         self.pencil = pencil
         self.factorisations = 0
         self.solves = 0
@@ -90,10 +91,11 @@ class KrylovSchur:
         max_frequency: float,
         changes: Mapping[str, float] | None = None,
         *,
+        min_growth: float | None = None,
         left: bool = False,
         timer: StageTimer | None = None,
     ) -> Modes:
-        """All modes up to a frequency.
+        """All modes up to a frequency, of any growth.
 
         Parameters
         ----------
@@ -101,6 +103,10 @@ class KrylovSchur:
             Upper end of the modes asked for (Hz).
         changes
             Parameters of the pencil that differ from their own values.
+        min_growth
+            With damping or rotation, growth rate (1/s), zero or less, down to which modes are
+            asked for; None takes a tenth of the angular frequency of the end, or less where
+            overdamped modes crowd. Without, modes that decay mirror those that grow.
         left
             Whether left vectors are wanted too, for sensitivities and true condition numbers.
         timer
@@ -115,11 +121,15 @@ class KrylovSchur:
         """
         if not 0 < max_frequency < np.inf:
             raise InputError("max_frequency", max_frequency, "a positive number (Hz)")
+        if min_growth is not None and not -np.inf < min_growth <= 0:
+            raise InputError("min_growth", min_growth, "zero or a negative number (1/s), or none")
         timer, values = timer or StageTimer(), self.pencil.values(changes)
-        top = (2 * np.pi * max_frequency) ** 2
-        shift, upper, counted = 0.5 * top, upper_end(top), None
         with timer("assembly"):
             matrices = self._matrices(values)
+        if matrices.quadratic:
+            return self._quadratic(matrices, values, max_frequency, min_growth, timer, left=left)
+        top = (2 * np.pi * max_frequency) ** 2
+        shift, upper, counted = 0.5 * top, upper_end(top), None
         with timer("factorisation"):
             factors = self._in_the_middle(matrices, values, shift)
             if matrices.symmetric:
@@ -150,6 +160,26 @@ class KrylovSchur:
                 best=modes,
             )
         return modes
+
+    def _quadratic(
+        self,
+        matrices: Matrices,
+        values: dict[str, float],
+        max_frequency: float,
+        min_growth: float | None,
+        timer: StageTimer,
+        *,
+        left: bool,
+    ) -> Modes:
+        """All modes of a pencil with damping or rotation."""
+        driver = QuadraticDriver(
+            self.pencil, values, matrices, self._tolerance, self._max_restarts, timer
+        )
+        try:
+            return driver.solve(max_frequency, min_growth, left=left)
+        finally:
+            self.solves += 1
+            self.factorisations += driver.factorisations
 
     def _judged(
         self,
@@ -197,6 +227,8 @@ class KrylovSchur:
     ) -> Modes:
         """The few modes nearest to kappa = -lambda^2; factors made there before serve again.
 
+        With damping or rotation it is refused.
+
         Parameters
         ----------
         kappa
@@ -218,6 +250,8 @@ class KrylovSchur:
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
             matrices = self._matrices(values)
+        if matrices.quadratic:
+            raise InputError("pencil", "with damping or rotation", "without, for nearest modes")
         with timer("factorisation"):
             factors = self._nearby(matrices, values, kappa)
         search = NearestSearch(matrices, factors, self._tolerance, self._max_restarts, timer)
@@ -241,6 +275,10 @@ class KrylovSchur:
         if factors is not self._factors:
             factors.free()
         return modes_of(self.pencil, values, matrices, pairs, None, window)
+
+    def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:
+        """Whether the pencil is damped or rotates at given parameters."""
+        return self._matrices(self.pencil.values(changes)).quadratic
 
     def mass(self, values: Mapping[str, float]) -> Any:
         """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
@@ -316,6 +354,7 @@ def solve_modes(
     max_frequency: float,
     changes: Mapping[str, float] | None = None,
     *,
+    min_growth: float | None = None,
     left: bool = False,
     tolerance: float = 1e-13,
     max_restarts: int = 200,
@@ -326,4 +365,4 @@ def solve_modes(
     Parameters and errors are those of the driver and of :meth:`KrylovSchur.solve`.
     """
     with KrylovSchur(pencil, tolerance=tolerance, max_restarts=max_restarts) as driver:
-        return driver.solve(max_frequency, changes, left=left, timer=timer)
+        return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)

@@ -55,7 +55,8 @@ class Modes(Spectrum):
     def sensitivity(self, parameter: str) -> Complexes:
         """Derivatives of the eigenvalues in a parameter of the pencil, shape (n,).
 
-        d lambda / dt = - y^H (lambda^2 dM/dt + dK/dt) x / (2 lambda y^H M x) with left vectors y.
+        d lambda / dt = - y^H (lambda^2 dM/dt + lambda dD/dt + dK/dt) x / y^H (2 lambda M + D) x
+        with left vectors y and D of damping and rotation.
         Members of a multiple eigenvalue have those of its splitting, in any order. Infinite at a
         coalescence, and not a number at lambda = 0.
 
@@ -122,11 +123,11 @@ def modes_of(
         pencil=pencil,
         values=values,
     )
-    _refuse_what_is_lost(modes, eigenvalues, _uncertainties(eigenvalues, errors))
-    return replace(modes, warnings=_warnings(modes))
+    refuse_what_is_lost(modes, eigenvalues, _uncertainties(eigenvalues, errors))
+    return replace(modes, warnings=warnings_of(modes))
 
 
-def _refuse_what_is_lost(modes: Modes, eigenvalues: Complexes, uncertainties: Floats) -> None:
+def refuse_what_is_lost(modes: Modes, eigenvalues: Complexes, uncertainties: Floats) -> None:
     """Raise where modes, in the window or around it, are nothing but rounding."""
     speeds = np.maximum(np.abs(eigenvalues), modes.slowest)
     lost = int(np.sum(uncertainties > _NO_MODE * speeds))
@@ -146,7 +147,7 @@ def _uncertainties(eigenvalues: Complexes, errors: Floats) -> Floats:
     return errors / np.maximum(2 * sizes - np.sqrt(errors), np.finfo(float).tiny)
 
 
-def _warnings(modes: Modes) -> tuple[ResultWarning, ...]:
+def warnings_of(modes: Modes) -> tuple[ResultWarning, ...]:
     """What modes must be read with."""
     warnings, window = [], modes.window
     if np.isfinite(window.max_frequency) and not window.complete:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import inf, prod
+from math import inf, isfinite, prod
 
 from cea.errors import InputError
 
@@ -23,6 +23,8 @@ class Parameter:
         Whether zero is refused.
     finite
         Whether infinity is refused.
+    signed
+        Whether it may be below zero.
     """
 
     name: str
@@ -30,9 +32,14 @@ class Parameter:
     unit: str = "1"
     positive: bool = False
     finite: bool = True
+    signed: bool = False
 
     def check(self, value: float) -> float:
         """The value, or a refusal of it."""
+        if self.signed:
+            if not isfinite(value):
+                raise InputError(self.name, value, f"a finite number ({self.unit})")
+            return float(value)
         least = value > 0 if self.positive else value >= 0
         if not (least and (value < inf or not self.finite)):
             allowed = ("positive" if self.positive else "zero or positive") + f" ({self.unit})"
@@ -83,6 +90,15 @@ class Coefficient:
     def of(cls, powers: Mapping[str, tuple[float, float]], factor: float = 1.0) -> "Coefficient":
         """One monomial."""
         return cls((Monomial(factor, powers),))
+
+    def times(self, name: str, exponent: float = 1.0, factor: float = 1.0) -> "Coefficient":
+        """It times a factor and a power of one more parameter."""
+        return Coefficient(
+            tuple(
+                Monomial(factor * each.factor, {**each.powers, name: (1.0, exponent)})
+                for each in self.monomials
+            )
+        )
 
     @property
     def names(self) -> frozenset[str]:

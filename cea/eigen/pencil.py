@@ -241,12 +241,14 @@ class Pencil:
         return (*parts, *(f.inverse_stiffness.at(values) for f in self.forces))
 
     def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Mat | None:
+        # What is damped by nothing is linear in kappa: that is never kept.
+        kept = not self.leave_out and role != "damping"
         parts = [
             (coefficient, term.matrix)
             for term in self.terms
             if term.role == role
             and term.symmetric == symmetric
-            and ((coefficient := term.coefficient.at(values)) != 0 or not self.leave_out)
+            and ((coefficient := term.coefficient.at(values)) != 0 or kept)
         ]
         if not parts:
             return None

@@ -1,8 +1,9 @@
 """Search of a window: every eigenvalue in it, its copies too, and what shows that none is missing.
 
-Eigenvalues around the middle of the window come first. A second shift, left of all of them, then
-covers the whole window with another disc: it looks beside what was found, in random directions,
-until it finds nothing more. Where friction might move eigenvalues farther to the left than that
+Eigenvalues around the middle of the window come first. Where friction leaves no more than a cone
+about the real axis, a disc about the middle covers it: the search goes on beside what was found, in
+random directions, until it finds nothing more. Else a second shift, left of all of them, covers the
+whole window with another disc. Where friction might move eigenvalues farther to the left than that
 disc reaches, further discs follow.
 """
 
@@ -13,7 +14,8 @@ import numpy as np
 
 from cea.body import Complexes
 from cea.eigen.block_krylov import BlockKrylov
-from cea.eigen.coverage import bounded_below, distance_within, touching_disc
+from cea.eigen.coverage import distance_of_cone, distance_within, touching_disc
+from cea.eigen.field_of_values import FieldOfValues, field_of_values
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.subspace import InvariantSubspace
@@ -24,6 +26,8 @@ _MARGIN = 1.05
 """Radius of the disc about the middle of the window relative to half the window."""
 _DEPTH = 0.1
 """Depth X of the first covering disc relative to omega^2, where friction reaches no farther."""
+_AROUND = 1.5
+"""Radius up to which a disc about the middle is searched, relative to that of the first search."""
 _DEEP = 3.0
 """The same where friction may reach farther: modes that grow by 1.7 omega."""
 _DEEPER = 8.0
@@ -161,17 +165,25 @@ class WindowSearch:
         top
             Upper end omega^2 (1/s^2).
         """
-        known = self._around_the_middle(upper_end(top))
+        upper, depth, reached = upper_end(top), _DEPTH * top, -top
+        field = self._field(depth, cone=True)
+        bounded = field.bounded
+        radius = distance_of_cone(top, self._middle, field)
+        if radius <= _AROUND * (upper - self._middle):
+            known = self._around_the_middle(max(upper, self._middle + radius))
+            known = self._filled(known, distance_of_cone(top, self._middle, field))
+            if not self._odd(known):
+                return Found(known, tuple(self._discs), depth, bounded)
+        else:
+            known = self._around_the_middle(upper)
         most = _MOST_DISCS[self._matrices.size <= _SMALL]
-        depth, reached = _DEPTH * top, -top
-        bounded = self._bounded(depth)
         if not bounded:
             depth = _DEEP * top
         while known.size < self._finite:
             left = 1.0 if bounded else _REACHED
             known = self._covered(known, top, depth, left=left, right=-reached)
             reached = left * depth
-            bounded = bounded or self._farthest_kappa <= reached or self._bounded(reached)
+            bounded = bounded or self._farthest_kappa <= reached or self._field(reached).bounded
             covering = len(self._discs) - 1
             odd = self._factors.kappa in self._odd(known)
             if (bounded and not odd) or covering >= (_MOST_DISCS[True] if odd else most):
@@ -287,10 +299,10 @@ class WindowSearch:
         if (parity := self._factors.parity()) is not None:
             self._signs[kappa] = parity
 
-    def _bounded(self, depth: float) -> bool:
+    def _field(self, depth: float, *, cone: bool = False) -> FieldOfValues:
         self.factorisations += 1
         with self._timer("factorisation"):
-            return bounded_below(self._matrices, depth)
+            return field_of_values(self._matrices, depth, cone=cone)
 
     def _nothing(self) -> InvariantSubspace:
         rows = self._matrices.stiffness.getLocalSize()[0]

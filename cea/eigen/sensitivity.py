@@ -1,8 +1,10 @@
 """Left eigenvectors of a pencil, and derivatives of its eigenvalues in its parameters.
 
-With y^H M x = 1 and contact forces f, g beside x, y (:mod:`cea.eigen.multipliers`),
+With y^H (2 lambda M + D) x = 2 lambda, which is y^H M x = 1 without damping, and contact forces f,
+g beside x, y (:mod:`cea.eigen.multipliers`),
 
-    d lambda = - (y^H (lambda^2 dM + dK) x - dc_f (R y)^H f - dc_c g^H C^ f) / (2 lambda).
+    d lambda = - (y^H (lambda^2 dM + lambda dD + dK) x - dc_f (R y)^H f - dc_c g^H C^ f)
+               / (2 lambda).
 """
 
 from collections.abc import Mapping
@@ -14,17 +16,23 @@ import numpy as np
 from cea.body import Complexes, Floats
 from cea.eigen.blocks import all_inner, column_blocks, times
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
-from cea.eigen.pencil import Pencil
+from cea.eigen.pencil import Pencil, Role
 from cea.errors import ConvergenceError
 from cea.petsc import Mat
 
-_SAME = 1e-4
+SAME = 1e-4
 """Relative distance of left and right eigenvalues beyond which they are not the same."""
+
+
+_POWERS: dict[Role, int] = {"mass": 2, "damping": 1, "stiffness": 0}
+"""Powers of lambda that go with the pieces of a pencil."""
 
 
 @dataclass(frozen=True)
 class LeftVectors:
-    """Left eigenvectors y with y_i^H M x_j = delta_ij.
+    """Left eigenvectors y with y_i^H M x_j = delta_ij, or as damped pencils have them.
+
+    There y_i^H ((lambda_i + lambda_j) M + D) x_j is 2 lambda_i for i = j, and zero otherwise.
 
     Parameters
     ----------
@@ -68,7 +76,7 @@ def biorthonormal(
     """
     scale = np.abs(kappa).max(initial=np.finfo(float).tiny)
     cost = np.abs(kappa[:, None] - left_kappa.conj()) / scale
-    rows, columns = assign(cost, _SAME)
+    rows, columns = assign(cost, SAME)
     if len(rows) < len(kappa):
         raise ConvergenceError(
             f"{len(kappa) - len(rows)} of {len(kappa)} eigenvalues have no left vector",
@@ -119,7 +127,7 @@ def derivatives(
     for term in pencil.terms:
         slope = term.coefficient.derivative(name, values)
         if slope:
-            power = eigenvalues**2 if term.role == "mass" else np.ones(n)
+            power = eigenvalues ** _POWERS[term.role]
             change += slope * power * _projected(term.matrix, left.vectors, vectors)
     comm, first = pencil.comm, 0
     for of_contact in pencil.forces:

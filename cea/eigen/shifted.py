@@ -71,7 +71,7 @@ class Shifted:
         if self._multipliers is None:
             return operator
         self._scale = near._scale if near else force_scale(operator, self._multipliers)
-        whole = _bordered(
+        whole = bordered(
             operator, self._multipliers, self._scale, symmetric=self.matrices.symmetric
         )
         destroy(operator)
@@ -178,9 +178,9 @@ def count_below(matrices: Matrices, kappa: float) -> int:
     if matrices.multipliers is not None:
         symmetric = replace(matrices.multipliers, reaction=matrices.multipliers.closure)
         scale = force_scale(shifted, symmetric)
-        bordered = _bordered(shifted, symmetric, scale, symmetric=True)
+        whole = bordered(shifted, symmetric, scale, symmetric=True)
         destroy(shifted, scale)
-        shifted, extra = bordered, symmetric.size
+        shifted, extra = whole, symmetric.size
     factors = Mumps(shifted, symmetric=True, inertia=True)
     negative = factors.negative_eigenvalues()
     factors.free()
@@ -224,7 +224,7 @@ def balanced(border: Any, scale: Any, size: float) -> Any:
     return distributed(part, border.getSizes()[1], border.comm)
 
 
-def _bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric: bool) -> Any:
+def bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric: bool) -> Any:
     """[A, L^T s, .; s J, -s C s, s Z; ., Z^T s, .], PETSc AIJ; with J for L in its symmetric part.
 
     Parameters
@@ -255,8 +255,8 @@ def _bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric:
         across = border.transpose(PETSc.Mat())
         blocks = [[operator, transpose, None], [closure, corner, border], [None, across, None]]
         made += [border, across]
-    bordered = PETSc.Mat().createNest(blocks).convert("aij")
+    whole = PETSc.Mat().createNest(blocks).convert("aij")
     destroy(*made)
     if reaction is not closure:
         destroy(reaction)
-    return bordered
+    return whole

@@ -99,9 +99,12 @@ class Spectrum:
     eigenvalues
         lambda (1/s), shape (n,): growth rate + i * angular frequency.
     residuals
-        Norm of (lambda^2 M + K) x relative to abs(lambda)^2 times that of M x, shape (n,).
+        Norm of (lambda^2 M + K) x relative to abs(lambda)^2 times that of M x, shape (n,). With
+        damping or rotation D that of (lambda^2 M + lambda D + K) x relative to that of its parts,
+        abs(lambda)^2 abs(M) abs(x) and so on: the relative change of entries that makes it zero.
     conditions
-        Condition numbers of lambda^2 in the M-norm, shape (n,): 1 for a symmetric problem, large
+        Condition numbers of lambda^2 in the M-norm, shape (n,): 1 for a symmetric problem without
+        damping, large
         near a coalescence. Without left vectors, those within the computed invariant subspace.
     growth_uncertainties
         What backward error and rounding of the matrices, times the condition, can make of lambda

@@ -51,7 +51,7 @@ class InvariantSubspace:
         values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
         return values, self.basis @ vectors.real + 1j * (self.basis @ vectors.imag)
 
-    def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: float) -> Self:
+    def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
         """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
         own = np.linalg.inv(form)
         # What was known stays as it is: far from a shift digits are lost to it.

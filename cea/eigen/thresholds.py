@@ -9,6 +9,9 @@ behave like square roots of s, and rounding takes half their digits. The discrim
 and its mean are analytic there: d is real and passes through zero at a finite slope, from positive
 to negative where flutter begins. Its root holds all digits, and on a mesh it converges as
 eigenvalues do (Kato, Perturbation Theory for Linear Operators, sec. II.1).
+
+With damping modes need not coalesce to flutter, and hardly ever do: there the growth of the fastest
+mode passes through zero (:mod:`cea.eigen.growth_thresholds`).
 """
 
 from dataclasses import dataclass
@@ -107,6 +110,12 @@ def flutter_threshold(
     for name, value in (("real", real), ("flutter", flutter)):
         if not 0 <= value < np.inf:
             raise InputError(name, value, "zero or more")
+    if any(driver.quadratic({parameter: value}) for value in (real, flutter)):
+        raise InputError(
+            "pencil",
+            "with damping or rotation",
+            "without: no two modes coalesce; take growth_threshold",
+        )
     solves, factorisations = driver.solves, driver.factorisations
     follower = _Follower(driver, parameter, max_frequency)
     follower.start(flutter, frequency)

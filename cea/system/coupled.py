@@ -1,13 +1,13 @@
 """Coupled matrices of bodies in frictional contact, kept apart until a solver sums them.
 
-    (lambda^2 M + K + K_n - K_f) x = 0
+    (lambda^2 M + lambda (C + Y) + K + K_n - K_f) x = 0
 
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import inf, log10
 from typing import Any
 
@@ -17,12 +17,15 @@ from cea.body import Body, Floats
 from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.operators import Contact, HalfPass, assemble_contact
 from cea.contact.saddle import contact_forces
+from cea.contact.sliding import Sliding, SlidingDamping, damping_of
 from cea.eigen.multipliers import ForcesOfContact
-from cea.eigen.parameters import NOTHING, Coefficient, Monomial, Parameter
+from cea.eigen.parameters import NOTHING, Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import block_diagonal, destroy, empty, gather
 from cea.petsc import PETSc
+from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
 from cea.system.sliding_state import SteadySliding
+from cea.system.sliding_terms import sliding_parameters, sliding_terms
 from cea.warned import ResultWarning
 
 
@@ -48,6 +51,10 @@ class CoupledSystem:
         Diagonal of K of all bodies (N/m), PETSc vector.
     penalty_digits
         Digits that the penalty form costs, or would cost, by contact.
+    motions
+        Damping and rotation of bodies that have any, by name; none in static scenes.
+    sliding
+        How half passes slide, by name, where that damps; none in static scenes.
     steady
         The state of steady sliding that contacts were linearised about; None where none was sought.
     """
@@ -60,6 +67,8 @@ class CoupledSystem:
     load: Any | None
     stiffness_diagonal: Any
     penalty_digits: Mapping[str, float]
+    motions: Mapping[str, Motion]
+    sliding: Mapping[str, Sliding]
     steady: SteadySliding | None = None
 
     @property
@@ -123,7 +132,8 @@ class CoupledSystem:
         ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor on it
         where it varies. Without friction, if that was left out, there is no mu. Where p is the
         slope of a law in a state of steady sliding there is no P, and the state stays what it is
-        whatever the parameters.
+        whatever the parameters. Damping, rotation and sliding add theirs
+        (:mod:`cea.system.body_terms`, :mod:`cea.system.sliding_terms`).
 
         Parameters
         ----------
@@ -135,7 +145,7 @@ class CoupledSystem:
         """
         keeping = [c for c in self.contacts if c.keeps_forces and not eliminate]
         return Pencil(
-            [*self._body_terms(), *self._contact_terms(keeping)],
+            [*self._body_terms(), *self._contact_terms(keeping), *self._sliding_terms()],
             self._parameters(),
             tuple(self._contact_forces(keeping)),
             leave_out=leave_out,
@@ -158,17 +168,24 @@ class CoupledSystem:
         )
 
     def _body_terms(self) -> Iterator[Term]:
-        """K and M of each body; springs do not grow with E."""
+        """K, M, C and Y of each body."""
         for name, body in self.bodies.items():
-            E = (f"bodies.{name}.material.E", body.material.E)
-            stiffness = self._embedded(name, body.stiffness())
-            yield Term("stiffness", stiffness, Coefficient.of({E[0]: (E[1], 1.0)}))
-            if (springs := body.spring_stiffness()) is not None:
-                rest = (Monomial(), Monomial(-1.0, {E[0]: (E[1], 1.0)}))
-                yield Term("stiffness", self._embedded(name, springs), Coefficient(rest))
-            if self.with_mass:
-                rho = {f"bodies.{name}.material.rho": (float(body.material.rho or 0), 1.0)}
-                yield Term("mass", self._embedded(name, body.mass()), Coefficient.of(rho))
+            path, motion = f"bodies.{name}", self.motions.get(name, STILL)
+            embedded = partial(self._embedded, name)
+            yield from body_terms(path, body, motion, embedded, with_mass=self.with_mass)
+
+    def _sliding_terms(self) -> Iterator[Term]:
+        """Damping of contacts that slide."""
+        halves = [
+            half if self._rubs(half.contact) else replace(half, turning=None)
+            for half in self._sliding_damping
+        ]
+        return sliding_terms(halves, self._references())
+
+    @cached_property
+    def _sliding_damping(self) -> tuple[SlidingDamping, ...]:
+        """Damping of the half passes that slide, at their pressures in the state of sliding."""
+        return damping_of(self.bodies, self.contacts, self.sliding)
 
     def _contact_terms(self, keeping: Sequence[Contact]) -> Iterator[Term]:
         """K_n and K_f of each half pass that keeps no forces."""
@@ -214,10 +231,8 @@ class CoupledSystem:
 
     def _parameters(self) -> Iterator[Parameter]:
         for name, body in self.bodies.items():
-            yield Parameter(f"bodies.{name}.material.E", body.material.E, "N/m^2", positive=True)
-            if self.with_mass:
-                rho = float(body.material.rho or 0)
-                yield Parameter(f"bodies.{name}.material.rho", rho, "kg/m^3", positive=True)
+            motion = self.motions.get(name, STILL)
+            yield from body_parameters(f"bodies.{name}", body, motion, with_mass=self.with_mass)
         saddle = {c.pair for c in self.contacts if c.half.form == "saddle"}
         laws = self._with_laws()
         for name, P in self._stiffnesses().items():
@@ -228,6 +243,7 @@ class CoupledSystem:
         for name, reference in self._references().items():
             acts = any(_acts(c) for c in self._halves(name))
             yield Parameter(f"contacts.{name}.mu", reference if acts else 0.0)
+        yield from sliding_parameters(self._sliding_damping)
 
     def _with_laws(self) -> set[str]:
         """Contacts whose stiffness is that of a law in the state that is linearised about."""
@@ -293,6 +309,8 @@ def couple(
     with_mass: bool = True,
     with_load: bool = False,
     leave_out: bool = True,
+    motions: Mapping[str, Motion] | None = None,
+    sliding: Mapping[str, Sliding] | None = None,
 ) -> CoupledSystem:
     """Assemble the coupled matrices.
 
@@ -308,6 +326,10 @@ def couple(
         Whether the loads are needed.
     leave_out
         Whether slip operators and K_f are left out where mu = 0.
+    motions
+        Damping and rotation of bodies that have any, by name; they need the mass.
+    sliding
+        How half passes slide, by name, where that damps; it needs the mass.
     """
     PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
     nest = block_diagonal([body.stiffness() for body in bodies.values()])
@@ -335,6 +357,8 @@ def couple(
         load=load,
         stiffness_diagonal=diagonal,
         penalty_digits=digits,
+        motions=motions or {} if with_mass else {},
+        sliding=sliding or {} if with_mass else {},
     )
 
 

@@ -22,6 +22,8 @@ from cea.timing import StageTimer
 
 _MOST = 60
 """Steps."""
+_PATIENCE = 16
+"""Steps in which the residual is halved at least."""
 _SOLVED = 1e-14
 """Residual, relative to the forces, at which there is nothing left to gain."""
 _ROUNDING = 1e-7
@@ -114,6 +116,8 @@ class SlidingNewton:
                 break
             state = new
             self._note(run, state, length)
+            if len(run.residuals) > _PATIENCE and _stagnates(run.residuals):
+                break
         return run
 
     def _note(self, run: Iteration, state: State, length: float | None = None) -> None:
@@ -215,6 +219,11 @@ def solved_regularly(matrices: Matrices, b: Floats) -> tuple[Floats, Floats, flo
 def closed_points(state: State) -> int:
     """Number of points that are closed."""
     return sum(int(np.count_nonzero(closure > 0)) for closure in state.closures)
+
+
+def _stagnates(residuals: Sequence[float]) -> bool:
+    """Whether the residual has not been halved for many steps."""
+    return min(residuals[-_PATIENCE:]) > 0.5 * min(residuals[:-_PATIENCE])
 
 
 def _is_small(state: State) -> bool:

@@ -87,7 +87,8 @@ class SlidingProblem:
         )
         self.frictional = tuple(friction and _rubs(contact) for contact in self.contacts)
         linear = tuple(contact for contact in system.contacts if contact.half.law.linear)
-        self.matrices = replace(system, contacts=linear, with_mass=False).pencil().at()
+        at_rest = replace(system, contacts=linear, with_mass=False, motions={}, sliding={})
+        self.matrices = at_rest.pencil().at()
         assert system.load is not None
         self._load = system.load
         self.gaps = tuple(contact.reactions.met(initial_gap(contact)) for contact in self.contacts)

@@ -27,9 +27,11 @@ from cea.timing import StageTimer
 
 _SHORTEST = 1 / 64
 """Least part of the load of a step."""
+_FIRST = 1 / 2
+"""The same before any equilibrium was found."""
 _GROWS = 2.0
 """By how much a step is longer than the one before."""
-_SOFTNESSES = tuple(10.0**power for power in range(12, -1, -1))
+_SOFTNESSES = tuple(10.0**power for power in range(12, -1, -2))
 """By what laws are divided in turn where the law itself does not converge."""
 _OVERLAP = 1e-9
 """Overlap of the sides, relative to the mesh size, that rounding and facets may make."""
@@ -104,7 +106,8 @@ class _Path:
                 path.append(_load_step(factor, run))
                 continue
             part *= 0.5
-            if part < _SHORTEST or (state is None and self._pulls(factor)):
+            least = _SHORTEST if state is not None else _FIRST
+            if part < least or (state is None and self._pulls(factor)):
                 raise ConvergenceError(self._reason(run, factor), best=run.state)
         assert state is not None
         return self._result(state, path)

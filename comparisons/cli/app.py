@@ -10,7 +10,14 @@ from comparisons.cli.exact import app as exact_app
 from comparisons.cli.paper import claims, figure
 from comparisons.cli.ranks import launched_together, one_voice
 from comparisons.cli.run import run
-from comparisons.cli.studies import accuracy, compare, formulations, reference, stability
+from comparisons.cli.studies import (
+    accuracy,
+    compare,
+    damping,
+    formulations,
+    reference,
+    stability,
+)
 
 
 class _LightGroup(TyperGroup):
@@ -35,7 +42,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for _command in (run, compare, figure, claims, formulations, accuracy, stability, reference):
+_COMMANDS = run, compare, figure, claims, formulations, accuracy, damping, stability, reference
+for _command in _COMMANDS:
     app.command()(_command)
 app.add_typer(exact_app, name="exact")
 

@@ -109,6 +109,30 @@ def accuracy(
     typer.echo(f"The report to open: {page.write(data, out)}")
 
 
+def damping(
+    redraw: Annotated[
+        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="Folder of the figure and its table.")] = Path(
+        "results/damping"
+    ),
+) -> None:
+    """How damping moves the threshold of flutter: elastic bodies over the exact lumped system."""
+    from comparisons.cli.extras import need
+    from comparisons.cli.output import console, print_table
+
+    need("pictures", "exact")
+    from comparisons.damping.report import read_damping, thresholds_table, write_damping
+    from comparisons.damping.study import run_damping
+
+    with console.status("damping") as status:
+        data = read_damping(out) if redraw else run_damping(status.update)
+        status.update("figure")
+        figure = write_damping(data, out)
+    print_table(thresholds_table(data))
+    typer.echo(f"The figure to open: {figure}")
+
+
 def stability(
     case: Annotated[
         list[str] | None, typer.Option("--case", help="Name of a case; may be repeated.")

@@ -8,6 +8,7 @@ a motion is rigid.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign, group
@@ -140,16 +141,26 @@ def compare(answer: ModesAnswer, true: Complexes, tolerance: float) -> Compariso
     kappa, found = -(near**2), -(answer.eigenvalues**2)
     scale = 2 * np.maximum(np.abs(kappa), _RIGID * top)
     cost = np.abs(found[None, :] - kappa[:, None]) / scale[:, None]
+    cost[_opposite(near, answer.eigenvalues, _RIGID * top)] = np.inf
     rows, columns = assign(cost, _REACH)
     inside = near.imag <= np.sqrt(top) * (1 - 2 * tolerance)
+    inside &= near.real >= answer.min_growth * (1 - 2 * tolerance)
     missing = int(inside.sum() - inside[rows].sum())
     spurious = len(found) - len(columns)
     errors = _errors(found[columns] - kappa[rows], kappa[rows], scale[rows], tolerance)
     error = float("inf") if missing or spurious else float(errors.max(initial=0.0))
     own = answer.uncertainties[columns] * np.sqrt(np.abs(found[columns])) / (0.5 * scale[rows])
     admitted = not (missing or spurious) and bool((errors <= np.maximum(own, tolerance)).all())
-    claim = _Claims(answer, tolerance * scale[rows], columns).false_one(near[rows], near[inside])
+    same = inside[rows] | (errors <= tolerance)  # beyond the window's end it may be another mode
+    claims = _Claims(answer, tolerance * scale[rows][same], columns[same])
+    claim = claims.false_one(near[rows][same], near[inside])
     return Comparison(error, missing, spurious, admitted, claim)
+
+
+def _opposite(true: Complexes, found: Complexes, rigid: float) -> NDArray[np.bool_]:
+    """Pairs of about lambda and - lambda, which have one kappa: both are real, one decays."""
+    apart, together = (np.abs(true[:, None] + sign * found) for sign in (-1, 1))
+    return (apart > together) & (np.abs(true[:, None]) ** 2 > rigid)
 
 
 def _errors(difference: Complexes, kappa: Complexes, scale: Floats, tolerance: float) -> Floats:

@@ -48,3 +48,12 @@ def test_a_cell_may_be_mirrored_but_not_folded():
     checks.check_jacobians(np.array([[1.0, 2.0], [-1.0, -0.5]]), "mesh")
     with pytest.raises(InputError, match="mesh = '1 of 2 cells'"):
         checks.check_jacobians(np.array([[1.0, 2.0], [1.0, -0.1]]), "mesh")
+
+
+def test_points_that_miss_nothing_are_not_said_to():
+    """Strong weights of a spline bend a rule so far that its weights miss the area of the side."""
+    words = {"field": "contacts.c", "sides": "a.top on b.bottom", "reach": "0.1 m"}
+    with pytest.raises(InputError, match=r"add up to the area .* leave out 12 %"):
+        checks.check_coverage(0, 9, 0.12, 0.0, **words)
+    with pytest.raises(InputError, match=r"2 of 9 points .* find nothing"):
+        checks.check_coverage(2, 9, 0.12, 0.0, **words)

@@ -9,7 +9,8 @@ from petsc_matrices import to_numpy, to_petsc
 from cea.eigen import search
 from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.clusters import cluster_bounds
-from cea.eigen.coverage import bounded_below, distance_within, touching_disc
+from cea.eigen.coverage import distance_of_cone, distance_within, touching_disc
+from cea.eigen.field_of_values import FieldOfValues, field_of_values
 from cea.eigen.krylov_schur import KrylovSchur, solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.shifted import Shifted
@@ -93,7 +94,9 @@ def _blind(original, where):
 def test_what_was_not_searched_is_told(monkeypatch):
     """With fewer discs than it takes the run says how far it went, and gives no verdict."""
     monkeypatch.setattr(search, "_MOST_DISCS", {True: 1, False: 1})
-    monkeypatch.setattr(search, "bounded_below", lambda *_: False)
+    monkeypatch.setattr(
+        search, "field_of_values", lambda _, depth, **__: FieldOfValues(depth, bounded=False)
+    )
     blocks = [*band(150, high=1e9), pair(2.0, 0.1)]
     modes = solve_modes(pencil_of(blocks), HERTZ)
     assert not modes.window.complete
@@ -129,8 +132,47 @@ def test_the_bound_is_that_of_the_field_of_values(form, P):
     lowest = scipy.linalg.eigvalsh(0.5 * (K + K.T), M)[0]
     assert lowest < 0 or P == 1.0
     size = abs(lowest)
-    assert bounded_below(matrices, -lowest + 1e-3 * size)
-    assert not bounded_below(matrices, -lowest - 1e-3 * size)
+    assert field_of_values(matrices, -lowest + 1e-3 * size).bounded
+    assert not field_of_values(matrices, -lowest - 1e-3 * size).bounded
+
+
+@pytest.mark.parametrize("mu", [1e-6, 0.3, 0.9, 3.0])
+def test_the_cone_holds_the_field_of_values(backend, mu):
+    """Its slope is that of dense matrices, and a safety of one half."""
+    data = two_blocks(backend, {"method": "gpts", "points": 3}, held=True, mu=mu, P=2.0)
+    matrices = assemble(data).pencil().at()
+    K, M = to_numpy(matrices.operator()), to_numpy(matrices.mass)
+    lowest = scipy.linalg.eigvalsh(0.5 * (K + K.T), M)[0]
+    depth = max(0.0, -1.5 * lowest) + 0.1
+    field = field_of_values(matrices, depth, cone=True)
+    slope = scipy.linalg.eigvalsh(0.5j * (K.T - K), 0.5 * (K + K.T) + depth * M)[-1]
+    assert field.slope == pytest.approx(1.5 * slope, rel=0.02)
+    kappa = scipy.linalg.eigvals(K, M)
+    assert (np.abs(kappa.imag) <= field.slope * (kappa.real + depth) * (1 + 1e-9)).all()
+
+
+@pytest.mark.parametrize("slope", [0.0, 1e-3, 0.6, 4.0, 1e3])
+@pytest.mark.parametrize("depth", [0.0, 0.1, 30.0])
+def test_a_disc_about_the_middle_covers_what_a_cone_leaves(slope, depth):
+    rng = np.random.default_rng(2)
+    real = rng.uniform(-depth, 1.0, 200_000)
+    cone = slope * (real + depth)
+    kappa = real + 1j * np.minimum(cone, 2 * np.sqrt(1 - real)) * rng.choice([-1, 1], len(real))
+    radius = distance_of_cone(1.0, 0.5, FieldOfValues(depth, bounded=True, slope=slope))
+    farthest = np.abs(kappa - 0.5).max()
+    assert farthest <= radius <= 1.06 * farthest
+    assert distance_of_cone(1.0, 0.5, FieldOfValues(depth, bounded=False)) == np.inf
+
+
+def test_friction_that_leaves_a_narrow_cone_takes_no_second_shift():
+    """Copies and all are found about the middle, with one factorisation for the bound."""
+    blocks = [*band(150, 0.4), *[[[0.9]]] * 12, pair(0.6, 0.01)]
+    with KrylovSchur(pencil_of(blocks)) as driver:
+        modes = driver.solve(HERTZ)
+        assert driver.factorisations == 2
+    assert modes.window.complete
+    assert (np.abs(modes.eigenvalues**2 + 0.9) < 1e-9).sum() == 12
+    assert modes.verdict() == "unstable"
 
 
 def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():

@@ -186,6 +186,14 @@ def test_a_window_called_stable_with_a_growing_mode_missing_is_wrong():
     assert verdict_of(honest, HONEST)["verdict"] == "warned"
 
 
+def test_a_mode_that_may_be_another_makes_no_false_claim():
+    """One beyond the window grows; what stands nearest to it inside is far off, and warned of."""
+    true = [1j, 2j, 0.2 + 4.5j, -0.2 + 4.5j, 8j]
+    found = answer([1j, 2j, 3.8j], 3 * ("stable",), warnings=("residual",))
+    assert verdict_of(found, HONEST, true)["verdict"] == "warned"
+    assert verdict_of(answer([1j, 2j, 3.8j], 3 * ("stable",)), HONEST, true)["verdict"] == "WRONG"
+
+
 def test_a_divergence_belongs_to_every_window():
     true = [5.0 + 0j, *TRUE]
     assert verdict_of(answer(), HONEST, true)["missing"] == 1
@@ -281,6 +289,14 @@ def test_dense_kappas_of_given_matrices():
     constraint = (np.array([[1.0, -1.0]]), np.array([[1.0, -1.0]]), np.zeros((1, 1)))
     tied = dense_kappas(np.diag([1.0, 3.0]), np.eye(2), [constraint])
     assert np.allclose(tied, [2.0])
+
+
+def test_dense_kappas_are_right_from_the_lowest_to_the_farthest():
+    """The far ones too: stiff contact may diverge where its points are lumped."""
+    true = np.sort([1.9, 3.3, 7.6e3, -2.3e3, -4.2e9, -1.1e15, -4.7e15, *range(4, 34)])
+    upper = np.diag(true) + np.diag(np.full(len(true) - 1, 1e-3), 1)  # unsymmetric, nothing rounded
+    kappa = np.sort(dense_kappas(upper, np.eye(len(true)), []).real)
+    assert kappa == pytest.approx(true, rel=1e-7)
 
 
 def test_lambdas_have_no_negative_frequency_and_grow_where_kappa_is_negative():

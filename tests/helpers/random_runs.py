@@ -1,8 +1,8 @@
 """Random scenes and matrices run and judged by dense eigenvalues.
 
 ``python tests/helpers/random_runs.py 0 1000`` runs the scenes of these seeds, with ``matrices``
-behind it the matrices. It prints what is wrong, seed by seed, and how many results were refused or
-left open, and why.
+behind it the matrices, with ``quadratic`` the damped and rotating ones. It prints what is wrong,
+seed by seed, and how many results were refused or left open, and why.
 """
 
 import sys
@@ -12,9 +12,12 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
+import numpy as np
 from dense_reference import UnsureError, dense_eigenvalues
 from judge import Fault, found_by, judge, left_out
+from quadratic_judge import dense_quadratic, judge_quadratic
 from random_matrices import random_pencil
+from random_quadratic import random_quadratic
 from random_scenes import random_scene
 
 import cea.petsc  # noqa: F401  (ahead of all that needs PETSc)
@@ -92,7 +95,28 @@ def matrix_outcome(seed: int) -> Outcome:
     return _outcome(seed, run)
 
 
-def _outcome(seed: int, run: Callable) -> Outcome:
+def quadratic_outcome(seed: int) -> Outcome:
+    """Solve a random damped pencil and judge what it says."""
+    problem = random_quadratic(seed)
+
+    def run(found: Outcome):
+        found.name = f"random damped matrices {seed}"
+        modes = solve_modes(problem.pencil(), problem.max_frequency, min_growth=problem.min_growth)
+        return modes, None
+
+    def judged(found: Outcome, modes: Modes, _: float | None):
+        found.verdict, found.modes = modes.verdict(), len(modes)
+        found.undecided = modes.verdicts().count("undecided")
+        found.complete = modes.window.complete
+        values, errors = dense_quadratic(
+            problem.mass, problem.damping, problem.stiffness, 2 * np.pi * problem.max_frequency
+        )
+        found.faults = judge_quadratic(modes, values, errors)
+
+    return _outcome(seed, run, judged)
+
+
+def _outcome(seed: int, run: Callable, judged: Callable | None = None) -> Outcome:
     found = Outcome(seed)
     try:
         modes, threshold = run(found)
@@ -103,7 +127,7 @@ def _outcome(seed: int, run: Callable) -> Outcome:
         text = f"{type(error).__name__} in {place.name}: {' '.join(str(error).split())[:300]}"
         found.faults = [Fault("crash", text)]
     else:
-        _judge(found, modes, threshold)
+        (judged or _judge)(found, modes, threshold)
     return found
 
 
@@ -160,7 +184,9 @@ def tell(text: str) -> None:
 def main(first: str, last: str, what: str = "scenes") -> None:
     """Run a range of seeds and print what came of them."""
     outcomes, begin = [], time.process_time()
-    outcome = {"scenes": scene_outcome, "matrices": matrix_outcome}[what]
+    outcome = {"scenes": scene_outcome, "matrices": matrix_outcome, "quadratic": quadratic_outcome}[
+        what
+    ]
     for seed in range(int(first), int(last)):
         outcomes.append(outcome(seed))
         if outcomes[-1].faults:

@@ -16,16 +16,22 @@ from scenes.read import SCENES
 NAMES = sorted(file.stem for file in SCENES.glob("*.toml"))
 POSITIVE = {
     *("E", "rho", "P", "p", "max_frequency", "inner_radius", "outer_radius", "degree", "elements"),
-    *("size", "points", "samples"),
+    *("size", "points", "samples", "frequencies", "c_n", "m_n"),
 }
 """Fields whose numbers are greater than zero."""
-NOT_NEGATIVE = POSITIVE | {"mu", "growth_threshold", "pictures", "paraview"}
+NOT_NEGATIVE = POSITIVE | {
+    *("mu", "growth_threshold", "pictures", "paraview", "alpha", "beta", "rate", "ratios"),
+}
 REQUIRED = {
     *("backend", "geometry", "material", "mesh", "E", "nu", "shape", "a", "b", "formulation"),
     *("name", "bodies", "analysis", "kind", "max_frequency", "method", "surface", "pressure"),
     *("inner_radius", "outer_radius", "bottom", "top", "start", "end", "vector"),
     "circumferential_about",
 }
+MAY_BE_NONE = {
+    *("P", "p", "m_n", "growth_threshold", "min_growth", "rho", "alpha", "beta", "mu_slope"),
+}
+"""Numbers that may be left out, beside others."""
 FREE_TEXT = {"name", "description"}
 NAMED = {"bodies", "contacts", "through", "faces"}
 """Tables whose names are free."""
@@ -202,7 +208,7 @@ def _changes(value, field, path):
 def _number_changes(value, field, path):
     for new in ("text", [], {}, [value], {"value": value}, True):
         yield "wrong type", new, True
-    yield "none", None, field not in ("P", "p", "growth_threshold", "rho") or None
+    yield "none", None, field not in MAY_BE_NONE or None
     yield "not a number", float("nan"), True
     for new in (float("inf"), -float("inf")):
         yield "infinite", new, True
@@ -218,7 +224,7 @@ def _number_changes(value, field, path):
 
 def _text_changes(value, field):
     free = field in FREE_TEXT
-    expression = field in ("mu", "p", "field")
+    expression = field in ("mu", "p", "added_gap", "field", "speed", "pressure", "mu_slope")
     for new in (3, 1.5, [], {}, [value], True):
         yield "wrong type", new, (not expression) or None
     for new in ("", "inf", "nan", "no such", value + "x", value.upper() + "?", "\0", "a.b.c", "é"):

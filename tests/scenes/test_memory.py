@@ -85,6 +85,7 @@ def test_no_more_is_available_than_the_machine_has():
         ["disc_pad"],
         ["disc_pad", "bodies.disc.backend=fe", "bodies.pad.backend=fe"],
         ["blocks", "bodies.upper.mesh.iga.elements=[240,60]"],
+        ["disc_pad", "bodies.disc.mesh.iga.elements=[12,60,2]", "bodies.disc.damping={alpha=5.0}"],
         ["patch_test", "bodies.upper.mesh.iga.elements=[9,9,9]"],
     ],
 )

@@ -109,6 +109,15 @@ def test_what_is_sought_is_not_among_what_was_skipped(backend):
     assert "newton" not in skipped_by(sought)
 
 
+def test_damping_moves_no_equilibrium(backend):
+    data = pressed_blocks(backend, GPTS, c_n=SOFT, m_n=2.0)
+    data["bodies"]["upper"]["damping"] = {"alpha": 0.01, "beta": 0.002}
+    damped, free = run_scene(read_scene(data)), run(backend, GPTS, c_n=SOFT, m_n=2.0)
+    pressures = [result.steady.contacts["interface"].pressure for result in (damped, free)]
+    assert pressures[0] == pytest.approx(pressures[1], rel=1e-12)
+    assert damped.growth_rates.max() < 0
+
+
 def kinds(result):
     return {warning.kind for warning in result.warnings}
 

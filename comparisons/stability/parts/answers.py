@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
 from cea.body import Complexes, Floats
 from cea.eigen.spectrum import Spectrum
 from cea.warned import ResultWarning
@@ -37,6 +39,8 @@ class ModesAnswer:
         Kinds of its warnings.
     dofs
         Number of unknowns.
+    min_growth
+        Growth rate (1/s) down to which the window holds every mode.
     """
 
     eigenvalues: Complexes
@@ -50,6 +54,7 @@ class ModesAnswer:
     condition: float
     warnings: tuple[str, ...]
     dofs: int
+    min_growth: float = -np.inf
 
     @property
     def says(self) -> tuple[str, ...]:
@@ -108,6 +113,7 @@ def answer_of(
         uncertainties=modes.growth_uncertainties,
         complete=modes.window.complete,
         max_frequency=modes.window.max_frequency,
+        min_growth=getattr(modes.window, "min_growth", -np.inf),
         residual=float(modes.residuals.max(initial=0.0)),
         condition=float(modes.conditions.max(initial=1.0)),
         warnings=kinds(warnings),

@@ -7,8 +7,9 @@ nothing is compressed, inverted or iterated:
     [      J        -C  ] [f] = 0,     J = G or B,  L = J - mu-weighted slip,  C compliance
 
 The eigenvalues are those of the displacement part of A(sigma)^-1 [M; 0], which is accurate for the
-low ones however stiff the contact is. Where the sides are tied (C = 0), the limit P -> infinity of
-the penalty form is taken by a singular value decomposition.
+low ones however stiff the contact is; far from sigma those of M^-1 (K + L^T C^-1 J) take their
+place, unless sides are tied. Where they are (C = 0), the limit P -> infinity of the penalty form is
+taken by a singular value decomposition.
 """
 
 from collections.abc import Mapping
@@ -31,6 +32,8 @@ _DEPENDENT = 1e-11
 """Singular values below this part of the largest belong to gaps that depend on others."""
 _LOW = 24
 """Modes whose size sets the shift."""
+_ABOUT = 30.0
+"""How far from the best place the near eigenvalues may give way to the far ones."""
 _INFINITE = 1e-13
 """Eigenvalues of the inverse below this part of the largest are those of tied gaps: none."""
 
@@ -54,17 +57,17 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
         for name, contact in scene.get("contacts", {}).items()
     }
     system, _, _ = coupled(read_scene(scene))
-    stiffness, mass = _array(system.stiffness), _array(system.mass)
+    stiffness, mass = array(system.stiffness), array(system.mass)
     compliant, stiff = [], []
     for contact in system.contacts:
         if contact.half.coupling == "lumped":
-            stiffness = stiffness + _array(contact.stiffness)
+            stiffness = stiffness + array(contact.stiffness)
             if contact.friction is not None:
-                stiffness -= _array(contact.friction)
+                stiffness -= array(contact.friction)
         elif np.isinf(contact.half.stiffness).any():
-            stiff.append(_constraint(system, contact))
+            stiff.append(constraint(system, contact))
         else:
-            compliant.append(_constraint(system, contact))
+            compliant.append(constraint(system, contact))
     constraints = [*compliant, *([_tied(stiff)] if stiff else [])]
     return lambdas(dense_kappas(stiffness, mass, [(J, J - T, C) for J, T, C in constraints]))
 
@@ -89,7 +92,31 @@ def dense_kappas(stiffness: Floats, mass: Floats, constraints: list[Constraint])
         kappa = _kappas_about(-shift, stiffness, mass, J, L, C)
         low = np.sort(np.abs(kappa))[: min(_LOW, len(kappa))]
         shift = _SHIFT * float(low.max())
-    return _kappas_about(-shift, stiffness, mass, J, L, C)
+    near = _kappas_about(-shift, stiffness, mass, J, L, C)
+    if np.abs(np.diag(C)).min(initial=np.inf) == 0:
+        return near
+    far = (
+        eigvals(stiffness + L.T @ np.linalg.solve(C, J), mass)
+        if len(J)
+        else eigvals(stiffness, mass)
+    )
+    return _joined(near, far, shift)
+
+
+def _joined(near: Complexes, far: Complexes, shift: float) -> Complexes:
+    """The ones that are accurate near a shift, and beyond a gap the ones that are far from it.
+
+    Rounding moves an eigenvalue by kappa^2 / shift there and by the largest one here: the gap is
+    the widest about where both are equal.
+    """
+    sizes = np.sort(np.abs(far))
+    middle = np.sqrt(sizes[-1] * shift)
+    about = sizes[(sizes > middle / _ABOUT) & (sizes < middle * _ABOUT)]
+    if len(about) > 1:
+        widest = int(np.argmax(np.diff(np.log(about))))
+        middle = float(np.sqrt(about[widest] * about[widest + 1]))
+    joined = np.concatenate([near[np.abs(near) < middle], far[np.abs(far) >= middle]])
+    return joined if len(joined) == len(far) else near
 
 
 def _kappas_about(shift: float, K: Floats, M: Floats, J: Floats, L: Floats, C: Floats) -> Complexes:
@@ -112,7 +139,7 @@ def lambdas(kappa: Complexes) -> Complexes:
     return values[np.lexsort((values.real, values.imag))]
 
 
-def _constraint(system: CoupledSystem, contact: Contact) -> Constraint:
+def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
     """J, T and C of a half pass, from its points and the traces of both sides.
 
     Where it is tied, C is that of a stiffness of 1 N/m over the whole interface.
@@ -124,13 +151,13 @@ def _constraint(system: CoupledSystem, contact: Contact) -> Constraint:
     if half.coupling == "bonded":
         copies = normal.shape[1]
         axes = [np.tile(axis, (len(points), 1)) for axis in np.eye(copies)]
-        gap = np.vstack([_jump(system, contact, axis) for axis in axes])
+        gap = np.vstack([jump(system, contact, axis) for axis in axes])
     else:
-        gap = _jump(system, contact, normal)
+        gap = jump(system, contact, normal)
     slip = np.zeros_like(gap)
     if half.friction is not None and half.friction.acts:
         mu = np.broadcast_to(half.friction.mu, len(points))
-        slip = mu[:, None] * _jump(system, contact, half.friction.direction.at(points.x, normal))
+        slip = mu[:, None] * jump(system, contact, half.friction.direction.at(points.x, normal))
     if half.coupling in ("mortar", "bonded"):
         trace = half.interface.trace_a
         psi = trace[:, np.unique(trace.indices)].toarray()
@@ -156,21 +183,21 @@ def _tied(parts: list[Constraint]) -> Constraint:
     return J, U.T @ (root.T @ T), np.zeros((len(J), len(J)))
 
 
-def _jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
+def jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
     """Jump along a direction at every point, on the unknowns of the system, shape (points, n)."""
     interface, start = contact.half.interface, 0
     columns = {}
     for name, body in system.bodies.items():
         columns[name] = slice(start, start + body.expansion.getSizes()[1][1])
         start = columns[name].stop
-    jump = np.zeros((len(direction), system.size))
+    jumps = np.zeros((len(direction), system.size))
     for name, trace, sign in (
         (contact.half.a, interface.trace_a, 1.0),
         (contact.half.b, interface.trace_b, -1.0),
     ):
         full = diags_array(np.full(len(direction), sign)) @ along(trace, direction)
-        jump[:, columns[name]] += (full @ _sparse(system.bodies[name].expansion)).toarray()
-    return jump
+        jumps[:, columns[name]] += (full @ _sparse(system.bodies[name].expansion)).toarray()
+    return jumps
 
 
 def _sparse(matrix: Any) -> csr_array:
@@ -179,5 +206,6 @@ def _sparse(matrix: Any) -> csr_array:
     return csr_array((values, indices, indptr), shape=matrix.getSize())
 
 
-def _array(matrix: Any) -> Floats:
+def array(matrix: Any) -> Floats:
+    """Dense array of a PETSc matrix of one rank."""
     return _sparse(matrix).toarray()

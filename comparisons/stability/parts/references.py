@@ -10,6 +10,7 @@ import numpy as np
 
 from cea.body import Complexes
 from comparisons.stability.parts.dense import dense_eigenvalues
+from comparisons.stability.parts.dense_damped import damped_eigenvalues
 
 _BEYOND = 1.3
 """How far beyond the modes looked at an exact list reaches."""
@@ -35,6 +36,11 @@ class Reference:
 def dense(scene: Mapping[str, Any]) -> Reference:
     """Dense eigenvalues of the assembled matrices of a scene (scipy)."""
     return Reference("dense", lambda: _dense(_key(scene)))
+
+
+def damped(scene: Mapping[str, Any]) -> Reference:
+    """Dense eigenvalues of the assembled matrices of a scene with damping or rotation (scipy)."""
+    return Reference("dense", lambda: _damped(_key(scene)))
 
 
 def benign(scene: Mapping[str, Any], factor: float = 1.0) -> Reference:
@@ -88,6 +94,13 @@ def _key(scene: Mapping[str, Any]) -> str:
     for contact in data.get("contacts", {}).values():
         contact.pop("form", None)
     return json.dumps(data, sort_keys=True)
+
+
+@cache
+def _damped(scene: str) -> Complexes:
+    values = damped_eigenvalues(json.loads(scene))
+    values.flags.writeable = False
+    return values
 
 
 @cache

@@ -1,0 +1,201 @@
+"""Where friction can move eigenvalues: bounds of the field of values of a pencil.
+
+With x^H M x = 1 an eigenvalue is kappa = x^H K x. Its real part is bounded by H = (K + K^T) / 2
+(Bendixson): where H + X M has no negative eigenvalue, none has Re kappa < -X. Its imaginary part is
+what N = (K - K^T) / 2 makes: with the smallest t for which abs(x^H N x) <= t x^H (H + X M) x holds
+for every x, kappa lies in the cone
+
+    abs(Im kappa) <= t (Re kappa + X).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cea.eigen.blocks import all_inner, image_of
+from cea.eigen.factorisation import Mumps
+from cea.eigen.pencil import Matrices
+from cea.eigen.shifted import balanced, count_below, force_scale
+from cea.matrices import destroy, largest_row, local_part, scaled_total, symmetrised
+from cea.petsc import MPI, PETSc
+
+_COLUMNS, _STEPS = 8, 4
+"""Size of the Krylov space from which the slope of the cone is estimated: blocks, and steps."""
+_SAFETY = 1.5
+"""Factor on that estimate, which comes from below and has mostly converged."""
+_DEPENDENT = 1e-12
+"""Square of a new direction, relative to the largest, below which it is not one."""
+
+
+@dataclass(frozen=True)
+class FieldOfValues:
+    """Where x^H K x / x^H M x lies, for all x, and with it every eigenvalue.
+
+    Parameters
+    ----------
+    depth
+        X (1/s^2).
+    bounded
+        Whether Re kappa >= -X.
+    slope
+        Then abs(Im kappa) <= slope (Re kappa + X) too; infinite where that is not known.
+    """
+
+    depth: float
+    bounded: bool
+    slope: float = np.inf
+
+
+def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> FieldOfValues:
+    """What one factorisation says of it.
+
+    Contact forces f that are unknowns enter H through M = (J + L) / 2 and D = (J - L) / 2,
+
+        H = K_b + M^T C^-1 M - D^T C^-1 D,
+
+    as two sets of unknowns; where friction acts without compliance there is no bound. Of each set
+    those that its closures leave open have rows of their own, and a negative eigenvalue.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at given parameters.
+    depth
+        X (1/s^2).
+    cone
+        Whether the slope is wanted too; with forces as unknowns it stays infinite.
+
+    Raises
+    ------
+    ConvergenceError
+        When the factorisation fails.
+    """
+    if matrices.symmetric:
+        return FieldOfValues(depth, count_below(matrices, -depth) == 0, 0.0)
+    factors, bounded = factorised_hermitian(hermitian_part(matrices, depth), matrices)
+    slope = np.inf
+    if factors is None:
+        return FieldOfValues(depth, bounded=False)
+    if cone and bounded and matrices.multipliers is None and not factors.null_pivots():
+        slope = _SAFETY * _slope(factors, matrices.unsymmetric)
+    factors.free()
+    return FieldOfValues(depth, bounded, slope)
+
+
+def factorised_hermitian(hermitian: Any, matrices: Matrices) -> tuple[Mumps | None, bool]:
+    """A matrix in the place of H + X M, with the contact forces, factorised.
+
+    Parameters
+    ----------
+    hermitian
+        Symmetric, PETSc AIJ, on the displacements; it is freed, or with the factors.
+    matrices
+        The pencil, whose contact forces are taken.
+
+    Returns
+    -------
+    tuple
+        Its factors, and whether it has no negative eigenvalue; none where that has no bound.
+
+    Raises
+    ------
+    ConvergenceError
+        When the factorisation fails.
+    """
+    expected = 0
+    if matrices.multipliers is not None:
+        bordered = _with_forces(hermitian, matrices)
+        destroy(hermitian)
+        if bordered is None:
+            return None, False
+        hermitian, expected = bordered, matrices.multipliers.size + matrices.multipliers.dependent
+    factors = Mumps(hermitian, symmetric=True, inertia=True)
+    return factors, factors.negative_eigenvalues() == expected
+
+
+def _slope(factors: Mumps, unsymmetric: Any) -> float:
+    """Estimate from below of max abs(x^H N x) / x^H (H + X M) x, by block Krylov.
+
+    Orthonormal in H + X M, with which (H + X M)^-1 N is skew.
+    """
+    skew = unsymmetric.copy()
+    transpose = unsymmetric.transpose(PETSc.Mat())
+    skew.axpy(-1.0, transpose, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    skew.scale(0.5)
+    comm, rows = skew.comm, skew.getLocalSize()[0]
+    block = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
+    basis, images, skews = (np.empty((rows, 0)) for _ in range(3))
+    for _ in range(_STEPS):
+        block = factors.solve_block(image_of(skew, block))
+        for _ in range(2):  # what rounding leaves of the first projection goes with the second
+            block = block - basis @ all_inner(images, block, comm)
+        image = image_of(factors.matrix, block)
+        squares, turn = np.linalg.eigh(all_inner(block, image, comm))
+        kept = squares > _DEPENDENT * max(squares.max(), np.finfo(float).tiny)
+        block, image = (part @ (turn[:, kept] / np.sqrt(squares[kept])) for part in (block, image))
+        basis, images = np.hstack([basis, block]), np.hstack([images, image])
+        if not kept.any():
+            break
+        skews = np.hstack([skews, image_of(skew, block)])
+    destroy(skew, transpose)
+    projected = all_inner(basis, skews, comm)
+    return float(np.linalg.norm(projected, 2)) if projected.size else 0.0
+
+
+def hermitian_part(matrices: Matrices, depth: float) -> Any:
+    """H + depth M on the displacements, H = (K + K^T) / 2, a new PETSc AIJ matrix."""
+    parts = [(1.0, matrices.stiffness), (depth, matrices.mass)]
+    if matrices.unsymmetric is None:
+        return scaled_total(parts)
+    friction = symmetrised(matrices.unsymmetric.copy())
+    total = scaled_total([*parts, (1.0, friction)])
+    destroy(friction)
+    return total
+
+
+def _with_forces(hermitian: Any, matrices: Matrices) -> Any | None:
+    """H with the forces of contacts as two sets of unknowns; None where there is no bound."""
+    forces = matrices.multipliers
+    assert forces is not None
+    mean, half = forces.closure.copy(), forces.closure.copy()
+    pattern: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
+    mean.axpy(1.0, forces.reaction, structure=pattern)
+    half.axpy(-1.0, forces.reaction, structure=pattern)
+    scale = force_scale(hermitian, forces)
+    scale.scale(0.5)
+    mean.diagonalScale(L=scale)
+    half.diagonalScale(L=scale)
+    compliance = forces.compliance.copy()
+    compliance.diagonalScale(L=scale, R=scale)
+    compliance.scale(4.0)
+    diagonal = compliance.getDiagonal()
+    tied = diagonal.array_r == 0
+    friction = local_part(half)
+    friction.eliminate_zeros()
+    rubs = np.diff(friction.indptr) > 0
+    bordered = None
+    if not hermitian.comm.tompi4py().allreduce(bool((rubs & tied).any()), MPI.LOR):
+        pushed, pulled = mean.transpose(PETSc.Mat()), half.transpose(PETSc.Mat())
+        other = compliance.copy()
+        diagonal.array[:] = np.where(tied, 1.0, diagonal.array_r)
+        other.setDiagonal(diagonal)
+        other.assemble()
+        compliance.scale(-1.0)
+        blocks = [[hermitian, pushed, pulled], [mean, compliance, None], [half, None, other]]
+        made = [pushed, pulled, other]
+        if forces.border is not None:
+            border = balanced(forces.border, scale, largest_row(mean))
+            across = border.transpose(PETSc.Mat())
+            blocks = [
+                [hermitian, pushed, pulled, None, None],
+                [mean, compliance, None, border, None],
+                [half, None, other, None, border],
+                [None, across, None, None, None],
+                [None, None, across, None, None],
+            ]
+            made += [border, across]
+        bordered = PETSc.Mat().createNest(blocks).convert("aij")
+        destroy(*made)
+    destroy(mean, half, scale, compliance, diagonal)
+    return bordered

@@ -1,0 +1,106 @@
+"""Pieces of a pencil that a body brings: stiffness and mass, damping and rotation.
+
+By the path of the body in a scene, ``bodies.<name>``, the parameters are ``.material.E`` and
+``.rho``, ``.damping.alpha`` and ``.beta``, ``.rotation.rate``.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from cea.body import Body
+from cea.damping import RayleighDamping
+from cea.eigen.parameters import Coefficient, Monomial, Parameter
+from cea.eigen.pencil import Role, Term
+from cea.petsc import Mat
+from cea.rotation import Rotation
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What acts on the velocities of a body.
+
+    Parameters
+    ----------
+    damping
+        Its damping; None without.
+    rotation
+        Its rotation; None without.
+    """
+
+    damping: RayleighDamping | None = None
+    rotation: Rotation | None = None
+
+
+STILL = Motion()
+"""Neither damped nor rotating."""
+
+
+def body_terms(
+    path: str, body: Body, motion: Motion, embedded: Callable[[Mat], Mat], *, with_mass: bool
+) -> Iterator[Term]:
+    """K and M of a body, and what damping and rotation make of it.
+
+    Parameters
+    ----------
+    path
+        Path of the body in a scene.
+    body
+        The body.
+    motion
+        Its damping and rotation.
+    embedded
+        Takes a matrix of the body to one of all unknowns.
+    with_mass
+        Whether there is mass.
+    """
+    for role, matrix, coefficient in _pieces(path, body, embedded, with_mass):
+        yield Term(role, matrix, coefficient)
+        if motion.damping is not None:
+            factor = {"mass": "alpha", "stiffness": "beta"}[role]
+            yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
+    if motion.rotation is not None:
+        yield from _rotation_terms(path, body, motion.rotation, embedded)
+
+
+def _pieces(
+    path: str, body: Body, embedded: Callable[[Mat], Mat], with_mass: bool
+) -> Iterator[tuple[Role, Mat, Coefficient]]:
+    """K and M of a body; springs do not grow with E."""
+    E = {f"{path}.material.E": (body.material.E, 1.0)}
+    yield "stiffness", embedded(body.stiffness()), Coefficient.of(E)
+    if (springs := body.spring_stiffness()) is not None:
+        rest = Coefficient((Monomial(), Monomial(-1.0, E)))
+        yield "stiffness", embedded(springs), rest
+    if with_mass:
+        yield "mass", embedded(body.mass()), _of_mass(path, body)
+
+
+def _of_mass(path: str, body: Body) -> Coefficient:
+    return Coefficient.of({f"{path}.material.rho": (float(body.material.rho or 0), 1.0)})
+
+
+def _rotation_terms(
+    path: str, body: Body, rotation: Rotation, embedded: Callable[[Mat], Mat]
+) -> Iterator[Term]:
+    """Omega Y and, where asked for, - Omega^2 Z of a body."""
+    mass, rate = _of_mass(path, body), f"{path}.rotation.rate"
+    gyroscopic = embedded(body.gyroscopic(rotation))
+    yield Term("damping", gyroscopic, mass.times(rate), symmetric=False)
+    if rotation.convective_stiffness:
+        matrix = embedded(body.convective_stiffness(rotation))
+        yield Term("stiffness", matrix, mass.times(rate, 2.0, factor=-1.0))
+
+
+def body_parameters(
+    path: str, body: Body, motion: Motion, *, with_mass: bool
+) -> Iterator[Parameter]:
+    """Parameters of a body; path, body, motion and mass as for :func:`body_terms`."""
+    yield Parameter(f"{path}.material.E", body.material.E, "N/m^2", positive=True)
+    if with_mass:
+        rho = float(body.material.rho or 0)
+        yield Parameter(f"{path}.material.rho", rho, "kg/m^3", positive=True)
+    if motion.damping is not None:
+        yield Parameter(f"{path}.damping.alpha", motion.damping.alpha, "1/s")
+        yield Parameter(f"{path}.damping.beta", motion.damping.beta, "s")
+    if motion.rotation is not None:
+        yield Parameter(f"{path}.rotation.rate", motion.rotation.rate, "rad/s")

@@ -1,0 +1,88 @@
+"""Dense eigenvalues of a scene with damping or rotation (scipy), contact forces eliminated.
+
+    lambda^2 M + lambda D + K,    D = sum alpha M_b + beta K_b + Omega Y_b + contacts that slide
+
+put together once more from bodies' matrices, contact points and what the scene says, and solved as
+a generalised problem of twice the size in which lambda is relative to its typical size.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eigvals
+
+from cea.body import Complexes, Floats
+from cea.contact.operators import Contact
+from cea.fields import Expression, evaluate
+from cea.system.coupled import CoupledSystem
+from comparisons.stability.parts.dense import array, constraint, jump
+from scenes.motion_spec import SlidingSpec
+from scenes.read import read_scene
+from scenes.run import coupled
+
+
+def damped_eigenvalues(data: Mapping[str, Any]) -> Complexes:
+    """Lambda (1/s) of every mode of a scene with Im >= 0, by rising frequency.
+
+    Parameters
+    ----------
+    data
+        The scene as plain data, no side tied.
+    """
+    scene = read_scene(dict(data) | {"analysis": {"kind": "cea", "max_frequency": 1.0}})
+    system, _, _ = coupled(scene)
+    stiffness, mass = array(system.stiffness), array(system.mass)
+    damping = np.zeros_like(mass)
+    for contact in system.contacts:
+        J, T, C = constraint(system, contact)
+        stiffness = stiffness + (J - T).T @ np.linalg.solve(C, J)
+        sliding = scene.contacts[contact.pair].sliding
+        if sliding is not None:
+            damping += _sliding(system, contact, sliding)
+    start = 0
+    for name, body in system.bodies.items():
+        own = slice(start, start + body.stiffness().getSize()[0])
+        start = own.stop
+        spec = scene.bodies[name]
+        if spec.damping is not None:
+            rayleigh = spec.damping.rayleigh()
+            damping[own, own] += rayleigh.alpha * array(body.mass())
+            damping[own, own] += rayleigh.beta * array(body.stiffness())
+        if spec.rotation is not None:
+            rate = spec.rotation.rate
+            damping[own, own] += rate * array(body.gyroscopic(spec.rotation))
+            if spec.rotation.convective_stiffness:
+                stiffness[own, own] -= rate**2 * array(body.convective_stiffness(spec.rotation))
+    return _eigenvalues(stiffness, damping, mass)
+
+
+def _eigenvalues(K: Floats, D: Floats, M: Floats) -> Complexes:
+    n, size = len(K), np.sqrt(np.abs(K).max() / np.abs(M).max())
+    K, D, one, nothing = K / size**2, D / size, np.eye(n), np.zeros((n, n))
+    values = size * eigvals(
+        np.block([[nothing, one], [-K, -D]]), np.block([[one, nothing], [nothing, M]])
+    )
+    kept = values[values.imag >= 0]
+    return kept[np.lexsort((kept.real, kept.imag))]
+
+
+def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floats:
+    """What a half pass that slides adds to the damping."""
+    points, friction = contact.half.interface.points, contact.half.friction
+    assert friction is not None
+    x, n = points.x, points.normal
+    share = 1 / sum(other.pair == contact.pair for other in system.contacts)
+    given = {name: _at(value, x) for name, value in spec.fields.items() if value is not None}
+    load = share * points.weight * given["pressure"]
+    k = friction.direction.at(x, n)
+    along = jump(system, contact, k)
+    damping: Floats = along.T @ ((load * given.get("mu_slope", 0.0))[:, None] * along)
+    if "speed" in given:
+        across = jump(system, contact, np.cross(n, k))
+        damping += across.T @ ((load * friction.mu / given["speed"])[:, None] * across)
+    return damping
+
+
+def _at(value: float | str, x: Floats) -> Floats:
+    return evaluate(Expression(value) if isinstance(value, str) else value, x)

@@ -1,0 +1,102 @@
+"""Rayleigh damping: its factors from damping ratios, and its pieces of the pencil."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from blocks import assemble, two_blocks
+from petsc_matrices import to_numpy
+
+from cea.damping import RayleighDamping
+from cea.errors import InputError
+
+GPTS = {"method": "gpts", "points": 3}
+ALPHA, BETA = 0.3, 0.07
+
+
+def scene(backend, *, damping=None, E=2.0, rho=1.5):
+    data = two_blocks(backend, GPTS, held=True)
+    upper = data["bodies"]["upper"]
+    upper["material"] |= {"E": E, "rho": rho}
+    upper["springs"] = [{"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}]
+    if damping is not None:
+        upper["damping"] = damping
+    return assemble(data)
+
+
+@pytest.mark.parametrize("frequencies", [(100.0, 2500.0), (2500.0, 100.0)])
+def test_ratios_are_met_at_their_frequencies(frequencies):
+    ratios = (0.02, 0.03)
+    damping = RayleighDamping.of_ratios(ratios, frequencies)
+    assert [damping.ratio(f) for f in frequencies] == pytest.approx(ratios, rel=1e-14)
+
+
+def test_ratios_that_rise_with_the_frequency_need_stiffness_alone():
+    # One third and its triple are not exact: alpha must not come out as rounding below zero.
+    damping = RayleighDamping.of_ratios((0.01 / 3, 0.01), (700.0 / 3, 700.0))
+    assert damping.alpha == 0
+    assert damping.beta == pytest.approx(0.01 / (pi * 700.0), rel=1e-14)
+    damping = RayleighDamping.of_ratios((0.01, 0.01 / 3), (700.0 / 3, 700.0))
+    assert damping.beta == 0
+    assert damping.alpha == pytest.approx(0.01 * 4 * pi * 700.0 / 3, rel=1e-14)
+
+
+@pytest.mark.parametrize("ratios", [(0.01, 0.031), (0.031, 0.01)])
+def test_ratios_that_no_damping_has_are_refused(ratios):
+    with pytest.raises(InputError, match=r"damping\.ratios"):
+        RayleighDamping.of_ratios(ratios, (100.0, 300.0))
+
+
+def test_the_damping_matrix_is_that_of_the_body(backend):
+    damped = scene(backend, damping={"alpha": ALPHA, "beta": BETA})
+    matrices = damped.pencil().at()
+    n = damped.bodies["upper"].stiffness().getSize()[0]
+    expected = np.zeros_like(to_numpy(matrices.mass))
+    upper = damped.bodies["upper"]
+    expected[:n, :n] = ALPHA * to_numpy(upper.mass()) + BETA * to_numpy(upper.stiffness())
+    found = to_numpy(matrices.damping)
+    assert found == pytest.approx(expected, rel=1e-14, abs=1e-16)
+    assert (found == found.T).all()
+    assert matrices.gyroscopic is None
+    assert matrices.quadratic
+
+
+def test_damping_shares_the_matrices_of_its_body(backend):
+    terms = scene(backend, damping={"alpha": ALPHA, "beta": BETA}).pencil().terms
+    others = [id(term.matrix) for term in terms if term.role != "damping"]
+    assert [id(t.matrix) in others for t in terms if t.role == "damping"] == [True] * 3
+
+
+def test_a_body_without_damping_keeps_its_pencil(backend):
+    plain, nothing = scene(backend), scene(backend, damping={"alpha": 0.0})
+    assert not plain.pencil().at().quadratic
+    assert not nothing.pencil().at().quadratic
+    assert not any("damping" in name for name in plain.pencil().parameters)
+    same = [to_numpy(system.pencil().at().stiffness) for system in (plain, nothing)]
+    assert (same[0] == same[1]).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "options"),
+    [
+        ({"bodies.upper.damping.alpha": 2.0}, {"damping": {"alpha": 2.0, "beta": BETA}}),
+        ({"bodies.upper.damping.beta": 0.0}, {"damping": {"alpha": ALPHA, "beta": 0.0}}),
+        ({"bodies.upper.material.E": 5.0}, {"E": 5.0}),
+        ({"bodies.upper.material.rho": 0.7}, {"rho": 0.7}),
+    ],
+)
+def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(backend, change, options):
+    damping = {"alpha": ALPHA, "beta": BETA}
+    changed = scene(backend, damping=damping).pencil().at(change).damping
+    assembled = scene(backend, **{"damping": damping} | options).pencil().at().damping
+    expected = to_numpy(assembled)
+    assert np.abs(to_numpy(changed) - expected).max() <= 1e-13 * np.abs(expected).max()
+
+
+def test_statics_know_no_damping(backend):
+    data = two_blocks(backend, GPTS, held=True)
+    data["bodies"]["upper"]["damping"] = {"alpha": 1.0}
+    data["analysis"] = {"kind": "static"}
+    pencil = assemble(data).pencil()
+    assert not pencil.at().quadratic
+    assert not any("damping" in name for name in pencil.parameters)

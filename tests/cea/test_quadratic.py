@@ -1,0 +1,294 @@
+"""Damped and rotating pencils: lumped systems, limits, left vectors, contact forces, refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from blocks import assemble, two_blocks
+from mpi import on_ranks
+from petsc_matrices import to_numpy, to_petsc
+from quadratic_cases import damped, lumped_modes
+from quadratic_judge import dense_quadratic, judge_quadratic
+from random_quadratic import pencil_of, random_quadratic
+from reference_data import eigenvalues, stored
+from scipy.sparse import diags_array, eye_array
+
+from cea.eigen.growth_thresholds import growth_threshold
+from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.parameters import Coefficient, Parameter
+from cea.eigen.pencil import Pencil, Term
+from cea.eigen.quadratic_coverage import bounded_growth, largest_growth
+from cea.eigen.quadratic_shifted import QuadraticShifted
+from cea.eigen.thresholds import flutter_threshold
+from cea.errors import ConvergenceError, InputError
+
+GPTS = {"method": "gpts", "points": 3}
+TOP = 1.0
+"""End of the windows of the two blocks (Hz)."""
+
+
+def by_size(values):
+    return sorted(values, key=lambda value: (round(value.imag, 9), value.real))
+
+
+@pytest.mark.parametrize("entry", stored("lumped"), ids=lambda entry: entry["name"])
+def test_lumped_systems_to_twelve_digits(entry):
+    if not np.any(entry["C"]):
+        pytest.skip("it is not damped")
+    modes = lumped_modes(entry)
+    exact = np.array([value for value in eigenvalues(entry) if value.imag >= 0])
+    found = modes.eigenvalues
+    assert len(found) == len(exact)
+    distance = np.abs(np.array(by_size(found)) - np.array(by_size(exact)))
+    assert (distance < 1e-12 * np.abs(exact).min()).all()
+    assert modes.window.complete
+    assert modes.residuals.max() < 1e-13
+    assert (modes.growth_uncertainties < 1e-12).all()
+    grows = (exact.real > 0).any()
+    assert modes.verdict() == ("unstable" if grows else "stable")
+
+
+def hulten(c1, c2):
+    """The Hulten model with mu as its parameter."""
+    mu = Coefficient.of({"mu": (1.0, 1.0)})
+    return Pencil(
+        [
+            Term("mass", to_petsc(np.eye(2))),
+            Term("damping", to_petsc(np.diag([c1, c2]))),
+            Term("stiffness", to_petsc(np.diag([1.0, 1.44]))),
+            Term("stiffness", to_petsc(np.array([[0, -1.44], [1.0, 0]])), mu, symmetric=False),
+        ],
+        [Parameter("mu", 0.3)],
+    )
+
+
+@pytest.mark.parametrize(("c1", "c2"), [(0.02, 0.02), (0.02, 0.1), (0.002, 0.02)])
+def test_the_threshold_of_a_damped_system_is_exact(c1, c2):
+    name = {(0.02, 0.02): "mu=0.3 c=(0.02,0.02)", (0.02, 0.1): "mu=0.3 c=(0.02,0.1)"}
+    entry = next(
+        e
+        for e in stored("lumped")
+        if e["name"] == f"Hulten {name.get((c1, c2), 'mu=0.1 c=(0.002,0.02)')}"
+    )
+    exact = float(entry["info"]["mu_c"])
+    with KrylovSchur(hulten(c1, c2)) as driver:
+        found = growth_threshold(driver, "mu", 0.01, 0.5, max_frequency=0.3)
+        assert found.value == pytest.approx(exact, rel=1e-10)
+        assert abs(found.eigenvalue.real) < 1e-12
+        assert found.solves > 3
+        with pytest.raises(InputError, match="stable"):
+            growth_threshold(driver, "mu", 0.4, 0.5, max_frequency=0.3)
+        with pytest.raises(InputError, match="unstable"):
+            growth_threshold(driver, "mu", 0.01, 0.02, max_frequency=0.3)
+        with pytest.raises(InputError, match="coalesce"):
+            flutter_threshold(driver, "mu", 0.01, 0.5, max_frequency=0.3)
+        with pytest.raises(InputError, match="damping or rotation"):
+            driver.nearest(1.0, 1)
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-14, 1e-11])
+def test_without_damping_the_problem_stays_linear(backend, size):
+    pencil = assemble(two_blocks(backend, GPTS, mu=0.4, held=True)).pencil()
+    linear = solve_modes(pencil, TOP)
+    modes = solve_modes(damped(pencil, size, size), TOP)
+    if not size:
+        assert np.array_equal(modes.eigenvalues, linear.eigenvalues)
+        assert type(modes.window) is type(linear.window)
+    same = np.array(by_size(linear.eigenvalues))
+    assert np.array(by_size(modes.eigenvalues)) == pytest.approx(same, abs=1e-9)
+    assert modes.window.complete
+    assert modes.verdict() == linear.verdict()
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize("mu", [0.0, 0.4])
+def test_proportional_damping_turns_eigenvalues_as_it_must(backend, form, mu):
+    """With C = alpha M, lambda^2 + alpha lambda is -kappa of the undamped pencil."""
+    data = two_blocks(backend, GPTS, mu=mu, held=True)
+    data["contacts"]["interface"] |= {"form": form}
+    pencil, alpha = assemble(data).pencil(), 0.05
+    kappa = -(solve_modes(pencil, TOP).eigenvalues ** 2)
+    expected = -0.5 * alpha + np.sqrt(0.25 * alpha**2 - kappa + 0j)
+    expected = np.where(expected.imag < 0, -alpha - expected, expected)
+    modes = solve_modes(damped(pencil, alpha, 0.0), 0.95 * TOP)
+    expected = [v for v in expected if v.imag < 0.95 * 2 * np.pi * TOP]
+    assert len(expected) > 3
+    assert np.array(by_size(modes.eigenvalues)) == pytest.approx(
+        np.array(by_size(expected)), abs=1e-9
+    )
+    assert modes.window.complete
+    assert modes.residuals.max() < 1e-9
+
+
+def test_infinite_stiffness_has_no_modes_of_its_own(backend):
+    data = two_blocks(backend, {"method": "mortar"}, mu=0.0, held=True)
+    data["contacts"]["interface"] |= {"form": "saddle", "P": float("inf")}
+    pencil, alpha = assemble(data).pencil(), 0.05
+    kappa = -(solve_modes(pencil, TOP).eigenvalues ** 2).real
+    expected = -0.5 * alpha + 1j * np.sqrt(kappa - 0.25 * alpha**2)
+    modes = solve_modes(damped(pencil, alpha, 0.0), TOP)
+    assert modes.eigenvalues == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.fixture
+def mixed():
+    """M, D, K of eight unknowns with friction, damping and rotation; eigenvalues are simple."""
+    random = np.random.default_rng(5)
+    turn, whole = random.standard_normal((2, 8, 8))
+    M = np.eye(8) + 0.1 * turn @ turn.T
+    K = np.diag(np.linspace(1.0, 20.0, 8)) + 0.4 * whole
+    D = 0.02 * np.eye(8) + 0.01 * turn @ turn.T + 0.1 * (whole - whole.T)
+    return M, D, K
+
+
+def test_derivatives_are_those_of_differences(mixed):
+    rates = {"damping": "c", "stiffness": "k"}
+    terms = [
+        Term(t.role, t.matrix, Coefficient.of({rates[t.role]: (1.0, 1.0)}), t.symmetric)
+        if t.role != "mass"
+        else t
+        for t in pencil_of(*mixed).terms
+    ]
+    pencil = Pencil(terms, [Parameter("c", 1.0), Parameter("k", 1.0)])
+    end = 0.6
+    modes = solve_modes(pencil, end, left=True)
+    assert len(modes) > 4
+    step = 1e-5
+    for name in ("c", "k"):
+        slopes = modes.sensitivity(name)
+        more, less = (
+            solve_modes(pencil, 1.1 * end, {name: 1 + s}, min_growth=-end).eigenvalues
+            for s in (step, -step)
+        )
+        for value, slope in zip(modes.eigenvalues, slopes, strict=True):
+            ahead = more[np.argmin(np.abs(more - value - step * slope))]
+            behind = less[np.argmin(np.abs(less - value + step * slope))]
+            difference = (ahead - behind) / (2 * step)
+            assert slope == pytest.approx(difference, rel=1e-5, abs=1e-6 * abs(value))
+
+
+def test_left_vectors_are_those_of_the_quadratic_problem(mixed):
+    M, D, K = mixed
+    modes = solve_modes(pencil_of(M, D, K), 0.6, left=True)
+    y, x = modes.left.vectors, modes.vectors
+    for i, value in enumerate(modes.eigenvalues):
+        left = y[:, i].conj() @ (value**2 * M + value * D + K)
+        assert np.linalg.norm(left) < 1e-12 * np.linalg.norm(K) * np.linalg.norm(y[:, i])
+        assert y[:, i].conj() @ (2 * value * M + D) @ x[:, i] == pytest.approx(2 * value)
+
+
+@pytest.mark.parametrize("shift", [0.7, 0.2 + 1.3j, 2.1j])
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+def test_systems_at_complex_shifts_are_solved_in_real_numbers(backend, form, shift):
+    data = two_blocks(backend, GPTS, mu=0.4, held=True)
+    data["contacts"]["interface"] |= {"form": form}
+    pencil = damped(assemble(data).pencil(), 0.1, 0.02, turning=0.3)
+    matrices = pencil.at()
+    P = shift**2 * to_numpy(matrices.mass) + shift * (
+        to_numpy(matrices.damping) + to_numpy(matrices.gyroscopic)
+    )
+    P = P + to_numpy(matrices.stiffness)
+    if matrices.unsymmetric is not None:
+        P = P + to_numpy(matrices.unsymmetric)
+    if matrices.multipliers is not None:
+        J, L, C = (
+            to_numpy(getattr(matrices.multipliers, name))
+            for name in ("closure", "reaction", "compliance")
+        )
+        P = P + L.T @ np.linalg.solve(C, J)
+    b = np.random.default_rng(0).standard_normal((2, len(P), 3))
+    b = b[0] + 1j * b[1]
+    factors = QuadraticShifted(matrices, shift)
+    for transposed, A in ((False, P), (True, P.T)):
+        x, _ = factors.solve_with_forces(b, transposed=transposed)
+        assert x == pytest.approx(np.linalg.solve(A, b), abs=1e-9)
+    factors.free()
+
+
+def test_bounds_of_growth_hold():
+    bounds = 0
+    for seed in range(60):
+        problem = random_quadratic(seed)
+        end = 2 * np.pi * problem.max_frequency
+        values, errors = dense_quadratic(problem.mass, problem.damping, problem.stiffness, end)
+        inside = np.abs(values.imag) < end - errors
+        fastest = (values.real - 10 * errors)[inside].max(initial=-np.inf)
+        matrices = problem.pencil().at()
+        assert largest_growth(matrices, end) >= fastest
+        for part in (0.5, 1.5, 6.0):
+            if bounded_growth(matrices, part * end, end):
+                bounds += 1
+                assert fastest <= part * end
+    assert bounds > 60
+
+
+@pytest.mark.parametrize("growth", [0.5, -np.inf, np.nan])
+def test_lower_ends_of_windows_are_checked(growth):
+    pencil = hulten(0.1, 0.1)
+    with pytest.raises(InputError, match="min_growth"):
+        solve_modes(pencil, 1.0, min_growth=growth)
+
+
+def test_the_judge_sees_what_is_wrong(mixed):
+    modes = solve_modes(pencil_of(*mixed), 0.6)
+    values, errors = dense_quadratic(*mixed, 4.0)
+    assert not judge_quadratic(modes, values, errors)
+    moved = values + 1e-5 * np.abs(values)
+    kinds = {fault.kind for fault in judge_quadratic(modes, moved, errors)}
+    assert kinds == {"missing", "spurious"}
+    doubtful = replace(modes, growth_uncertainties=0.5 * np.abs(modes.growth_rates))
+    assert "stable" in doubtful.verdicts()
+    kinds = {fault.kind for fault in judge_quadratic(doubtful, -values.conj(), errors)}
+    assert "wrong-verdict" in kinds
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_numbers_do_not_depend_on_the_ranks(ranks):
+    alone, together = (on_ranks(n, "quadratic_cases.numbers") for n in (1, ranks))
+    assert len(alone["re"]) > 3
+    for name, values in alone.items():
+        assert together[name] == pytest.approx(values, rel=1e-8, abs=1e-9)
+
+
+def test_many_copies_of_damped_modes_are_all_found():
+    n = 30
+    turn = np.linalg.qr(np.random.default_rng(1).standard_normal((n, n)))[0]
+    kappa = np.repeat([1.0, 2.0, 9.0], [17, 8, 5])
+    K = (turn * kappa) @ turn.T
+    modes = solve_modes(pencil_of(np.eye(n), 0.02 * np.eye(n), 0.5 * (K + K.T)), 0.3)
+    expected = -0.01 + 1j * np.sqrt(np.repeat([1.0, 2.0], [17, 8]) - 1e-4)
+    assert modes.eigenvalues == pytest.approx(expected, abs=1e-10)
+    assert modes.verdict() == "stable"
+
+
+def overdamped(n, end):
+    """A string of which modes beyond a fifth of the window crowd at one rate of decay."""
+    ones = np.ones(n)
+    K = diags_array([2 * ones, -ones[1:], -ones[1:]], offsets=[0, 1, -1]) * (n + 1.0) ** 2
+    return Pencil(
+        [
+            Term("mass", to_petsc(eye_array(n))),
+            Term("stiffness", to_petsc(K)),
+            Term("damping", to_petsc(10 / end * K)),
+        ]
+    )
+
+
+def test_overdamped_modes_that_crowd_are_left_out():
+    n, end = 1200, 20.5 * np.pi
+    modes = solve_modes(overdamped(n, end), end / (2 * np.pi))
+    kappa = 4 * (n + 1) ** 2 * np.sin(np.arange(1, n + 1) * np.pi / (2 * (n + 1))) ** 2
+    drag = 5 / end * kappa
+    exact = np.concatenate([-drag + s * np.sqrt(drag**2 - kappa + 0j) for s in (1, -1)])
+    asked = (exact.imag >= 0) & (exact.real >= modes.window.min_growth)
+    assert modes.eigenvalues == pytest.approx(exact[asked], abs=1e-8)
+    assert -0.1 * end < modes.window.min_growth < 0
+    assert modes.verdict() == "stable"
+
+
+@pytest.mark.slow
+def test_overdamped_modes_that_crowd_in_the_window_are_refused():
+    end = 20.5 * np.pi
+    with pytest.raises(ConvergenceError, match="min_growth"):
+        solve_modes(overdamped(1200, end), end / (2 * np.pi), min_growth=-0.3 * end)

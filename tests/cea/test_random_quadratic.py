@@ -1,0 +1,28 @@
+"""Random damped, rotating and rubbing pencils agree with dense eigenvalues, verdicts too."""
+
+import time
+
+import pytest
+from random_runs import quadratic_outcome, statistics, tell
+
+
+def _judged(seeds):
+    begin = time.process_time()
+    outcomes = [quadratic_outcome(seed) for seed in seeds]
+    seconds = time.process_time() - begin
+    told = f"{len(seeds)} random damped pencils, {seeds}, in {seconds:.1f} s"
+    told = f"{told}\n{statistics(outcomes)}"
+    tell(told)
+    wrong = [str(outcome) for outcome in outcomes if outcome.faults or outcome.refused]
+    assert not wrong, "\n".join([told, *wrong])
+    assert all(outcome.complete for outcome in outcomes)
+    assert sum(outcome.modes for outcome in outcomes) > 3 * len(seeds)
+
+
+def test_sixty_random_damped_pencils():
+    _judged(range(60))
+
+
+@pytest.mark.slow
+def test_a_thousand_random_damped_pencils():
+    _judged(range(1000))

@@ -1,0 +1,209 @@
+"""Rotating bodies: matrices against integrals in closed form, eigenvalues against known ones."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from petsc_matrices import to_numpy
+from scipy.linalg import eigh, eigvals
+
+from cea.errors import InputError
+from cea.rotation import Rotation
+from cea.timing import StageTimer
+from meshes.placement import Placement
+from scenes.build import build_bodies
+from scenes.read import read_scene
+
+INNER, OUTER, RATE = 0.6, 1.0, 0.05
+SOLID = {"shape": "annulus", "inner_radius": INNER, "outer_radius": OUTER, "bottom": 0, "top": 0.3}
+PLANE = {"shape": "ring", "inner_radius": INNER, "outer_radius": OUTER}
+TURNED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
+
+
+def body(backend, geometry, fine=1, *, supports=(), placement=None):
+    """A small body with round numbers."""
+    dim = 2 if geometry["shape"] == "ring" else 3
+    elements = [fine, 12 * fine, 1][:dim]
+    cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
+    data = {
+        "name": "alone",
+        "bodies": {
+            "part": {
+                "backend": backend,
+                "geometry": geometry,
+                "material": {"E": 1.0, "nu": 0.3, "rho": 1.5},
+                "supports": list(supports),
+                "placement": placement or {},
+                "mesh": {
+                    "fe": {"cell": cell, "degree": 2, "elements": elements},
+                    "iga": {"degree": [2] * dim, "elements": elements},
+                },
+            }
+        },
+        "analysis": {"kind": "cea", "max_frequency": 1.0},
+    }
+    return build_bodies(read_scene(data), StageTimer())["part"]
+
+
+def matrices(part, rotation):
+    """K, M, Y at 1 rad/s and Z as arrays."""
+    pieces = part.stiffness(), part.mass()
+    return [
+        to_numpy(m)
+        for m in (*pieces, part.gyroscopic(rotation), part.convective_stiffness(rotation))
+    ]
+
+
+@pytest.mark.parametrize("coriolis", [True, False])
+@pytest.mark.parametrize("held", ["free", "clamped", "roller"])
+def test_y_is_skew_and_z_symmetric_to_the_last_bit(backend, coriolis, held):
+    supports = {
+        "free": [],
+        "clamped": [{"surface": "inner"}],
+        "roller": [{"surface": "inner", "components": ["radial"], "axis": [0.0, 0.0, 1.0]}],
+    }[held]
+    part = body(backend, SOLID, supports=supports)
+    _, _, Y, Z = matrices(part, Rotation(1.0, coriolis=coriolis))
+    assert Y.any()
+    assert (Y == -Y.T).all()
+    assert (Z == Z.T).all()
+    assert eigh(Z, eigvals_only=True).min() > -1e-13 * np.abs(Z).max()
+
+
+@pytest.mark.parametrize("coriolis", [True, False])
+@pytest.mark.parametrize("placement", [None, TURNED], ids=["as it is", "turned"])
+def test_linear_fields_have_their_integrals(backend, coriolis, placement):
+    """For u = A r, v = B r with W v = a x v: R u = A W r, less W A r without Coriolis forces.
+
+    int rho r r^T follows from the radii. Cells of degree 2 that span 15 degrees are round to some
+    1e-5; of NURBS, quadrature is not exact for rational functions.
+    """
+    geometry = SOLID | {"bottom": -0.15, "top": 0.15}
+    part = body(backend, geometry, placement=placement, fine=2)
+    turn, shift = np.eye(3), np.zeros(3)
+    if placement:
+        turn = Placement(tuple(placement["axis"]), placement["angle"]).rotation
+        shift = np.array(placement["translation"])
+    rotation = Rotation(1.0, tuple(turn[:, 2]), tuple(shift), coriolis=coriolis)
+    _, _, Y, Z = matrices(part, rotation)
+    plane = np.pi * (OUTER**4 - INNER**4) / 4 * 0.3
+    axial = np.pi * (OUTER**2 - INNER**2) * 0.3**3 / 12
+    moments = 1.5 * turn @ np.diag([plane, plane, axial]) @ turn.T
+    rng = np.random.default_rng(3)
+    A, B, W = rng.normal(size=(3, 3)), rng.normal(size=(3, 3)), rotation.spin(3)
+    nodes = positions(part)
+    u, v = ((matrix @ (nodes - shift).T).T.ravel() for matrix in (A, B))
+    RA, RB = ((M @ W if coriolis else M @ W - W @ M) for M in (A, B))
+    tolerance = {"iga": 1e-8, "fe": 1e-3}[backend]
+    size = np.abs(moments).max()
+    assert v @ Y @ u == pytest.approx(2 * np.trace(B.T @ RA @ moments), abs=tolerance * size)
+    assert v @ Z @ u == pytest.approx(np.trace(RB.T @ RA @ moments), abs=tolerance * size)
+
+
+def positions(part):
+    """Nodes, or control points, of the scalar dofs: where linear fields are taken."""
+    if hasattr(part, "control_points"):
+        return part.control_points
+    return part._space.tabulate_dof_coordinates()[:, : part.dim]
+
+
+def test_translations_of_all_of_the_body_feel_no_rotation(backend):
+    """As far as quadrature of rational functions goes, by parts."""
+    part = body(backend, SOLID, fine=2)
+    _, M, Y, Z = matrices(part, Rotation(1.0))
+    shift = np.tile(np.eye(3), (len(M) // 3, 1))
+    assert np.abs(Y @ shift).max() < {"iga": 1e-6, "fe": 1e-5}[backend] * np.abs(Y).max()
+    assert np.abs(Z @ shift).max() < 1e-13 * np.abs(Z).max()
+
+
+def quadratic_eigenvalues(M, D, K):
+    """Every lambda of lambda^2 M + lambda D + K."""
+    n = len(M)
+    right = np.linalg.solve(M, np.hstack([-K, -D]))
+    return eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [right]]))
+
+
+@cache
+def ring(backend, fine):
+    """Matrices of a free ring at rest, with the lowest frequency of each number of waves.
+
+    The number of waves of a mode is found by its displacement along r, the part of a pair in phase.
+    """
+    part = body(backend, PLANE, fine)
+    K, M, _, _ = matrices(part, Rotation(0.0))
+    kappa, vectors = eigh(K, M)
+    points = part.surfaces["outer"].gauss_points(3)
+    trace = part.surfaces["outer"].trace(points.at)
+    theta = np.arctan2(points.x[:, 1], points.x[:, 0])
+    found = {}
+    for value, vector in zip(kappa[3:16], vectors.T[3:16], strict=True):
+        radial = ((trace @ vector.reshape(-1, 2)) * points.normal).sum(axis=1)
+        waves = [abs(points.weight @ (radial * np.exp(1j * m * theta))) for m in range(7)]
+        found.setdefault(int(np.argmax(waves)), np.sqrt(value))
+    return part, found
+
+
+def apart(backend, fine):
+    """Largest error of lambda_0 +- i m Omega for the lowest pairs of 2 to 5 waves.
+
+    It is relative to m Omega, and the reference is the pair at rest on the same mesh.
+    """
+    part, frequencies = ring(backend, fine)
+    K, M, Y, Z = matrices(part, Rotation(RATE, coriolis=False))
+    found = quadratic_eigenvalues(M, RATE * Y, K - RATE**2 * Z)
+    errors = []
+    for m in (2, 3, 4):
+        for sign in (-1, 1):
+            wanted = 1j * (frequencies[m] + sign * m * RATE)
+            errors.append(np.abs(found - wanted).min() / (m * RATE))
+    return max(errors)
+
+
+@pytest.mark.convergence
+def test_waves_of_a_free_ring_pass_by_with_their_number_times_the_rate(backend):
+    """They are lambda_0 +- i m Omega, with the fourth power of the mesh size."""
+    coarse, fine = apart(backend, 1), apart(backend, 2)
+    assert fine < 3e-3
+    assert coarse / fine > 12
+
+
+@pytest.mark.convergence
+def test_with_coriolis_forces_the_frame_of_the_body_tells_the_same(backend):
+    """In that frame lambda^2 M + 2 lambda Omega G + K - Omega^2 N, G = int rho v . (a x u).
+
+    Seen from outside its waves pass by with m Omega, m counted in components along r and theta.
+    """
+    errors = []
+    for fine in (1, 2):
+        part, frequencies = ring(backend, fine)
+        K, M, Y, Z = matrices(part, Rotation(RATE))
+        spin = np.kron(np.eye(len(M) // 2), Rotation(1.0).spin(2))
+        outside = quadratic_eigenvalues(M, RATE * Y, K - RATE**2 * Z)
+        inside = quadratic_eigenvalues(M, 2 * RATE * M @ spin, K - RATE**2 * M)
+        worst = 0.0
+        for m in (2, 3, 4):
+            near = inside[np.argsort(np.abs(inside - 1j * frequencies[m]))[:2]]
+            assert np.abs(near - 1j * frequencies[m]).max() > 1e-2 * RATE  # it matters
+            # One of the pair runs with the rotation, the other against it; which is not known here.
+            misses = [
+                max(np.abs(outside - (one + sign * 1j * m * RATE)).min() for one, sign in pairs)
+                for pairs in (zip(near, (1, -1), strict=True), zip(near, (-1, 1), strict=True))
+            ]
+            worst = max(worst, min(misses) / (m * RATE))
+        errors.append(worst)
+    assert errors[1] < 3e-3
+    assert errors[0] / errors[1] > 12
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        ({"rate": -1.0}, "rate"),
+        ({"rate": float("nan")}, "rate"),
+        ({"rate": 1.0, "axis": (0.0, 0.0, 0.0)}, "axis"),
+        ({"rate": 1.0, "origin": (float("inf"), 0.0, 0.0)}, "origin"),
+    ],
+)
+def test_rotations_that_are_none_are_refused(options, named):
+    with pytest.raises(InputError, match=rf"rotation\.{named}"):
+        Rotation(**options)

@@ -1,0 +1,165 @@
+"""Damping of contacts that slide: against the derivative of friction forces, and by power."""
+
+import numpy as np
+import pytest
+from blocks import assemble, two_blocks
+from petsc_matrices import to_numpy
+
+from cea.errors import InputError
+from meshes.placement import Placement
+from scenes.read import SceneError, read_scene
+
+PRESSURE, SPEED, SLOPE, MU = 3.0, 0.5, -0.2, 0.4
+AREA = 0.5 * 0.6
+"""Of side a of the two blocks."""
+
+
+def scene(backend, formulation, sliding, *, placement=None, mu=MU, **contact):
+    data = two_blocks(backend, formulation, placement, mu=mu)
+    data["contacts"]["interface"] |= {"sliding": sliding} | contact
+    return data
+
+
+def damping(data, changes=None):
+    """C of a scene, and translations of its bodies along x, y, z against each other."""
+    system = assemble(data, leave_out=False)
+    n = system.bodies["upper"].stiffness().getSize()[0]
+    shift = np.tile(np.eye(3), (system.size // 3, 1))
+    shift[n:] = 0.0
+    # The second half of a full pass has points on b, whose area opposite a depends on the rule.
+    area = np.mean([contact.interface.points.weight.sum() for contact in system.contacts])
+    return to_numpy(system.pencil(leave_out=False).at(changes).damping), shift, area
+
+
+@pytest.mark.parametrize("full_pass", [False, True])
+def test_power_of_a_translation(backend, formulation, full_pass, placement):
+    """Along k it is sigma mu' A, across it mu sigma A / v, and none along the normal."""
+    sliding = {"pressure": PRESSURE, "speed": SPEED, "mu_slope": SLOPE}
+    options = {"placement": placement, "full_pass": full_pass}
+    data = scene(backend, formulation, sliding, max_missed=0.9, **options)
+    C, shift, area = damping(data)
+    k = np.array(data["contacts"]["interface"]["friction_direction_on_a"]["vector"])
+    k /= np.linalg.norm(k)
+    turn = Placement(tuple(placement["axis"]), placement["angle"]).rotation if placement else None
+    normal = np.array([0.0, 0.0, 1.0]) if turn is None else turn @ [0.0, 0.0, 1.0]
+    along = SLOPE * PRESSURE * np.outer(k, k)
+    across = np.cross(normal, k)
+    expected = area * (along + MU * PRESSURE / SPEED * np.outer(across, across))
+    assert shift.T @ C @ shift == pytest.approx(expected, rel=1e-10, abs=1e-11)
+    assert area == pytest.approx(AREA, rel=0.5 if full_pass else 1e-10)
+    assert (C == C.T).all()
+    both = np.tile(np.eye(3), (len(C) // 3, 1))
+    assert np.abs(C @ both).max() < 1e-12
+
+
+def test_it_is_the_derivative_of_the_friction_force(backend):
+    """Of the traction - mu(|w|) sigma w / |w|, w the velocity of a relative to b."""
+    sliding = {"pressure": PRESSURE, "speed": SPEED, "mu_slope": SLOPE}
+    data = scene(backend, {"method": "gpts", "points": 3}, sliding)
+    C, shift, _ = damping(data)
+    k = np.array([1.0, 0.5, 0.0]) / np.hypot(1.0, 0.5)
+
+    def force(velocity):
+        """On a, over the whole contact."""
+        w = -SPEED * k + velocity
+        w[2] = 0.0
+        size = np.linalg.norm(w)
+        return -AREA * PRESSURE * (MU + SLOPE * (size - SPEED)) * w / size
+
+    step = 1e-5
+    slopes = [(force(step * e) - force(-step * e)) / (2 * step) for e in np.eye(3)]
+    assert shift.T @ C @ shift == pytest.approx(-np.transpose(slopes), rel=1e-8, abs=1e-8)
+
+
+FIELDS = {"pressure": "3 + x", "speed": "0.5 + y", "mu_slope": "0.1*sin(7*x)"}
+
+
+def test_fields_are_taken_at_the_points(backend):
+    """Slopes of either sign too: C is the sum over the points, dense."""
+    formulation = {"method": "gpts", "points": 3}
+    C, _, _ = damping(scene(backend, formulation, FIELDS))
+    system = assemble(scene(backend, formulation, FIELDS))
+    interface = system.contacts[0].interface
+    points, x = interface.points, interface.points.x
+    n = system.bodies["upper"].num_scalar_dofs
+    traces = np.hstack([interface.trace_a.toarray(), -interface.trace_b.toarray()])
+    assert traces.shape[1] == system.size // 3
+    assert n == system.bodies["upper"].stiffness().getSize()[0] // 3
+    k = np.array([1.0, 0.5, 0.0]) / np.hypot(1.0, 0.5)
+    t = np.cross(points.normal[0], k)
+    load = points.weight * (3 + x[:, 0])
+    along = traces.T @ ((load * 0.1 * np.sin(7 * x[:, 0]))[:, None] * traces)
+    across = traces.T @ ((load * MU / (0.5 + x[:, 1]))[:, None] * traces)
+    expected = np.kron(along, np.outer(k, k)) + np.kron(across, np.outer(t, t))
+    np.testing.assert_allclose(C, expected, rtol=1e-11, atol=1e-13 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("full_pass", [False, True])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"sliding.pressure": 7.0},
+        {"sliding.pressure": 0.0},
+        {"sliding.speed": 0.1},
+        {"sliding.mu_slope": 0.3},
+        {"mu": 0.9},
+        {"mu": 0.0},
+    ],
+)
+def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(backend, full_pass, change):
+    sliding = {"pressure": PRESSURE, "speed": SPEED, "mu_slope": SLOPE}
+    formulation = {"method": "gpts", "points": 2}
+    options = {"full_pass": full_pass, "max_missed": 0.9}
+    data = scene(backend, formulation, sliding, **options)
+    changed, _, _ = damping(data, {f"contacts.interface.{k}": v for k, v in change.items()})
+    path, value = next(iter(change.items()))
+    contact = data["contacts"]["interface"]
+    (contact if path == "mu" else contact["sliding"])[path.split(".")[-1]] = value
+    expected, _, _ = damping(data)
+    assert np.abs(changed - expected).max() <= 1e-13 * max(np.abs(expected).max(), 1e-3)
+
+
+def test_without_friction_only_the_slope_is_left(backend):
+    sliding = {"pressure": PRESSURE, "speed": SPEED, "mu_slope": SLOPE}
+    data = scene(backend, {"method": "gpts", "points": 2}, sliding, mu=0.0)
+    pencil = assemble(data).pencil()
+    assert "contacts.interface.sliding.speed" not in pencil.parameters
+    assert "contacts.interface.sliding.mu_slope" in pencil.parameters
+    assert np.linalg.matrix_rank(to_numpy(pencil.at().damping)) > 0
+    del data["contacts"]["interface"]["sliding"]["mu_slope"]
+    assert not assemble(data).pencil().at().quadratic
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"sliding": {"pressure": -1.0, "speed": 1.0}}, "sliding.pressure"),
+        ({"sliding": {"pressure": 1.0, "speed": 0.0}}, "sliding.speed"),
+        ({"sliding": {"pressure": 1.0}}, "sliding.speed"),
+        ({"sliding": {"speed": 1.0}}, "sliding.pressure"),
+        ({"sliding": {"pressure": "q", "speed": 1.0}}, "sliding.pressure"),
+        (
+            {"sliding": {"pressure": 1.0, "speed": 1.0}, "mu": 0.0}
+            | {"friction_direction_on_a": None},
+            "friction_direction_on_a",
+        ),
+        (
+            {"sliding": {"pressure": 1.0, "speed": 1.0}, "mu": 0.0}
+            | {"formulation": {"method": "bonded"}},
+            "formulation",
+        ),
+    ],
+)
+def test_bad_sliding_is_refused_before_work_begins(backend, change, named):
+    data = two_blocks(backend, {"method": "gpts", "points": 2})
+    data["contacts"]["interface"] |= change
+    with pytest.raises(SceneError, match=f"contacts.interface.{named}"):
+        read_scene(data)
+
+
+@pytest.mark.parametrize("field", ["pressure", "speed"])
+def test_fields_below_zero_somewhere_are_refused(backend, field):
+    sliding = {"pressure": 1.0, "speed": 1.0} | {field: "x - 0.4"}
+    data = scene(backend, {"method": "gpts", "points": 2}, sliding)
+    with pytest.raises(InputError, match=f"sliding.{field}"):
+        assemble(data)

@@ -1,0 +1,73 @@
+"""A damped scene with a rotating disc and a pad that slides: data, and numbers on any ranks."""
+
+import numpy as np
+
+from scenes.read import read_scene
+from scenes.run import run_modes
+
+RATE = 0.3
+
+
+def damped_disc(backend, **contact):
+    """A disc that rotates under a pad, both damped, with everything that acts on velocities."""
+    disc = {
+        "backend": backend,
+        "geometry": {
+            "shape": "annulus", "inner_radius": 0.5, "outer_radius": 1.0, "bottom": 0.0, "top": 0.2,
+        },
+        "material": {"E": 2.0, "nu": 0.3, "rho": 1.0},
+        "supports": [{"surface": "inner"}],
+        "damping": {"alpha": 0.01, "beta": 0.002},
+        "rotation": {"rate": RATE, "convective_stiffness": True},
+        "mesh": {
+            "fe": {"cell": "hexahedron", "degree": 2, "elements": [1, 8, 1]},
+            "iga": {"degree": [2, 2, 2], "elements": [1, 8, 1]},
+        },
+    }  # fmt: skip
+    pad = {
+        "backend": backend,
+        "geometry": {
+            "shape": "sector", "inner_radius": 0.6, "outer_radius": 0.9, "start": 10.0, "end": 60.0,
+            "bottom": 0.2, "top": 0.4,
+        },
+        "material": {"E": 1.0, "nu": 0.3, "rho": 1.0},
+        "supports": [{"surface": "top"}],
+        "damping": {"ratios": [0.01, 0.02], "frequencies": [0.1, 0.4]},
+        "mesh": {
+            "fe": {"cell": "hexahedron", "degree": 2, "elements": [1, 2, 1]},
+            "iga": {"degree": [2, 2, 2], "elements": [1, 2, 1]},
+        },
+    }  # fmt: skip
+    interface = {
+        "a": "pad.bottom",
+        "b": "disc.top",
+        "formulation": {"method": "gpts", "points": 3},
+        "p": 5.0,
+        "mu": 0.4,
+        "friction_direction_on_a": {"circumferential_about": [0.0, 0.0, 1.0]},
+        "sliding": {"pressure": 0.02, "speed": f"{RATE}*r", "mu_slope": -0.1},
+    }
+    return {
+        "name": "damped disc",
+        "bodies": {"pad": pad, "disc": disc},
+        "contacts": {"interface": interface | contact},
+        "analysis": {"kind": "cea", "max_frequency": 0.3},
+    }
+
+
+def of_backend(backend):
+    """Norms of the matrices, asymmetry of them, and eigenvalues."""
+    result = run_modes(read_scene(damped_disc(backend)))
+    matrices = result.modes.pencil.at()
+    C, Y = matrices.damping, matrices.gyroscopic
+    skew = Y.copy()
+    skew.axpy(1.0, Y.transpose(type(Y)()), structure=False)
+    apart = C.copy()
+    apart.axpy(-1.0, C.transpose(type(C)()), structure=False)
+    values = result.eigenvalues[np.argsort(result.eigenvalues.imag)]
+    return {
+        "norms": [m.norm() for m in (C, Y, matrices.stiffness, matrices.mass)],
+        "asymmetry": skew.norm() + apart.norm(),
+        "re": values.real.tolist(),
+        "im": values.imag.tolist(),
+    }

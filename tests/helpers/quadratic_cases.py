@@ -1,0 +1,58 @@
+"""Damped pencils of lumped systems and of two blocks, in this program and on several ranks."""
+
+import numpy as np
+from blocks import assemble, two_blocks
+from random_quadratic import pencil_of
+
+from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.parameters import Coefficient
+from cea.eigen.pencil import Pencil, Term
+from cea.matrices import distributed, local_part
+
+
+def lumped_modes(entry):
+    """Modes of an entry of the lumped systems."""
+    M, C, K = (np.array(entry[name], dtype=float) for name in ("M", "C", "K"))
+    return solve_modes(pencil_of(M, C, K), 0.4, min_growth=-1.0)
+
+
+def damped(pencil, alpha, beta, turning=0.0):
+    """A pencil with alpha M + beta S as damping, and part of the mass made skew as rotation."""
+    terms = list(pencil.terms)
+    for term in pencil.terms:
+        rate = {"mass": alpha, "stiffness": beta}[term.role]
+        if rate and term.symmetric:
+            c = Coefficient(
+                tuple(type(m)(rate * m.factor, m.powers) for m in term.coefficient.monomials)
+            )
+            terms.append(Term("damping", term.matrix, c))
+    if turning:
+        mass = next(t for t in pencil.terms if t.role == "mass").matrix
+        terms.append(
+            Term("damping", _skew(mass), Coefficient.of({}, factor=turning), symmetric=False)
+        )
+    return Pencil(terms, pencil.parameters.values(), pencil.forces, leave_out=pencil.leave_out)
+
+
+def _skew(matrix):
+    """The upper triangle of a matrix minus its transpose."""
+    part = local_part(matrix).tocoo()
+    rows = part.row + matrix.getOwnershipRange()[0]
+    part.data = np.where(part.col > rows, part.data, np.where(part.col < rows, -part.data, 0.0))
+    return distributed(part.tocsr(), matrix.getSizes()[1], matrix.comm)
+
+
+def numbers():
+    """Modes of two damped, rotating blocks in contact."""
+    found = {}
+    for form in ("penalty", "saddle"):
+        data = two_blocks("iga", {"method": "gpts", "points": 3}, mu=0.4, held=True)
+        data["contacts"]["interface"] |= {"form": form}
+        pencil = damped(assemble(data).pencil(), 0.05, 0.01, turning=0.1)
+        modes = solve_modes(pencil, 1.0, left=True)
+        found |= {
+            f"re {form}": modes.growth_rates.tolist(),
+            f"im {form}": modes.eigenvalues.imag.tolist(),
+            f"slope {form}": np.abs(modes.sensitivity("contacts.interface.mu")).tolist(),
+        }
+    return found | {"re": found["re penalty"]}

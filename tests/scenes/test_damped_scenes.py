@@ -1,0 +1,219 @@
+"""Scenes with damping, rotation and sliding: from fields to modes."""
+
+import numpy as np
+import pytest
+from damped_numbers import damped_disc
+from mpi import on_ranks
+from pressed import pressed_blocks
+
+from cea.errors import InputError
+from comparisons.stability.parts.dense_damped import damped_eigenvalues
+from scenes.assembled import AssembledScene
+from scenes.describe import save_result
+from scenes.opened import open_result
+from scenes.read import SceneError, read_scene
+from scenes.run import run_modes
+
+GPTS = {"method": "gpts", "points": 3}
+
+
+def in_window(values, window):
+    """Eigenvalues of the upper half that a window holds."""
+    inside = (values.imag >= 0) & (values.imag <= 2 * np.pi * window.max_frequency)
+    return np.sort_complex(values[inside & (values.real >= window.min_growth)])
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+def test_modes_are_those_of_dense_matrices(backend, form):
+    data = damped_disc(backend, form=form)
+    modes = run_modes(read_scene(data)).modes
+    expected = in_window(damped_eigenvalues(data), modes.window)
+    assert len(expected) > 5
+    np.testing.assert_allclose(np.sort_complex(modes.eigenvalues), expected, rtol=1e-9, atol=1e-9)
+
+
+CHANGES = {
+    "bodies.disc.damping.alpha": 0.05,
+    "bodies.pad.damping": {"alpha": 0.02, "beta": 0.001},
+    "bodies.disc.rotation.rate": 0.1,
+    "bodies.disc.material.rho": 1.3,
+    "contacts.interface.sliding.pressure": 0.04,
+    "contacts.interface.sliding.mu_slope": 0.2,
+    "contacts.interface.mu": 0.1,
+}
+
+
+@pytest.fixture(scope="module")
+def assembled():
+    """A scene assembled once."""
+    scene = AssembledScene(read_scene(damped_disc("iga")))
+    yield scene
+    scene.free()
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_changes_need_no_assembly(assembled, change, monkeypatch):
+    expected = run_modes(assembled.scene.change(change, CHANGES[change]))
+    monkeypatch.setattr("scenes.assembled.run_modes", None)
+    found = assembled.modes({change: CHANGES[change]})
+    np.testing.assert_allclose(found.eigenvalues, expected.eigenvalues, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"bodies.disc.damping": None},
+        {"bodies.disc.rotation.coriolis": False},
+        {"contacts.interface.sliding.speed": 0.2},
+        {"contacts.interface.sliding": None},
+    ],
+)
+def test_other_changes_are_built_anew(assembled, change):
+    expected = run_modes(assembled.scene.change(change)).eigenvalues
+    np.testing.assert_allclose(assembled.modes(change).eigenvalues, expected, rtol=1e-9, atol=1e-9)
+
+
+def test_a_threshold_is_where_growth_begins(assembled):
+    """Of the slope of friction: at it the fastest mode neither grows nor decays."""
+    slope = "contacts.interface.sliding.mu_slope"
+    threshold = assembled.threshold(slope, real=0.1, flutter=-3.0)
+    assert -3.0 < threshold.value < 0.1
+    data = damped_disc("iga")
+    data["contacts"]["interface"]["sliding"]["mu_slope"] = threshold.value
+    top = 2 * np.pi * data["analysis"]["max_frequency"]
+    values = damped_eigenvalues(data)
+    assert values.real[values.imag <= top].max() == pytest.approx(0.0, abs=1e-9)
+    with pytest.raises(InputError, match="frequency"):
+        assembled.threshold(slope, real=0.1, flutter=-3.0, frequency=0.2)
+
+
+def test_sensitivities_are_differences(assembled):
+    """Of every parameter that acts on velocities."""
+    result = assembled.modes(left=True)
+    found = 0
+    for name in result.modes.pencil.parameters:
+        if not any(word in name for word in ("damping", "rotation", "sliding")):
+            continue
+        value = result.modes.values[name]
+        step = 1e-4 * abs(value)
+        ends = [assembled._driver.solve(0.3, {name: value + s * step}) for s in (1, -1)]
+        slopes = (ends[0].eigenvalues - ends[1].eigenvalues) / (2 * step)
+        size = np.abs(slopes).max()
+        np.testing.assert_allclose(result.modes.sensitivity(name), slopes, atol=1e-4 * size)
+        found += 1
+    assert found == 8
+
+
+def test_matrices_are_named(assembled):
+    matrices = assembled.modes().matrices()
+    assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y"]
+    C, Y = matrices["C"].toarray(), matrices["Y"].toarray()
+    assert (C == C.T).all()
+    assert (Y == -Y.T).all()
+
+
+def test_results_are_stored_and_opened(tmp_path, assembled):
+    result = assembled.modes()
+    opened = open_result(save_result(result, tmp_path / "result.json"))
+    np.testing.assert_array_equal(opened.eigenvalues, result.eigenvalues)
+    assert opened.scene == result.scene
+    assert opened.modes.window == result.modes.window
+
+
+def test_the_pressure_is_that_of_steady_sliding(backend):
+    """Of a translation: along k it has the power N mu', across it N mu / v, N the normal force."""
+    sliding = {"speed": 0.5, "mu_slope": -0.2}
+    data = pressed_blocks(backend, GPTS, c_n=10.0, m_n=2.0, sliding=sliding)
+    result = run_modes(read_scene(data))
+    C = result.matrices()["C"].toarray()
+    n = result.bodies["upper"].expansion.getSize()[1]
+    upper = result.bodies["upper"].num_scalar_dofs
+    shift = np.zeros((result.system.size, 3))
+    full = result.bodies["upper"].expansion
+    translation = full.createVecLeft()
+    for axis in range(2):  # supports hold the back along x and y: tiny blocks of the rest move
+        translation.array[:] = np.tile(np.eye(3)[axis], upper)
+        free = full.createVecRight()
+        full.multTranspose(translation, free)
+        shift[:n, axis] = free.array
+    k = np.array([1.0, 0.5, 0.0]) / np.hypot(1.0, 0.5)
+    t = np.array([-k[1], k[0], 0.0])
+    force = result.steady.contacts["interface"].normal_force
+    expected = force * (-0.2 * np.outer(k, k) + 0.1 / 0.5 * np.outer(t, t))
+    assert shift.T @ C @ shift == pytest.approx(expected, rel=1e-10, abs=1e-12 * force)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"bodies.pad.rotation": {"rate": 1.0}}, r"bodies\.pad\.geometry\.shape"),
+        ({"bodies.disc.rotation.axis": [0.0, 1.0, 0.0]}, r"bodies\.disc\.rotation\.axis"),
+        ({"bodies.disc.rotation.origin": [0.1, 0.0, 0.0]}, r"bodies\.disc\.rotation\.origin"),
+        ({"bodies.disc.rotation.rate": -1.0}, r"bodies\.disc\.rotation\.rate"),
+        ({"bodies.disc.placement.translation": [1.0, 0.0, 0.0]}, r"rotation\.origin"),
+        ({"bodies.disc.damping.alpha": -1.0}, r"bodies\.disc\.damping\.alpha"),
+        ({"bodies.disc.damping.ratios": [0.1, 0.1]}, r"bodies\.disc\.damping\.ratios"),
+        ({"bodies.pad.damping.ratios": [0.1, 9.0]}, r"bodies\.pad\.damping\.ratios"),
+        ({"bodies.pad.damping.frequencies": [0.1, 0.1]}, r"bodies\.pad\.damping\.frequencies"),
+        ({"bodies.pad.damping": {"ratios": [0.1, 0.1]}}, r"bodies\.pad\.damping\.frequencies"),
+        ({"bodies.disc.damping": {}}, r"bodies\.disc\.damping\.ratios"),
+        ({"contacts.interface.p": None, "contacts.interface.c_n": 1.0}, r"sliding\.pressure"),
+        ({"analysis.min_growth": 1.0}, r"analysis\.min_growth"),
+    ],
+)
+def test_what_cannot_be_is_refused(change, named):
+    with pytest.raises(SceneError, match=named):
+        read_scene(damped_disc("iga")).change(change)
+
+
+def test_sliding_cannot_turn_in_the_plane():
+    data = damped_disc("iga")
+    ring = {"shape": "ring", "inner_radius": 0.5, "outer_radius": 1.0}
+    inner = {"shape": "ring", "inner_radius": 0.2, "outer_radius": 0.5}
+    for body, geometry in (("disc", ring), ("pad", inner)):
+        data["bodies"][body] |= {"geometry": geometry, "supports": []}
+        data["bodies"][body]["mesh"] = {"iga": {"degree": [2, 2], "elements": [1, 8]}}
+    data["contacts"]["interface"] |= {"a": "pad.outer", "b": "disc.inner"}
+    with pytest.raises(SceneError, match=r"contacts\.interface\.sliding\.speed"):
+        read_scene(data)
+    del data["contacts"]["interface"]["sliding"]["speed"]
+    read_scene(data)
+
+
+def test_it_says_what_it_skipped(assembled):
+    told = assembled.modes().skipped
+    assert not {"damping", "gyroscopic", "convective stiffness"} & set(told)
+    change = {"bodies.disc.rotation.convective_stiffness": False}
+    assert "convective stiffness" in run_modes(assembled.scene.change(change)).skipped
+
+
+def kinds(assembled, change):
+    return {warning.kind for warning in assembled.modes(change).warnings}
+
+
+def test_rotation_and_friction_that_disagree_are_told(assembled):
+    """Friction pushes the pad along the motion of the disc under it, not against it."""
+    assert "against-rotation" not in kinds(assembled, {})
+    turned = {"contacts.interface.friction_direction_on_a.circumferential_about": [0.0, 0.0, -1.0]}
+    assert "against-rotation" in kinds(assembled, turned)
+    turned["bodies.disc.rotation.axis"] = [0.0, 0.0, -1.0]
+    assert "against-rotation" not in kinds(assembled, turned)
+    turned |= {"contacts.interface.mu": 0.0, "contacts.interface.sliding": None}
+    del turned["bodies.disc.rotation.axis"]
+    assert "against-rotation" not in kinds(assembled, turned)
+
+
+def test_convective_stiffness_is_told_to_be_half_of_it(assembled):
+    assert "centrifugal-stresses" in kinds(assembled, {})
+    for change in ({"convective_stiffness": False}, {"coriolis": False}):
+        changes = {f"bodies.disc.rotation.{name}": value for name, value in change.items()}
+        assert "centrifugal-stresses" not in kinds(assembled, changes)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_numbers_do_not_depend_on_the_ranks(ranks, backend):
+    alone, together = (on_ranks(n, "damped_numbers.of_backend", backend) for n in (1, ranks))
+    assert alone["asymmetry"] == together["asymmetry"] == 0
+    for key in ("norms", "re", "im"):
+        np.testing.assert_allclose(together[key], alone[key], rtol=1e-9, atol=1e-9)
