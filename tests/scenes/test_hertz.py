@@ -3,9 +3,9 @@
 The law yields by p / c_n, which makes a contact wider and lower by a part that falls like 1 / c_n;
 elements of size h know its rim to h, beyond which the pressure falls like the root of the distance.
 With c_n h kept, so that contact and elements stay as stiff beside each other, both errors fall like
-h: order 1 for the radius by the second moment of the pressure, and for the pressure over the contact
-in the mean square; for the pressure in the middle order 1 at least, since what elements err there,
-far from the rim, falls faster than what the law yields.
+h: order 1 for the radius by the second moment of the pressure, and for the pressure over the
+contact in the mean square; for the pressure in the middle order 1 at least, since what elements err
+there, far from the rim, falls faster than what the law yields.
 """
 
 import numpy as np
@@ -36,7 +36,7 @@ def check_orders(found, row, name):
 @pytest.mark.convergence
 def test_a_cylinder_on_a_block(backend):
     """Elements of the lower block are smaller by a fifth, and match none of the upper one."""
-    row = (8, 11, 16, 23)
+    row = (8, 11, 16, 23, 32)
     segments = {"method": "segments"}
     found = refined(CYLINDER, backend, row, first_c_n=1e15, formulation=segments, more_below=0.25)
     check_orders(found, row, CYLINDER)
