@@ -88,6 +88,7 @@ class _Path:
         self._timer = timer
         self._springs = _closed_slopes(problem)
         self._newton = SlidingNewton(problem, self._springs, timer)
+        self._starts: dict[float, tuple[Floats, Floats]] = {}
 
     def solve(self, steps: int) -> SteadySliding:
         """Put the load on in so many parts, or in more where it takes them."""
@@ -145,6 +146,11 @@ class _Path:
 
         Springs push and pull: the state is that of a contact that is closed everywhere.
         """
+        if factor not in self._starts:
+            self._starts[factor] = self._held_by_springs(factor)
+        return self._starts[factor]
+
+    def _held_by_springs(self, factor: float) -> tuple[Floats, Floats]:
         problem = self._problem
         state = problem.state(*problem.zero(), factor)
         tension = problem.spring_forces(self._springs)

@@ -12,6 +12,7 @@ from cea.system.sliding_problem import SlidingProblem
 from cea.system.steady_sliding import steady_sliding
 
 GPTS = {"method": "gpts", "points": 3}
+MORTAR = {"method": "mortar"}
 RNG = np.random.default_rng(5)
 
 
@@ -96,11 +97,12 @@ def test_forces_on_both_sides_cancel(backend, formulation):
     assert np.abs(on_a + on_b).max() <= 1e-13 * scale
 
 
-def test_an_added_gap_moves_the_state_and_changes_no_pressure(backend, formulation):
+@pytest.mark.parametrize("rule", [GPTS, MORTAR], ids=lambda rule: rule["method"])
+def test_an_added_gap_moves_the_state_and_changes_no_pressure(backend, rule):
     """A block that nothing holds along the normal sinks as far as it is lifted."""
     options = {"c_n": SOFT, "m_n": 2.0, "reach": 0.1}
-    near = steady_sliding(coupled_blocks(backend, formulation, **options))
-    far = steady_sliding(coupled_blocks(backend, formulation, added_gap=0.05, **options))
+    near = steady_sliding(coupled_blocks(backend, rule, **options))
+    far = steady_sliding(coupled_blocks(backend, rule, added_gap=0.05, **options))
     pressures = [steady.contacts["interface"].pressure for steady in (near, far)]
     assert pressures[1] == pytest.approx(pressures[0], rel=1e-8)
     closures = [steady.contacts["interface"].closure for steady in (near, far)]

@@ -79,8 +79,9 @@ def test_a_sweep_seeks_each_state_anew(backend):
     assert swept.eigenvalues == pytest.approx(fresh.eigenvalues, rel=1e-8, abs=1e-8)
 
 
-def test_matrices_are_those_of_the_state(backend, formulation):
-    result = run(backend, formulation, c_n=1e2, m_n=2.0)
+@pytest.mark.parametrize("rule", [GPTS, {"method": "mortar"}], ids=lambda rule: rule["method"])
+def test_matrices_are_those_of_the_state(backend, rule):
+    result = run(backend, rule, c_n=1e2, m_n=2.0)
     matrices = result.matrices()
     (contact,) = result.system.contacts
     assert abs(matrices["K_n"]).max() == pytest.approx(
