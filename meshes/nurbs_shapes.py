@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 
 from cea.errors import require
 from meshes.breaks import Breaks
+from meshes.crowned import Crowned
+from meshes.crowned_bezier import crowned_bezier
 from meshes.patches import Face, GivenPatch, Patches
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
@@ -117,6 +119,10 @@ def nurbs_shape(
             named = {"outer": (0, 1), "bottom": (2, 0), "top": (2, 1)}
             faces = {name: _on_all(range(4), *end) for name, end in named.items()}
             return NurbsShape(quarters, MappingProxyType(faces))
+        case Crowned():
+            flat = nurbs_shape(shape.base, breaks)
+            patches = tuple(_crowned(shape, patch, placement) for patch in flat.patches)
+            return NurbsShape(patches, flat.faces)
         case Hub():
             return _hub(shape, breaks, placement)
 
@@ -252,6 +258,15 @@ def _round(
         weights=np.array(weights),
         breaks=(_linear_parameters(radii), arc.parameters, *map(_linear_parameters, heights)),
     )
+
+
+def _crowned(shape: Crowned, patch: NurbsPatch, placement: Placement) -> NurbsPatch:
+    """A patch of the base, crowned."""
+    degrees, points, weights = crowned_bezier(
+        shape, patch.degrees, patch.control_points, patch.weights
+    )
+    knots = tuple(np.repeat([0.0, 1.0], p + 1) for p in degrees)
+    return NurbsPatch(degrees, knots, placement.apply(points), weights, patch.breaks)
 
 
 def _quarters(

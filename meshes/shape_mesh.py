@@ -7,6 +7,7 @@ import numpy as np
 from cea.errors import InputError, require
 from cea.mesh import DIMENSION, MAX_ORDER, SIMPLICES, Cell, Mesh
 from meshes.breaks import Breaks
+from meshes.crowned import Crowned
 from meshes.division import divided
 from meshes.patches import Patches
 from meshes.placement import Placement
@@ -28,7 +29,8 @@ def shape_mesh(
     """Mesh a shape; its surfaces (curves in the plane) bear the names ``shape.surfaces``.
 
     Curved cells are polynomials through the Gauss-Lobatto points of the circles (see
-    :mod:`meshes.nodes`); up to order 2 these are the nodes. Only unstructured meshes need gmsh.
+    :mod:`meshes.nodes`); up to order 2 these are the nodes. Crowned faces pass through all nodes,
+    and are exact on straight bases from order 2. Only unstructured meshes need gmsh.
 
     Parameters
     ----------
@@ -53,6 +55,9 @@ def shape_mesh(
     RuntimeError
         When gmsh is in use already.
     """
+    if isinstance(shape, Crowned):
+        flat = shape_mesh(shape.base, cell, order, breaks=breaks, size=size)
+        return replace(flat, points=placement.apply(shape.crown(flat.points)))
     _check(shape, cell, order, breaks, size)
     if size is not None:
         from meshes.outline import outline_mesh  # brings in gmsh

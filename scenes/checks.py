@@ -49,11 +49,18 @@ _CHOICES = (
     *("pressure", "speed", "mu_slope"),
 )
 """Fields of several forms: pydantic adds the name of the form to the path behind them."""
+_INNER_CHOICES = (("crowned", "base"),)
+"""The same inside of a form, of which its name is told too, as a body may be named as the field."""
 
 
 def _place(path: Sequence[str | int]) -> str:
     """Path of a field as the user wrote it."""
-    written = [p for before, p in pairwise(("", *path)) if before not in _CHOICES]
+    before = ["", "", *path]
+    written = [
+        part
+        for part, behind in zip(path, pairwise(before), strict=False)
+        if behind[1] not in _CHOICES and behind not in _INNER_CHOICES
+    ]
     return ".".join(map(str, written)) or "scene"
 
 

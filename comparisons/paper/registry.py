@@ -2,6 +2,7 @@
 
 from cea.errors import InputError
 from comparisons.paper.common.figure import PaperFigure
+from comparisons.paper.crowned_pad.study import CROWNED_PAD
 from comparisons.paper.disc_pad.figures import DIAGRAMS
 from comparisons.paper.disc_pad.lumping import LUMPING
 from comparisons.paper.disc_pad.mode_shapes import SHAPES
@@ -18,7 +19,7 @@ _NUMBERED: tuple[PaperFigure, ...] = (
     *SHAPES,
     *DIAGRAMS,
 )
-_STUDIES: tuple[PaperFigure, ...] = (QUADRATURE, LUMPING, *STUDIES)
+_STUDIES: tuple[PaperFigure, ...] = (QUADRATURE, LUMPING, *STUDIES, CROWNED_PAD)
 
 FIGURES: dict[str, PaperFigure] = {
     figure.name: figure

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from scenes.read import SCENES, SceneError, load_scene
+from scenes.read import SCENES, SceneError, load_scene, plain_data, read_scene
 
 MU = "contacts.pad_disc.mu"
 
@@ -97,3 +97,28 @@ def test_broken_toml_is_one_line(tmp_path):
     file.write_text("name = ")
     with pytest.raises(SceneError, match="valid TOML"):
         load_scene(file)
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ("geometry.base.outer_radius=0.01", "geometry.base.outer_radius"),
+        ("geometry.radii.theta=-1.0", "geometry.radii[theta]"),
+        ("geometry.radii.theta=0.01", "geometry.radii"),
+        ("geometry.surface='inner'", "geometry.surface"),
+        ("geometry.base.shape='disc'", "geometry.base"),
+    ],
+)
+def test_faults_of_a_crown_are_told_under_its_fields(change, field):
+    with pytest.raises(SceneError) as caught:
+        load_scene("crowned_pad", [f"bodies.pad.{change}"])
+    assert caught.value.faults[0].field == f"bodies.pad.{field}"
+
+
+def test_a_body_may_bear_the_name_of_a_field():
+    data = plain_data(load_scene("disc"))
+    data["bodies"] = {"base": data["bodies"]["disc"] | {"supports": [{"surface": "nowhere"}]}}
+    data["bodies"]["base"]["geometry"]["outer_radius"] = -1.0
+    with pytest.raises(SceneError) as caught:
+        read_scene(data)
+    assert caught.value.faults[0].field == "bodies.base.geometry.outer_radius"

@@ -1,6 +1,6 @@
 """Claims of the paper in the order of its text, with the rule that decides each."""
 
-from comparisons.paper.claims import rules
+from comparisons.paper.claims import equilibrium_rules, rules
 from comparisons.paper.claims.claim import Claim
 
 _TEXT = "3"
@@ -151,6 +151,33 @@ CLAIMS = (
         "overcomes it",
         ("yardsticks",),
         rules.full_pass,
+    ),
+    Claim(
+        "equilibrium",
+        "Collocation disturbs the equilibrium of steady sliding more than quadrature",
+        "1, left open",
+        "distance of the pressure on a crowned pad from segments on the same mesh, collocation "
+        "over GPTS 3 × 3, least of all loads",
+        ("crowned",),
+        equilibrium_rules.equilibrium,
+    ),
+    Claim(
+        "p of the scheme",
+        "p(x) of steady sliding varies with the scheme that finds it",
+        _TEXT,
+        "largest relative difference of the integral of p from segments, of collocation and GPTS; "
+        "0.01 varies, it depends where only one does",
+        ("crowned",),
+        equilibrium_rules.stiffness,
+    ),
+    Claim(
+        "growth of the scheme",
+        "Each in its own equilibrium, collocation errs more in growth than quadrature",
+        "1, left open",
+        "largest difference of the largest growth rate from segments over all loads, collocation "
+        "over GPTS 3 × 3",
+        ("crowned",),
+        equilibrium_rules.growth,
     ),
 )
 """Every claim."""

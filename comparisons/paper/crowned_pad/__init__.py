@@ -1,0 +1,1 @@
+"""Steady sliding of a crowned pad: what each contact formulation makes of the equilibrium."""

@@ -1,0 +1,163 @@
+"""Shapes of which one flat face is crowned: it falls away from an apex as a paraboloid does.
+
+At the distance s from the apex along a direction with the radius of curvature R the face lies
+s^2 / (2 R) deeper in the body, as the bodies do between which Hertz took contact to be; a cylinder
+or a sphere of radius R leaves this face by s^4 / (8 R^3). Along theta, s is the straight distance
+from the point of equal radius at the apex: its square is a rational function of the arc, so that
+NURBS hold the face exactly. What lies behind the face follows it in proportion.
+"""
+
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from cea.errors import InputError, require
+from meshes.plane_shapes import Rectangle
+from meshes.solid_shapes import Box, Sector
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Crowned:
+    """A box, rectangle or sector with one crowned face; directions and surfaces are those of it.
+
+    Parameters
+    ----------
+    base
+        The shape before its face is crowned; coordinates of elements along its directions are
+        those before, too.
+    surface
+        The crowned face: any one of a box or rectangle, bottom or top of a sector.
+    radii
+        Radius of curvature at the apex (m) along one or both directions of the face, by name of
+        the direction; along others the face stays straight.
+    apex
+        Coordinate at which the face keeps its place, likewise (m, degrees); in the middle by
+        default.
+
+    Raises
+    ------
+    InputError
+        When a direction does not lie in the face, a radius is not positive, the apex lies outside
+        the face, or the face falls through the body.
+    """
+
+    base: Annotated[Box | Rectangle | Sector, Field(discriminator="shape")]
+    surface: str
+    radii: dict[str, float]
+    apex: dict[str, float] = field(default_factory=dict)
+    shape: Literal["crowned"] = "crowned"
+
+    flat: ClassVar[tuple[str, ...]] = ("bottom", "top")
+    """Faces of a sector that can be crowned."""
+
+    def __post_init__(self) -> None:
+        faces = self.flat if isinstance(self.base, Sector) else self.base.surfaces
+        require(self.surface in faces, "surface", self.surface, f"one of {', '.join(faces)}")
+        within = [name for name in self.directions if name != self.directions[self.across]]
+        extent = dict(zip(self.directions, self.extent, strict=True))
+        require(bool(self.radii), "radii", self.radii, f"a radius along {' or '.join(within)}")
+        for name, radius in self.radii.items():
+            require(name in within, "radii", name, " or ".join(within))
+            require(radius > 0, f"radii[{name}]", radius, "a positive length (m)")
+        for name, place in self.apex.items():
+            require(name in self.radii, "apex", name, f"one of {', '.join(self.radii)}, as radii")
+            low, high = extent[name]
+            require(low <= place <= high, f"apex[{name}]", place, f"{low} to {high}")
+        low, high = self.extent[self.across]
+        if not self.fall < high - low:
+            largest = f"radii with which the face falls by less than {high - low:g} m"
+            raise InputError("radii", self.radii, f"{largest}: it falls by {self.fall:g} m")
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """Names of the directions."""
+        return self.base.directions
+
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        """Names of the surfaces."""
+        return self.base.surfaces
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], ...]:
+        """Range of the coordinate along each direction, of the base."""
+        return self.base.extent
+
+    @property
+    def across(self) -> int:
+        """Number of the direction across the crowned face."""
+        return self.surfaces.index(self.surface) // 2
+
+    @property
+    def at_high_end(self) -> bool:
+        """Whether the coordinate across the face is largest there."""
+        return self.surfaces.index(self.surface) % 2 == 1
+
+    @property
+    def bent(self) -> tuple[int, ...]:
+        """Numbers of the directions along which the depth of the face is quadratic.
+
+        Along r it is so even where the crown is one along theta alone.
+        """
+        if isinstance(self.base, Sector):
+            return 0, 1
+        return tuple(i for i, name in enumerate(self.directions) if name in self.radii)
+
+    @property
+    def fall(self) -> float:
+        """Largest depth (m) of the face below its apex."""
+        ends = np.meshgrid(*self.extent, indexing="ij")
+        corners = np.stack(ends, axis=-1).reshape(-1, len(ends))
+        if isinstance(self.base, Sector):
+            r, theta = corners[:, 0], np.deg2rad(corners[:, 1])
+            corners[:, 0], corners[:, 1] = r * np.cos(theta), r * np.sin(theta)
+        return float(self.depth(corners).max())
+
+    def depth(self, points: Floats) -> Floats:
+        """How much deeper than at its apex the face lies in the body (m).
+
+        Parameters
+        ----------
+        points
+            Cartesian points of the base (m), shape (..., dim); what they are across the face does
+            not matter.
+
+        Returns
+        -------
+        ndarray
+            Shape (...).
+        """
+        total = np.zeros(points.shape[:-1])
+        round_ = isinstance(self.base, Sector)
+        for name, radius in self.radii.items():
+            axis = self.directions.index(name)
+            low, high = self.extent[axis]
+            apex = self.apex.get(name, 0.5 * (low + high))
+            if not round_:
+                total += (points[..., axis] - apex) ** 2 / (2 * radius)
+                continue
+            r = np.hypot(points[..., 0], points[..., 1])
+            if name == "r":
+                total += (r - apex) ** 2 / (2 * radius)
+            else:
+                middle = np.array([np.cos(np.deg2rad(apex)), np.sin(np.deg2rad(apex))])
+                chord = points[..., :2] - r[..., None] * middle
+                total += (chord**2).sum(axis=-1) / (2 * radius)
+        return total
+
+    def crown(self, points: Floats) -> Floats:
+        """Points of the base (m), shape (..., dim), moved to where they lie in the crowned shape.
+
+        Those of the face move by its depth, those opposite not at all, those between in proportion.
+        """
+        low, high = self.extent[self.across]
+        share = (points[..., self.across] - low) / (high - low)
+        inwards = -share if self.at_high_end else 1.0 - share
+        moved = points.copy()
+        moved[..., self.across] += inwards * self.depth(points)
+        return moved

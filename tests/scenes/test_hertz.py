@@ -1,0 +1,98 @@
+"""Hertz contact: radius and peak pressure converge to the closed form where c_n is stiff.
+
+The law yields by p / c_n, which makes a contact wider and lower by a part that falls like 1 / c_n;
+elements of size h know its rim to h, beyond which the pressure falls like the root of the distance.
+With c_n h kept, so that contact and elements stay as stiff beside each other, both errors fall like
+h: order 1 for the radius by the second moment of the pressure, and for the pressure over the
+contact in the mean square; for the pressure in the middle order 1 at least, since what elements err
+there, far from the rim, falls faster than what the law yields.
+"""
+
+import numpy as np
+import pytest
+from hertz_scenes import CYLINDER, FINE, SPHERE, closed_form, errors, radius_of, rate, refined
+
+from scenes import load_scene
+from scenes.run import run_static
+
+ORDER = 1.0
+TOLERANCE = 0.35
+"""Of orders: where the rim lies in its element changes from mesh to mesh."""
+
+
+def element(name, row):
+    """Size of an element in the contact, relative to its radius, on a row of meshes."""
+    hertz, _ = closed_form(load_scene(name))
+    return FINE / np.array(row) / radius_of(hertz)
+
+
+def check_orders(found, row, name):
+    assert rate(row, found["radius"]) == pytest.approx(ORDER, abs=TOLERANCE)
+    assert rate(row, found["peak"]) > ORDER - TOLERANCE
+    assert (np.abs(found["closed"]) < element(name, row)).all()
+    assert np.abs(found["load"]).max() < 1e-9
+
+
+@pytest.mark.convergence
+def test_a_cylinder_on_a_block(backend):
+    """Elements of the lower block are smaller by a fifth, and match none of the upper one."""
+    row = (8, 11, 16, 23, 32)
+    segments = {"method": "segments"}
+    found = refined(CYLINDER, backend, row, first_c_n=1e15, formulation=segments, more_below=0.25)
+    check_orders(found, row, CYLINDER)
+    assert abs(found["radius"][-1]) < 5e-4
+    assert abs(found["peak"][-1]) < 5e-4
+
+
+@pytest.mark.slow
+@pytest.mark.convergence
+@pytest.mark.parametrize("method", ["segments", "mortar"])
+def test_a_cylinder_on_a_block_finely(backend, method):
+    """To two parts in ten thousand; the pressure over the contact too, in the mean square."""
+    row = (8, 11, 16, 23, 32, 45, 64, 90)
+    found = refined(
+        CYLINDER, backend, row, first_c_n=1e15, formulation={"method": method}, more_below=0.25
+    )
+    check_orders(found, row, CYLINDER)
+    assert rate(row, found["pressure"]) > ORDER - TOLERANCE
+    assert abs(found["radius"][-1]) < 2e-4
+    assert abs(found["peak"][-1]) < 2e-4
+
+
+@pytest.mark.slow
+@pytest.mark.convergence
+def test_a_sphere_on_a_block(backend):
+    """Lagrange elements of one size have four times the functions of splines on a surface."""
+    row = {"fe": (2, 3, 4, 5), "iga": (4, 6, 8, 10)}[backend]
+    gpts = {"method": "gpts", "points": 3}
+    found = refined(SPHERE, backend, row, first_c_n=row[0] * 1.25e13, formulation=gpts)
+    check_orders(found, row, SPHERE)
+    assert abs(found["radius"][-1]) < 0.02
+    assert abs(found["peak"][-1]) < 0.03
+
+
+@pytest.mark.parametrize("name", [CYLINDER, SPHERE])
+def test_scenes_of_the_catalogue(name, backend):
+    """Elements as coarse as seven to a radius in the plane, three in space."""
+    of_catalogue = load_scene(name, backend=backend)
+    result = run_static(of_catalogue)
+    found = errors(result)
+    allowed = {CYLINDER: 0.005, SPHERE: 0.02}[name]
+    assert abs(found.radius) < allowed
+    assert abs(found.peak) < allowed
+    assert abs(found.closed) < {CYLINDER: 0.0025, SPHERE: 0.0055}[name] / radius_of(
+        closed_form(of_catalogue)[0]
+    )
+    assert abs(found.load) < 1e-9
+    assert result.warnings == ()
+
+
+def test_the_pressure_of_stiffer_contacts_comes_nearer(backend):
+    """On one mesh the law's yield is left: errors fall like 1 / c_n."""
+    segments = {"method": "segments"}
+    soft, stiff = (
+        refined(CYLINDER, backend, (16,), first_c_n=c_n, formulation=segments)
+        for c_n in (1e13, 1e14)
+    )
+    for name in ("radius", "peak"):
+        assert soft[name][0] / stiff[name][0] == pytest.approx(10, rel=0.3)
