@@ -98,8 +98,10 @@ def check_coverage(missed: int, count: int, fraction: float, limit: float, **wor
         raise InputError(
             words["field"],
             words["sides"],
-            f"points whose weights add up to the area of side a: those of {count} points leave "
-            f"out {100 * fraction:.2g} % of it; take more points or elements",
+            f"surfaces that face each other within {words['reach']}: {100 * fraction:.2g} % of the "
+            "area of side a has no points, for they find nothing on side b there, or the rule is "
+            f"too coarse for the weights of a spline; at most {100 * limit:.2g} % may have none: "
+            "take more elements, else raise max_missed",
         )
     if fraction > limit:
         raise InputError(

@@ -1,7 +1,7 @@
 """Figures of complex eigenvalue analysis: measures, false stiffness of lumping, claims, files."""
 
 import csv
-from dataclasses import asdict, replace
+from dataclasses import replace
 from math import tau
 from types import SimpleNamespace
 
@@ -28,6 +28,7 @@ from comparisons.paper.disc_pad.stability_diagram import Measure, Panel, Stabili
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
 from comparisons.paper.registry import FIGURES
 from scenes.build import build_bodies, build_interfaces, build_system
+from scenes.plain import as_data
 from scenes.stored import read_record
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
@@ -194,10 +195,10 @@ def test_divided_hexahedra_are_told_in_the_inputs_of_figures():
     for name, body in scene.bodies.items():
         assert body.mesh.fe.cell == "tetrahedron"
         described = inputs["bodies"][name]["mesh"]["fe"]
-        assert described == asdict(body)["mesh"]["fe"] | {"cell": "hexahedron"}
+        assert described == as_data(body)["mesh"]["fe"] | {"cell": "hexahedron"}
     whole = replace(case, divided=False)
     assert whole.inputs("hexahedra") == case.inputs("hexahedra")
-    assert whole.inputs("hexahedra") == asdict(whole.scene("hexahedra"))
+    assert whole.inputs("hexahedra") == as_data(whole.scene("hexahedra"))
 
 
 def test_tetrahedra_trace_the_pad_where_hexahedra_are_divided():
