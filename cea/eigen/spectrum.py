@@ -14,6 +14,8 @@ Verdict = Literal["stable", "unstable", "undecided"]
 
 RELATIVE_GROWTH = 1e-4
 """Growth rate relative to abs(lambda) above which a mode is called unstable by default."""
+_DIGITS = 0.01
+"""Growth rate (1/s) below which three digits after the point show too little."""
 _SLOW = 0.1
 """Modes slower than this part of the window are judged by it: rigid motions have no speed."""
 _TRUSTED = 1e-2
@@ -225,9 +227,14 @@ class Spectrum:
         ]
         signs = {"unstable": " *", "undecided": " ?", "stable": ""}
         lines += [
-            f"{row['mode']:5d}  {row['frequency']:14.3f}  {row['growth_rate']:+17.3f}"
+            f"{row['mode']:5d}  {row['frequency']:14.3f}  {growth_text(row['growth_rate']):>17}"
             f"  {row['uncertainty']:11.1e}  {row['residual']:8.1e}  {row['condition']:9.1f}"
             f"{signs[row['verdict']]}"
             for row in rows
         ]
         return "\n".join(lines)
+
+
+def growth_text(rate: float) -> str:
+    """A growth rate (1/s); a small one by its digits, for it decides as a large one does."""
+    return f"{rate:+.3f}" if rate == 0 or abs(rate) >= _DIGITS else f"{rate:+.2e}"

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
 console = Console()
 _TABLE_WIDTH = 120
-_SLOW = 0.01
-"""Growth rate (1/s) below which three digits after the point show too little."""
 
 
 def print_table(table: ReportTable) -> None:
@@ -43,13 +41,15 @@ def print_steady(result: "ModesResult | StaticResult") -> None:
 
 def print_modes(result: "ModesResult | MatrixResult") -> None:
     """Print the eigenvalues of a run, its verdict, what it must be read with, and why it is all."""
+    from cea.eigen.spectrum import growth_text
+
     columns = ("mode", "frequency (Hz)", "growth rate (1/s)", "uncertainty", "residual")
     table = Table(*columns, "condition", "verdict")
     for mode in result.table():
         table.add_row(
             str(mode["mode"]),
             f"{mode['frequency']:.3f}",
-            _growth(mode["growth_rate"]),
+            growth_text(mode["growth_rate"]),
             f"{mode['uncertainty']:.1e}",
             f"{mode['residual']:.1e}",
             f"{mode['condition']:.1f}",
@@ -60,11 +60,6 @@ def print_modes(result: "ModesResult | MatrixResult") -> None:
     typer.echo(result.modes.window.evidence)
     _print_warnings(result)
     console.print(f"verdict: {result.verdict}")
-
-
-def _growth(rate: float) -> str:
-    """A growth rate; a slow one by its digits, for it decides as a fast one does."""
-    return f"{rate:+.3f}" if rate == 0 or abs(rate) >= _SLOW else f"{rate:+.2e}"
 
 
 def print_stresses(result: "StaticResult") -> None:

@@ -30,6 +30,7 @@ REQUIRED = {
 }
 MAY_BE_NONE = {
     *("P", "p", "m_n", "growth_threshold", "min_growth", "rho", "alpha", "beta", "mu_slope"),
+    "reach",
 }
 """Numbers that may be left out, beside others."""
 FREE_TEXT = {"name", "description"}
@@ -210,10 +211,11 @@ def _number_changes(value, field, path):
         yield "wrong type", new, True
     yield "none", None, field not in MAY_BE_NONE or None
     yield "not a number", float("nan"), True
+    tied = field in ("P", "p")  # where the form is open or saddle, such a stiffness ties the sides
     for new in (float("inf"), -float("inf")):
-        yield "infinite", new, True
+        yield "infinite", new, (not (tied and new > 0)) or None
     for new in (1e300, -1e300, 10**400):
-        yield "huge", new, True
+        yield "huge", new, (not (tied and new > 0)) or None
     yield "next to nothing", 1e-300, (field in POSITIVE) or None
     yield "negative", -abs(value) - 1, (field in NOT_NEGATIVE) or None
     yield "zero", 0 * value, (field in POSITIVE) or None
