@@ -29,8 +29,8 @@ from scenes.run import run_modes
 from scenes.stored import read_record
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
-ESTIMATES = {"growth_uncertainty", "uncertainty", "residual", "condition"}
-"""Of rounding errors, by what happened to be found beside each mode."""
+ESTIMATES = {"growth_uncertainty", "uncertainty", "verdict", "residual", "condition"}
+"""Of rounding errors, by what happened to be found beside each mode, and what follows from them."""
 NOT_NUMBERS = {"seconds", "timings", "versions", "machine"} | ESTIMATES
 ACCURACY = Path(comparisons.accuracy.__file__).parent / "results" / "result.json.gz"
 DIGITS = 5e-4
