@@ -8,8 +8,8 @@ has a finite slope there but for coalescences, which damping makes rare.
 import numpy as np
 from scipy.optimize import brentq
 
+from cea.body import Complexes, Floats
 from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.modes import Modes
 from cea.eigen.thresholds import Threshold
 from cea.errors import ConvergenceError, InputError
 
@@ -49,36 +49,38 @@ def growth_threshold(
     """
     driver.pencil.parameter(parameter)
     solves, factorisations = driver.solves, driver.factorisations
-    last: dict[float, complex] = {}
+    solved: dict[float, tuple[Complexes, Floats]] = {}
 
-    def solved(value: float) -> Modes:
-        modes = driver.solve(max_frequency, {parameter: value})
-        if not modes.window.complete:
-            raise ConvergenceError(
-                f"at {parameter} = {value:.6g} {modes.window.evidence}", best=modes
-            )
-        return modes
+    def at(value: float) -> tuple[Complexes, Floats]:
+        """Eigenvalues of the window and what their growth may be off by; no vectors are kept."""
+        if value not in solved:
+            modes = driver.solve(max_frequency, {parameter: value})
+            if not modes.window.complete:
+                raise ConvergenceError(
+                    f"at {parameter} = {value:.6g} {modes.window.evidence}", best=modes
+                )
+            solved[value] = modes.eigenvalues, modes.growth_uncertainties
+        return solved[value]
 
-    def growth(value: float) -> float:
-        modes = solved(value)
-        fastest = int(np.argmax(modes.growth_rates)) if len(modes) else None
-        last[value] = complex(modes.eigenvalues[fastest]) if fastest is not None else -np.inf
-        return last[value].real
+    def fastest(value: float) -> complex:
+        """Where the window is empty all decay faster than it reaches: any such rate will do."""
+        values, _ = at(value)
+        return complex(
+            values[np.argmax(values.real)] if len(values) else -2 * np.pi * max_frequency
+        )
 
     for name, value, sign in (("stable", stable, -1), ("unstable", unstable, 1)):
-        modes = solved(value)
-        sure = sign * modes.growth_rates - modes.growth_uncertainties > 0
+        values, uncertainties = at(value)
+        sure = sign * values.real - uncertainties > 0
         if not (sure.all() if sign < 0 else sure.any()):
             word = "every mode decays" if sign < 0 else "a mode grows"
             raise InputError(name, value, f"a value of {parameter} at which {word}")
     scale = max(abs(stable), abs(unstable))
-    value = float(brentq(growth, stable, unstable, xtol=tolerance * scale))
-    if value not in last:
-        growth(value)
+    value = float(brentq(lambda each: fastest(each).real, stable, unstable, xtol=tolerance * scale))
     return Threshold(
         parameter,
         value,
-        last[value],
+        fastest(value),
         driver.solves - solves,
         driver.factorisations - factorisations,
     )
