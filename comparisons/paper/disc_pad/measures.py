@@ -71,6 +71,8 @@ def largest_distance(match: Data) -> float:
 def motion_ratio(reference: Data, case: Data, match: Data, what: str) -> float:
     """Median over paired modes of a case's part of motion over the reference's.
 
+    Modes in which the disc moves in its plane only have no part, and do not count.
+
     Parameters
     ----------
     reference, case, match
@@ -79,12 +81,14 @@ def motion_ratio(reference: Data, case: Data, match: Data, what: str) -> float:
         ``contact_motion``, normal motion of the disc in the contact relative to elsewhere; or
         ``contact_gap``, the gap relative to the motion of the disc.
     """
-    ratios = [
-        mean(case[what][i] for i in group["modes"][0])
-        / mean(reference[what][j] for j in group["modes"][1])
-        for group in match["groups"]
-    ]
-    return median(ratios)
+    pairs = (group["modes"] for group in match["groups"])
+    parts = (
+        ([case[what][i] for i in ours], [reference[what][j] for j in theirs])
+        for ours, theirs in pairs
+    )
+    return median(
+        mean(ours) / mean(theirs) for ours, theirs in parts if None not in (*ours, *theirs)
+    )
 
 
 def unpaired(match: Data) -> int:

@@ -203,7 +203,7 @@ def _common_mode(match: Data, reference: Data) -> tuple[int, int]:
         for group in match["groups"]
         if len(group["modes"][0]) == len(group["modes"][1]) == 1 and group["assurance"] > _ALIKE
     ]
-    return max(pairs, key=lambda pair: reference["contact_motion"][pair[1]])
+    return max(pairs, key=lambda pair: reference["contact_motion"][pair[1]] or 0.0)
 
 
 def _mode(result: ModesResult, mode: int) -> Data:

@@ -23,6 +23,11 @@ _SHAPE_GRID = (7, 12)
 """Points across and along the contact at which shapes are compared."""
 _CIRCLES = ((0.2, 0.5, 0.8, 0.98), 36)
 """Circles on the disc, by the part of its width, and points on each."""
+_IN_PLANE = 1e-6
+"""Normal motion below this part of all motion is rounding: the disc moves in its plane."""
+
+type Ratios = list[float | None]
+"""One for each mode, none where the motion it would be relative to vanishes."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +104,7 @@ def _spectrum(label: str, result: ModesResult) -> Spectrum:
     return Spectrum(label, data, ModeSet(modes.eigenvalues, shapes))
 
 
-def _shapes(result: ModesResult) -> tuple[Complexes, list[float], list[float]]:
+def _shapes(result: ModesResult) -> tuple[Complexes, Ratios, Ratios]:
     """What all modes look like at points that do not depend on the mesh.
 
     Returns
@@ -109,7 +114,8 @@ def _shapes(result: ModesResult) -> tuple[Complexes, list[float], list[float]]:
     list
         Normal motion of the disc in the contact relative to that on the rest of the circles.
     list
-        Gap in the contact relative to the normal motion of the disc there.
+        Gap in the contact relative to the normal motion of the disc there. Both None for modes
+        in which the disc moves in its plane only.
     """
     disc, pad = (result.scene.bodies[name].geometry for name in (DISC, PAD))
     assert isinstance(disc, Annulus)
@@ -135,10 +141,21 @@ def _shapes(result: ModesResult) -> tuple[Complexes, list[float], list[float]]:
         | (radius > pad.outer_radius)
         | ((angle - pad.start) % 360 > pad.end - pad.start)
     )
+    shapes = np.concatenate([side_b, rest, side_a])
+    least = _IN_PLANE * _rms(shapes)
     disc_motion = _rms(side_b[2::3])
-    motion = disc_motion / _rms(rest[2::3][outside])
-    gap = _rms(side_b[2::3] - side_a[2::3]) / disc_motion
-    return np.concatenate([side_b, rest, side_a]), motion.tolist(), gap.tolist()
+    motion = _ratios(disc_motion, _rms(rest[2::3][outside]), least)
+    return shapes, motion, _ratios(_rms(side_b[2::3] - side_a[2::3]), disc_motion, least)
+
+
+def _ratios(motion: Floats, relative_to: Floats, least: Floats) -> Ratios:
+    """Of two motions in each mode, where the second is more than the least."""
+    return [
+        above / below if below > small else None
+        for above, below, small in zip(
+            motion.tolist(), relative_to.tolist(), least.tolist(), strict=True
+        )
+    ]
 
 
 def _rms(values: Complexes) -> Floats:
