@@ -13,7 +13,9 @@ from cea.timing import StageTimer
 from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.run import RunOptions, coupled, run_modes, skipped_by, with_warnings
-from scenes.spec import BodySpec, ComplexEigenvalueAnalysis, ContactSpec
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.body import BodySpec
+from scenes.spec.contact import ContactSpec
 
 
 class AssembledScene:

@@ -22,10 +22,12 @@ from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
-from scenes.load_spec import LoadSpec
-from scenes.motion_spec import SlidingSpec
 from scenes.read import Scene
-from scenes.spec import BodySpec, ContactSpec, FeMesh, IgaMesh
+from scenes.spec.body import BodySpec
+from scenes.spec.contact import ContactSpec
+from scenes.spec.load import LoadSpec
+from scenes.spec.mesh import FeMesh, IgaMesh
+from scenes.spec.motion import SlidingSpec
 
 _ROUNDING = 1e-14
 """Friction below this part of the largest counts as zero."""

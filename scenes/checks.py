@@ -15,8 +15,11 @@ from cea.fields import Expression
 from cea.rotation import Rotation
 from meshes.breaks import check_breaks
 from scenes.limits import MAX_ELEMENTS, limit_checks
-from scenes.load_spec import LoadSpec
-from scenes.spec import Backend, BodySpec, ContactSpec, FeMesh, IgaMesh, SceneSpec
+from scenes.spec.body import Backend, BodySpec
+from scenes.spec.contact import ContactSpec
+from scenes.spec.load import LoadSpec
+from scenes.spec.mesh import FeMesh, IgaMesh
+from scenes.spec.scene import SceneSpec
 
 
 def faults_told_by(error: ValidationError) -> list[InputError]:

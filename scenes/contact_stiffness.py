@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from cea.contact.operators import Contact
 from cea.fields import Expression, evaluate
 from scenes.read import Scene
-from scenes.spec import ContactSpec
+from scenes.spec.contact import ContactSpec
 
 _ENDS = {
     "x": ("x_min", "x_max"),

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from cea.errors import InputError
-from scenes.spec import SceneSpec
+from scenes.spec.scene import SceneSpec
 
 LARGEST, SMALLEST = 1e30, 1e-30
 """Range of numbers, in the unit of each: lengths, stiffness and densities of any units fit."""

@@ -14,9 +14,9 @@ from cea.matrices import destroy, distributed, empty
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows, made_on_first
 from cea.warned import ResultWarning
-from scenes.matrix_files import read_matrix
+from scenes.matrix_files.read import read_matrix
+from scenes.matrix_files.symmetry import Symmetry, equal_entries, mean_with_transpose, symmetry_of
 from scenes.matrix_scene import ROLES, MatrixScene
-from scenes.matrix_symmetry import Symmetry, equal_entries, mean_with_transpose, symmetry_of
 
 _ROUNDING = np.finfo(float).eps
 

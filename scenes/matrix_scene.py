@@ -18,7 +18,7 @@ from cea.eigen.formula import RESERVED, Formula
 from cea.eigen.parameters import Parameter
 from cea.errors import InputError
 from scenes.limits import LARGEST, MAX_ITEMS, SMALLEST
-from scenes.matrix_files import split_name
+from scenes.matrix_files.read import split_name
 from scenes.read import (
     OF_MATRICES,
     SceneError,
@@ -28,7 +28,7 @@ from scenes.read import (
     set_fields,
     tables_of,
 )
-from scenes.spec import Analysis, ComplexEigenvalueAnalysis
+from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
 
 Role = Literal["mass", "damping", "stiffness"]
 ROLES: tuple[Role, ...] = ("mass", "damping", "stiffness")

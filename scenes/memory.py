@@ -21,7 +21,9 @@ from cea.petsc import MPI
 from meshes.patches import Patches
 from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 from scenes.read import Scene
-from scenes.spec import BodySpec, ComplexEigenvalueAnalysis, FeMesh
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.body import BodySpec
+from scenes.spec.mesh import FeMesh
 
 _NUMBER, _ENTRY = 8, 12
 """Bytes of a number, and of an entry of a sparse matrix with its column."""

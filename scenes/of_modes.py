@@ -10,7 +10,7 @@ from cea.eigen.spectrum import Spectrum, Verdict
 from scenes.matrix_scene import MatrixScene
 from scenes.names import backend_name
 from scenes.read import Scene
-from scenes.spec import ComplexEigenvalueAnalysis
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
 
 
 class OfModes:

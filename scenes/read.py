@@ -16,7 +16,8 @@ from cea.contact.formulations import Formulation, registered
 from cea.damping import RayleighDamping
 from cea.errors import InputError
 from scenes.checks import cross_checks, faults_told_by
-from scenes.spec import Backend, SceneSpec
+from scenes.spec.body import Backend
+from scenes.spec.scene import SceneSpec
 
 SCENES = Path(__file__).parent / "catalogue"
 """Folder of the scenes that come with the project."""

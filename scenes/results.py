@@ -19,7 +19,7 @@ from cea.warned import ResultWarning
 from scenes.arrays import gathered_displacements, gathered_sums
 from scenes.of_modes import OfModes
 from scenes.read import Scene
-from scenes.spec import StaticAnalysis
+from scenes.spec.analysis import StaticAnalysis
 from scenes.steady import steady_data, steady_lines
 
 if TYPE_CHECKING:

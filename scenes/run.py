@@ -17,7 +17,7 @@ from scenes.build import build_bodies, build_interfaces, build_system, check_int
 from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
-from scenes.spec import ComplexEigenvalueAnalysis, StaticAnalysis
+from scenes.spec.analysis import ComplexEigenvalueAnalysis, StaticAnalysis
 from scenes.steady import steady_warnings
 from scenes.warnings import scene_warnings, short_modes
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from scenes.read import Scene
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 BACKENDS: tuple[Backend, ...] = ("fe", "iga")
 

@@ -18,7 +18,8 @@ from scenes.contact_stiffness import relative_stiffness, stiffness_in_the_mesh
 from scenes.motion_warnings import against_rotation, centrifugal_stresses
 from scenes.read import Scene
 from scenes.resolution import unresolved, waves
-from scenes.spec import BodySpec, ContactSpec
+from scenes.spec.body import BodySpec
+from scenes.spec.contact import ContactSpec
 
 _UNCOVERED = 1e-3
 """Part of side a that quadrature may lose."""

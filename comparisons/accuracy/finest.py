@@ -21,7 +21,7 @@ from cea.eigen.modes import Modes
 from exact_cea.reference import exact_eigenvalues
 from scenes.read import load_scene
 from scenes.run import run_modes
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 Data = dict[str, Any]
 

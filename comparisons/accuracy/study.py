@@ -17,7 +17,7 @@ from cea.contact.formulations import (
 )
 from comparisons.accuracy.problems import BodyMesh, Problem
 from scenes.checks import suits
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 from scenes.variants import BACKENDS
 
 

@@ -20,7 +20,8 @@ from scenes.read import load_scene
 from scenes.results import ModesResult
 from scenes.run import run_modes, run_scene
 from scenes.run_matching import match_unstable
-from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import Backend
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.stored import record
 from scenes.variants import BACKENDS, on_backend, with_contact
 

@@ -12,7 +12,7 @@ that rises with the speed on the walls across x, along which they are slid on.
 
 from typing import Any
 
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 K1, K2 = 1.0, 1.44
 """Stiffness along x and y (N/m)."""

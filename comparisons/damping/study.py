@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from comparisons.damping.scene import K1, K2, MODULUS, hulten_scene
 from scenes.assembled import AssembledScene
 from scenes.read import read_scene
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 from scenes.stored import record
 
 COMMAND = "damping"

@@ -22,7 +22,9 @@ from exact_cea.reference import exact_eigenvalues
 from scenes.build import build_bodies
 from scenes.read import Scene, load_scene
 from scenes.run import run_modes
-from scenes.spec import Backend, ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.body import Backend
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.variants import BACKENDS, on_backend
 
 _MARGIN = 1.15

@@ -17,7 +17,9 @@ from scenes.read import Scene, load_scene
 from scenes.results import ModesResult
 from scenes.run import run_modes
 from scenes.run_matching import match_unstable
-from scenes.spec import Backend, BodySpec, ComplexEigenvalueAnalysis, MeshSpec
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.body import Backend, BodySpec
+from scenes.spec.mesh import MeshSpec
 from scenes.variants import with_contact
 
 FREQUENCY_BOUND = 0.01

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from math import pi
 from pathlib import Path
 
-from scenes.load_spec import LoadSpec
 from scenes.read import Scene, load_scene
-from scenes.spec import Backend
+from scenes.spec.body import Backend
+from scenes.spec.load import LoadSpec
 
 PRESSURE = 1000.0
 """Exact contact pressure of every patch test (N/m^2)."""

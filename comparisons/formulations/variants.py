@@ -15,7 +15,7 @@ from cea.contact.formulations import (
 )
 from scenes.checks import suits
 from scenes.read import Scene
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.common.style import COLOURS, drawing
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 
 @dataclass(frozen=True)

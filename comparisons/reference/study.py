@@ -23,7 +23,8 @@ from scenes.read import Scene, load_scene
 from scenes.results import ModesResult
 from scenes.run import run_modes
 from scenes.run_matching import match_runs
-from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import Backend
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.stored import read_record, record
 from scenes.variants import on_backend, with_contact
 

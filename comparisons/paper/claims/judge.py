@@ -11,7 +11,7 @@ from comparisons.paper.claims.claim import Claim, Evidence, JudgedClaim
 from comparisons.paper.common.families import FAMILIES
 from comparisons.paper.common.store import make_figure
 from comparisons.paper.registry import FIGURES
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 from scenes.stored import read_record, record, write_record
 
 

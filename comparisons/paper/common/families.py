@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 Family = Literal["NURBS", "hexahedra", "tetrahedra"]
 

@@ -10,7 +10,7 @@ import numpy as np
 from comparisons.kit.numbers import number
 from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 Data = dict[str, Any]
 """Plain data, ready for JSON."""

@@ -15,7 +15,8 @@ from cea.contact.formulations import (
 )
 from comparisons.paper.common.families import BACKEND_OF, Family
 from scenes.read import Scene, load_scene
-from scenes.spec import BodySpec, FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import BodySpec
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.variants import on_backend
 
 CONTACT, PAD, DISC = "pad_disc", "pad", "disc"

@@ -30,7 +30,7 @@ from comparisons.paper.crowned_pad.measures import ANGLES, RADII, common_points,
 from meshes.shapes import Crowned
 from scenes.plain import as_data
 from scenes.run import run_modes
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ from comparisons.paper.common.families import BACKEND_OF, Family
 from comparisons.paper.common.figure import Data
 from scenes.plain import as_data
 from scenes.read import Scene, load_scene
-from scenes.spec import ComplexEigenvalueAnalysis, FeMesh, IgaMesh, MeshSpec
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.variants import on_backend
 
 CONTACT = "pad_disc"

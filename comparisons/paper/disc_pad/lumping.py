@@ -30,7 +30,7 @@ from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra
 from scenes.plain import as_data
 from scenes.results import ModesResult
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 _MARKERS = "os^"
 

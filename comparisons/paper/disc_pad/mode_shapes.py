@@ -25,7 +25,7 @@ from comparisons.paper.disc_pad.runs import RUNS, compare_spectra, displacements
 from comparisons.paper.disc_pad.shape_drawing import draw_lines, draw_shapes
 from scenes.plain import as_data
 from scenes.results import ModesResult
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 P = 1e6
 """Contact stiffness of the figures (N/m)."""

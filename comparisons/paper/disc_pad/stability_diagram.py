@@ -12,7 +12,7 @@ from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.disc_pad.case import CeaCase
 from comparisons.paper.disc_pad.diagram_drawing import draw_diagrams
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 
 @dataclass(frozen=True)

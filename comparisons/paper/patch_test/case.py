@@ -20,7 +20,8 @@ from comparisons.paper.common.families import FAMILIES, Family
 from comparisons.paper.common.figure import Data, as_lists
 from scenes.read import Scene, load_scene
 from scenes.run import run_static
-from scenes.spec import Backend, FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import Backend
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.variants import on_backend, with_contact
 
 EXACT = -1000.0

@@ -14,7 +14,7 @@ from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.patch_test.case import PatchTestCase, run_case, worse
 from comparisons.paper.patch_test.drawing import draw_cases
 from scenes.plain import as_data
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 _OSCILLATION = "Oscillation (N/m²): largest less smallest σₙ over the interface, worse side."
 _NURBS = (

@@ -23,7 +23,7 @@ from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
 from scenes.build import build_bodies, build_interfaces
 from scenes.plain import as_data
 from scenes.read import Scene
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 from scenes.variants import with_contact
 
 _SEEN = {"upper": ("x_max", "y_min", "z_max"), "lower": ("x_max", "y_min")}

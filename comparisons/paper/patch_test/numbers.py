@@ -8,7 +8,7 @@ from comparisons.kit.progress import Progress
 from comparisons.paper.common.figure import Number
 from comparisons.paper.patch_test.case import EXACT
 from comparisons.paper.patch_test.figures import PATCH_TEST_FIGURES
-from scenes.spec import Backend
+from scenes.spec.body import Backend
 
 FIGURES = {figure.name: figure for figure in PATCH_TEST_FIGURES}
 """Figures with results of the patch test, by their numbers; 2 and 11 show its settings."""

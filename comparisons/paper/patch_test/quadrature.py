@@ -23,7 +23,8 @@ from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
 from scenes.plain import as_data
 from scenes.read import Scene
 from scenes.run import run_static
-from scenes.spec import Backend, StaticAnalysis
+from scenes.spec.analysis import StaticAnalysis
+from scenes.spec.body import Backend
 
 _SAMPLES = 31
 """Samples across the interface: stresses are polynomials in each span."""

@@ -17,9 +17,9 @@ from cea.contact.operators import Contact
 from cea.fields import Expression, evaluate
 from cea.system.coupled import CoupledSystem
 from comparisons.stability.parts.dense import array, constraint, jump
-from scenes.motion_spec import SlidingSpec
 from scenes.read import read_scene
 from scenes.run import coupled
+from scenes.spec.motion import SlidingSpec
 
 
 def damped_eigenvalues(data: Mapping[str, Any]) -> Complexes:

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.sparse import csr_array, issparse
 
 from cea.errors import InputError
-from scenes.matlab_files import read_variables
-from scenes.matrix_market_files import read_matrix_market
+from scenes.matrix_files.matlab import read_variables
+from scenes.matrix_files.matrix_market import read_matrix_market
 
 LARGEST_SIZE = 50_000_000
 """Rows of a matrix at most: more is a broken header, or nothing that a run could solve."""

@@ -1,0 +1,1 @@
+"""Matrices in files of other programs: reading them, and telling which are symmetric."""

@@ -1,0 +1,1 @@
+"""What a scene file says: one module for each of its sections."""

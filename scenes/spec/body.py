@@ -1,0 +1,35 @@
+"""What a scene says of a body."""
+
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from cea.material import IsotropicMaterial
+from cea.rotation import Rotation
+from cea.supports.boundary import Spring
+from meshes.placement import Placement
+from meshes.shapes import Shape
+from scenes.spec.mesh import MeshSpec
+from scenes.spec.motion import DampingSpec
+from scenes.spec.support import SupportSpec
+
+Backend = Literal["fe", "iga"]
+
+
+@dataclass(frozen=True)
+class BodySpec:
+    """A body: backend, geometry, meshes, material, supports, damping, rotation."""
+
+    backend: Backend
+    geometry: Annotated[Shape, Field(discriminator="shape")]
+    material: IsotropicMaterial
+    mesh: MeshSpec
+    supports: tuple[SupportSpec, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    placement: Placement = field(default_factory=Placement)
+    damping: DampingSpec | None = None
+    rotation: Rotation | None = None
+
+    left_out: ClassVar[tuple[str, ...]] = ("damping", "rotation")
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""

@@ -1,0 +1,143 @@
+"""What a scene says of a contact."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Union
+
+from pydantic import Field, GetCoreSchemaHandler
+from pydantic_core import CoreSchema
+
+from cea.contact.coupling import Form
+from cea.contact.formulations import Formulation, registered
+from cea.contact.friction import FrictionDirection
+from cea.contact.laws import NormalCompliance
+from cea.errors import InputError
+from cea.fields import Expression
+from scenes.spec.motion import SlidingSpec
+
+
+class _Registered:
+    """Lets pydantic read every registered formulation, told apart by ``method``."""
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        every: Any = Union[tuple(registered().values())]  # noqa: UP007  (made of a list)
+        return handler.generate_schema(Annotated[every, Field(discriminator="method")])
+
+
+@dataclass(frozen=True)
+class ContactSpec:
+    """A contact between side a, where the points lie, and side b.
+
+    Parameters
+    ----------
+    a, b
+        Sides as "body.surface".
+    formulation
+        Points and weights.
+    P
+        Global contact stiffness, the integral of p over the interface (N/m).
+    p
+        Contact stiffness (N/m^3), a number or an expression in the coordinates
+        (:class:`cea.fields.Expression`); either P or p is given, or c_n.
+    c_n, m_n
+        Normal compliance -sigma_n = c_n (u_n - g_n)_+^m_n (N/m^(2 + m_n)), m_n 1 or more, 1 by
+        default: the loads press the sides together, and p is that of steady sliding.
+    added_gap
+        With c_n: what is added to the distance between the sides (m), a number or an expression.
+    mu
+        Friction coefficient, likewise.
+    friction_direction_on_a
+        Direction of the friction traction on side a: {vector = [...]} or
+        {circumferential_about = [...], origin = [...]}, or {field = [...]} with an expression for
+        each component.
+    full_pass
+        Whether points lie on both sides, each half with half the stiffness; P and mu as in a half
+        pass. Of the larger side, points that find nothing opposite are dropped.
+    form
+        ``penalty``, or ``saddle``: contact forces as unknowns, which takes P = inf too. Left open,
+        it is the penalty form where that costs no more than six digits, saddle where it would.
+    reach
+        Largest distance (m) between the sides; left out, they must touch.
+    max_missed
+        Largest fraction of side a that may find nothing on side b.
+    sliding
+        Speed, pressure and slope of friction, where they damp or feed small motions.
+    """
+
+    a: str
+    b: str
+    formulation: Annotated[Formulation, _Registered()]
+    P: Annotated[float, Field(gt=0, allow_inf_nan=True)] | None = None
+    p: Annotated[float, Field(allow_inf_nan=True)] | str | None = None
+    c_n: Annotated[float, Field(allow_inf_nan=True)] | None = None
+    m_n: Annotated[float, Field(allow_inf_nan=True)] | None = None
+    added_gap: float | str = 0.0
+    mu: float | str = 0.0
+    friction_direction_on_a: FrictionDirection | None = None
+    full_pass: bool = False
+    form: Form | None = None
+    reach: Annotated[float, Field(gt=0)] | None = None
+    max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    sliding: SlidingSpec | None = None
+
+    left_out: ClassVar[tuple[str, ...]] = ("c_n", "m_n", "added_gap", "sliding")
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+
+    def __post_init__(self) -> None:
+        if isinstance(self.p, float) and not self.p > 0:
+            raise InputError("p", self.p, "greater than 0")
+        if isinstance(self.mu, float) and not self.mu >= 0:
+            raise InputError("mu", self.mu, "greater than or equal to 0")
+        for name, value in (("p", self.p), ("mu", self.mu), ("added_gap", self.added_gap)):
+            if isinstance(value, str):
+                Expression(value).check(name)
+        self._check_stiffness()
+        if self.mu != 0 and self.friction_direction_on_a is None:
+            raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
+        coupling = self.formulation.coupling
+        for name, stiffness in (("P", self.P), ("p", self.p)):
+            if stiffness == float("inf") and self.form == "penalty":
+                raise InputError(name, stiffness, "finite, or form = 'saddle'")
+            if stiffness == float("inf") and coupling == "lumped":
+                raise InputError(name, stiffness, "finite where lumped")
+        if coupling == "lumped" and self.form == "saddle":
+            raise InputError("form", "saddle", "penalty where lumped")
+        if coupling == "bonded" and (self.mu != 0 or self.full_pass):
+            method = self.formulation.method
+            raise InputError("formulation.method", method, "a half pass with mu = 0")
+        if self.sliding is not None:
+            self._check_sliding()
+
+    def _check_sliding(self) -> None:
+        if self.formulation.coupling == "bonded":
+            allowed = "one that is not bonded where it slides"
+            raise InputError("formulation", self.formulation.method, allowed)
+        if self.friction_direction_on_a is None:
+            raise InputError("friction_direction_on_a", None, "needed where it slides")
+
+    @property
+    def law(self) -> NormalCompliance | None:
+        """Its normal compliance; None where its stiffness is given."""
+        return None if self.c_n is None else NormalCompliance(self.c_n, self.m_n or 1.0)
+
+    def _check_stiffness(self) -> None:
+        """Refuse another number of stiffnesses than one, and what does not go with a law."""
+        given = {"P": self.P, "p": self.p, "c_n": self.c_n}
+        if sum(value is not None for value in given.values()) != 1:
+            others = ", ".join(f"{name} = {value}" for name, value in given.items() if name != "P")
+            raise InputError("P", self.P, f"either P, p or c_n is given, not both ({others})")
+        if self.c_n is None:
+            for name, value in (("m_n", self.m_n), ("added_gap", self.added_gap or None)):
+                if value is not None:
+                    raise InputError(name, value, "left out where c_n is not given")
+            return
+        if self.m_n is not None:
+            NormalCompliance(1.0, self.m_n)
+        NormalCompliance(self.c_n, 1.0)
+        if self.formulation.coupling in ("lumped", "bonded"):
+            allowed = "one whose gaps at points meet a law, where c_n is given: not lumped, bonded"
+            raise InputError("formulation.method", self.formulation.method, allowed)
+        if self.formulation.coupling == "mortar" and self.form == "saddle":
+            allowed = "penalty where c_n is given: open parts of mortar contact have no compliance"
+            raise InputError("form", self.form, allowed)

@@ -1,0 +1,86 @@
+"""What a scene says of meshes, one for each backend."""
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from pydantic import Field
+
+from cea.errors import InputError
+from cea.mesh import SIMPLICES, Cell
+
+
+@dataclass(frozen=True)
+class FeMesh:
+    """Lagrange mesh of a body.
+
+    Parameters
+    ----------
+    cell
+        Kind of cell.
+    degree
+        Degree of the elements.
+    geometry_degree
+        Degree of the geometry; by default that of the elements. 1 gives straight facets.
+    elements
+        Cells of a structured mesh along each direction of the shape; of closed shapes, all the way
+        round. Tetrahedra or triangles are such cells each divided into six or two.
+    size
+        Target edge length of unstructured tetrahedra or triangles (m), given instead.
+    through
+        Coordinates that must be element boundaries of a structured mesh, by direction.
+    """
+
+    cell: Cell = "hexahedron"
+    degree: Annotated[int, Field(ge=1, le=4)] = 2
+    geometry_degree: Annotated[int, Field(ge=1, le=4)] | None = None
+    elements: tuple[int, ...] | None = None
+    size: Annotated[float, Field(gt=0)] | None = None
+    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.cell not in SIMPLICES:
+            if self.elements is None:
+                raise InputError("elements", None, f"needed for cell = {self.cell!r}")
+            if self.size is not None:
+                raise InputError("size", self.size, f"left out for cell = {self.cell!r}")
+        elif (self.elements is None) == (self.size is None):
+            allowed = "either size, unstructured, or elements, boxes divided"
+            raise InputError("size", self.size, f"{allowed}, for cell = {self.cell!r}")
+        if self.elements is None and self.through:
+            raise InputError("through", self.through, "left out where size is given")
+
+
+@dataclass(frozen=True)
+class IgaMesh:
+    """NURBS discretisation of a body.
+
+    Parameters
+    ----------
+    degree
+        Degree along each direction.
+    elements
+        Knot spans along each direction of the shape; of closed shapes, all the way
+        round.
+    continuity
+        Continuity at inner knots; by default one less than the degree.
+    through
+        Coordinates that must be knots, by direction.
+    """
+
+    degree: tuple[Annotated[int, Field(ge=1, le=8)], ...]
+    elements: tuple[int, ...]
+    continuity: tuple[Annotated[int, Field(ge=0)], ...] | None = None
+    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        continuity = self.continuity or ()
+        if any(c >= p for c, p in zip(continuity, self.degree, strict=False)):
+            raise InputError("continuity", continuity, f"below the degree {self.degree}")
+
+
+@dataclass(frozen=True)
+class MeshSpec:
+    """Discretisations of a body, one for each backend it can be run on."""
+
+    fe: FeMesh | None = None
+    iga: IgaMesh | None = None

@@ -1,0 +1,46 @@
+"""What a scene says: frozen dataclasses, each of which refuses what is wrong with itself."""
+
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar
+
+from pydantic import ConfigDict, Field
+
+from scenes.spec.analysis import Analysis
+from scenes.spec.body import BodySpec
+from scenes.spec.contact import ContactSpec
+from scenes.spec.load import LoadSpec
+
+
+@dataclass(frozen=True)
+class OutputSpec:
+    """What is made beside numbers.
+
+    Parameters
+    ----------
+    pictures
+        Modes to draw and animate, the most unstable first.
+    paraview
+        Modes to write for ParaView, the most unstable first; of a static analysis, whether to
+        write its displacement.
+    """
+
+    pictures: Annotated[int, Field(ge=0)] = 0
+    paraview: Annotated[int, Field(ge=0)] = 0
+
+
+@dataclass(frozen=True)
+class SceneSpec:
+    """Bodies, contacts, loads and the analysis to be made of them, each right by itself."""
+
+    name: str
+    bodies: dict[str, BodySpec]
+    analysis: Annotated[Analysis, Field(discriminator="kind")]
+    contacts: dict[str, ContactSpec] = field(default_factory=dict)
+    loads: tuple[LoadSpec, ...] = ()
+    output: OutputSpec = field(default_factory=OutputSpec)
+    description: str = ""
+
+    # Nested dataclasses, those of other rooms too, are checked under the same configuration.
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
+        extra="forbid", strict=True, allow_inf_nan=False
+    )
