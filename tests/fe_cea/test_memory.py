@@ -4,10 +4,11 @@ import subprocess
 import sys
 
 import pytest
+from peak_memory import PEAK
 
-PROGRAM = """
-import resource
-
+PROGRAM = (
+    PEAK
+    + """
 import sys
 
 import cea.petsc  # noqa: F401
@@ -27,11 +28,12 @@ material = IsotropicMaterial(1.0, 0.3, 1.0)
 supports = [Support("all", (0,))] if sys.argv[1] == "held" else []
 body = FEBody("cube", mesh, tags, {"all": 1}, degree=2, material=material, supports=supports)
 body.expansion
-before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+before = peak()
 matrices = body.stiffness(), body.mass()
-taken = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
+taken = peak() - before
 print(taken, sum(12 * matrix.getInfo()["nz_used"] for matrix in matrices))
 """
+)
 
 
 @pytest.mark.slow

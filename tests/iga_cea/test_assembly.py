@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, turned
+from peak_memory import PEAK
 
 from iga_cea import NurbsBody
 from meshes.nurbs_shapes import nurbs_shape
@@ -99,8 +100,10 @@ def test_exactly_symmetric(shape, elements, degree) -> None:
         assert abs(A - A.T).max() == 0
 
 
-MEMORY = """
-import resource, sys
+MEMORY = (
+    PEAK
+    + """
+import sys
 from iga_cea import NurbsBody
 from cea.material import IsotropicMaterial
 from meshes.breaks import breaks_of
@@ -112,11 +115,12 @@ data = nurbs_shape(shape, breaks_of(shape, (n, n, n)))
 material = IsotropicMaterial(1.0, 0.3, 1.0)
 NurbsBody("small", data.patches, data.faces, (1, 1, 1), material=material).stiffness()
 body = NurbsBody("large", data.patches, data.faces, (q, q, q), material=material)
-before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+before = peak()
 matrices = body.stiffness(), body.mass()
-taken = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
+taken = peak() - before
 print(taken, sum(12 * matrix.getInfo()["nz_used"] for matrix in matrices))
 """
+)
 CHUNK = 64e6
 """Temporaries of one chunk of elements."""
 

@@ -4,6 +4,7 @@ import sys
 
 import pytest
 from mpi import run
+from peak_memory import PEAK
 
 from cea.errors import InputError
 from scenes import memory
@@ -11,12 +12,15 @@ from scenes.memory import available_memory, check_memory, estimated_memory
 from scenes.read import load_scene
 from scenes.run import run_modes
 
-PEAK = """
-import resource, sys
+PEAK_OF_A_RUN = (
+    PEAK
+    + """
+import sys
 from scenes import load_scene, run_scene
 run_scene(load_scene(sys.argv[1], sys.argv[2:]))
-print(1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+print(peak())
 """
+)
 
 
 @pytest.mark.parametrize(
@@ -90,7 +94,7 @@ def test_no_more_is_available_than_the_machine_has():
     ],
 )
 def test_the_estimate_is_near_the_peak_of_a_run(scene):
-    done = run(sys.executable, "-c", PEAK, *scene)
+    done = run(sys.executable, "-c", PEAK_OF_A_RUN, *scene)
     assert done.returncode == 0, done.stderr
     peak = float(done.stdout)
     assert 0.6 < estimated_memory(load_scene(scene[0], scene[1:])).bytes / peak < 2.0
