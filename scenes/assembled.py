@@ -148,7 +148,7 @@ class AssembledScene:
 
     def _quadratic(self, parameter: str, *values: float) -> bool:
         """Whether velocities count at some values of a parameter."""
-        if not any(term.role == "damping" for term in self._driver.pencil.terms):
+        if not self._driver.pencil.damped:
             return False
         return any(self._driver.quadratic({parameter: value}) for value in values)
 

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from cea.eigen.block_krylov import BlockSearch
 from cea.eigen.blocks import times
 from cea.eigen.pencil import Matrices
-from cea.eigen.quadratic_shifted import Damping, QuadraticShifted
-from cea.petsc import PETSc
+from cea.eigen.quadratic_damping import Damping
+from cea.eigen.quadratic_shifted import QuadraticShifted
 from cea.timing import StageTimer
 
 
@@ -75,18 +75,13 @@ class CompanionSearch(BlockSearch):
         )
         self._mass, self._factors, self._transposed = matrices.mass, factors, transposed
         self._scale, self.most = scale, most
-        self._damping = Damping(matrices)
-        if transposed and self._damping.matrix is not None:
-            before = self._damping.matrix
-            self._damping.matrix = before.transpose(PETSc.Mat())
-            before.destroy()
+        self._damping = Damping(matrices, transposed=transposed)
 
     def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
         """OP on a block [a; b] whose image [M a; M b] is given."""
         rows = len(block) // 2
         load = -(self._scale * image[rows:] + self.shift * image[:rows])
-        if self._damping.matrix is not None:
-            load -= times(self._damping.matrix, block[:rows])
+        load -= self._damping.times(block[:rows])
         x, _ = self._factors.solve_with_forces(load, transposed=self._transposed)
         return np.vstack([x, (block[:rows] + self.shift * x) / self._scale])
 

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from cea.eigen.low_rank import LowRankSum, LowRankTerm, sum_of
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Parameter
 from cea.errors import InputError
@@ -64,6 +65,9 @@ class Matrices:
         Symmetric part of C, PETSc AIJ (N s/m); None without.
     gyroscopic
         The rest of C, which rotation makes, PETSc AIJ (N s/m); None without.
+    low_rank
+        Pieces of C of low rank, symmetric and positive semidefinite (N s/m), which are beside
+        ``damping``; None without.
     """
 
     stiffness: Mat
@@ -72,6 +76,7 @@ class Matrices:
     multipliers: Multipliers | None
     damping: Mat | None = None
     gyroscopic: Mat | None = None
+    low_rank: LowRankSum | None = None
 
     @property
     def symmetric(self) -> bool:
@@ -81,7 +86,7 @@ class Matrices:
     @property
     def quadratic(self) -> bool:
         """True with damping or rotation: the problem is not linear in kappa = -lambda^2."""
-        return self.damping is not None or self.gyroscopic is not None
+        return not (self.damping is None and self.gyroscopic is None and self.low_rank is None)
 
     @property
     def size(self) -> int:
@@ -114,6 +119,8 @@ class Pencil:
         Every parameter that a coefficient names.
     forces
         Contact forces that are unknowns, by contact.
+    low_rank
+        Pieces of the damping of low rank.
     leave_out
         Whether pieces whose coefficient is zero are left out: without friction the problem is then
         symmetric.
@@ -129,6 +136,7 @@ class Pencil:
         terms: Iterable[Term],
         parameters: Iterable[Parameter] = (),
         forces: Sequence[ForcesOfContact] = (),
+        low_rank: Iterable[LowRankTerm] = (),
         *,
         leave_out: bool = True,
     ) -> None:
@@ -136,8 +144,9 @@ class Pencil:
         self.terms = tuple(terms)
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
+        self.low_rank = tuple(low_rank)
         self._all_forces = AllForces(self.forces) if self.forces else None
-        coefficients = [t.coefficient for t in self.terms]
+        coefficients = [t.coefficient for t in (*self.terms, *self.low_rank)]
         coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
         unknown = {name for c in coefficients for name in c.names} - set(self.parameters)
         if unknown:
@@ -164,6 +173,11 @@ class Pencil:
         coefficient = Coefficient.of({FRICTION: (1.0, 1.0)}, factor=-1.0)
         terms.append(Term("stiffness", friction, coefficient, symmetric=False))
         return cls(terms, [Parameter(FRICTION, 1.0)])
+
+    @property
+    def damped(self) -> bool:
+        """Whether anything acts on velocities at some parameters."""
+        return bool(self.low_rank) or any(term.role == "damping" for term in self.terms)
 
     @property
     def comm(self) -> Any:
@@ -230,6 +244,11 @@ class Pencil:
             mass=M,
             damping=C,
             gyroscopic=self._sum("damping", values, symmetric=False),
+            low_rank=sum_of(
+                [(t.coefficient.at(values), t.piece) for t in self.low_rank],
+                S.getLocalSize()[0],
+                S.comm,
+            ),
             multipliers=(
                 self._all_forces.at(values, leave_out=self.leave_out) if self._all_forces else None
             ),

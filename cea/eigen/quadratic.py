@@ -15,9 +15,9 @@ from cea.eigen.blocks import all_inner, times
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
 from cea.eigen.modes import Modes, refuse_what_is_lost, warnings_of
 from cea.eigen.pencil import Matrices, Pencil
+from cea.eigen.quadratic_damping import Damping
 from cea.eigen.quadratic_pairs import QuadraticPairs, checked_pairs, inverse_step
 from cea.eigen.quadratic_search import MARGIN, QuadraticSearch
-from cea.eigen.quadratic_shifted import Damping
 from cea.eigen.quadratic_window import QuadraticFound, QuadraticWindow
 from cea.eigen.sensitivity import SAME, LeftVectors, dual_norms
 from cea.eigen.subspace import InvariantSubspace
@@ -174,9 +174,8 @@ def _dual(
     for members in group(values, np.sqrt(DEGENERATE)):
         own = values[members]
         inertia = all_inner(left[:, members], times(matrices.mass, x[:, members]), comm)
-        overlap = (own[:, None] + own) * inertia
-        if damping.matrix is not None:
-            overlap += all_inner(left[:, members], times(damping.matrix, x[:, members]), comm)
+        drag = all_inner(left[:, members], damping.times(x[:, members]), comm)
+        overlap = (own[:, None] + own) * inertia + drag
         left[:, members] = left[:, members] @ np.linalg.inv(overlap).conj().T * (2 * own.conj())
     return left
 

@@ -12,7 +12,8 @@ where H + (g^2 - omega^2) M + g C - omega diag(y) has no negative eigenvalue, no
 
     g <= max(t omega + 2 d, sqrt(2 X)).
 
-Rotation does not enter it. H and C are symmetric parts, Y the skew one.
+Rotation does not enter it. H and C are symmetric parts, Y the skew one. Pieces of C of low rank are
+positive semidefinite: both hold for the sum where they hold without them.
 """
 
 from typing import Any

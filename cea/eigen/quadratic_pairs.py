@@ -30,8 +30,9 @@ from cea.eigen.blocks import (
 from cea.eigen.clusters import cluster_bounds
 from cea.eigen.eigenpairs import LUMPED, SMALL
 from cea.eigen.pencil import Matrices
+from cea.eigen.quadratic_damping import Damping
 from cea.eigen.quadratic_search import MARGIN
-from cea.eigen.quadratic_shifted import Damping, QuadraticShifted
+from cea.eigen.quadratic_shifted import QuadraticShifted
 from cea.eigen.sizes import Sizes
 from cea.eigen.subspace import InvariantSubspace
 from cea.matrices import absolute, destroy
@@ -139,8 +140,7 @@ def inverse_step(
     P(s) x' + L^T f = (P(s) - P(lambda)) x, P(lambda) - P(s) = (lambda - s) ((lambda + s) M + D).
     """
     load = times(matrices.mass, x * (values + factors.shift))
-    if damping.matrix is not None:
-        load += (transposed_times if transposed else times)(damping.matrix, x)
+    load += damping.times(x, transposed=transposed)
     return factors.solve_with_forces(load * (factors.shift - values), transposed=transposed)
 
 
@@ -220,7 +220,7 @@ def _residuals(
     for block in column_blocks(n):
         value, part = values[block], x[:, block]
         inertia = times(mass, part)
-        drag = np.zeros_like(part) if damping.matrix is None else times(damping.matrix, part)
+        drag = damping.times(part)
         defect = _elastic(matrices, part, f[:, block]) + inertia * value**2 + drag * value
         forces = sizes.forces(value, part, f[:, block])
         works = comm.tompi4py().allreduce(np.einsum("ij,ij->j", np.abs(part), forces))
@@ -259,7 +259,7 @@ class QuadraticSizes:
     def __init__(self, matrices: Matrices, damping: Damping) -> None:
         self._stiffness = Sizes(matrices)
         self._mass = absolute(matrices.mass)
-        self._damping = None if damping.matrix is None else absolute(damping.matrix)
+        self._damping = damping
 
     def forces(self, values: Complexes, x: Complexes, f: Complexes) -> Floats:
         """What the parts of P(lambda) x come to, the rows of this rank.
@@ -268,11 +268,10 @@ class QuadraticSizes:
         """
         size, speed = np.abs(x), np.abs(values)
         forces = image_of(self._mass, size) * speed**2
-        if self._damping is not None:
-            forces += image_of(self._damping, size) * speed
+        forces += self._damping.sizes(size) * speed
         return forces + self._stiffness.forces(size, 2 * np.abs(f))
 
     def free(self) -> None:
-        """Free the matrices."""
+        """Free the matrices but those of the damping."""
         self._stiffness.free()
-        destroy(self._mass, *([self._damping] if self._damping is not None else []))
+        destroy(self._mass)

@@ -8,9 +8,11 @@ Scalars are real. At a complex s this P(s) is factorised as a real matrix of twi
 real and imaginary part of an unknown one after the other, so that the order of elimination is that
 of P. There are four times the factors of a real shift, and a solve takes twice the time. Factors of
 Re P with steps of GMRES instead take some thirty steps a solve and are slower by far. Contact
-forces that are unknowns stand beside the displacements (:mod:`cea.eigen.shifted`).
+forces that are unknowns stand beside the displacements (:mod:`cea.eigen.shifted`). Pieces of C of
+low rank stay out of the factors (:mod:`cea.eigen.low_rank_update`).
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -18,9 +20,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, kron
 
 from cea.body import Floats
+from cea.eigen.blocks import image_of, transposed_times
 from cea.eigen.factorisation import Mumps
+from cea.eigen.low_rank import LowRankSum
+from cea.eigen.low_rank_update import LowRankUpdate
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import bordered, force_scale
+from cea.errors import ConvergenceError
 from cea.matrices import destroy, distributed, local_part, scaled_total
 
 _ROTATION = np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -46,15 +52,33 @@ class QuadraticShifted:
     def __init__(self, matrices: Matrices, shift: complex) -> None:
         self.matrices, self.shift = matrices, shift
         self._local = matrices.stiffness.getLocalSize()[0]
-        self._complex = isinstance(shift, complex) and shift.imag != 0
-        self._symmetric = matrices.symmetric and matrices.gyroscopic is None and not self._complex
+        is_complex = isinstance(shift, complex) and shift.imag != 0
+        self._symmetric = matrices.symmetric and matrices.gyroscopic is None and not is_complex
         self._forces = matrices.multipliers
         self._scale: Any | None = None
         operator = self._operator()
         self._rows = operator.getLocalSize()[0]
-        if self._complex:
+        if is_complex:
             operator = self._doubled(operator)
-        self._factors = Mumps(operator, symmetric=self._symmetric)
+        self._factors = _Factors(operator, self._rows, symmetric=self._symmetric)
+        self._update: LowRankUpdate | None = None
+        if matrices.low_rank is not None:
+            self._update = self._updated(matrices.low_rank)
+
+    def _updated(self, low_rank: LowRankSum) -> LowRankUpdate:
+        """What solves with the pieces of low rank too."""
+        try:
+            return LowRankUpdate(
+                self._factors,
+                low_rank.root(),
+                self.shift,
+                rows=self._rows,
+                symmetric=self.matrices.symmetric and self.matrices.gyroscopic is None,
+                comm=self.matrices.stiffness.comm,
+            )
+        except ConvergenceError:
+            self.free()
+            raise
 
     def _operator(self) -> Any:
         """Re P(s), with the contact forces."""
@@ -94,31 +118,17 @@ class QuadraticShifted:
         tuple
             Shapes (n_local, columns) and (multipliers of this rank, columns).
         """
-        solution = self._solved(b, transposed=transposed)
+        whole = b
+        if self._rows > self._local:
+            whole = np.zeros((self._rows, b.shape[1]), dtype=b.dtype, order="F")
+            whole[: self._local] = b
+        solver = self._factors if self._update is None else self._update
+        solution = solver.solve(whole, transposed=transposed)
         end = self._local
         if self._scale is None:
             return solution, solution[end:]
         scale = self._scale.array_r[:, None]
         return solution[:end], solution[end : end + len(scale)] * scale
-
-    def _solved(self, b: NDArray[Any], *, transposed: bool) -> NDArray[Any]:
-        n = b.shape[1]
-        if self._complex:
-            # The transposed of the real matrix is that of the conjugate transposed of P.
-            b = b.conj() if transposed else b
-            whole = np.zeros((2 * self._rows, n), order="F")
-            whole[0 : 2 * self._local : 2] = b.real
-            whole[1 : 2 * self._local : 2] = b.imag
-            solution = self._factors.solve_block(whole, transposed=transposed)
-            result = solution[0::2] + 1j * solution[1::2]
-            return result.conj() if transposed else result
-        parts = np.hstack([b.real, b.imag]) if np.iscomplexobj(b) else b
-        whole = parts
-        if self._rows > self._local:
-            whole = np.zeros((self._rows, parts.shape[1]), order="F")
-            whole[: self._local] = parts
-        solution = self._factors.solve_block(whole, transposed=transposed)
-        return solution[:, :n] + 1j * solution[:, n:] if np.iscomplexobj(b) else solution
 
     def parity(self) -> int | None:
         """Whether the number of real eigenvalues beyond a real shift is odd (1) or even (0).
@@ -127,14 +137,15 @@ class QuadraticShifted:
         changes it at each real eigenvalue. None where that is not known: for symmetric matrices,
         complex shifts, forces without compliance.
         """
-        if self._symmetric or self._complex:
+        if self._symmetric or complex(self.shift).imag:
             return None
         count = 0
         if self._forces is not None:
             if self._forces.tied:
                 return None
             count = self._forces.size
-        return int(self._factors.sign() != (-1) ** count)
+        sign = self._factors.sign() * (1 if self._update is None else self._update.sign())
+        return int(sign != (-1) ** count)
 
     def free(self) -> None:
         """Free the factors."""
@@ -143,23 +154,67 @@ class QuadraticShifted:
             destroy(self._scale)
 
 
-class Damping:
-    """D = C + Y, what multiplies lambda.
+class _Factors:
+    """A real or complex matrix factorised as a real one.
 
     Parameters
     ----------
-    matrices
-        The pencil at given parameters.
+    matrix
+        The real one, PETSc AIJ: of so many rows on this rank, or of twice as many where the matrix
+        is complex.
+    rows
+        Rows of the real or complex matrix on this rank.
+    symmetric
+        Whether the real one is symmetric.
+
+    Raises
+    ------
+    ConvergenceError
+        When it is singular.
     """
 
-    def __init__(self, matrices: Matrices) -> None:
-        pieces = [m for m in (matrices.damping, matrices.gyroscopic) if m is not None]
-        self.matrix = scaled_total([(1.0, piece) for piece in pieces]) if pieces else None
+    def __init__(self, matrix: Any, rows: int, *, symmetric: bool) -> None:
+        self._doubled = matrix.getLocalSize()[0] > rows
+        self._mumps = Mumps(matrix, symmetric=symmetric)
+
+    def solve(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
+        """Solutions for every column of b, which may be complex, shape (rows, columns)."""
+        return self._real(self._mumps.solve_block, b, transposed=transposed)
+
+    def times(self, x: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
+        """The matrix, or its transposed, times every column of x, shape (rows, columns)."""
+        return self._real(self._product, x, transposed=transposed)
+
+    def _product(self, x: Floats, *, transposed: bool) -> Floats:
+        if transposed:
+            return transposed_times(self._mumps.matrix, x.astype(complex)).real
+        return image_of(self._mumps.matrix, x)
+
+    def _real(
+        self, act: Callable[..., Floats], b: NDArray[Any], *, transposed: bool
+    ) -> NDArray[Any]:
+        """What the real matrix does to columns of the real or complex one."""
+        if self._doubled:
+            # The transposed of the real matrix is that of the conjugate transposed of P.
+            b = b.conj() if transposed else b
+            whole = np.empty((2 * len(b), b.shape[1]), order="F")
+            whole[0::2], whole[1::2] = b.real, b.imag
+            image = act(whole, transposed=transposed)
+            result = image[0::2] + 1j * image[1::2]
+            return result.conj() if transposed else result
+        if not np.iscomplexobj(b):
+            return act(b, transposed=transposed)
+        n = b.shape[1]
+        image = act(np.hstack([b.real, b.imag]), transposed=transposed)
+        return image[:, :n] + 1j * image[:, n:]
+
+    def sign(self) -> int:
+        """Sign of the determinant of an unsymmetric real matrix."""
+        return self._mumps.sign()
 
     def free(self) -> None:
-        """Free the matrix."""
-        if self.matrix is not None:
-            destroy(self.matrix)
+        """Free the factors."""
+        self._mumps.free()
 
 
 def _sum_of(matrices: Matrices, square: float, linear: float, *, stiffness: bool) -> Any:

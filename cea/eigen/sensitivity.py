@@ -130,6 +130,11 @@ def derivatives(
             power = eigenvalues ** _POWERS[term.role]
             change += slope * power * _projected(term.matrix, left.vectors, vectors)
     comm, first = pencil.comm, 0
+    for piece in pencil.low_rank:
+        slope = piece.coefficient.derivative(name, values)
+        if slope:
+            drag = piece.piece.projected(left.vectors, vectors, comm)
+            change += slope * eigenvalues * drag
     for of_contact in pencil.forces:
         last = first + of_contact.closure.getLocalSize()[0]
         f, g = forces[first:last], left.forces[first:last]

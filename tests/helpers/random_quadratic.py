@@ -1,10 +1,12 @@
 """Random damped, rotating and rubbing pencils, with clusters and defective pairs among them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from petsc_matrices import to_petsc
+from scipy.linalg import eigh
 
+from cea.eigen.low_rank import LowRank, LowRankTerm
 from cea.eigen.pencil import Pencil, Term
 
 
@@ -20,6 +22,8 @@ class RandomQuadratic:
         End of the window (Hz).
     min_growth
         Its lower end of Re lambda (1/s); None leaves it to the driver.
+    low_rank
+        W and d of W diag(d) W^T, beside D, that is kept as a piece of low rank.
     """
 
     mass: np.ndarray
@@ -27,14 +31,23 @@ class RandomQuadratic:
     stiffness: np.ndarray
     max_frequency: float
     min_growth: float | None
+    low_rank: tuple[np.ndarray, np.ndarray] | None = None
+
+    @property
+    def whole_damping(self) -> np.ndarray:
+        """D with what is of low rank."""
+        if self.low_rank is None:
+            return self.damping
+        W, d = self.low_rank
+        return self.damping + (W * d) @ W.T
 
     def pencil(self) -> Pencil:
         """The pencil, symmetric and skew parts as pieces of their own."""
-        return pencil_of(self.mass, self.damping, self.stiffness)
+        return pencil_of(self.mass, self.damping, self.stiffness, self.low_rank)
 
 
-def pencil_of(mass, damping, stiffness) -> Pencil:
-    """A pencil of dense matrices."""
+def pencil_of(mass, damping, stiffness, low_rank=None) -> Pencil:
+    """A pencil of dense matrices, and of a piece of low rank."""
     terms = [Term("mass", to_petsc(mass)), Term("stiffness", to_petsc(_symmetric(stiffness)))]
     rest = stiffness - _symmetric(stiffness)
     if rest.any():
@@ -44,7 +57,9 @@ def pencil_of(mass, damping, stiffness) -> Pencil:
         terms.append(Term("damping", to_petsc(drag)))
     if turn.any():
         terms.append(Term("damping", to_petsc(turn), symmetric=False))
-    return Pencil(terms)
+    if low_rank is None:
+        return Pencil(terms)
+    return Pencil(terms, low_rank=[LowRankTerm(LowRank(*low_rank))])
 
 
 def random_quadratic(seed: int) -> RandomQuadratic:
@@ -77,6 +92,29 @@ def random_quadratic(seed: int) -> RandomQuadratic:
         float(end / (2 * np.pi)),
         None if np.isnan(down) else float(-down),
     )
+
+
+def random_low_rank(seed: int) -> RandomQuadratic:
+    """The same with damping of low rank: of modes, from 1e-12 to next to critical, or of any few.
+
+    Half of them have no other.
+    """
+    problem, rng = random_quadratic(seed), np.random.default_rng([seed, 1])
+    M, n = problem.mass, len(problem.mass)
+    values, vectors = eigh(_symmetric(problem.stiffness), M)
+    elastic = np.flatnonzero(values > 1e-8 * values[-1])
+    damped = elastic[: int(rng.integers(1, 1 + len(elastic)))]
+    W = M @ vectors[:, damped]
+    ratios = 10.0 ** rng.uniform(-12, 0) * np.ones(len(damped))
+    if rng.random() < 0.5:
+        ratios = rng.choice([1e-12, 1e-6, 1e-2, 0.3, 0.999], len(damped))
+    d = 2 * ratios * np.sqrt(values[damped])
+    if rng.random() < 0.2:
+        W = rng.standard_normal((n, int(rng.integers(1, 4))))
+        d = d[: W.shape[1]] * 10.0 ** rng.uniform(-3, 0)
+        W, d = W[:, : len(d)], d
+    other = problem.damping if rng.random() < 0.5 else np.zeros((n, n))
+    return replace(problem, damping=other, low_rank=(W, d))
 
 
 def _spectrum(rng) -> np.ndarray:

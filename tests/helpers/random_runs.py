@@ -1,8 +1,9 @@
 """Random scenes and matrices run and judged by dense eigenvalues.
 
 ``python tests/helpers/random_runs.py 0 1000`` runs the scenes of these seeds, with ``matrices``
-behind it the matrices, with ``quadratic`` the damped and rotating ones. It prints what is wrong,
-seed by seed, and how many results were refused or left open, and why.
+behind it the matrices, with ``quadratic`` the damped and rotating ones, with ``low-rank`` those
+with modal damping. It prints what is wrong, seed by seed, and how many results were refused or left
+open, and why.
 """
 
 import sys
@@ -17,7 +18,7 @@ from dense_reference import UnsureError, dense_eigenvalues
 from judge import Fault, found_by, judge, left_out
 from quadratic_judge import dense_quadratic, judge_quadratic
 from random_matrices import random_pencil
-from random_quadratic import random_quadratic
+from random_quadratic import random_low_rank, random_quadratic
 from random_scenes import random_scene
 
 import cea.petsc  # noqa: F401  (ahead of all that needs PETSc)
@@ -95,9 +96,9 @@ def matrix_outcome(seed: int) -> Outcome:
     return _outcome(seed, run)
 
 
-def quadratic_outcome(seed: int) -> Outcome:
+def quadratic_outcome(seed: int, problem_of: Callable = random_quadratic) -> Outcome:
     """Solve a random damped pencil and judge what it says."""
-    problem = random_quadratic(seed)
+    problem = problem_of(seed)
 
     def run(found: Outcome):
         found.name = f"random damped matrices {seed}"
@@ -109,11 +110,19 @@ def quadratic_outcome(seed: int) -> Outcome:
         found.undecided = modes.verdicts().count("undecided")
         found.complete = modes.window.complete
         values, errors = dense_quadratic(
-            problem.mass, problem.damping, problem.stiffness, 2 * np.pi * problem.max_frequency
+            problem.mass,
+            problem.whole_damping,
+            problem.stiffness,
+            2 * np.pi * problem.max_frequency,
         )
         found.faults = judge_quadratic(modes, values, errors)
 
     return _outcome(seed, run, judged)
+
+
+def low_rank_outcome(seed: int) -> Outcome:
+    """Solve a random pencil with damping of low rank and judge what it says."""
+    return quadratic_outcome(seed, random_low_rank)
 
 
 def _outcome(seed: int, run: Callable, judged: Callable | None = None) -> Outcome:
@@ -184,9 +193,12 @@ def tell(text: str) -> None:
 def main(first: str, last: str, what: str = "scenes") -> None:
     """Run a range of seeds and print what came of them."""
     outcomes, begin = [], time.process_time()
-    outcome = {"scenes": scene_outcome, "matrices": matrix_outcome, "quadratic": quadratic_outcome}[
-        what
-    ]
+    outcome = {
+        "scenes": scene_outcome,
+        "matrices": matrix_outcome,
+        "quadratic": quadratic_outcome,
+        "low-rank": low_rank_outcome,
+    }[what]
     for seed in range(int(first), int(last)):
         outcomes.append(outcome(seed))
         if outcomes[-1].faults:
