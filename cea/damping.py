@@ -1,9 +1,12 @@
-"""Damping of a body in proportion to its mass and its stiffness."""
+"""Damping of a body: in proportion to its mass and its stiffness, and of its modes one by one."""
 
 from dataclasses import dataclass
 from math import pi
 
+import numpy as np
+
 from cea.arrays import is_number
+from cea.body import Floats
 from cea.errors import InputError
 
 _ROUNDING = 1e-15
@@ -69,3 +72,104 @@ class RayleighDamping:
         """Damping ratio of a mode of the body alone at a frequency (Hz)."""
         omega = 2 * pi * frequency
         return self.alpha / (2 * omega) + self.beta * omega / 2
+
+
+@dataclass(frozen=True)
+class ModalDamping:
+    """Damping of the modes of a body alone, held by its supports and springs, at rest.
+
+    With modes phi_j, phi_i^T M phi_j = delta_ij, angular frequencies omega_j and damping ratios
+    zeta_j it is
+
+        C = sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T,
+
+    so that lambda_j = omega_j (-zeta_j +- i sqrt(1 - zeta_j^2)) of the body alone (Clough, Penzien,
+    Dynamics of Structures, sec. 12.5). Rigid motions have none, nor have modes beyond those named.
+
+    Parameters
+    ----------
+    ratio
+        Damping ratio of all modes up to ``max_frequency``, zero or more and below 1, critical.
+    max_frequency
+        Frequency (Hz) up to which modes are damped.
+    ratios
+        Given instead: ratios of the lowest modes by rising frequency, rigid motions not counted;
+        or, with ``frequencies``, of modes at these, linear between them.
+    frequencies
+        Rising frequencies (Hz). Modes below the first have the first ratio, modes above the last
+        none.
+
+    Raises
+    ------
+    InputError
+        When values are out of bounds, or neither all of one kind nor of the other are given.
+    """
+
+    ratio: float | None = None
+    max_frequency: float | None = None
+    ratios: tuple[float, ...] | None = None
+    frequencies: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if (self.ratio is None) == (self.ratios is None):
+            allowed = "one for all modes up to max_frequency, or ratios of the lowest modes"
+            raise InputError("ratio", self.ratio, allowed)
+        if (self.ratio is None) != (self.max_frequency is None):
+            raise InputError("max_frequency", self.max_frequency, "given where ratio is (Hz)")
+        if self.frequencies is not None and self.ratios is None:
+            raise InputError("frequencies", self.frequencies, "given beside ratios alone")
+        if self.max_frequency is not None and not _is_positive(self.max_frequency):
+            raise InputError("max_frequency", self.max_frequency, "positive, finite (Hz)")
+        if self.ratio is not None and not _is_ratio(self.ratio):
+            raise InputError("ratio", self.ratio, _RATIO)
+        if self.ratios is not None and not (self.ratios and all(map(_is_ratio, self.ratios))):
+            raise InputError("ratios", self.ratios, f"one or more, each {_RATIO}")
+        self._check_table()
+
+    def _check_table(self) -> None:
+        table = self.frequencies
+        if table is None or self.ratios is None:
+            return
+        if not all(map(_is_positive, table)) or any(np.diff(table) <= 0):
+            raise InputError("frequencies", table, "positive, finite and rising (Hz)")
+        if len(table) != len(self.ratios):
+            raise InputError("frequencies", table, f"as many as ratios, {len(self.ratios)}")
+
+    @property
+    def end(self) -> float | None:
+        """Frequency (Hz) above which no mode is damped; None where modes are counted instead."""
+        return self.max_frequency if self.frequencies is None else self.frequencies[-1]
+
+    @property
+    def acts(self) -> bool:
+        """Whether anything is damped."""
+        return bool(self.ratio) or any(self.ratios or ())
+
+    def factors_at(self, frequencies: Floats) -> Floats:
+        """Damping ratios of the lowest elastic modes, relative to ``ratio`` where it is given.
+
+        Parameters
+        ----------
+        frequencies
+            Their frequencies (Hz), rising, shape (n,).
+        """
+        if self.max_frequency is not None:
+            return np.where(frequencies <= self.max_frequency, 1.0, 0.0)
+        ratios = np.asarray(self.ratios)
+        if self.frequencies is not None:
+            inside = frequencies <= self.frequencies[-1]
+            return np.where(inside, np.interp(frequencies, self.frequencies, ratios), 0.0)
+        factors = np.zeros(len(frequencies))
+        factors[: len(ratios)] = ratios[: len(factors)]
+        return factors
+
+
+_RATIO = "zero or more and below 1, which is critical: 0.01 is one per cent"
+
+
+def _is_ratio(value: float) -> bool:
+    return is_number(value) and 0 <= value < 1
+
+
+def _is_positive(value: float) -> bool:
+    return is_number(value) and value > 0

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
-from cea.body import Complexes
+from cea.body import Complexes, Floats
 from cea.matrices import destroy, free_operator, scaled_total
 from cea.ranks import local_rows
 from cea.system.coupled import CoupledSystem
@@ -129,3 +129,24 @@ def gathered_sums(
     if comm.rank:
         return {}
     return {name: csr_array(vstack(parts, format="csr")) for name, parts in sums.items()}
+
+
+def gathered_rows(name: str, rows: Floats, comm: Any) -> dict[str, csr_array]:
+    """An array of which each rank has its rows, as a scipy matrix under a name; collective.
+
+    Parameters
+    ----------
+    name
+        The name.
+    rows
+        The rows of this rank, shape (n_local, columns).
+    comm
+        Communicator (mpi4py).
+
+    Returns
+    -------
+    dict
+        On rank 0; empty on other ranks.
+    """
+    parts = comm.gather(csr_array(rows))
+    return {name: csr_array(vstack(parts, format="csr"))} if parts is not None else {}

@@ -5,6 +5,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from cea.body import Body
+from cea.damping import ModalDamping
 from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.thresholds import Threshold, flutter_threshold
@@ -211,19 +212,29 @@ def _numbers_of(body: BodySpec) -> dict[str, float]:
     numbers = {"material.E": body.material.E}
     if body.material.rho is not None:
         numbers["material.rho"] = body.material.rho
-    if body.damping is not None:
-        damping = body.damping.rayleigh()
+    if body.damping is not None and (damping := body.damping.rayleigh()) is not None:
         numbers |= {"damping.alpha": damping.alpha, "damping.beta": damping.beta}
+    if (modal := _modal(body)) is not None and modal.ratio is not None:
+        numbers["damping.modal.ratio"] = modal.ratio
     if body.rotation is not None:
         numbers["rotation.rate"] = body.rotation.rate
     return numbers
 
 
-def _without_numbers(body: BodySpec) -> BodySpec:
+def _without_numbers(body: BodySpec) -> tuple[BodySpec, ModalDamping | None]:
     """What the matrices of a body depend on beside its parameters."""
-    material = replace(body.material, E=1.0, rho=None)
+    modal, material = _modal(body), body.material
+    moving = modal is not None and (modal.end is not None or bool(body.springs))
+    if not moving:  # modes that are damped are others where the material is
+        material = replace(material, E=1.0, rho=None)
+    if modal is not None and modal.ratio is not None:
+        modal = replace(modal, ratio=0.0)
     rotation = replace(body.rotation, rate=0.0) if body.rotation is not None else None
-    return replace(body, material=material, damping=None, rotation=rotation)
+    return replace(body, material=material, damping=None, rotation=rotation), modal
+
+
+def _modal(body: BodySpec) -> ModalDamping | None:
+    return body.damping.modal if body.damping is not None else None
 
 
 def _of_contact(old: ContactSpec, new: ContactSpec) -> dict[str, float] | None:

@@ -277,8 +277,9 @@ def build_system(
 
 def _motion(body: BodySpec) -> Motion:
     """Damping and rotation of a body."""
-    damping = body.damping.rayleigh() if body.damping is not None else None
-    return Motion(damping, body.rotation)
+    if body.damping is None:
+        return Motion(rotation=body.rotation)
+    return Motion(body.damping.rayleigh(), body.rotation, body.damping.modal)
 
 
 def _sliding(half: _Half, spec: SlidingSpec, interface: Interface) -> Sliding:

@@ -13,7 +13,6 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from cea.contact.formulations import Formulation, registered
-from cea.damping import RayleighDamping
 from cea.errors import InputError
 from scenes.checks import cross_checks, faults_told_by
 from scenes.spec.body import Backend
@@ -66,7 +65,7 @@ class Scene(SceneSpec):
         """Whether anything damps, or feeds, small velocities."""
         damping = [body.damping for body in self.bodies.values() if body.damping is not None]
         sliding = [contact.sliding for contact in self.contacts.values()]
-        return any(each.rayleigh() != RayleighDamping() for each in damping) or any(sliding)
+        return any(each.acts for each in damping) or any(sliding)
 
     @property
     def rotates(self) -> bool:

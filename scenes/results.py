@@ -16,7 +16,7 @@ from cea.system.coupled import CoupledSystem
 from cea.system.sliding_state import SteadySliding
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.arrays import gathered_displacements, gathered_sums
+from scenes.arrays import gathered_displacements, gathered_rows, gathered_sums
 from scenes.of_modes import OfModes
 from scenes.read import Scene
 from scenes.spec.analysis import StaticAnalysis
@@ -74,7 +74,8 @@ class SceneResult:
 
         Their rows are the free dofs of all ranks. K_f is zero without friction, M is left out of
         static analyses. C is there where something damps, Y where a body rotates; a convective
-        stiffness is part of K.
+        stiffness is part of K. Modal damping would be full: W is there where modes of a body are
+        damped, a column for each, and the damping is C + W W^T.
 
         Returns
         -------
@@ -107,7 +108,11 @@ class SceneResult:
                 pieces["K_n" if of_contact else "K"].append((factor, term.matrix))
         if not pieces["M"]:
             del pieces["M"]
-        return gathered_sums(pieces, self.system.template)
+        sums = gathered_sums(pieces, self.system.template)
+        low_rank = pencil.low_rank_at(values)
+        if low_rank is not None:
+            sums |= gathered_rows("W", low_rank.root(), self.comm)
+        return sums
 
     def _values(self) -> Mapping[str, float]:
         """The parameters that were solved at."""

@@ -146,7 +146,8 @@ class Pencil:
         self.forces = tuple(forces)
         self.low_rank = tuple(low_rank)
         self._all_forces = AllForces(self.forces) if self.forces else None
-        coefficients = [t.coefficient for t in (*self.terms, *self.low_rank)]
+        coefficients = [t.coefficient for t in self.terms]
+        coefficients += [t.coefficient for t in self.low_rank]
         coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
         unknown = {name for c in coefficients for name in c.names} - set(self.parameters)
         if unknown:
@@ -244,15 +245,16 @@ class Pencil:
             mass=M,
             damping=C,
             gyroscopic=self._sum("damping", values, symmetric=False),
-            low_rank=sum_of(
-                [(t.coefficient.at(values), t.piece) for t in self.low_rank],
-                S.getLocalSize()[0],
-                S.comm,
-            ),
+            low_rank=self.low_rank_at(values),
             multipliers=(
                 self._all_forces.at(values, leave_out=self.leave_out) if self._all_forces else None
             ),
         )
+
+    def low_rank_at(self, values: Mapping[str, float]) -> LowRankSum | None:
+        """Pieces of low rank at given values of all parameters; None where all vanish."""
+        parts = [(term.coefficient.at(values), term.piece) for term in self.low_rank]
+        return sum_of(parts, self.terms[0].matrix.getLocalSize()[0], self.comm)
 
     def symmetric_values(self, values: Mapping[str, float]) -> tuple[float, ...]:
         """Coefficients of the symmetric parts: equal ones make equal S, M and constraints."""

@@ -1,18 +1,19 @@
 """Pieces of a pencil that a body brings: stiffness and mass, damping and rotation.
 
 By the path of the body in a scene, ``bodies.<name>``, the parameters are ``.material.E`` and
-``.rho``, ``.damping.alpha`` and ``.beta``, ``.rotation.rate``.
+``.rho``, ``.damping.alpha`` and ``.beta``, ``.rotation.rate``; modal damping has its own.
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from cea.body import Body
-from cea.damping import RayleighDamping
+from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.parameters import Coefficient, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.petsc import Mat
 from cea.rotation import Rotation
+from cea.system.modal_damping import modal_parameters
 
 
 @dataclass(frozen=True)
@@ -22,13 +23,16 @@ class Motion:
     Parameters
     ----------
     damping
-        Its damping; None without.
+        Its Rayleigh damping; None without.
     rotation
         Its rotation; None without.
+    modal
+        Its modal damping (:mod:`cea.system.modal_damping`); None without.
     """
 
     damping: RayleighDamping | None = None
     rotation: Rotation | None = None
+    modal: ModalDamping | None = None
 
 
 STILL = Motion()
@@ -102,5 +106,7 @@ def body_parameters(
     if motion.damping is not None:
         yield Parameter(f"{path}.damping.alpha", motion.damping.alpha, "1/s")
         yield Parameter(f"{path}.damping.beta", motion.damping.beta, "s")
+    if motion.modal is not None:
+        yield from modal_parameters(path, motion.modal)
     if motion.rotation is not None:
         yield Parameter(f"{path}.rotation.rate", motion.rotation.rate, "rad/s")

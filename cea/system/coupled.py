@@ -18,12 +18,14 @@ from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_f
 from cea.contact.operators import Contact, HalfPass, assemble_contact
 from cea.contact.saddle import contact_forces
 from cea.contact.sliding import Sliding, SlidingDamping, damping_of
+from cea.eigen.low_rank import LowRankTerm
 from cea.eigen.multipliers import ForcesOfContact
 from cea.eigen.parameters import NOTHING, Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import block_diagonal, destroy, empty, gather
 from cea.petsc import PETSc
 from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
+from cea.system.modal_damping import modal_terms
 from cea.system.sliding_state import SteadySliding
 from cea.system.sliding_terms import sliding_parameters, sliding_terms
 from cea.warned import ResultWarning
@@ -148,6 +150,7 @@ class CoupledSystem:
             [*self._body_terms(), *self._contact_terms(keeping), *self._sliding_terms()],
             self._parameters(),
             tuple(self._contact_forces(keeping)),
+            self._modal_terms,
             leave_out=leave_out,
         )
 
@@ -173,6 +176,17 @@ class CoupledSystem:
             path, motion = f"bodies.{name}", self.motions.get(name, STILL)
             embedded = partial(self._embedded, name)
             yield from body_terms(path, body, motion, embedded, with_mass=self.with_mass)
+
+    @cached_property
+    def _modal_terms(self) -> tuple[LowRankTerm, ...]:
+        """Modal damping of each body."""
+        first, terms = 0, list[LowRankTerm]()
+        for name, body in self.bodies.items():
+            modal = self.motions.get(name, STILL).modal
+            if modal is not None:
+                terms += modal_terms(f"bodies.{name}", body, modal, first)
+            first += body.expansion.getLocalSize()[1]
+        return tuple(terms)
 
     def _sliding_terms(self) -> Iterator[Term]:
         """Damping of contacts that slide."""

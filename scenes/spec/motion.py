@@ -1,15 +1,18 @@
 """What a scene says of small velocities: damping of bodies, contacts that slide at a speed."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
-from cea.damping import RayleighDamping
+from cea.damping import ModalDamping, RayleighDamping
 from cea.errors import InputError
 from cea.fields import Expression
 
 
 @dataclass(frozen=True)
 class DampingSpec:
-    """Rayleigh damping of a body, C = alpha M + beta K: by its factors, or by damping ratios.
+    """Damping of a body: Rayleigh damping C = alpha M + beta K, modal damping, or both.
+
+    The former is given by its factors, or by damping ratios.
 
     Parameters
     ----------
@@ -21,26 +24,40 @@ class DampingSpec:
         Damping ratios at two frequencies, given instead; 1 is critical.
     frequencies
         These frequencies (Hz).
+    modal
+        Damping ratios of the modes of the body alone.
     """
 
     alpha: float | None = None
     beta: float | None = None
     ratios: tuple[float, float] | None = None
     frequencies: tuple[float, float] | None = None
+    modal: ModalDamping | None = None
+
+    left_out: ClassVar[tuple[str, ...]] = ("modal",)
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
 
     def __post_init__(self) -> None:
-        by_factors = self.alpha is not None or self.beta is not None
-        if by_factors == (self.ratios is not None):
-            allowed = "alpha, beta or both; or ratios with frequencies"
+        ways = [self.alpha is not None or self.beta is not None, self.ratios is not None]
+        if all(ways) or not (any(ways) or self.modal):
+            allowed = "alpha, beta or both; or ratios with frequencies; modal, or it beside these"
             raise InputError("ratios", self.ratios, allowed)
         if (self.ratios is None) != (self.frequencies is None):
             raise InputError("frequencies", self.frequencies, "two where ratios are given")
         self.rayleigh()
 
-    def rayleigh(self) -> RayleighDamping:
-        """The damping as the system takes it."""
+    @property
+    def acts(self) -> bool:
+        """Whether anything is damped."""
+        modal = self.modal is not None and self.modal.acts
+        return modal or self.rayleigh() not in (None, RayleighDamping())
+
+    def rayleigh(self) -> RayleighDamping | None:
+        """Rayleigh damping as the system takes it; None where there is modal damping alone."""
         if self.ratios is not None and self.frequencies is not None:
             return RayleighDamping.of_ratios(self.ratios, self.frequencies)
+        if self.alpha is None and self.beta is None:
+            return None
         return RayleighDamping(self.alpha or 0.0, self.beta or 0.0)
 
 

@@ -1,7 +1,8 @@
 """Dense eigenvalues of a scene with damping or rotation (scipy), contact forces eliminated.
 
-    lambda^2 M + lambda D + K,    D = sum alpha M_b + beta K_b + Omega Y_b + contacts that slide
+    lambda^2 M + lambda D + K,    D = sum alpha M_b + beta K_b + Omega Y_b + contacts that slide,
 
+and, where modes of bodies are damped, sum 2 zeta omega (M_b phi) (M_b phi)^T of all their modes,
 put together once more from bodies' matrices, contact points and what the scene says, and solved as
 a generalised problem of twice the size in which lambda is relative to its typical size.
 """
@@ -10,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from scipy.linalg import eigvals
+from scipy.linalg import eigh, eigvals
 
 from cea.body import Complexes, Floats
 from cea.contact.operators import Contact
@@ -19,7 +20,10 @@ from cea.system.coupled import CoupledSystem
 from comparisons.stability.parts.dense import array, constraint, jump
 from scenes.read import read_scene
 from scenes.run import coupled
-from scenes.spec.motion import SlidingSpec
+from scenes.spec.motion import DampingSpec, SlidingSpec
+
+_RIGID = 1e-12
+"""Eigenvalues of a body relative to its largest up to which motions are rigid."""
 
 
 def damped_eigenvalues(data: Mapping[str, Any]) -> Complexes:
@@ -46,9 +50,7 @@ def damped_eigenvalues(data: Mapping[str, Any]) -> Complexes:
         start = own.stop
         spec = scene.bodies[name]
         if spec.damping is not None:
-            rayleigh = spec.damping.rayleigh()
-            damping[own, own] += rayleigh.alpha * array(body.mass())
-            damping[own, own] += rayleigh.beta * array(body.stiffness())
+            damping[own, own] += _of_body(spec.damping, array(body.mass()), array(body.stiffness()))
         if spec.rotation is not None:
             rate = spec.rotation.rate
             damping[own, own] += rate * array(body.gyroscopic(spec.rotation))
@@ -65,6 +67,28 @@ def _eigenvalues(K: Floats, D: Floats, M: Floats) -> Complexes:
     )
     kept = values[values.imag >= 0]
     return kept[np.lexsort((kept.real, kept.imag))]
+
+
+def _of_body(spec: DampingSpec, M: Floats, K: Floats) -> Floats:
+    """Rayleigh damping of a body, and modal damping by all of its modes, as a full matrix."""
+    damping = np.zeros_like(M)
+    rayleigh, modal = spec.rayleigh(), spec.modal
+    if rayleigh is not None:
+        damping += rayleigh.alpha * M + rayleigh.beta * K
+    if modal is not None:
+        kappa, vectors = eigh(K, M)
+        elastic = kappa > _RIGID * kappa[-1]
+        omega, images = np.sqrt(kappa[elastic]), M @ vectors[:, elastic]
+        ratios = np.zeros_like(omega)
+        if modal.max_frequency is not None:
+            ratios[omega <= 2 * np.pi * modal.max_frequency] = modal.ratio
+        elif modal.frequencies is None:
+            ratios[: len(modal.ratios or ())] = modal.ratios
+        else:
+            table = 2 * np.pi * np.asarray(modal.frequencies)
+            ratios = np.interp(omega, table, np.asarray(modal.ratios), right=0.0)
+        damping += (images * (2 * ratios * omega)) @ images.T
+    return damping
 
 
 def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floats:
