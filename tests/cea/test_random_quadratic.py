@@ -3,12 +3,12 @@
 import time
 
 import pytest
-from random_runs import quadratic_outcome, statistics, tell
+from random_runs import low_rank_outcome, quadratic_outcome, statistics, tell
 
 
-def _judged(seeds):
+def _judged(seeds, outcome_of=quadratic_outcome):
     begin = time.process_time()
-    outcomes = [quadratic_outcome(seed) for seed in seeds]
+    outcomes = [outcome_of(seed) for seed in seeds]
     seconds = time.process_time() - begin
     told = f"{len(seeds)} random damped pencils, {seeds}, in {seconds:.1f} s"
     told = f"{told}\n{statistics(outcomes)}"
@@ -21,6 +21,15 @@ def _judged(seeds):
 
 def test_sixty_random_damped_pencils():
     _judged(range(60))
+
+
+def test_sixty_random_pencils_with_modes_damped():
+    _judged(range(60), low_rank_outcome)
+
+
+@pytest.mark.slow
+def test_five_hundred_random_pencils_with_modes_damped():
+    _judged(range(500), low_rank_outcome)
 
 
 @pytest.mark.slow

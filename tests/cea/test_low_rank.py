@@ -1,0 +1,189 @@
+"""Damping of low rank: products, systems by Woodbury's formula, derivatives."""
+
+import numpy as np
+import pytest
+from blocks import assemble, two_blocks
+from petsc_matrices import to_numpy, to_petsc
+from quadratic_cases import damped
+from scipy.linalg import eig
+
+from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.low_rank import LowRank, LowRankTerm, sum_of
+from cea.eigen.low_rank_update import LowRankUpdate
+from cea.eigen.parameters import Coefficient, Parameter
+from cea.eigen.pencil import Pencil, Term
+from cea.eigen.quadratic_shifted import QuadraticShifted
+from cea.errors import ConvergenceError
+from cea.petsc import PETSc
+
+GPTS = {"method": "gpts", "points": 3}
+RNG = np.random.default_rng(4)
+
+
+def with_piece(pencil, piece):
+    """A pencil with one piece of low rank more, by the parameter d."""
+    term = LowRankTerm(piece, Coefficient.of({"d": (1.0, 1.0)}))
+    parameters = [*pencil.parameters.values(), Parameter("d", 1.0)]
+    return Pencil(pencil.terms, parameters, pencil.forces, [term])
+
+
+@pytest.fixture(scope="module")
+def pencil():
+    """An unsymmetric pencil of 8 unknowns, damped by a piece of low rank alone."""
+    rng = np.random.default_rng(8)
+    turn = rng.standard_normal((8, 8))
+    terms = [
+        Term("mass", to_petsc(np.diag(np.linspace(1.0, 2.0, 8)))),
+        Term("stiffness", to_petsc(np.diag(np.linspace(1.0, 20.0, 8)))),
+        Term("stiffness", to_petsc(0.3 * turn), symmetric=False),
+    ]
+    piece = LowRank(rng.standard_normal((8, 2)), np.array([0.02, 0.1]))
+    return with_piece(Pencil(terms), piece)
+
+
+@pytest.mark.parametrize("columns", [RNG.standard_normal((7, 3)), 1j + np.ones((7, 2))])
+def test_products_are_those_of_the_full_matrix(columns):
+    pieces = [
+        LowRank(RNG.standard_normal((4, 2)), np.array([0.5, 0.0]), first=2),
+        LowRank(RNG.standard_normal((7, 3)), np.array([1.0, 2.0, 3.0])),
+    ]
+    factors = (2.0, 0.1)
+    whole = np.zeros((7, 7))
+    for factor, piece in zip(factors, pieces, strict=True):
+        own = (piece.vectors * piece.weights) @ piece.vectors.T
+        whole[piece.rows, piece.rows] += factor * own
+    found = sum_of(zip(factors, pieces, strict=True), 7, PETSc.COMM_SELF)
+    assert found.times(columns) == pytest.approx(whole @ columns, rel=1e-13)
+    assert found.root() @ found.root().T == pytest.approx(whole, rel=1e-13, abs=1e-15)
+    assert found.root().shape == (7, 4)
+    assert (found.sizes(np.abs(columns)) >= np.abs(whole @ np.abs(columns))).all()
+    assert sum_of([(0.0, pieces[0])], 7, PETSc.COMM_SELF) is None
+
+
+@pytest.mark.parametrize("shift", [0.7, 0.2 + 1.3j, 2.1j])
+@pytest.mark.parametrize(("form", "turning"), [("penalty", 0.3), ("saddle", 0.0)])
+def test_systems_are_those_of_the_full_matrix(backend, form, shift, turning):
+    data = two_blocks(backend, GPTS, mu=0.4 if turning else 0.0, held=True)
+    data["contacts"]["interface"] |= {"form": form}
+    plain = damped(assemble(data).pencil(), 0.1, 0.02, turning=turning)
+    rows = plain.at().size
+    piece = LowRank(RNG.standard_normal((rows, 5)), 10.0 ** -np.arange(5.0))
+    matrices = with_piece(plain, piece).at()
+    P = shift**2 * to_numpy(matrices.mass) + to_numpy(matrices.stiffness)
+    P = P + shift * (to_numpy(matrices.damping) + (piece.vectors * piece.weights) @ piece.vectors.T)
+    if matrices.gyroscopic is not None:
+        P = P + shift * to_numpy(matrices.gyroscopic)
+    if matrices.unsymmetric is not None:
+        P = P + to_numpy(matrices.unsymmetric)
+    if matrices.multipliers is not None:
+        J, L, C = (
+            to_numpy(getattr(matrices.multipliers, name))
+            for name in ("closure", "reaction", "compliance")
+        )
+        P = P + L.T @ np.linalg.solve(C, J)
+    b = RNG.standard_normal((rows, 3)) + 1j * RNG.standard_normal((rows, 3))
+    factors = QuadraticShifted(matrices, shift)
+    for transposed, A in ((False, P), (True, P.T)):
+        x, _ = factors.solve_with_forces(b, transposed=transposed)
+        assert x == pytest.approx(np.linalg.solve(A, b), abs=1e-9)
+    factors.free()
+
+
+def test_signs_of_determinants_know_the_piece(pencil):
+    """Negative stiffness: some shifts have an odd number of real eigenvalues beyond them."""
+    stiffness = np.diag([-2.0, -1.0, 3.0, 4.0])
+    terms = [
+        Term("mass", to_petsc(np.eye(4))),
+        Term("stiffness", to_petsc(stiffness)),
+        Term("stiffness", to_petsc(0.1 * RNG.standard_normal((4, 4))), symmetric=False),
+    ]
+    piece = LowRank(RNG.standard_normal((4, 3)), np.array([1.0, 5.0, 0.3]))
+    matrices = with_piece(Pencil(terms), piece).at()
+    K, C = stiffness + to_numpy(terms[2].matrix), (piece.vectors * piece.weights) @ piece.vectors.T
+    found = []
+    for shift in np.linspace(0.05, 2.0, 12):
+        factors = QuadraticShifted(matrices, float(shift))
+        sign = np.sign(np.linalg.det(shift**2 * np.eye(4) + shift * C + K))
+        assert factors.parity() == int(sign < 0)
+        found.append(factors.parity())
+        factors.free()
+    assert set(found) == {0, 1}
+
+
+class Dense:
+    """A dense matrix as what an update takes."""
+
+    def __init__(self, matrix):
+        self.matrix = matrix
+
+    def times(self, x, *, transposed):
+        """A x or A^T x."""
+        return (self.matrix.T if transposed else self.matrix) @ x
+
+    def solve(self, b, *, transposed):
+        """A^-1 b or A^-T b."""
+        return np.linalg.solve(self.matrix.T if transposed else self.matrix, b)
+
+
+def update(matrix, root, shift):
+    comm = PETSc.COMM_SELF
+    return LowRankUpdate(Dense(matrix), root, shift, rows=len(matrix), symmetric=False, comm=comm)
+
+
+@pytest.mark.parametrize("near", [0.5, 1e-6, 1e-10, 1e-12])
+def test_digits_lost_next_to_a_singular_matrix_come_back(near):
+    """The matrix without the piece has an eigenvalue so near; Woodbury's formula alone is off."""
+    turn = np.linalg.qr(RNG.standard_normal((30, 30)))[0]
+    A = turn * np.geomspace(1.0, 50.0, 30) @ turn.T
+    A += (near - 1.0) * np.outer(turn[:, 0], turn[:, 0])
+    root = RNG.standard_normal((30, 4))
+    solver = update(A, root, 0.5 + 1.0j)
+    whole, x = A + (0.5 + 1.0j) * root @ root.T, RNG.standard_normal((30, 2)) + 0j
+    for transposed in (False, True):
+        b = (whole.T if transposed else whole) @ x
+        assert solver.solve(b, transposed=transposed) == pytest.approx(x, abs=1e-11)
+        assert (solver.steps(transposed=transposed) > 0) == (near < 0.1)
+
+
+def test_singular_sums_are_refused():
+    A, root = np.diag([1.0, 2.0, 3.0]), np.eye(3)[:, :1]
+    with pytest.raises(ConvergenceError, match="singular"):
+        update(A, root, -1.0)
+    with pytest.raises(ConvergenceError, match="singular"):
+        update(np.diag([1.0, 2.0, 1e-320]), np.eye(3)[:, 2:], 1.0)
+
+
+def test_modes_are_those_of_the_full_matrix(pencil):
+    modes = solve_modes(pencil, 0.6, left=True)
+    values, x, y = modes.eigenvalues, modes.vectors, modes.left.vectors
+    M, K = (to_numpy(term.matrix) for term in pencil.terms[:2])
+    K = K + to_numpy(pencil.terms[2].matrix)
+    piece = pencil.low_rank[0].piece
+    C = (piece.vectors * piece.weights) @ piece.vectors.T
+    zero, one = np.zeros((8, 8)), np.eye(8)
+    every = eig(np.block([[zero, one], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]]))[0]
+    inside = (every.imag >= 0) & (every.imag <= 1.2 * np.pi)
+    inside &= every.real >= modes.window.min_growth
+    assert np.sort_complex(values) == pytest.approx(np.sort_complex(every[inside]), rel=1e-11)
+    assert len(values) > 3
+    assert modes.window.complete
+    for i, value in enumerate(values):
+        P = value**2 * M + value * C + K
+        scale = 1e-12 * np.linalg.norm(K)
+        assert np.linalg.norm(P @ x[:, i]) < scale
+        assert np.linalg.norm(y[:, i].conj() @ P) < scale * np.linalg.norm(y[:, i])
+        assert y[:, i].conj() @ (2 * value * M + C) @ x[:, i] == pytest.approx(2 * value)
+
+
+def test_derivatives_are_those_of_differences(pencil):
+    step = 1e-5
+    with KrylovSchur(pencil) as driver:
+        slopes = driver.solve(0.6, left=True).sensitivity("d")
+        ends = [driver.solve(0.6, {"d": 1 + s}).eigenvalues for s in (step, -step)]
+    assert slopes == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-6)
+
+
+def test_without_the_piece_the_problem_is_linear(pencil):
+    assert pencil.at().quadratic
+    assert pencil.damped
+    assert not pencil.at({"d": 0.0}).quadratic

@@ -1,0 +1,198 @@
+"""Modal damping of bodies: what is damped, by which matrix, and what is refused."""
+
+import numpy as np
+import pytest
+from blocks import assemble, block, two_blocks
+from petsc_matrices import to_numpy
+from scipy.linalg import eigh
+
+from cea.damping import ModalDamping
+from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.errors import InputError
+
+GPTS = {"method": "gpts", "points": 3}
+TOP = 0.8
+
+
+def one_block(backend, modal=None, *, held=True, size=(1.0, 1.1, 0.4), **material):
+    """A block alone."""
+    supports = [{"surface": "z_min"}] if held else []
+    body = block(backend, list(size), [0.0, 0.0, 0.0], [2, 3, 1], supports=supports)
+    body["material"] |= material
+    if modal is not None:
+        body["damping"] = {"modal": modal}
+    return {
+        "name": "block",
+        "bodies": {"block": body},
+        "contacts": {},
+        "analysis": {"kind": "cea", "max_frequency": TOP},
+    }
+
+
+def piece_of(system):
+    """W diag(d) W^T of a system as a full matrix."""
+    root = system.pencil().at().low_rank.root()
+    return root @ root.T
+
+
+KINDS = {
+    "one ratio": {"ratio": 0.02, "max_frequency": 0.6},
+    "a list": {"ratios": [0.5, 1e-6, 0.9, 0.999]},
+    "a table": {"ratios": [0.0, 0.3, 0.1], "frequencies": [0.3, 0.5, 0.7]},
+}
+
+
+def expected_ratios(kind, frequencies):
+    """Damping ratios of elastic modes, as the scene means them."""
+    modal = KINDS[kind]
+    if kind == "one ratio":
+        return np.where(frequencies <= 0.6, 0.02, 0.0)
+    if kind == "a list":
+        return np.pad(modal["ratios"], (0, len(frequencies) - 4))
+    return np.interp(frequencies, modal["frequencies"], modal["ratios"], right=0.0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("held", [True, False])
+def test_a_body_alone_has_the_ratios_it_is_given(backend, kind, held):
+    plain, system = (
+        assemble(one_block(backend, modal, held=held)) for modal in (None, KINDS[kind])
+    )
+    free = solve_modes(plain.pencil(), TOP).eigenvalues.imag
+    omega = free[free > 1e-3]
+    assert len(free) - len(omega) == (0 if held else 6)
+    zeta = expected_ratios(kind, omega / (2 * np.pi))
+    assert (zeta > 0).sum() > 2
+    exact = omega * (-zeta + 1j * np.sqrt(1 - zeta**2))
+    modes = solve_modes(system.pencil(), TOP, min_growth=-2 * np.pi * TOP)
+    found = modes.eigenvalues[np.abs(modes.eigenvalues) > 1e-3]
+    assert len(found) == len(exact)
+    rows, columns = assign(np.abs(exact[:, None] - found), 1.0)
+    assert found[columns] == pytest.approx(exact[rows], rel=1e-10)
+    assert modes.verdict() == "stable"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_piece_is_the_sum_over_the_modes(backend, kind):
+    system = assemble(one_block(backend, KINDS[kind], held=False))
+    body = system.bodies["block"]
+    K, M = to_numpy(body.stiffness()), to_numpy(body.mass())
+    kappa, phi = eigh(K, M)
+    omega, phi = np.sqrt(kappa[6:]), phi[:, 6:]
+    zeta = expected_ratios(kind, omega / (2 * np.pi))
+    expected = (M @ phi * (2 * zeta * omega)) @ (M @ phi).T
+    assert piece_of(system) == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
+
+
+def test_it_stands_beside_rayleigh_damping_and_keeps_to_its_body(backend):
+    data = two_blocks(backend, GPTS, held=True)
+    data["bodies"]["lower"]["damping"] = {"alpha": 0.3, "modal": KINDS["one ratio"]}
+    system = assemble(data)
+    matrices = system.pencil().at()
+    n = system.bodies["upper"].mass().getSize()[0]
+    piece = piece_of(system)
+    assert not piece[:n].any()
+    assert not piece[:, :n].any()
+    assert piece[n:, n:].any()
+    M = to_numpy(system.bodies["lower"].mass())
+    assert to_numpy(matrices.damping)[n:, n:] == pytest.approx(0.3 * M, rel=1e-14)
+
+
+def test_modes_of_one_frequency_are_damped_alike(backend):
+    """A square column: bending modes come in pairs, of which any two may be found."""
+    data = one_block(backend, {"ratios": [0.1, 0.1, 0.2]}, size=(0.4, 0.4, 2.0))
+    data["bodies"]["block"]["mesh"] |= {
+        "fe": {"cell": "hexahedron", "degree": 2, "elements": [2, 2, 4]},
+        "iga": {"degree": [2, 2, 2], "elements": [2, 2, 4]},
+    }
+    assemble(data).pencil()
+    for ratios, told in (([0.1, 0.2], "1 to 2"), ([0.1], "1 to 2")):
+        data["bodies"]["block"]["damping"]["modal"]["ratios"] = ratios
+        with pytest.raises(InputError, match=rf"damping\.modal\.ratios.*{told}"):
+            assemble(data).pencil()
+
+
+def test_more_ratios_than_modes_are_refused(backend):
+    system = assemble(one_block(backend, held=False))
+    size = system.bodies["block"].mass().getSize()[0]
+    for count in (size - 5, size + 1):
+        data = one_block(backend, {"ratios": [0.01] * count}, held=False)
+        with pytest.raises(InputError, match=r"bodies\.block\.damping\.modal\.ratios"):
+            assemble(data).pencil()
+    every = one_block(backend, {"ratios": [0.01] * (size - 6)}, held=False)
+    assert len(assemble(every).pencil().low_rank[0].piece.weights) == size - 6
+
+
+@pytest.mark.parametrize("change", [{"E": 5.0}, {"rho": 0.7}])
+def test_modes_that_are_counted_follow_the_material(backend, change):
+    name, value = next(iter(change.items()))
+    modal = KINDS["a list"]
+    values = {f"bodies.block.material.{name}": value}
+    system = assemble(one_block(backend, modal))
+    changed = system.pencil().at(values).low_rank.root()
+    expected = piece_of(assemble(one_block(backend, modal, **change)))
+    assert changed @ changed.T == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
+
+
+def test_modes_that_are_not_counted_do_not(backend):
+    system = assemble(one_block(backend, KINDS["one ratio"]))
+    pencil = system.pencil()
+    with pytest.raises(InputError, match=r"bodies\.block\.material\.E.*5.*found"):
+        pencil.at({"bodies.block.material.E": 5.0})
+    modes = solve_modes(pencil, TOP, left=True)
+    with pytest.raises(InputError, match=r"bodies\.block\.material\.rho"):
+        modes.sensitivity("bodies.block.material.rho")
+    assert np.isfinite(modes.sensitivity("bodies.block.damping.modal.ratio")).all()
+
+
+def test_the_ratio_is_a_parameter(backend):
+    system = assemble(one_block(backend, {"ratio": 0.0, "max_frequency": 0.6}))
+    pencil = system.pencil()
+    assert not pencil.at().quadratic
+    expected = piece_of(assemble(one_block(backend, KINDS["one ratio"])))
+    root = pencil.at({"bodies.block.damping.modal.ratio": 0.02}).low_rank.root()
+    assert root @ root.T == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
+    overdamped = solve_modes(pencil, TOP, {"bodies.block.damping.modal.ratio": 1.25})
+    assert overdamped.window.complete
+    with KrylovSchur(pencil) as driver:
+        omega = driver.solve(TOP).eigenvalues.imag
+        wide = driver.solve(TOP, {"bodies.block.damping.modal.ratio": 1.25}, min_growth=-12.0)
+    slow, fast = -omega[omega < 1.2 * np.pi] * 0.5, -omega[omega < 1.2 * np.pi] * 2.0
+    real = np.sort(wide.growth_rates[wide.eigenvalues.imag == 0])
+    assert real == pytest.approx(np.sort(np.append(slow, fast)), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("fields", "named"),
+    [
+        ({}, "ratio"),
+        ({"ratio": 0.01}, "max_frequency"),
+        ({"ratio": 0.01, "max_frequency": 0.0}, "max_frequency"),
+        ({"ratio": 0.01, "max_frequency": np.inf}, "max_frequency"),
+        ({"ratio": 1.0, "max_frequency": 9.0}, "ratio"),
+        ({"ratio": -0.1, "max_frequency": 9.0}, "ratio"),
+        ({"ratio": 0.1, "max_frequency": 9.0, "ratios": (0.1,)}, "ratio"),
+        ({"max_frequency": 9.0, "ratios": (0.1,)}, "max_frequency"),
+        ({"ratio": 0.1, "max_frequency": 9.0, "frequencies": (1.0,)}, "frequencies"),
+        ({"ratios": ()}, "ratios"),
+        ({"ratios": (0.1, 3.0)}, "ratios"),
+        ({"ratios": (0.1, np.nan)}, "ratios"),
+        ({"ratios": (0.1, 0.2), "frequencies": (2.0, 1.0)}, "frequencies"),
+        ({"ratios": (0.1, 0.2), "frequencies": (1.0,)}, "frequencies"),
+        ({"ratios": (0.1,), "frequencies": (0.0,)}, "frequencies"),
+        ({"frequencies": (1.0, 2.0)}, "ratio"),
+    ],
+)
+def test_what_is_no_damping_is_refused(fields, named):
+    with pytest.raises(InputError) as told:
+        ModalDamping(**fields)
+    assert told.value.field == named
+
+
+def test_tables_end_and_begin_as_they_say():
+    damping = ModalDamping(ratios=(0.1, 0.3), frequencies=(10.0, 20.0))
+    found = damping.factors_at(np.array([1.0, 10.0, 15.0, 20.0, 20.1]))
+    assert found == pytest.approx([0.1, 0.1, 0.2, 0.3, 0.0])
+    assert damping.acts
+    assert not ModalDamping(ratios=(0.0, 0.0)).acts
