@@ -55,6 +55,14 @@ def damped_disc(backend, **contact):
     }
 
 
+def modally_damped_disc(backend, **contact):
+    """The same with modal damping: one ratio of the disc, a list of the pad beside Rayleigh's."""
+    data = damped_disc(backend, **contact)
+    data["bodies"]["disc"]["damping"] = {"modal": {"ratio": 0.02, "max_frequency": 0.45}}
+    data["bodies"]["pad"]["damping"]["modal"] = {"ratios": [0.01, 0.0, 0.03, 1e-6, 0.02]}
+    return data
+
+
 def of_backend(backend):
     """Norms of the matrices, asymmetry of them, and eigenvalues."""
     result = run_modes(read_scene(damped_disc(backend)))
@@ -70,4 +78,21 @@ def of_backend(backend):
         "asymmetry": skew.norm() + apart.norm(),
         "re": values.real.tolist(),
         "im": values.imag.tolist(),
+    }
+
+
+def modal_of_backend(backend):
+    """Trace of the modal damping, and eigenvalues with derivatives in its ratio."""
+    result = run_modes(read_scene(modally_damped_disc(backend)), left=True)
+    pieces = [term.piece for term in result.modes.pencil.low_rank]
+    squares = [result.comm.allreduce((p.vectors**2).sum(axis=0)) for p in pieces]
+    order = np.argsort(result.eigenvalues.imag)
+    values = result.eigenvalues[order]
+    slopes = result.modes.sensitivity("bodies.disc.damping.modal.ratio")[order]
+    return {
+        "traces": [float(s @ p.weights) for s, p in zip(squares, pieces, strict=True)],
+        "modes": [len(p.weights) for p in pieces],
+        "re": values.real.tolist(),
+        "im": values.imag.tolist(),
+        "slopes": np.abs(slopes).tolist(),
     }

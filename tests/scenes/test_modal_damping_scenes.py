@@ -1,0 +1,178 @@
+"""Scenes with modal damping: from fields to modes, changes, matrices, ranks."""
+
+import numpy as np
+import pytest
+from damped_numbers import modally_damped_disc
+from mpi import on_ranks
+
+from cea.errors import InputError
+from comparisons.stability.parts.dense_damped import damped_eigenvalues
+from scenes.assembled import AssembledScene
+from scenes.describe import save_result
+from scenes.opened import open_result
+from scenes.plain import as_data
+from scenes.read import SceneError, load_scene, read_scene
+from scenes.run import run_modes
+
+RATIO = "bodies.disc.damping.modal.ratio"
+
+
+def in_window(values, window):
+    """Eigenvalues of the upper half that a window holds."""
+    inside = (values.imag >= 0) & (values.imag <= 2 * np.pi * window.max_frequency)
+    return np.sort_complex(values[inside & (values.real >= window.min_growth)])
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+def test_modes_are_those_of_dense_matrices(backend, form):
+    data = modally_damped_disc(backend, form=form)
+    modes = run_modes(read_scene(data)).modes
+    expected = in_window(damped_eigenvalues(data), modes.window)
+    assert len(expected) > 5
+    np.testing.assert_allclose(np.sort_complex(modes.eigenvalues), expected, rtol=1e-9, atol=1e-9)
+
+
+@pytest.fixture(scope="module")
+def assembled():
+    """A scene assembled once."""
+    scene = AssembledScene(read_scene(modally_damped_disc("iga")))
+    yield scene
+    scene.free()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {RATIO: 0.1},
+        {RATIO: 0.0},
+        {"bodies.pad.material.E": 1.3},
+        {"bodies.pad.damping.alpha": 0.02, "bodies.pad.damping.beta": 0.0},
+    ],
+)
+def test_changes_need_no_assembly(assembled, change, monkeypatch):
+    if "bodies.pad.damping.alpha" in change:
+        change |= {"bodies.pad.damping.ratios": None, "bodies.pad.damping.frequencies": None}
+    expected = run_modes(assembled.scene.change(change))
+    monkeypatch.setattr("scenes.assembled.run_modes", None)
+    found = assembled.modes(change)
+    np.testing.assert_allclose(found.eigenvalues, expected.eigenvalues, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"bodies.disc.material.E": 2.5},
+        {"bodies.disc.material.rho": 0.8},
+        {"bodies.disc.damping.modal.max_frequency": 0.3},
+        {"bodies.pad.damping.modal.ratios": [0.05]},
+        {"bodies.pad.damping.modal": None},
+    ],
+)
+def test_other_changes_find_the_modes_anew(assembled, change):
+    expected = run_modes(assembled.scene.change(change)).eigenvalues
+    before = assembled.modes().eigenvalues
+    found = assembled.modes(change).eigenvalues
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+    assert len(found) != len(before) or np.abs(found - before).max() > 1e-6
+
+
+def test_thresholds_do_not_cross_materials(assembled):
+    with pytest.raises(InputError, match=r"bodies\.disc\.material\.E"):
+        assembled.threshold("bodies.disc.material.E", real=2.5, flutter=1.5)
+
+
+def test_a_threshold_in_the_ratio_is_where_growth_begins():
+    data = modally_damped_disc("iga")
+    data["contacts"]["interface"]["sliding"]["mu_slope"] = -3.0
+    data["bodies"]["pad"]["damping"] = {"ratios": [0.1, 0.1], "frequencies": [0.1, 0.4]}
+    assembled = AssembledScene(read_scene(data))
+    threshold = assembled.threshold(RATIO, real=0.5, flutter=0.0)
+    assembled.free()
+    assert 0.0 < threshold.value < 0.5
+    data["bodies"]["disc"]["damping"]["modal"]["ratio"] = threshold.value
+    values = damped_eigenvalues(data)
+    inside = values.imag <= 2 * np.pi * data["analysis"]["max_frequency"]
+    assert values.real[inside].max() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_sensitivities_are_differences(assembled):
+    result = assembled.modes(left=True)
+    for name in (RATIO, "bodies.pad.damping.modal.ratios", "bodies.pad.material.E"):
+        step = 1e-4 * result.modes.values[name]
+        values = [result.modes.values[name] + s * step for s in (1, -1)]
+        ends = [assembled._driver.solve(0.3, {name: value}).eigenvalues for value in values]
+        slopes = (ends[0] - ends[1]) / (2 * step)
+        np.testing.assert_allclose(
+            result.modes.sensitivity(name), slopes, atol=1e-4 * np.abs(slopes).max()
+        )
+
+
+def test_matrices_hold_all_of_the_damping(assembled):
+    result = assembled.modes({RATIO: 0.1})
+    matrices = result.matrices()
+    assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y", "W"]
+    x, value = result.modes.vectors[:, 3], result.eigenvalues[3]
+    M, W = matrices["M"], matrices["W"]
+    D, K = matrices["C"] + matrices["Y"], matrices["K"] + matrices["K_n"] - matrices["K_f"]
+    drag = D @ x + W @ (W.T @ x)
+    defect = value**2 * (M @ x) + value * drag + K @ x
+    assert np.linalg.norm(defect) < 1e-10 * np.linalg.norm(K @ x)
+    assert np.linalg.norm(value * (W @ (W.T @ x))) > 1e-6 * np.linalg.norm(K @ x)
+
+
+def test_results_are_stored_and_opened(tmp_path, assembled):
+    result = assembled.modes()
+    opened = open_result(save_result(result, tmp_path / "result.json"))
+    np.testing.assert_array_equal(opened.eigenvalues, result.eigenvalues)
+    assert opened.scene == result.scene
+
+
+def test_modal_damping_is_damping(assembled):
+    assert assembled.scene.damped
+    nothing = {
+        RATIO: 0.0,
+        "bodies.pad.damping": None,
+        "contacts.interface.sliding": None,
+    }
+    assert not assembled.scene.change(nothing).damped
+    assert "damping" not in assembled.modes().skipped
+
+
+def test_scenes_without_it_are_the_data_they_were():
+    assert "modal" not in as_data(load_scene("disc_pad_damped"))["bodies"]["pad"]["damping"]
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({RATIO: 1.0}, r"bodies\.disc\.damping\.modal\.ratio"),
+        ({RATIO: "much"}, r"bodies\.disc\.damping\.modal\.ratio"),
+        ({"bodies.disc.damping.modal.max_frequency": -1.0}, r"modal\.max_frequency"),
+        ({"bodies.disc.damping.modal": {}}, r"bodies\.disc\.damping\.modal\.ratio"),
+        ({"bodies.disc.damping.modal.mode": 1}, r"bodies\.disc\.damping\.modal\.mode"),
+        ({"bodies.pad.damping.modal.ratios": []}, r"bodies\.pad\.damping\.modal\.ratios"),
+        ({"bodies.pad.damping.modal.frequencies": [1.0]}, r"modal\.frequencies"),
+        ({"bodies.disc.damping.modal": None}, r"bodies\.disc\.damping\.ratios"),
+    ],
+)
+def test_what_cannot_be_is_refused(change, named):
+    with pytest.raises(SceneError, match=named):
+        read_scene(modally_damped_disc("iga")).change(change)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(
+    ("ranks", "backend"),
+    [
+        (2, "fe"),
+        (3, "iga"),
+        pytest.param(2, "iga", marks=pytest.mark.slow),
+        pytest.param(3, "fe", marks=pytest.mark.slow),
+    ],
+)
+def test_numbers_do_not_depend_on_the_ranks(ranks, backend):
+    alone, together = (on_ranks(n, "damped_numbers.modal_of_backend", backend) for n in (1, ranks))
+    assert alone["modes"] == together["modes"]
+    assert min(alone["modes"]) > 3
+    for key in ("traces", "re", "im", "slopes"):
+        np.testing.assert_allclose(together[key], alone[key], rtol=1e-9, atol=1e-9)
