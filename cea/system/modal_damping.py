@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 
 from cea.body import Body, Floats
 from cea.damping import ModalDamping
-from cea.eigen.blocks import image_of
+from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.low_rank import LowRank, LowRankTerm
 from cea.eigen.modes import Modes
@@ -105,7 +106,8 @@ def modal_terms(path: str, body: Body, damping: ModalDamping, first: int) -> Ite
     """
     modes = _modes(path, body, damping)
     elastic = modes.frequencies > _rigid_up_to(modes)
-    frequencies = modes.frequencies[elastic]
+    frequencies, vectors = _rayleigh_ritz(body, modes.vectors.real)
+    frequencies, vectors = frequencies[elastic], vectors[:, elastic]
     groups = _groups(frequencies, modes.growth_uncertainties[elastic] / (2 * np.pi))
     if len(damping.ratios or ()) > len(frequencies) and damping.end is None:
         allowed = f"at most {len(frequencies)}: all elastic modes of the body"
@@ -113,9 +115,9 @@ def modal_terms(path: str, body: Body, damping: ModalDamping, first: int) -> Ite
             f"{path}.damping.modal.ratios", f"{len(damping.ratios or ())} ratios", allowed
         )
     factors = _factors(path, damping, frequencies, groups)
-    vectors = modes.vectors[:, elastic][:, factors > 0].real
-    weights = (4 * np.pi * factors * frequencies)[factors > 0]
-    piece = LowRank(image_of(body.mass(), vectors), weights, first)
+    damped = factors > 0
+    weights = (4 * np.pi * factors * frequencies)[damped]
+    piece = LowRank(image_of(body.mass(), vectors[:, damped]), weights, first)
     yield LowRankTerm(piece, _coefficient(path, body, damping))
 
 
@@ -161,6 +163,19 @@ def _modes(path: str, body: Body, damping: ModalDamping) -> Modes:
         raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
     finally:
         release(matrices)
+
+
+def _rayleigh_ritz(body: Body, vectors: Floats) -> tuple[Floats, Floats]:
+    """Frequencies (Hz) and modes, by rising frequency, in the space that some modes span.
+
+    Of modes far from the shift they were searched about the space is known far better than each is.
+    """
+    mass, stiffness = body.mass(), body.stiffness()
+    gram, form = (
+        all_inner(vectors, image_of(each, vectors), mass.comm) for each in (mass, stiffness)
+    )
+    kappa, turn = eigh(form, gram)
+    return np.sqrt(np.maximum(kappa, 0.0)) / (2 * np.pi), vectors @ turn
 
 
 def _end(path: str, matrices: Matrices, wanted: int) -> float:
