@@ -20,6 +20,7 @@ from cea.eigen.quadratic_pairs import QuadraticPairs, checked_pairs, inverse_ste
 from cea.eigen.quadratic_search import MARGIN, QuadraticSearch
 from cea.eigen.quadratic_window import QuadraticFound, QuadraticWindow
 from cea.eigen.sensitivity import SAME, LeftVectors, dual_norms
+from cea.eigen.spectrum import SLOW
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
@@ -104,7 +105,7 @@ class QuadraticDriver:
         assert search.factors is not None
         with self.timer("post-processing"):
             pairs = checked_pairs(self.matrices, search.factors, found.subspace, end)
-        vectors = self._left(search, pairs) if left else None
+        vectors = self._left(search, pairs, end) if left else None
         inside = (pairs.eigenvalues.imag >= 0) & (pairs.eigenvalues.imag <= end)
         first = found.discs[0] if found.discs else None
         window = QuadraticWindow(
@@ -123,13 +124,13 @@ class QuadraticDriver:
         )
         return _modes_of(self.pencil, self.values, self.matrices, pairs, vectors, window)
 
-    def _left(self, search: QuadraticSearch, pairs: QuadraticPairs) -> LeftVectors:
+    def _left(self, search: QuadraticSearch, pairs: QuadraticPairs, end: float) -> LeftVectors:
         """Left vectors of the eigenpairs found."""
         values, vectors = search.left()
         assert search.factors is not None
         with self.timer("post-processing"):
             damping = Damping(self.matrices)
-            y = _dual(self.matrices, damping, pairs, values, vectors)
+            y = _dual(self.matrices, damping, pairs, values, vectors, end)
             g = np.empty((0, y.shape[1]), dtype=complex)
             if self.matrices.multipliers is not None:
                 y, g = inverse_step(
@@ -151,6 +152,7 @@ def _dual(
     pairs: QuadraticPairs,
     left_values: Complexes,
     left_vectors: Complexes,
+    end: float,
 ) -> Complexes:
     """Left vectors in the order of right ones, y^H (2 lambda M + D) x = 2 lambda.
 
@@ -163,7 +165,7 @@ def _dual(
         When an eigenvalue has no left vector.
     """
     values, x, comm = pairs.eigenvalues, pairs.vectors, matrices.stiffness.comm
-    scale = np.abs(values).max(initial=np.finfo(float).tiny)
+    scale = np.abs(values).max(initial=SLOW * end)  # rigid motions have no speed of their own
     rows, columns = assign(np.abs(values[:, None] - left_values) / scale, SAME)
     if len(rows) < len(values):
         raise ConvergenceError(

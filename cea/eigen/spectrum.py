@@ -16,7 +16,7 @@ RELATIVE_GROWTH = 1e-4
 """Growth rate relative to abs(lambda) above which a mode is called unstable by default."""
 _DIGITS = 0.01
 """Growth rate (1/s) below which three digits after the point show too little."""
-_SLOW = 0.1
+SLOW = 0.1
 """Modes slower than this part of the window are judged by it: rigid motions have no speed."""
 _TRUSTED = 1e-2
 """Uncertainty of lambda, relative likewise, up to which a mode is trusted."""
@@ -147,7 +147,7 @@ class Spectrum:
         Rigid motions have lambda = 0 but for rounding, and no speed of their own.
         """
         end = 2 * np.pi * self.window.max_frequency
-        return _SLOW * end if np.isfinite(end) else 0.0
+        return SLOW * end if np.isfinite(end) else 0.0
 
     @property
     def speeds(self) -> Floats:

@@ -178,6 +178,18 @@ def test_left_vectors_are_those_of_the_quadratic_problem(mixed):
         assert y[:, i].conj() @ (2 * value * M + D) @ x[:, i] == pytest.approx(2 * value)
 
 
+@pytest.mark.parametrize("seed", [0, 31])
+def test_windows_of_rigid_motions_alone_have_left_vectors(seed):
+    """Theirs are rounding of zero, right and left: they are alike beside the window."""
+    problem = random_quadratic(seed)
+    modes = solve_modes(
+        problem.pencil(), problem.max_frequency, min_growth=problem.min_growth, left=True
+    )
+    assert np.abs(modes.eigenvalues).max() < 1e-6 * 2 * np.pi * problem.max_frequency
+    y = modes.left.vectors / np.linalg.norm(modes.left.vectors, axis=0)
+    assert np.abs(y.conj().T @ problem.stiffness).max() < 1e-6 * np.abs(problem.stiffness).max()
+
+
 @pytest.mark.parametrize("shift", [0.7, 0.2 + 1.3j, 2.1j])
 @pytest.mark.parametrize("form", ["penalty", "saddle"])
 def test_systems_at_complex_shifts_are_solved_in_real_numbers(backend, form, shift):
