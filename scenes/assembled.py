@@ -122,7 +122,8 @@ class AssembledScene:
         parameter
             Path of a parameter of the pencil: mu or P of a contact, E or rho of a body, e.g.
             ``contacts.pad_disc.mu``, ``bodies.disc.damping.alpha``, ``bodies.disc.rotation.rate``,
-            ``contacts.pad_disc.sliding.speed``; a factor where the field is an expression.
+            ``contacts.pad_disc.sliding.speed``; a factor where the field is an expression. An
+            asterisk stands for every name: ``contacts.*.mu`` of all contacts, which have one value.
         real, flutter
             Values on either side: at one the pair does not grow, at the other it does; with damping
             every mode decays at the first.
@@ -139,19 +140,21 @@ class AssembledScene:
         """
         assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
         top = self.scene.analysis.max_frequency
-        if self._quadratic(parameter, real, flutter):
+        names = [name for name in self._driver.pencil.parameters if _is_one_of(name, parameter)]
+        names = names or [parameter]
+        if self._quadratic(names, real, flutter):
             if frequency is not None:
                 raise InputError("frequency", frequency, "left out with damping or rotation")
-            return growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
+            return growth_threshold(self._driver, names, real, flutter, max_frequency=top)
         return flutter_threshold(
-            self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
+            self._driver, names, real, flutter, max_frequency=top, frequency=frequency
         )
 
-    def _quadratic(self, parameter: str, *values: float) -> bool:
-        """Whether velocities count at some values of a parameter."""
+    def _quadratic(self, names: Sequence[str], *values: float) -> bool:
+        """Whether velocities count at some values of parameters."""
         if not self._driver.pencil.damped:
             return False
-        return any(self._driver.quadratic({parameter: value}) for value in values)
+        return any(self._driver.quadratic(dict.fromkeys(names, value)) for value in values)
 
     def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
         """Parameters that make this scene another; None where others differ, or forms would."""
@@ -174,6 +177,14 @@ class AssembledScene:
     def free(self) -> None:
         """Free factors kept between solves."""
         self._driver.free()
+
+
+def _is_one_of(name: str, pattern: str) -> bool:
+    """Whether a path is one that another means, in which asterisks stand for names."""
+    parts, meant = name.split("."), pattern.split(".")
+    return len(parts) == len(meant) and all(
+        one in (part, "*") for part, one in zip(parts, meant, strict=True)
+    )
 
 
 def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:

@@ -5,18 +5,20 @@ continuous function of a parameter that passes through zero where the system bec
 has a finite slope there but for coalescences, which damping makes rare.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.optimize import brentq
 
 from cea.body import Complexes, Floats
 from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.thresholds import Threshold
+from cea.eigen.thresholds import Threshold, names_of
 from cea.errors import ConvergenceError, InputError
 
 
 def growth_threshold(
     driver: KrylovSchur,
-    parameter: str,
+    parameter: str | Sequence[str],
     stable: float,
     unstable: float,
     *,
@@ -30,7 +32,8 @@ def growth_threshold(
     driver
         What solves the pencil.
     parameter
-        Name of a parameter of the pencil, e.g. ``contacts.pad_disc.mu``.
+        Name of a parameter of the pencil, e.g. ``contacts.pad_disc.mu``; or of several, which have
+        one value.
     stable, unstable
         Values on either side: every mode decays at one, and one grows at the other. Which is the
         larger does not matter.
@@ -47,17 +50,18 @@ def growth_threshold(
     ConvergenceError
         When a window on the way is not complete.
     """
-    driver.pencil.parameter(parameter)
+    names = names_of(driver, parameter)
+    told = ", ".join(names)
     solves, factorisations = driver.solves, driver.factorisations
     solved: dict[float, tuple[Complexes, Floats]] = {}
 
     def at(value: float) -> tuple[Complexes, Floats]:
         """Eigenvalues of the window and what their growth may be off by; no vectors are kept."""
         if value not in solved:
-            modes = driver.solve(max_frequency, {parameter: value})
+            modes = driver.solve(max_frequency, dict.fromkeys(names, value))
             if not modes.window.complete:
                 raise ConvergenceError(
-                    f"at {parameter} = {value:.6g} {modes.window.evidence}", best=modes
+                    f"at {told} = {value:.6g} {modes.window.evidence}", best=modes
                 )
             solved[value] = modes.eigenvalues, modes.growth_uncertainties
         return solved[value]
@@ -74,11 +78,11 @@ def growth_threshold(
         sure = sign * values.real - uncertainties > 0
         if not (sure.all() if sign < 0 else sure.any()):
             word = "every mode decays" if sign < 0 else "a mode grows"
-            raise InputError(name, value, f"a value of {parameter} at which {word}")
+            raise InputError(name, value, f"a value of {told} at which {word}")
     scale = max(abs(stable), abs(unstable))
     value = float(brentq(lambda each: fastest(each).real, stable, unstable, xtol=tolerance * scale))
     return Threshold(
-        parameter,
+        told,
         value,
         fastest(value),
         driver.solves - solves,

@@ -14,6 +14,7 @@ With damping modes need not coalesce to flutter, and hardly ever do: there the g
 mode passes through zero (:mod:`cea.eigen.growth_thresholds`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,7 +49,7 @@ class Threshold:
     Parameters
     ----------
     parameter
-        Name of the parameter.
+        Name of the parameter, or names of those that have the value.
     value
         Its value there.
     eigenvalue
@@ -71,7 +72,7 @@ class Threshold:
 
 def flutter_threshold(
     driver: KrylovSchur,
-    parameter: str,
+    parameter: str | Sequence[str],
     real: float,
     flutter: float,
     *,
@@ -86,7 +87,8 @@ def flutter_threshold(
     driver
         What solves the pencil.
     parameter
-        Name of a parameter of the pencil, e.g. ``contacts.pad_disc.mu``.
+        Name of a parameter of the pencil, e.g. ``contacts.pad_disc.mu``; or of several, which have
+        one value.
     real, flutter
         Values on either side of the threshold: the pair is real at one and flutters at the other.
         Which is the larger does not matter.
@@ -106,35 +108,50 @@ def flutter_threshold(
     ConvergenceError
         When the pair is lost on the way: the values are too far apart.
     """
-    driver.pencil.parameter(parameter)
+    names = names_of(driver, parameter)
     for name, value in (("real", real), ("flutter", flutter)):
         if not 0 <= value < np.inf:
             raise InputError(name, value, "zero or more")
-    if any(driver.quadratic({parameter: value}) for value in (real, flutter)):
+    if any(driver.quadratic(dict.fromkeys(names, value)) for value in (real, flutter)):
         raise InputError(
             "pencil",
             "with damping or rotation",
             "without: no two modes coalesce; take growth_threshold",
         )
     solves, factorisations = driver.solves, driver.factorisations
-    follower = _Follower(driver, parameter, max_frequency)
+    follower = _Follower(driver, names, max_frequency)
     follower.start(flutter, frequency)
     before = follower.discriminant(real)
     if not before > 0:
         raise InputError("real", real, f"a value at which the pair growing at {flutter} is real")
     value = float(brentq(follower.discriminant, real, flutter, xtol=tolerance * max(real, flutter)))
+    told = ", ".join(names)
     if abs(follower.discriminant(value)) > _ROOT * before:
         raise ConvergenceError(
-            f"no two modes coalesce at {parameter} = {value:.6g}, where one pair was taken for "
+            f"no two modes coalesce at {told} = {value:.6g}, where one pair was taken for "
             "another; take values nearer to each other"
         )
     return Threshold(
-        parameter,
+        told,
         value,
         complex(np.sqrt(-follower.mean + 0j)),
         driver.solves - solves,
         driver.factorisations - factorisations,
     )
+
+
+def names_of(driver: KrylovSchur, parameter: str | Sequence[str]) -> tuple[str, ...]:
+    """Names of the parameters that a threshold is sought in, all of them known to a pencil.
+
+    Raises
+    ------
+    InputError
+        When there is no such parameter.
+    """
+    names = (parameter,) if isinstance(parameter, str) else tuple(parameter)
+    if not names:
+        raise InputError("parameter", parameter, "one or more names")
+    return tuple(driver.pencil.parameter(name).name for name in names)
 
 
 class _Follower:
@@ -144,9 +161,9 @@ class _Follower:
     near where it was; where it is not found there, among all modes.
     """
 
-    def __init__(self, driver: KrylovSchur, parameter: str, max_frequency: float) -> None:
+    def __init__(self, driver: KrylovSchur, names: tuple[str, ...], max_frequency: float) -> None:
         self._driver = driver
-        self._parameter = parameter
+        self._names, self._told = names, ", ".join(names)
         self._max_frequency = max_frequency
         self._known: list[tuple[float, Floats]] = []
         self._at = np.nan
@@ -168,21 +185,21 @@ class _Follower:
 
     def discriminant(self, value: float) -> float:
         """(kappa_1 - kappa_2)^2 of the pair (1/s^4), positive while it is real."""
-        modes = self._driver.nearest(self._at, _NEIGHBOURS, {self._parameter: value})
+        modes = self._driver.nearest(self._at, _NEIGHBOURS, self._changes(value))
         pair = self._continued(value, modes)
         if pair is None:
             modes = self._all(value)
             pair = self._continued(value, modes)
         if pair is None:
             raise ConvergenceError(
-                f"the pair is lost at {self._parameter} = {value:.6g}: no two modes continue it; "
+                f"the pair is lost at {self._told} = {value:.6g}: no two modes continue it; "
                 "take a narrower bracket or a higher max_frequency"
             )
         kappa = -(modes.eigenvalues[pair] ** 2)
         square = complex((kappa[0] - kappa[1]) ** 2)
         if abs(square.imag) > _NOT_A_PAIR * abs(square):
             raise ConvergenceError(
-                f"the pair is lost at {self._parameter} = {value:.6g}: {kappa[0]:.6g} and "
+                f"the pair is lost at {self._told} = {value:.6g}: {kappa[0]:.6g} and "
                 f"{kappa[1]:.6g} are neither real nor conjugate; take values nearer to each other"
             )
         self.mean = float(kappa.mean().real)
@@ -190,7 +207,10 @@ class _Follower:
         return square.real
 
     def _all(self, value: float) -> Modes:
-        return self._driver.solve(self._max_frequency, {self._parameter: value})
+        return self._driver.solve(self._max_frequency, self._changes(value))
+
+    def _changes(self, value: float) -> dict[str, float]:
+        return dict.fromkeys(self._names, value)
 
     def _remember(self, value: float, modes: Modes, vectors: Floats) -> None:
         """Keep M Q with Q an M-orthonormal basis of two vectors.

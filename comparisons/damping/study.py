@@ -7,7 +7,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from comparisons.damping.scene import K1, K2, MODULUS, hulten_scene
 from scenes.assembled import AssembledScene
@@ -24,8 +23,6 @@ SHARES = (1.0, 3.0, 10.0)
 _RATIOS = tuple(float(f"{ratio:.4g}") for ratio in np.geomspace(1e-3, 0.3, 8))
 _LOWEST, _HIGHEST = 0.005, 2.0
 """Friction below and above every threshold of these systems."""
-_DIGITS = 1e-8
-_FAST = -1.0
 _EXACT = 24
 
 
@@ -67,17 +64,12 @@ def computed_threshold(backend: Backend, c1: float, c2: float) -> float:
 
     Raises
     ------
-    ValueError
+    InputError
         When no friction between the lowest and the highest makes the first mode grow.
     """
     assembled = AssembledScene(read_scene(hulten_scene(backend, c1, c2)))
-
-    def growth(mu: float) -> float:
-        # Where all modes decay so fast that the window holds none, any number below zero will do.
-        return float(assembled.modes(mu=mu).growth_rates.max(initial=_FAST))
-
     try:
-        return float(brentq(growth, _LOWEST, _HIGHEST, xtol=_DIGITS, rtol=_DIGITS))
+        return assembled.threshold("contacts.*.mu", _LOWEST, _HIGHEST).value
     finally:
         assembled.free()
 

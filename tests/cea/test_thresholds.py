@@ -54,6 +54,22 @@ def blocks(backend, degree, n, p):
     return KrylovSchur(build_system(scene, bodies, interfaces, timer).pencil())
 
 
+def test_several_parameters_have_one_value():
+    """Two halves of a coupling, each with a parameter of its own, flutter where the whole does."""
+    stiffness, mass, friction = (term.matrix.copy() for term in lumped(0.7).pencil.terms)
+    terms = [Term("stiffness", stiffness), Term("mass", mass)]
+    for name in ("s", "t"):
+        half = Coefficient.of({name: (1.0, 1.0)}, factor=-0.5)
+        terms.append(Term("stiffness", friction, half, symmetric=False))
+    driver = KrylovSchur(Pencil(terms, [Parameter("s", 1.0), Parameter("t", 1.0)]))
+    found = flutter_threshold(driver, ("s", "t"), 0.0, 0.9 / 0.7, max_frequency=TOP)
+    assert found.value == pytest.approx(0.5 / 0.7, rel=1e-12)
+    assert found.parameter == "s, t"
+    for names in ((), ("s", "u")):
+        with pytest.raises(InputError, match="parameter"):
+            flutter_threshold(driver, names, 0.0, 1.0, max_frequency=TOP)
+
+
 def exact_points():
     """p, mu_c and omega of the stored thresholds."""
     return [

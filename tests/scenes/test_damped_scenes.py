@@ -84,6 +84,25 @@ def test_a_threshold_is_where_growth_begins(assembled):
         assembled.threshold(slope, real=0.1, flutter=-3.0, frequency=0.2)
 
 
+def test_an_asterisk_stands_for_every_name(assembled):
+    slope = "contacts.*.sliding.mu_slope"
+    threshold = assembled.threshold(slope, real=0.1, flutter=-3.0)
+    assert threshold.parameter == "contacts.interface.sliding.mu_slope"
+    with pytest.raises(InputError, match=r"contacts\.\*\.mass"):
+        assembled.threshold("contacts.*.mass", real=0.0, flutter=1.0)
+
+
+def test_several_parameters_have_one_threshold():
+    data = damped_disc("iga")
+    data["contacts"]["interface"]["sliding"]["mu_slope"] = -5.0
+    with_both = AssembledScene(read_scene(data))
+    both = with_both.threshold("bodies.*.damping.alpha", real=2.0, flutter=0.0)
+    assert both.parameter == "bodies.pad.damping.alpha, bodies.disc.damping.alpha"
+    fastest = with_both._driver.solve(0.3, dict.fromkeys(both.parameter.split(", "), both.value))
+    assert fastest.growth_rates.max() == pytest.approx(0.0, abs=1e-9)
+    with_both.free()
+
+
 def test_sensitivities_are_differences(assembled):
     """Of every parameter that acts on velocities."""
     result = assembled.modes(left=True)
