@@ -9,35 +9,19 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
 from cea.body import Body, Floats
 from cea.damping import ModalDamping
-from cea.eigen.blocks import all_inner, image_of
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.blocks import image_of
 from cea.eigen.low_rank import LowRank, LowRankTerm
-from cea.eigen.modes import Modes
-from cea.eigen.nearest import NearestSearch
 from cea.eigen.parameters import Coefficient, Dependence, Parameter
-from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.shifted import Shifted, count_below
 from cea.errors import ConvergenceError, InputError
-from cea.matrices import destroy
-from cea.timing import StageTimer
+from cea.system.body_modes import ElasticModes, elastic_modes
 
-_RIGID = 10.0
-"""Angular frequency relative to its uncertainty up to which a motion is rigid."""
 _SAME = 1e-8
 """Relative distance up to which frequencies are those of one multiple eigenvalue."""
 _MOST = 2000
 """Most modes of a body that are damped one by one."""
-_RIGID_MOTIONS = 6
-_BELOW = 1e-9
-"""Shift below all modes, relative to the largest ratio of diagonal entries of K and M."""
-_BEYOND = 1e-6
-"""What is searched beyond the last damped mode, relative to its frequency."""
-_TOLERANCE, _MOST_RESTARTS = 1e-8, 200
-"""Of the search for the frequency up to which modes are solved for."""
 
 
 @dataclass(frozen=True)
@@ -104,20 +88,15 @@ def modal_terms(path: str, body: Body, damping: ModalDamping, first: int) -> Ite
     ConvergenceError
         When the modes of the body are not found.
     """
-    modes = _modes(path, body, damping)
-    elastic = modes.frequencies > _rigid_up_to(modes)
-    frequencies, vectors = _rayleigh_ritz(body, modes.vectors.real)
-    frequencies, vectors = frequencies[elastic], vectors[:, elastic]
-    groups = _groups(frequencies, modes.growth_uncertainties[elastic] / (2 * np.pi))
-    if len(damping.ratios or ()) > len(frequencies) and damping.end is None:
-        allowed = f"at most {len(frequencies)}: all elastic modes of the body"
-        raise InputError(
-            f"{path}.damping.modal.ratios", f"{len(damping.ratios or ())} ratios", allowed
-        )
-    factors = _factors(path, damping, frequencies, groups)
+    counted = damping.ratios if damping.end is None and damping.ratios is not None else ()
+    modes = _modes(path, body, damping, len(counted))
+    if len(counted) > len(modes.frequencies):
+        allowed = f"at most {len(modes.frequencies)}: all elastic modes of the body"
+        raise InputError(f"{path}.damping.modal.ratios", f"{len(counted)} ratios", allowed)
+    factors = _factors(path, damping, modes.frequencies, _groups(modes))
     damped = factors > 0
-    weights = (4 * np.pi * factors * frequencies)[damped]
-    piece = LowRank(image_of(body.mass(), vectors[:, damped]), weights, first)
+    weights = (4 * np.pi * factors * modes.frequencies)[damped]
+    piece = LowRank(image_of(body.mass(), modes.vectors[:, damped]), weights, first)
     yield LowRankTerm(piece, _coefficient(path, body, damping))
 
 
@@ -145,75 +124,22 @@ def _coefficient(path: str, body: Body, damping: ModalDamping) -> Dependence:
     return _OfTheseModes(Coefficient.of(powers), material)
 
 
-def _modes(path: str, body: Body, damping: ModalDamping) -> Modes:
-    """Every mode of a body alone up to the last one that is damped, and a little beyond."""
-    pencil = Pencil.of(body.stiffness(), body.mass())
-    matrices = pencil.at()
+def _modes(path: str, body: Body, damping: ModalDamping, counted: int) -> ElasticModes:
+    """Elastic modes of a body up to the last one that is damped, and beyond."""
     try:
-        end = damping.end
-        if end is None:
-            end = _end(path, matrices, len(damping.ratios or ()))
-        end *= 1 + _BEYOND
-        count = count_below(matrices, (2 * np.pi * end) ** 2)
-        if count > _MOST:
-            allowed = f"damping of at most {_MOST} modes; Rayleigh damping for more"
-            raise InputError(f"{path}.damping.modal", f"{count} modes up to {end:g} Hz", allowed)
-        return solve_modes(pencil, end)
+        return elastic_modes(body, damping.end, wanted=counted, most=_MOST)
+    except InputError as error:
+        allowed = f"{error.allowed} modes that are damped one by one; Rayleigh damping for more"
+        raise InputError(f"{path}.damping.modal", error.value, allowed) from None
     except ConvergenceError as error:
         raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
-    finally:
-        release(matrices)
 
 
-def _rayleigh_ritz(body: Body, vectors: Floats) -> tuple[Floats, Floats]:
-    """Frequencies (Hz) and modes, by rising frequency, in the space that some modes span.
-
-    Of modes far from the shift they were searched about the space is known far better than each is.
-    """
-    mass, stiffness = body.mass(), body.stiffness()
-    gram, form = (
-        all_inner(vectors, image_of(each, vectors), mass.comm) for each in (mass, stiffness)
-    )
-    kappa, turn = eigh(form, gram)
-    return np.sqrt(np.maximum(kappa, 0.0)) / (2 * np.pi), vectors @ turn
-
-
-def _end(path: str, matrices: Matrices, wanted: int) -> float:
-    """A frequency (Hz) up to which there are so many elastic modes, and one more if there is one.
-
-    Eigenvalues that are found are some of those that there are: there may be more below the last
-    one, not less.
-    """
-    if wanted > matrices.size:
-        allowed = f"at most {matrices.size}: all modes of the body"
-        raise InputError(f"{path}.damping.modal.ratios", f"{wanted} ratios", allowed)
-    count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-    factors = Shifted(matrices, _below(matrices))
-    search = NearestSearch(matrices, factors, _TOLERANCE, _MOST_RESTARTS, StageTimer())
-    kappa, _ = search.nearest(count)
-    factors.free()
-    return float(np.sqrt(np.sort(kappa.real)[count - 1])) / (2 * np.pi)
-
-
-def _below(matrices: Matrices) -> float:
-    """A shift (1/s^2) below all modes, near to the lowest."""
-    stiffness, mass = matrices.stiffness.getDiagonal(), matrices.mass.getDiagonal()
-    stiffness.pointwiseDivide(stiffness, mass)
-    largest = float(stiffness.max()[1])
-    destroy(stiffness, mass)
-    return -_BELOW * largest
-
-
-def _rigid_up_to(modes: Modes) -> Floats:
-    """Frequencies (Hz) up to which motions are rigid for all that rounding leaves, shape (n,)."""
-    return _RIGID * modes.growth_uncertainties / (2 * np.pi)
-
-
-def _groups(frequencies: Floats, uncertainties: Floats) -> NDArray[np.int64]:
-    """Number of the multiple eigenvalue that each of rising frequencies belongs to, shape (n,)."""
-    reach = np.maximum(_SAME * frequencies, uncertainties)
-    apart = np.diff(frequencies) > reach[1:] + reach[:-1]
-    return np.concatenate([[0], np.cumsum(apart)])[: len(frequencies)]
+def _groups(modes: ElasticModes) -> NDArray[np.int64]:
+    """Number of the multiple eigenvalue that each of the modes belongs to, shape (n,)."""
+    reach = np.maximum(_SAME * modes.frequencies, modes.uncertainties)
+    apart = np.diff(modes.frequencies) > reach[1:] + reach[:-1]
+    return np.concatenate([[0], np.cumsum(apart)])[: len(reach)]
 
 
 def _factors(

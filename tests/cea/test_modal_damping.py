@@ -125,6 +125,21 @@ def test_more_ratios_than_modes_are_refused(backend):
     assert len(assemble(every).pencil().low_rank[0].piece.weights) == size - 6
 
 
+@pytest.mark.parametrize("held", [True, False])
+@pytest.mark.parametrize(("top", "modes"), [(1e-29, 0), (1e-12, 0), (1e9, "all"), (1e29, "all")])
+def test_ends_far_from_all_modes(backend, held, top, modes):
+    system = assemble(one_block(backend, {"ratio": 0.1, "max_frequency": top}, held=held))
+    damped = len(system.pencil().low_rank[0].piece.weights)
+    assert damped == (modes if modes == 0 else system.size - (0 if held else 6))
+
+
+def test_too_many_modes_are_refused(backend, monkeypatch):
+    monkeypatch.setattr("cea.system.modal_damping._MOST", 20)
+    for modal in ({"ratio": 0.1, "max_frequency": 1e3}, {"ratios": [0.1] * 20}):
+        with pytest.raises(InputError, match=r"bodies\.block\.damping\.modal.*at most 20 modes"):
+            assemble(one_block(backend, modal)).pencil()
+
+
 @pytest.mark.parametrize("change", [{"E": 5.0}, {"rho": 0.7}])
 def test_modes_that_are_counted_follow_the_material(backend, change):
     name, value = next(iter(change.items()))

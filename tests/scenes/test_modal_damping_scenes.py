@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from bad_inputs import complaint
 from damped_numbers import modally_damped_disc
 from mpi import on_ranks
+from scene_mutations import mutations
 
 from cea.errors import InputError
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
@@ -158,6 +160,19 @@ def test_scenes_without_it_are_the_data_they_were():
 def test_what_cannot_be_is_refused(change, named):
     with pytest.raises(SceneError, match=named):
         read_scene(modally_damped_disc("iga")).change(change)
+
+
+def test_bad_values_are_refused_by_name():
+    table = modally_damped_disc("iga")
+    table["bodies"]["pad"]["damping"]["modal"] |= {"ratios": [0.1, 0.2], "frequencies": [0.1, 0.5]}
+    tried = [
+        bad
+        for data in (modally_damped_disc("iga"), table)
+        for bad in mutations(data)
+        if bad.place and "modal" in bad.place
+    ]
+    assert len(tried) > 200
+    assert not [told for bad in tried if (told := complaint(bad, read_scene))]
 
 
 @pytest.mark.mpi
