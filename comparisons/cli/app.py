@@ -7,6 +7,7 @@ import typer
 from typer.core import TyperGroup
 
 from comparisons.cli.exact import app as exact_app
+from comparisons.cli.export import export
 from comparisons.cli.paper import claims, figure
 from comparisons.cli.race import race
 from comparisons.cli.ranks import launched_together, one_voice
@@ -46,7 +47,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 _COMMANDS = (
-    *(run, solve, sweep, race),
+    *(run, solve, sweep, race, export),
     *(compare, figure, claims, formulations, accuracy, damping, stability, reference),
 )
 for _command in _COMMANDS:
