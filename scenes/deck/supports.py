@@ -49,6 +49,10 @@ def _is_whole(support: SupportSpec, dim: int) -> bool:
     return count == held.frame.size(dim) == dim
 
 
+_Frame = tuple[tuple[float, ...], tuple[float, ...]] | None
+"""Origin and axis of a cylindrical frame; None, the coordinates of space."""
+
+
 def local_frames(body: DeckBody) -> list[LocalFrame]:
     """Cylindrical frames that the supports of a body need.
 
@@ -57,28 +61,42 @@ def local_frames(body: DeckBody) -> list[LocalFrame]:
     InputError
         When a node would need two frames.
     """
-    dim = body.mesh.dim
     frames: dict[tuple[tuple[float, ...], tuple[float, ...]], list[Ints]] = {}
-    partly: list[tuple[str, object, Ints]] = []
+    others: list[tuple[int, _Frame, Ints]] = []
     for i, spec in enumerate(body.spec.supports):
-        if _is_whole(spec, dim):
+        if _is_whole(spec, body.mesh.dim):
             continue
-        frame, nodes = spec.support().frame, body.nodes_of(spec.surface)
-        key = None
-        if isinstance(frame, Cylindrical):
-            origin = tuple((*frame.origin, 0.0, 0.0, 0.0)[:3]) if frame.origin else (0.0,) * 3
-            key = (origin, tuple(frame.axis or (0.0, 0.0, 1.0)))
-            frames.setdefault(key, []).append(nodes)
-        for place, other, held in partly:
-            if other != key and len(np.intersect1d(held, nodes)):
-                allowed = f"components of one frame where its nodes are those of {place} too"
+        frame, nodes = _frame_of(spec), body.nodes_of(spec.surface)
+        if frame is not None:
+            frames.setdefault(frame, []).append(nodes)
+        for number, other, held in others:
+            if frame == other or _share_components(spec, frame, body.spec.supports[number], other):
+                continue
+            if len(np.intersect1d(held, nodes)):
+                allowed = f"components of the frame of supports.{number}, whose nodes are shared"
                 field = f"bodies.{body.name}.supports.{i}.components"
                 raise InputError(field, list(spec.components), allowed)
-        partly.append((f"supports.{i}", key, nodes))
+        others.append((i, frame, nodes))
     return [
         LocalFrame(f"{body.name}-frame-{i}", np.unique(np.concatenate(nodes)), *key)
         for i, (key, nodes) in enumerate(frames.items(), start=1)
     ]
+
+
+def _frame_of(spec: SupportSpec) -> _Frame:
+    frame = spec.support().frame
+    if not isinstance(frame, Cylindrical):
+        return None
+    origin = tuple((*frame.origin, 0.0, 0.0, 0.0)[:3])
+    return origin, tuple(frame.axis or (0.0, 0.0, 1.0))
+
+
+def _share_components(spec: SupportSpec, frame: _Frame, other: SupportSpec, second: _Frame) -> bool:
+    """Whether z alone, in space, meets a frame about z: component 3 of both."""
+    if frame is not None and second is not None:
+        return False
+    plain, axis = (spec, second) if frame is None else (other, frame)
+    return plain.components == ("z",) and axis is not None and not any(axis[1][:2])
 
 
 def transform_lines(body: DeckBody) -> Iterator[str]:
