@@ -6,9 +6,10 @@ The frequency step then frees all but the supports. Friction makes its matrices 
 eigenvalues complex.
 
 Where a point slipped, its friction lies on the limit to rounding, and the frequency step would find
-some points to stick. The static step has friction larger by a thousandth: with the friction of the
-scene all points are beyond the limit. Across the direction of slip CalculiX gives a point its stick
-stiffness, which the scene has not: it is chosen small, 1e-5 of the contact stiffness.
+many points to stick: of the disc and pad it then finds no instability. So the static step has twice
+the friction, and with that of the scene all points are beyond the limit. Across the direction of
+slip CalculiX gives a point its stick stiffness, which the scene has not: it is chosen small, 1e-5 of
+the contact stiffness.
 """
 
 from collections.abc import Iterator, Mapping
@@ -22,13 +23,13 @@ from scenes.deck.sliding import RigidMotion, moving_bodies
 from scenes.deck.supports import boundary_lines, held_directions
 from scenes.read import Scene
 
-RELATIVE_CLOSURE = 1e-11
-"""Closure over the size of the bodies: coordinates are rounded to a millionth of it."""
+RELATIVE_CLOSURE = 1e-12
+"""Closure over the size of the bodies: slip is small with it, rounding of coordinates smaller."""
 STICK = 1e-5
 """Stick stiffness over contact stiffness."""
-MORE_FRICTION = 1e-3
-"""Part by which friction is larger in the static step."""
-_BEYOND = 3.0
+MORE_FRICTION = 2.0
+"""Friction of the static step over that of the scene."""
+_BEYOND = 2.0
 """Slip over that at which a point begins to slip."""
 
 
@@ -75,7 +76,7 @@ def _frequency_lines(modes: int) -> list[str]:
 
 
 def _contact_lines(contact: DeckContact) -> list[str]:
-    friction = [contact.mu * (1 + MORE_FRICTION), STICK * contact.stiffness]
+    friction = [MORE_FRICTION * contact.mu, STICK * contact.stiffness]
     return [
         *contact.behaviour_lines(friction),
         *contact.pair_lines(),
@@ -88,7 +89,7 @@ def _static_step(
 ) -> Iterator[str]:
     """Every node is held or displaced; points slip, and bear the same pressure everywhere."""
     largest = max(contact.mu * contact.closure for contact in contacts)
-    slip = _BEYOND * largest / STICK
+    slip = _BEYOND * MORE_FRICTION * largest / STICK
     yield from comments(["Sides closed and sliding; nothing deforms."])
     yield from ("*STEP", "*STATIC, DIRECT", "1., 1.", "*BOUNDARY, OP=NEW")
     for name, body in bodies.items():
