@@ -1,7 +1,7 @@
 """CalculiX: where it is, and what it found.
 
-Real eigenvalues are read from its binary file (``.eig``), which holds all their digits. Complex ones
-stand in its list (``.dat``) alone, with seven.
+Real eigenvalues are read from its binary file (``.eig``), which holds all their digits. Complex
+ones stand in its list (``.dat``) alone, with seven.
 """
 
 import re

@@ -1,7 +1,7 @@
-"""This program on a scene, as a process of its own: ``python -m comparisons.peers.own``.
+"""Modes of a scene by a process of its own: ``python -m comparisons.peers.own``.
 
-Its one argument is a file with ``scene``, plain data, and ``mass_quadrature``; the answer takes the
-place of the file.
+Its one argument is a file with ``scene``, plain data, and ``mass_quadrature``; the answer takes
+the place of the file.
 """
 
 import sys

@@ -5,6 +5,7 @@ their mass with the four points of the stiffness, which is not exact; this progr
 that mass, to compare what is the same, and with the exact one, to tell what that costs.
 """
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,6 +23,7 @@ from cea.petsc import MPI
 from comparisons.kit.progress import Progress
 from comparisons.peers import calculix
 from comparisons.peers.measured import Measured, run_measured
+from scenes.deck.bodies import deck_bodies
 from scenes.deck.write import write_deck
 from scenes.plain import as_data
 from scenes.read import Scene, load_scene
@@ -158,8 +160,6 @@ def compared(scene: Scene, repeats: int, progress: Progress) -> dict[str, Any]:
 
 def _ours(scene: Scene, quadrature: int | None, folder: Path) -> tuple[dict[str, Any], Measured]:
     """Answer of this program in a process of its own, and what that took."""
-    import sys
-
     file = folder / "question.json"
     write_record({"scene": as_data(scene), "mass_quadrature": quadrature}, file)
     command = [sys.executable, "-m", "comparisons.peers.own", str(file)]
@@ -198,9 +198,7 @@ def _unstable(values: Complexes) -> list[dict[str, float]]:
 
 
 def _area(scene: Scene, found: float | None) -> dict[str, float] | None:
-    """Area of side a as meshed, and that over which CalculiX integrated; of scenes of one contact."""
-    from scenes.deck.bodies import deck_bodies
-
+    """Area of side a as meshed, and that over which CalculiX integrated; of one contact."""
     if found is None or len(scene.contacts) != 1:
         return None
     (contact,) = scene.contacts.values()

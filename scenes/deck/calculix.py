@@ -8,8 +8,7 @@ eigenvalues complex.
 Where a point slipped, its friction lies on the limit to rounding, and the frequency step would find
 many points to stick: of the disc and pad it then finds no instability. So the static step has twice
 the friction, and with that of the scene all points are beyond the limit. Across the direction of
-slip CalculiX gives a point its stick stiffness, which the scene has not: it is chosen small, 1e-5 of
-the contact stiffness.
+slip CalculiX gives a point its stick stiffness, which the scene has not: it is chosen small.
 """
 
 from collections.abc import Iterator, Mapping
