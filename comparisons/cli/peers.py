@@ -15,7 +15,7 @@ def peers(
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder of the page.")] = Path("results/peers"),
 ) -> None:
-    """Show frequencies, unstable modes and times of CalculiX and this program on the same meshes."""
+    """Show what CalculiX and this program find on the same meshes, and how long they take."""
     from cea.files import check_writable
     from comparisons.cli.output import console, print_table
     from comparisons.kit.progress import Progress

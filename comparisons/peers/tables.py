@@ -23,8 +23,8 @@ def differences_table(data: Data) -> Table:
     """A row for each problem: how far the frequencies of both programs are apart."""
     return Table(
         "differences",
-        "Worst relative difference of the first frequencies, with the mass of CalculiX and with the "
-        "exact one in this program; area of the contact as meshed over that which CalculiX has.",
+        "Worst relative difference of the first frequencies, with the mass of CalculiX and with "
+        "the exact one in this program; area of the contact as meshed over that which CalculiX has.",
         (
             Column("problem", "problem"),
             Column("dofs", "dofs", number),
@@ -58,13 +58,14 @@ def unstable_table(data: Data) -> Table:
             rows.append((label(problem), *numbers))
     return Table(
         "unstable",
-        "Unstable modes: CalculiX, this program with the mass of CalculiX, with the exact mass.",
+        "Unstable modes, frequency and growth rate: of CalculiX, of this program with the mass of "
+        "CalculiX, and with the exact mass.",
         (
             Column("problem", "problem"),
             *(
-                Column(f"{name}_{what}", f"{title}, {what}", decimals(places), unit)
+                Column(f"{name}_{what}", title, decimals(3), unit)
                 for name, title in (("calculix", "CalculiX"), ("ours", "ours"), ("exact", "exact"))
-                for what, places, unit in (("frequency", 3, "Hz"), ("growth", 3, "1/s"))
+                for what, unit in (("frequency", "Hz"), ("growth", "1/s"))
             ),
         ),
         rows,
@@ -91,8 +92,8 @@ def times_table(data: Data) -> Table:
         ]
     return Table(
         "times",
-        "Whole processes on one thread: by the clock, of the processor, over that of CalculiX; what "
-        "the program says its own work took by the clock; largest memory.",
+        "Whole processes on one thread: by the clock, of the processor, over that of CalculiX; "
+        "what the program says its own work took by the clock; largest memory.",
         (
             Column("problem", "problem"),
             Column("dofs", "dofs", number),

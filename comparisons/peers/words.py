@@ -12,8 +12,8 @@ def summary(data: Data) -> str:
     modes = min(len(p["modes"]) for p in alone)
     return (
         f"CalculiX {data['calculix']} and this program on the same meshes. Each body alone: the "
-        f"first {modes} frequencies differ by {number(max(map(apart, alone)), 2)} at most, relative "
-        f"to the frequency. Both in frictional contact: by {number(max(map(apart, touching)), 2)}, "
+        f"first {modes} frequencies differ by {number(max(map(apart, alone)), 2)} at most, "
+        f"relative to the frequency. Both in frictional contact: by {number(max(map(apart, touching)), 2)}, "
         f"{unstable_modes(touching)}. {ratio(touching)}"
     )
 
@@ -27,12 +27,14 @@ def unstable_modes(problems: list[Data]) -> str:
         for a, b in zip(theirs, ours, strict=False):
             farthest = max(farthest, abs(b["growth"] / a["growth"] - 1))
     if not counts:
-        return "and not as many modes are unstable"
+        return "and they find different numbers of unstable modes"
     total = sum(len(problem["unstable"]["CalculiX"]) for problem in problems)
     if not total:
-        return "and none is unstable"
-    found = counted(total, "unstable mode")
-    return f"with the same {found}, whose growth rates differ by {number(farthest, 2)}"
+        return "and no mode is unstable"
+    return (
+        f"and both find {counted(total, 'unstable mode')}, whose growth rates differ by "
+        f"{number(farthest, 2)} at most"
+    )
 
 
 def ratio(problems: list[Data]) -> str:
