@@ -1,15 +1,18 @@
 """Other processes, run with their seconds and memory measured."""
 
 import os
+import re
 import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, sleep
 
 from cea.errors import ConvergenceError
 
-_KILO = 1024
+_INTERVAL = 0.005
+"""Seconds between looks at its memory."""
+_LARGEST = re.compile(r"VmHWM:\s+(\d+) kB")
 
 
 @dataclass(frozen=True)
@@ -21,7 +24,7 @@ class Measured:
     clock, processor
         Seconds by the clock, and of the processor.
     memory
-        Largest memory it held (bytes).
+        Largest memory it held (bytes), but for its last few milliseconds.
     output
         What it printed.
     """
@@ -55,11 +58,28 @@ def run_measured(command: Sequence[str], folder: Path, log: str) -> Measured:
         process = subprocess.Popen(
             command, cwd=folder, env=environment, stdout=stream, stderr=subprocess.STDOUT
         )
-        _, status, usage = os.wait4(process.pid, 0)
+        memory = ended = status = 0
+        while not ended:
+            memory = max(memory, _largest_memory(process.pid))
+            ended, status, usage = os.wait4(process.pid, os.WNOHANG)
+            sleep(0.0 if ended else _INTERVAL)
         clock = perf_counter() - begun
     process.returncode = os.waitstatus_to_exitcode(status)
     output = (folder / log).read_text(encoding="utf-8", errors="replace")
     if process.returncode != 0:
         last = " ".join(output.split()[-30:])
         raise ConvergenceError(f"{command[0]} ended with code {process.returncode}: {last}")
-    return Measured(clock, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * _KILO, output)
+    return Measured(clock, usage.ru_utime + usage.ru_stime, memory, output)
+
+
+def _largest_memory(process: int) -> int:
+    """Largest memory (bytes) that a process has held since it began its program.
+
+    What the system sums up at its end counts the process from which it was made, too.
+    """
+    try:
+        status = Path(f"/proc/{process}/status").read_text(encoding="utf-8")
+    except OSError:
+        return 0
+    found = _LARGEST.search(status)
+    return int(found.group(1)) * 1024 if found else 0

@@ -24,14 +24,14 @@ def differences_table(data: Data) -> Table:
     return Table(
         "differences",
         "Worst relative difference of the first frequencies, with the mass of CalculiX and with "
-        "the exact one in this program; area of the contact as meshed over that which CalculiX has.",
+        "the exact one in this program; part of the area of the contact that CalculiX leaves out.",
         (
             Column("problem", "problem"),
             Column("dofs", "dofs", number),
             Column("modes", "modes", number),
             Column("same_mass", "same mass", shown(2)),
             Column("exact_mass", "exact mass", shown(2)),
-            Column("area", "area, apart", shown(2)),
+            Column("area", "area left out", shown(2)),
         ),
         [
             (

@@ -13,8 +13,8 @@ def summary(data: Data) -> str:
     return (
         f"CalculiX {data['calculix']} and this program on the same meshes. Each body alone: the "
         f"first {modes} frequencies differ by {number(max(map(apart, alone)), 2)} at most, "
-        f"relative to the frequency. Both in frictional contact: by {number(max(map(apart, touching)), 2)}, "
-        f"{unstable_modes(touching)}. {ratio(touching)}"
+        "relative to the frequency. Both in frictional contact: by "
+        f"{number(max(map(apart, touching)), 2)}, {unstable_modes(touching)}. {ratio(touching)}"
     )
 
 
