@@ -172,7 +172,7 @@ def test_words_follow_the_data(stored):
         problem["unstable"]["this program"] = problem["unstable"]["this program"][1:]
     assert "different numbers of unstable modes" in words.summary(data)
     for problem in data["problems"]:
-        problem["unstable"] = dict.fromkeys(problem["unstable"], [])
+        problem["unstable"] = {name: [] for name in problem["unstable"]}
     assert "no mode is unstable" in words.summary(data)
     data["problems"][0]["modes"][0]["ours"] *= 1.5
     assert "differ by 0.5" in words.summary(data)
