@@ -41,6 +41,8 @@ _WIDER = 1.01
 """Window of this program over the last frequency of CalculiX."""
 _UNSTABLE = 1e-4
 """Growth rate over abs(lambda) above which a mode counts as unstable."""
+_RIGID = 1e-6
+"""Modes with abs(lambda) below this part of the largest are rigid, and zero but for rounding."""
 
 
 @dataclass(frozen=True)
@@ -190,10 +192,11 @@ def _modes(theirs: Complexes, same: Complexes, exact: Complexes) -> list[dict[st
 
 def _unstable(values: Complexes) -> list[dict[str, float]]:
     """Modes that grow."""
+    slowest = _RIGID * np.abs(values).max(initial=0.0)
     return [
         {"frequency": float(v.imag / (2 * np.pi)), "growth": float(v.real)}
         for v in values
-        if v.real > _UNSTABLE * abs(v)
+        if v.real > _UNSTABLE * abs(v) > _UNSTABLE * slowest
     ]
 
 
