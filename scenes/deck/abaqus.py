@@ -35,7 +35,7 @@ def abaqus_text(
     motions = moving_bodies(scene.contacts, bodies)
     heading = [
         "*HEADING",
-        scene.name,
+        model.removesuffix("_model.inp"),
         *comments(told),
         f"*INCLUDE, INPUT={model}",
         *boundary_lines(bodies),

@@ -69,9 +69,12 @@ def _repeated_names(scene: Scene) -> Iterator[InputError]:
 
 def _body_faults(field: str, body: BodySpec) -> Iterable[InputError]:
     fe = body.mesh.fe
-    if body.backend != "fe" or fe is None:
+    if body.backend != "fe":
         allowed = "'fe': a deck holds Lagrange elements, no NURBS (--backend fe)"
         yield InputError(f"{field}.backend", body.backend, allowed)
+        return
+    if fe is None:
+        yield InputError(f"{field}.mesh.fe", None, "a mesh of the shape for a deck")
         return
     if (fe.cell, fe.degree) not in ELEMENTS:
         wanted = "tetrahedron" if len(body.geometry.directions) == 3 else "triangle"

@@ -19,8 +19,8 @@ def keyword(name: str, **parameters: object) -> str:
 
 
 def comments(lines: Iterable[str]) -> list[str]:
-    """Comment lines."""
-    return [f"** {line}".rstrip() for line in lines]
+    """Comment lines; texts of several lines stay comments."""
+    return [f"** {part}".rstrip() for line in lines for part in line.splitlines()]
 
 
 def number(value: float) -> str:

@@ -60,7 +60,7 @@ def _write(scene: Scene, files: list[Path], modes: int) -> None:
     for program, write in PROGRAMS.items():
         texts.append(write(scene, bodies, model.name, modes, _told(scene, bodies, program)))
     for file, text in zip([model, *decks], texts, strict=True):
-        write_whole(text.encode(), file)
+        write_whole(text.encode("ascii", "replace"), file)  # all that both programs surely read
 
 
 def _told(scene: Scene, bodies: dict[str, DeckBody], program: str) -> list[str]:

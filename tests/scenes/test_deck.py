@@ -1,5 +1,7 @@
 """Decks of CalculiX and Abaqus: read back by their keywords, run by CalculiX, refused by field."""
 
+from dataclasses import replace
+
 import decks
 import numpy as np
 import pytest
@@ -315,6 +317,16 @@ def test_what_a_deck_cannot_hold_is_refused_by_its_field(name, tmp_path):
         write_deck(in_contact(**changes), tmp_path)
     assert told in str(error.value)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_texts_of_a_scene_stay_comments(written, tmp_path):
+    scene = replace(in_contact(), name="*STEP\nä", description="one\n*END STEP\n\ntwo")
+    files = write_deck(scene, tmp_path)
+    assert files[0].name == "_STEP___model.inp"
+    for file, usual in zip(files, written[1], strict=True):
+        assert file.read_bytes().isascii()
+        keywords = [card.keyword for card in decks.cards(file)]
+        assert keywords == [card.keyword for card in usual]
 
 
 def test_names_that_programs_do_not_take_are_refused(tmp_path):
