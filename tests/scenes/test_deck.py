@@ -1,12 +1,15 @@
 """Decks of CalculiX and Abaqus: read back by their keywords, run by CalculiX, refused by field."""
 
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import decks
 import numpy as np
 import pytest
 from mpi import mpiexec
 
+from comparisons.cli.app import main
 from comparisons.peers import calculix
 from fe_cea import FEBody
 from scenes import load_scene, read_scene, run_modes
@@ -351,6 +354,23 @@ def test_a_node_in_two_frames_is_refused(tmp_path):
 def test_numbers_of_modes_are_bounded(modes, tmp_path):
     with pytest.raises(ValueError, match="modes"):
         write_deck(in_contact(), tmp_path, modes)
+
+
+def test_the_command_names_what_it_wrote_or_what_is_wrong(tmp_path, monkeypatch, capsys):
+    mesh = 'mesh.fe={cell="hexahedron", degree=1, elements=[3, 16, 1]}'
+    command = ["cea", "export", "disc", "--out", str(tmp_path), "--set", f"bodies.disc.{mesh}"]
+    for more, code in ((["--backend", "fe", "--modes", "7"], 0), ([], 1)):
+        monkeypatch.setattr(sys, "argv", [*command, *more])
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert (end.value.code or 0) == code
+    told = capsys.readouterr()
+    files = [Path(line) for line in told.out.splitlines()]
+    assert sorted(files) == sorted(tmp_path.iterdir())
+    assert len(files) == 3
+    (frequency,) = decks.of(decks.cards(tmp_path / "disc_calculix.inp"), "FREQUENCY")
+    assert frequency.rows == [["7"]]
+    assert told.err.startswith("error: bodies.disc.backend = 'iga'")
 
 
 @pytest.mark.mpi
