@@ -66,12 +66,16 @@ class FEBody:
         Material.
     supports, springs, pressures, forces
         What holds and loads the named surfaces.
+    mass_quadrature
+        Degree of the quadrature of the mass; by default that which is exact on affine cells.
+        Programs that take fewer points have another mass: 2 is that of the four points of
+        quadratic tetrahedra in CalculiX.
 
     Raises
     ------
     InputError
-        When the degree is not 1 to 4, a surface is unknown or has no facets, or a component or
-        spring does not suit the dimension.
+        When the degree is not 1 to 4, that of a quadrature is negative, a surface is unknown or has
+        no facets, or a component or spring does not suit the dimension.
     """
 
     def __init__(
@@ -87,6 +91,7 @@ class FEBody:
         springs: Sequence[Spring] = (),
         pressures: Sequence[Pressure] = (),
         forces: Sequence[Force] = (),
+        mass_quadrature: int | None = None,
     ) -> None:
         self._name = name
         self._mesh = mesh
@@ -99,6 +104,9 @@ class FEBody:
         self._forces = tuple(forces)
         if type(degree) is not int or not 1 <= degree <= 4:
             raise InputError(f"bodies.{name}.degree", degree, "1 to 4")
+        if mass_quadrature is not None and mass_quadrature < 0:
+            raise InputError(f"bodies.{name}.mass_quadrature", mass_quadrature, "0 or more")
+        self._mass_quadrature = mass_quadrature
         field = f"bodies.{name}"
         check_boundary(supports, springs, pressures, forces, surface_tags, self.dim, field)
         self._check_tags()
@@ -118,6 +126,7 @@ class FEBody:
         springs: Sequence[Spring] = (),
         pressures: Sequence[Pressure] = (),
         forces: Sequence[Force] = (),
+        mass_quadrature: int | None = None,
         comm: Any = MPI.COMM_WORLD,
     ) -> Self:
         """Body on a mesh given as plain arrays, whose named surfaces become its surfaces.
@@ -128,7 +137,7 @@ class FEBody:
             The mesh; only that of rank 0 is read, other ranks may give None.
         comm
             Communicator to spread the mesh over.
-        name, degree, material, supports, springs, pressures, forces
+        name, degree, material, supports, springs, pressures, forces, mass_quadrature
             As for :class:`FEBody`.
 
         Raises
@@ -160,6 +169,7 @@ class FEBody:
             springs=springs,
             pressures=pressures,
             forces=forces,
+            mass_quadrature=mass_quadrature,
         )
 
     def _check_tags(self) -> None:
@@ -258,7 +268,8 @@ class FEBody:
 
     @cached_property
     def _mass(self) -> Any:
-        return self._assembled(mass_form(self._space, self._density), with_zeros=False)
+        form = mass_form(self._space, self._density, self._mass_quadrature)
+        return self._assembled(form, with_zeros=False)
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""

@@ -105,11 +105,11 @@ def _spring_integrals(
         yield sum(k[i] * u[i] * v[i] for i in range(V.mesh.geometry.dim)) * ds(tag)
 
 
-def mass_form(V: Any, rho: float) -> Form:
-    """Consistent mass of density ``rho`` (kg/m^3), kg."""
+def mass_form(V: Any, rho: float, degree: int | None = None) -> Form:
+    """Consistent mass of density ``rho`` (kg/m^3) by a quadrature of a degree, by default exact."""
     density = Constant(V.mesh, default_scalar_type(rho))
     u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
-    dx = ufl.dx(metadata={"quadrature_degree": mass_degree(V)})
+    dx = ufl.dx(metadata={"quadrature_degree": mass_degree(V) if degree is None else degree})
     return compiled(density * ufl.inner(u, v) * dx)
 
 

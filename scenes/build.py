@@ -14,7 +14,6 @@ from cea.contact.operators import HalfPass
 from cea.contact.sliding import Sliding
 from cea.errors import InputError
 from cea.fields import Expression, evaluate
-from cea.mesh import Mesh
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Force, Pressure
@@ -22,6 +21,7 @@ from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
+from scenes.lagrange_mesh import lagrange_mesh
 from scenes.read import Scene
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
@@ -70,24 +70,10 @@ def _forces(loads: Sequence[LoadSpec]) -> list[Force]:
 
 def _fe_body(name: str, spec: BodySpec, mesh: FeMesh, loads: Sequence[LoadSpec]) -> Body:
     from fe_cea import FEBody
-    from meshes.shape_mesh import shape_mesh
-
-    def make() -> Mesh:
-        breaks = None
-        if mesh.elements is not None:
-            breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
-        return shape_mesh(
-            spec.geometry,
-            mesh.cell,
-            mesh.geometry_degree or mesh.degree,
-            breaks=breaks,
-            size=mesh.size,
-            placement=spec.placement,
-        )
 
     return FEBody.from_mesh(
         name,
-        made_on_first(MPI.COMM_WORLD, make),
+        made_on_first(MPI.COMM_WORLD, lambda: lagrange_mesh(spec)),
         degree=mesh.degree,
         material=spec.material,
         supports=[s.support() for s in spec.supports],

@@ -7,7 +7,9 @@ import typer
 from typer.core import TyperGroup
 
 from comparisons.cli.exact import app as exact_app
+from comparisons.cli.export import export
 from comparisons.cli.paper import claims, figure
+from comparisons.cli.peers import peers
 from comparisons.cli.race import race
 from comparisons.cli.ranks import launched_together, one_voice
 from comparisons.cli.run import run
@@ -46,8 +48,8 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 _COMMANDS = (
-    *(run, solve, sweep, race),
-    *(compare, figure, claims, formulations, accuracy, damping, stability, reference),
+    *(run, solve, sweep, race, export),
+    *(compare, figure, claims, formulations, accuracy, damping, stability, reference, peers),
 )
 for _command in _COMMANDS:
     app.command()(_command)

@@ -9,6 +9,8 @@ from comparisons.accuracy import page as accuracy_page
 from comparisons.accuracy.runner import COMMAND as ACCURACY
 from comparisons.paper.common.store import COMMAND as FIGURE
 from comparisons.paper.common.store import STORED
+from comparisons.peers.study import COMMAND as PEERS
+from comparisons.peers.study import STORED as PEERS_STORED
 from comparisons.reference.study import REFERENCE
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.study import COMMAND as SWEEP
@@ -19,6 +21,7 @@ RECORDS = [
     *((FIGURE, file) for file in sorted(STORED.glob("*.json.gz"))),
     (ACCURACY, MEASURED),
     ("reference", REFERENCE),
+    (PEERS, PEERS_STORED / "result.json.gz"),
     (SWEEP, Path(sweep_page.__file__).with_name("results") / "result.json.gz"),
 ]
 

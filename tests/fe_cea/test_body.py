@@ -9,6 +9,7 @@ from scipy.sparse.linalg import eigsh, spsolve
 
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
+from cea.mesh import reference_nodes
 from cea.supports.boundary import Pressure, Spring, Support
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
@@ -44,6 +45,43 @@ def annulus(cell, degree, **options):
 def csr(matrix):
     starts, columns, values = matrix.getValuesCSR()
     return sp.csr_array((values, columns, starts), shape=matrix.getSize())
+
+
+def quadratic(at, place):
+    """Quadratic function of the node of a place, at barycentric coordinates."""
+    corner = at[place.argmax()]
+    return corner * (2 * corner - 1) if place.max() == 2 else 4 * at[place == 1].prod()
+
+
+def test_another_quadrature_of_the_mass_has_its_points():
+    """Four points of degree 2 in each tetrahedron, by hand; the default is exact."""
+    mesh = shape_mesh(BOX, "tetrahedron", 2, size=1.5)
+    a, b = (5 - np.sqrt(5)) / 20, (5 + 3 * np.sqrt(5)) / 20
+    barycentric = np.full((4, 4), a) + (b - a) * np.eye(4)
+    places = np.rint(2 * reference_nodes("tetrahedron", 2)).astype(int)
+    weights = np.column_stack([2 - places.sum(axis=1), places])
+    shapes = np.array([[quadratic(at, w) for w in weights] for at in barycentric])
+    corners = [int(np.flatnonzero(weights[:, i] == 2)[0]) for i in range(4)]
+    expected = np.zeros((len(mesh.points),) * 2)
+    for cell in mesh.cells:
+        x = mesh.points[cell[corners]]
+        volume = abs(np.linalg.det(x[1:] - x[0])) / 6
+        expected[np.ix_(cell, cell)] += MATERIAL.rho * volume / 4 * shapes.T @ shapes
+    masses = {
+        degree: csr(
+            FEBody.from_mesh(
+                "part", mesh, degree=2, material=MATERIAL, mass_quadrature=degree
+            ).mass()
+        )
+        for degree in (None, 2, 4)
+    }
+    assert np.linalg.eigvalsh(masses[2].toarray()[::3, ::3]) == pytest.approx(
+        np.linalg.eigvalsh(expected), abs=1e-14
+    )
+    assert abs(masses[4] - masses[None]).max() < 1e-14 < 1e-4 < abs(masses[2] - masses[None]).max()
+    assert masses[2].sum() == pytest.approx(masses[None].sum())
+    with pytest.raises(InputError, match="mass_quadrature"):
+        FEBody.from_mesh("part", mesh, degree=2, material=MATERIAL, mass_quadrature=-1)
 
 
 def coordinates(body, degree):

@@ -1,0 +1,1 @@
+"""CalculiX beside this program on the same meshes: `cea peers`."""

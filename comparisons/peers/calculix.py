@@ -1,0 +1,122 @@
+"""CalculiX: where it is, and what it found.
+
+Real eigenvalues are read from its binary file (``.eig``), which holds all their digits. Complex
+ones stand in its list (``.dat``) alone, with seven.
+"""
+
+import re
+import shutil
+import struct
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cea.body import Complexes
+from cea.errors import ConvergenceError, InputError
+from comparisons.peers.measured import Measured, run_measured
+
+PROGRAM = "ccx"
+_ROW = re.compile(r"^ +\d+((?: +-?\d\.\d+E[+-]\d+){3,4})\s*$")
+_AREA = re.compile(r"area, *normal force.*?\n\s*\n\s*(\S+)", re.DOTALL)
+_TIME = re.compile(r"Total CalculiX Time: *(\S+)")
+_VERSION = re.compile(r"Version (\S+)")
+_END_OF_LIST = "P A R T I C I P A T I O N"
+
+
+def program() -> str:
+    """Path of CalculiX.
+
+    Raises
+    ------
+    InputError
+        When it is not installed.
+    """
+    found = shutil.which(PROGRAM)
+    if found is None:
+        allowed = "CalculiX on the path, as the Debian package calculix-ccx installs it"
+        raise InputError("program", PROGRAM, allowed)
+    return found
+
+
+def version() -> str:
+    """Its version, as ``2.20``."""
+    done = subprocess.run([program(), "-v"], capture_output=True, text=True, check=False)
+    found = _VERSION.search(done.stdout)
+    return found.group(1) if found else "unknown"
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a run found.
+
+    Parameters
+    ----------
+    eigenvalues
+        lambda (1/s) by rising frequency, each pair with both growth rates, shape (n,).
+    measured
+        What the process took.
+    seconds
+        The time it says itself (s).
+    area
+        Area over which it integrated the contact (m^2); None without one.
+    """
+
+    eigenvalues: Complexes
+    measured: Measured
+    seconds: float
+    area: float | None
+
+
+def run(deck: Path) -> Found:
+    """Run a deck that asks for frequencies.
+
+    Parameters
+    ----------
+    deck
+        The deck; results are left beside it.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        When CalculiX is not installed, or ends without results.
+    """
+    measured = run_measured([program(), deck.stem], deck.parent, f"{deck.stem}.log")
+    listed = deck.with_suffix(".dat").read_text(encoding="utf-8")
+    eigenvalues = _listed(listed)
+    if eigenvalues.size == 0 or "*ERROR" in measured.output:
+        raise ConvergenceError(f"CalculiX found no eigenvalues of {deck.name}")
+    kappa = stored_kappa(deck.with_suffix(".eig"))
+    if kappa is not None:
+        eigenvalues = 1j * np.sqrt(kappa.astype(complex))
+    area, time = _AREA.search(listed), _TIME.search(measured.output)
+    return Found(
+        eigenvalues[np.lexsort((eigenvalues.real, eigenvalues.imag))],
+        measured,
+        float(time.group(1)) if time else measured.clock,
+        float(area.group(1)) if area else None,
+    )
+
+
+def _listed(text: str) -> Complexes:
+    """Eigenvalues of the list: of omega = b + i c, printed with both signs of c, lambda = i omega.
+
+    Rows hold the number, and omega^2, omega, frequency, c where matrices are symmetric; omega,
+    frequency, c where they are not.
+    """
+    rows = [_ROW.match(line) for line in text.split(_END_OF_LIST)[0].splitlines()]
+    numbers = [[float(word) for word in row.group(1).split()] for row in rows if row]
+    return np.array([complex(row[-1], row[-3]) for row in numbers], dtype=complex)
+
+
+def stored_kappa(file: Path) -> np.ndarray | None:
+    """omega^2 (1/s^2) of the modes in the binary file of a frequency step.
+
+    None where the step follows a static one: the file then holds no imaginary parts.
+    """
+    content = file.read_bytes()
+    cyclic, hermitian, perturbed, count = struct.unpack_from("=4i", content)
+    if (cyclic, hermitian, perturbed) != (0, 1, 0):
+        return None
+    return np.frombuffer(content, np.float64, count, struct.calcsize("=4i"))

@@ -1,0 +1,50 @@
+"""What `cea peers` leaves behind: result.json, tables, and a page that holds them."""
+
+from pathlib import Path
+from typing import Any
+
+from cea.files import write_whole
+from comparisons.kit.page import render
+from comparisons.kit.provenance import machine
+from comparisons.kit.records import RESULT, read_result
+from comparisons.kit.tables import Data, Table
+from comparisons.peers import words
+from comparisons.peers.study import COMMAND
+from comparisons.peers.tables import differences_table, modes_table, times_table, unstable_table
+from scenes.stored import write_record
+
+TEMPLATE = Path(__file__).with_name("page.html")
+
+
+def read_peers(out: Path) -> dict[str, Any]:
+    """Data that :func:`write_peers` wrote.
+
+    Raises
+    ------
+    InputError
+        When the folder holds none.
+    """
+    return read_result(out, COMMAND)
+
+
+def write_peers(data: dict[str, Any], out: Path) -> Path:
+    """Write data, tables and the page.
+
+    Returns
+    -------
+    Path
+        The page: one file that needs no other.
+    """
+    write_record(data, out / RESULT)
+    tables = {table.name: table for table in tables_of(data)}
+    for table in tables.values():
+        table.write_csv(out)
+    page = out / "report.html"
+    write_whole(render(TEMPLATE, data=data, tables=tables, words=words).encode(), page)
+    return page
+
+
+def tables_of(data: Data) -> list[Table]:
+    """Every table of the page."""
+    made = (differences_table, unstable_table, times_table, modes_table)
+    return [*(make(data) for make in made), machine(data)]

@@ -1,0 +1,79 @@
+"""The benchmarks' numbers are those of the commands that stand above them."""
+
+import re
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from comparisons.cli.exact import app
+from exact_cea.lumped import hoffmann_threshold, hulten_threshold
+
+TEXT = (Path(__file__).parents[2] / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+LISTS = re.findall(r"^    cea exact (.*)\n\n\| .*\n\|[-:|]+\|\n((?:\|.*\n)+)", TEXT, re.MULTILINE)
+_ROW = re.compile(r"^ +(\S+) +(\S+)$", re.MULTILINE)
+_THRESHOLD = re.compile(r"mu_c=(\S+) .*omega=(\S+)")
+
+
+BY_GALERKIN = ("ring", "blocks --mu ")
+"""Commands whose lists have ten digits."""
+
+
+QUICK = ("drum", "lumped", "blocks --count")
+"""Commands that take a second or two."""
+
+
+def case(command, rows):
+    marks = [] if command.startswith(QUICK) else [pytest.mark.slow]
+    return pytest.param(command, rows, id=command, marks=marks)
+
+
+def told(rows):
+    """Numbers of a list as they are written."""
+    return [tuple(cell.strip() for cell in row.strip("|").split("|")) for row in rows.splitlines()]
+
+
+def digits(text):
+    """Significant digits of a number."""
+    return len(text.lstrip("-0.").replace(".", ""))
+
+
+@pytest.mark.parametrize(("command", "rows"), [case(*each) for each in LISTS])
+def test_eigenvalues_are_those_of_the_command(command, rows):
+    done = CliRunner().invoke(app, command.split(), catch_exceptions=False)
+    form = _THRESHOLD if "--thresholds" in command else _ROW
+    found = form.findall(done.stdout)
+    if form is _ROW:
+        found = [row for row in found if float(row[1]) >= 0]
+    assert len(told(rows)) == len(found) > 0
+    for written, computed in zip(told(rows), found, strict=True):
+        for text, value in zip(written, computed, strict=True):
+            if text == "0":
+                assert float(value) == 0
+                continue
+            assert digits(text) in (10, 11, 12)
+            # Half a unit of the last digit that is written.
+            unit = 10.0 ** -len(text.partition(".")[2])
+            assert abs(float(text) - float(value)) <= 0.51 * unit
+
+
+def test_every_problem_has_its_lists():
+    problems = [command.split()[0] for command, _ in LISTS]
+    assert set(problems) == {"drum", "blocks", "ring", "lumped"}
+    assert len(LISTS) >= 18
+
+
+def test_twelve_digits_are_given_but_where_fewer_are_held():
+    for command, rows in LISTS:
+        longest = max(digits(text) for row in told(rows) for text in row)
+        assert longest == (10 if command.startswith(BY_GALERKIN) else 12)
+
+
+def test_closed_forms_in_the_text_are_those_of_the_program():
+    (mu_c,) = re.findall(r"4 k12 k3\) = ([\d.]+)\.\n", TEXT)
+    assert float(mu_c) == float(hoffmann_threshold())
+    (mu_c,) = re.findall(r"sqrt\(k1 k2\)\) = ([\d.]+)\.\n", TEXT)
+    assert float(mu_c) == pytest.approx(float(hulten_threshold()[0]), abs=5e-13)
+    ((mu_c, square),) = re.findall(r"to mu_c = ([\d.]+), at omega\^2 = ([\d.]+):", TEXT)
+    damped = hulten_threshold(c1="0.02", c2="0.1")
+    assert [float(mu_c), float(square)] == pytest.approx([float(x) for x in damped], rel=5e-12)
