@@ -13,6 +13,7 @@ import numpy as np
 from cea.body import Complexes, Floats, Ints
 from cea.contact.operators import Contact
 from comparisons.kit.binary import STEPS, Binary, quantised
+from comparisons.kit.interactive import literal
 from comparisons.kit.numbers import growth, number
 from scenes.results import ModesResult, StaticResult
 from scenes.skin import Skin, skins
@@ -124,7 +125,7 @@ class Shapes:
         few = points[_spread(len(points), _CONTACT_POINTS)]
         places = np.clip((_in_space(few.x) - scene["low"]) / scene["step"], 0, _POSITIONS)
         told = {
-            "name": contact.name,
+            "name": literal(contact.name),
             "points": self.binary.add(np.round(places).T, "uint16"),
         }
         friction = contact.half.friction
@@ -144,7 +145,7 @@ class Shapes:
             places = (_in_space(skin.points) - low) * (_POSITIONS / extent)
             bodies.append(
                 {
-                    "name": name,
+                    "name": literal(name),
                     "points": self.binary.add(np.round(places).T, "uint16"),
                     "triangles": self.binary.add_numbers(skin.triangles.T),
                     "edges": self.binary.add_numbers(skin.edges.T),

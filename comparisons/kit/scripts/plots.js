@@ -1,6 +1,7 @@
 // Plots: plotly.js out of its compressed text, and the look that all plots share.
 
 const NARROW = 600; // pixels: a phone
+const TINY = 240; // pixels: half a phone
 
 function bytesOf(text) {
   const characters = atob(text.trim());
@@ -47,6 +48,7 @@ function broken(axis, narrow) {
 
 function styled(figure, place) {
   const narrow = isNarrow(place);
+  const small = place.clientWidth < TINY ? { title: { text: "" } } : {};
   const { xaxis, yaxis, ...layout } = figure.layout;
   return {
     font: { ...FONT, size: narrow ? 11 : 12.5 },
@@ -59,8 +61,8 @@ function styled(figure, place) {
     legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", itemsizing: "constant" },
     ...layout,
     height: layout.height + (narrow ? layout.meta?.narrow ?? 0 : 0),
-    xaxis: { ...AXIS, ...broken(xaxis, narrow) },
-    yaxis: { ...AXIS, ...broken(yaxis, narrow) },
+    xaxis: { ...AXIS, ...broken(xaxis, narrow), ...small },
+    yaxis: { ...AXIS, ...broken(yaxis, narrow), ...small },
   };
 }
 

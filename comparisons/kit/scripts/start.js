@@ -1,4 +1,13 @@
-// What happens when a page opens.
+// What happens when a page opens. Views that are far from sight are drawn when they come near.
+
+function whenNear(place, draw) {
+  const observer = new IntersectionObserver((entries) => {
+    if (!entries.some((entry) => entry.isIntersecting)) return;
+    observer.disconnect();
+    draw(place);
+  }, { rootMargin: "400px" });
+  observer.observe(place);
+}
 
 async function start() {
   const nav = document.querySelector("nav");
@@ -19,7 +28,9 @@ async function start() {
   if (viewer) tables.forEach((table) => linkRows(table, show));
   for (const plot of plots) await drawPlot(plot, show);
   if (viewer?.select.options.length) await viewer.show(place.dataset.first);
-  for (const view of document.querySelectorAll(".geometry")) await drawGeometry(view, shapes);
+  for (const view of document.querySelectorAll(".geometry")) {
+    whenNear(view, (near) => drawGeometry(near, shapes));
+  }
   document.documentElement.dataset.ready = "";
 }
 

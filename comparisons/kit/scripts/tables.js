@@ -41,16 +41,17 @@ function makeSortable(table) {
   }
 }
 
-// Where a row stands for a mode, the text of its first cell becomes a button that shows it.
+// Where a row stands for a mode, the number of the mode becomes a button that shows it.
 function linkRows(table, show) {
   for (const row of table.querySelectorAll("tr[data-mode]")) {
     const button = document.createElement("button");
     button.type = "button";
     button.className = "show";
     button.title = "show the shape of this mode";
-    button.append(...row.cells[0].childNodes);
+    const cell = row.querySelector("[data-show]");
+    button.append(...cell.childNodes);
     button.addEventListener("click", () => show(row.dataset.mode, true));
-    row.cells[0].append(button);
+    cell.append(button);
   }
 }
 
