@@ -92,7 +92,7 @@ def _skin(cells: VolumeCells, faces: Ints, division: int) -> Skin:
         points=every[first],
         triangles=triangles,
         edges=pairs,
-        sharp=_sharp_edges(every[first], triangles),
+        sharp=sharp_edges(every[first], triangles),
         values=csr_array(combined @ cells.values),
     )
 
@@ -211,8 +211,21 @@ def _outline(triangular: bool, n: int) -> Ints:
     return np.array([pair for side in sides for pair in pairwise(side)])
 
 
-def _sharp_edges(points: Floats, triangles: Ints) -> Ints:
-    """Edges of one triangle alone, or between two whose normals differ, shape (k, 2)."""
+def sharp_edges(points: Floats, triangles: Ints) -> Ints:
+    """Edges of one triangle alone, or between two whose normals differ by more than 30 degrees.
+
+    Parameters
+    ----------
+    points
+        Positions (m), shape (n, dim).
+    triangles
+        Point numbers, shape (m, 3).
+
+    Returns
+    -------
+    ndarray
+        Pairs of point numbers, shape (k, 2).
+    """
     space = np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
     a, b, c = (space[corner] for corner in triangles.T)
     normals = np.cross(b - a, c - a)

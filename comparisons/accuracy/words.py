@@ -5,6 +5,7 @@ from typing import Any
 
 from comparisons.accuracy.analysis import (
     TOLERABLE,
+    Run,
     grouped_omissions,
     incomplete,
     method_of,
@@ -53,7 +54,7 @@ def front(data: Data, problem: str) -> list[str]:
     return sentences
 
 
-def _reached(run: Data) -> str:
+def _reached(run: Run) -> str:
     return (
         f"{method_of(run).label} with {number(run['lambda']['worst'], 2)} in "
         f"{number(seconds_of(run), 2)} s ({counted(run['dofs'], 'dof')})"

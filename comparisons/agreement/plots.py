@@ -192,7 +192,7 @@ def stage_bars(data: Data) -> list[Plot]:
     """Run time of every run by stage as stacked bars, a plot for each part."""
     table = stage_times(data)
     stages = [column.title for column in table.columns[2:-1]]
-    plots = []
+    plots: list[Plot] = []
     for part, group in groupby(table.rows, key=lambda row: row[0]):
         rows = list(group)
         place = list(range(len(rows)))
@@ -212,7 +212,12 @@ def stage_bars(data: Data) -> list[Plot]:
                 height=110 + 24 * len(rows),
                 title=part,
                 file="stage_times.csv",
-                options={"barmode": "stack", "bargap": 0.25, "showlegend": not plots},
+                options={
+                    "barmode": "stack",
+                    "bargap": 0.25,
+                    "showlegend": not plots,
+                    "meta": {"narrow": 24 * len(rows)},
+                },
             )
         )
     return plots

@@ -20,11 +20,13 @@ from scenes.skin import Skin, skins
 
 _POINTS = 4000
 """Points of the outsides of a scene, about: more are not seen on a screen."""
+_MOST_POINTS = 8000
+"""Points from which on outsides are reduced."""
 _MOST = 3_000_000
 """Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
 _POSITIONS = 2**16 - 1
 """Steps of a position along the longest side of a scene."""
-_CONTACT_POINTS = 2500
+_CONTACT_POINTS = 600
 """Points of a contact that are shown at most."""
 _ARROWS = 24
 """Arrows of friction that are shown at most."""
@@ -58,7 +60,7 @@ class Shapes:
 
     def add_bodies(self, key: str, result: ModesResult | StaticResult) -> None:
         """Keep the bodies of a result at rest, and its contact points; collective."""
-        outside = skins(result.bodies, _POINTS)
+        outside = _outside(result)
         if result.comm.rank == 0:
             self._add_scene(key, result, outside)
 
@@ -87,7 +89,7 @@ class Shapes:
         """
         from scenes.drawing import largest_deflection  # brings pyvista
 
-        outside = skins(result.bodies, _POINTS)
+        outside = _outside(result)
         shapes = {
             name: result.mode_shapes(name, skin.values, modes, everywhere=False)
             for name, skin in outside.items()
@@ -116,6 +118,7 @@ class Shapes:
         self.scenes[key] = scene | {
             "view": view_of(points).tolist(),
             "flat": points[0].shape[1] == 2,
+            "reduced": any(len(skin.edges) == 0 for skin in outside.values()),
             "contacts": [self._contact(contact, scene) for contact in result.system.contacts],
         }
 
@@ -126,6 +129,7 @@ class Shapes:
         places = np.clip((_in_space(few.x) - scene["low"]) / scene["step"], 0, _POSITIONS)
         told = {
             "name": literal(contact.name),
+            "a": literal(contact.half.a),
             "points": self.binary.add(np.round(places).T, "uint16"),
         }
         friction = contact.half.friction
@@ -166,6 +170,13 @@ class Shapes:
             for part in (turned.real, turned.imag)
         )
         return {"real": real, "imaginary": imaginary}
+
+
+def _outside(result: ModesResult | StaticResult) -> dict[str, Skin]:
+    """Outsides of the bodies with no more points than a page has room for; collective."""
+    from scenes.decimation import reduced  # brings pyvista
+
+    return reduced(skins(result.bodies, _POINTS), _MOST_POINTS)
 
 
 def _told(result: ModesResult, mode: int, title: str) -> dict[str, Any]:

@@ -31,7 +31,6 @@ def stability(data: Data, key: str) -> Plot:
         titled("frequency (Hz)", rangemode="tozero"),
         titled("growth rate (1/s)", zeroline=True, zerolinewidth=1.5),
         height=480,
-        file="modes.csv",
     )
 
 
@@ -81,7 +80,6 @@ def stages(data: Data) -> Plot:
         titled("seconds"),
         {"autorange": "reversed"},
         height=70 + 30 * len(named),
-        file="stages.csv",
     )
 
 

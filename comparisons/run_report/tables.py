@@ -136,16 +136,6 @@ def contacts(data: Data) -> Table:
     )
 
 
-def stages(data: Data) -> Table:
-    """Seconds by stage."""
-    return Table(
-        "stages",
-        "Wall-clock seconds by stage.",
-        (Column("stage", "stage"), Column("seconds", "time", decimals(3), "s")),
-        list(data["timings"].items()),
-    )
-
-
 def skipped(data: Data) -> Table:
     """What the scene did not need, with the reason."""
     return Table(

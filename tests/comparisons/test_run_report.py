@@ -3,9 +3,12 @@
 import base64
 import gzip
 import json
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+from mpi import mpiexec
 from report_data import Page
 from typer.testing import CliRunner
 
@@ -17,6 +20,8 @@ from comparisons.kit.shapes import Shapes, by_importance
 from comparisons.run_report.page import write_run_report
 from scenes import load_scene, run_modes, run_scene, save_result
 from scenes.skin import skins
+
+BIN = Path(sys.executable).parent
 
 
 @pytest.fixture(scope="module")
@@ -172,3 +177,27 @@ def test_arrays_come_back_from_their_text():
 def test_texts_and_numbers_fit_the_library():
     assert literal("<b>a & b</b>") == "&lt;b&gt;a &amp; b&lt;/b&gt;"
     assert finite({"a": [1.0, float("nan")], "b": float("inf")}) == {"a": [1.0, None], "b": None}
+
+
+@pytest.mark.mpi
+def test_two_ranks_write_the_same_page(report, page, tmp_path):
+    """Modes are the same; shapes too, whose sign and phase are those of the largest deflection."""
+    command = [BIN / "cea", "run", "drum", "--backend", "iga", "--report", "--out", tmp_path]
+    done = mpiexec(2, *command, "--set", "analysis.max_frequency=0.3")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("The report to open: ") == 1
+    text = (tmp_path / "report.html").read_text("utf-8")
+    other = Page(text)
+    for one, two in zip(
+        *(each.data["figure-stability"]["data"] for each in (page, other)), strict=True
+    ):
+        np.testing.assert_allclose(one["x"], two["x"], rtol=1e-9)
+    texts = [report.read_text("utf-8"), text]
+    sizes = [each.split('id="numbers">')[1].split("<")[0] for each in texts]
+    for key, mode in page.data["shapes"]["modes"]["run"].items():
+        twin = other.data["shapes"]["modes"]["run"][key]
+        one, two = (
+            np.hypot(numbers(size, each["real"]), numbers(size, each["imaginary"]))
+            for size, each in zip(sizes, (mode, twin), strict=True)
+        )
+        np.testing.assert_allclose(one, two, atol=3)

@@ -7,6 +7,7 @@ from scipy.sparse.linalg import spsolve
 from cea.timing import StageTimer
 from scenes import load_scene
 from scenes.build import build_bodies
+from scenes.decimation import reduced
 from scenes.skin import skins
 
 INNER, OUTER, HEIGHT = 0.06, 0.15, 0.012
@@ -89,3 +90,22 @@ def test_sharp_edges_are_the_four_rims(backend):
     np.testing.assert_allclose(ends[:, 0, 2], ends[:, 1, 2], atol=1e-12)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     assert lengths.sum() == pytest.approx(4 * np.pi * (INNER + OUTER), rel=5e-3)
+
+
+def test_fewer_points_are_some_of_those_there_were(backend):
+    bodies = build_bodies(load_scene("disc_pad").on(backend), StageTimer(lambda stage: None))
+    whole = skins(bodies, 20_000)
+    total = sum(len(skin.points) for skin in whole.values())
+    fewer = reduced(whole, total // 4)
+    assert sum(len(skin.points) for skin in fewer.values()) == pytest.approx(total / 4, rel=0.05)
+    for name, skin in fewer.items():
+        before, after = (area_and_volume(each) for each in (whole[name], skin))
+        assert after[1] == pytest.approx(before[1], rel=0.01)
+        np.testing.assert_allclose(after[2], 0.0, atol=1e-12)
+        kept = {tuple(point) for point in skin.points.tolist()}
+        assert kept <= {tuple(point) for point in whole[name].points.tolist()}
+        np.testing.assert_allclose(skin.values.sum(axis=1), 1.0, atol=1e-12)
+        assert skin.triangles.max() == len(skin.points) - 1
+        assert len(skin.edges) == 0
+    same = reduced(whole, total)
+    assert all(same[name] is whole[name] for name in whole)

@@ -1,6 +1,7 @@
 // Plots: plotly.js out of its compressed text, and the look that all plots share.
 
 const NARROW = 600; // pixels: a phone
+const LOW = 360; // pixels: no plot fills a phone alone
 const TINY = 240; // pixels: half a phone
 
 function bytesOf(text) {
@@ -20,6 +21,7 @@ async function loadLibrary() {
 }
 
 const FONT = { family: "system-ui, -apple-system, Segoe UI, Roboto, sans-serif", color: "#1f2328" };
+const MODEBAR = { bgcolor: "rgba(255,255,255,0.8)", color: "#8a8a8a", activecolor: "#1f2328" };
 const AXIS = {
   gridcolor: "#e4e4e4", zerolinecolor: "#8a8a8a", linecolor: "#555", ticks: "outside",
   ticklen: 4, tickcolor: "#999", automargin: true,
@@ -56,11 +58,12 @@ function styled(figure, place) {
     paper_bgcolor: "rgba(0,0,0,0)",
     plot_bgcolor: "rgba(0,0,0,0)",
     hovermode: "closest",
+    modebar: MODEBAR,
     hoverlabel: { font: { ...FONT, size: 12 }, align: "left", bgcolor: "#fff" },
     dragmode: narrow ? false : "zoom",
     legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", itemsizing: "constant" },
     ...layout,
-    height: layout.height + (narrow ? layout.meta?.narrow ?? 0 : 0),
+    height: narrow ? Math.min(layout.height, LOW) + (layout.meta?.narrow ?? 0) : layout.height,
     xaxis: { ...AXIS, ...broken(xaxis, narrow), ...small },
     yaxis: { ...AXIS, ...broken(yaxis, narrow), ...small },
   };

@@ -22,6 +22,7 @@ function spaceLayout(place, scene, height) {
     height, margin: { l: 0, r: 0, t: 0, b: 0 },
     paper_bgcolor: "rgba(0,0,0,0)",
     hoverlabel: { font: { ...FONT, size: 12 }, bgcolor: "#fff" },
+    modebar: MODEBAR,
     legend: { orientation: "h", x: 0, y: 1, yanchor: "top", itemsizing: "constant" },
     scene: {
       xaxis: axis(0), yaxis: axis(1), zaxis: axis(2),
@@ -225,20 +226,25 @@ class ModeViewer {
 // Bodies at rest, each in a colour, with the edges of their elements and the contact points.
 async function drawGeometry(place, shapes) {
   const scene = shapes.scenes[place.dataset.scene];
-  const traces = bodiesOf(shapes, place.dataset.scene).flatMap((body, index) => {
+  const contacts = scene.contacts ?? [];
+  const above = new Set(contacts.map((contact) => contact.a)); // what hides contact points
+  const traces = contacts.flatMap((contact) => contactTraces(shapes, scene, contact));
+  // What is seen through comes last, or it would hide what lies behind.
+  traces.push(...bodiesOf(shapes, place.dataset.scene).flatMap((body, index) => {
     const [i, j, k] = body.triangles;
     const [x, y, z] = body.rest;
     const colour = BODY_COLOURS[index % BODY_COLOURS.length];
     const group = { name: body.name, legendgroup: body.name };
+    const opacity = above.has(body.name) && !scene.flat ? 0.6 : 1;
     return [
       {
-        type: "mesh3d", x, y, z, i, j, k, color: colour, flatshading: true, ...lit(scene),
+        type: "mesh3d", x, y, z, i, j, k, color: colour, opacity, flatshading: true, ...lit(scene),
         showlegend: true, hovertemplate: "x %{x:.4g} m<br>y %{y:.4g} m<br>z %{z:.4g} m", ...group,
       },
-      lineTrace(segments(body.edges, body.rest), "#4d5660", 1, group),
+      // Outsides that were reduced have no edges of elements left.
+      lineTrace(segments(scene.reduced ? body.sharp : body.edges, body.rest), "#4d5660", 1, group),
     ];
-  });
-  for (const contact of scene.contacts ?? []) traces.push(...contactTraces(shapes, scene, contact));
+  }));
   place.textContent = "";
   const layout = spaceLayout(place, scene, innerWidth < NARROW ? 330 : 460);
   await Plotly.newPlot(place, traces, layout, settings(place));
@@ -260,7 +266,7 @@ function contactTraces(shapes, scene, contact) {
     type: "cone", anchor: "tail", sizemode: "absolute", sizeref: 0.045 * diagonal(scene),
     x: axis(from, 0), y: axis(from, 1), z: axis(from, 2),
     u: axis(along, 0), v: axis(along, 1), w: axis(along, 2),
-    colorscale: [[0, "#d55e00"], [1, "#d55e00"]], showscale: false, showlegend: true,
+    colorscale: [[0, "#222222"], [1, "#222222"]], showscale: false, showlegend: true,
     name: "friction on side a", hoverinfo: "name",
   }];
 }
