@@ -6,7 +6,7 @@ from typing import Any
 
 from comparisons.kit import provenance
 from comparisons.kit.interactive import sign
-from comparisons.kit.numbers import decimals, growth, number, plain, shown
+from comparisons.kit.numbers import growth, number, plain, shown
 from comparisons.kit.tables import Column, Data, Table
 from scenes.names import backend_name
 

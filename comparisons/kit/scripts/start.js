@@ -14,8 +14,12 @@ async function start() {
   if (nav) followSections(nav);
   const tables = [...document.querySelectorAll("table")].filter((table) => table.tHead);
   tables.forEach(makeSortable);
+  if (document.getElementById("library")) await drawAll(tables);
+  document.documentElement.dataset.ready = "";
+}
+
+async function drawAll(tables) {
   const plots = [...document.querySelectorAll(".plot")];
-  if (!document.getElementById("library")) return;
   await loadLibrary();
   const shapes = await loadShapes();
   const place = document.querySelector(".viewer");
@@ -31,7 +35,6 @@ async function start() {
   for (const view of document.querySelectorAll(".geometry")) {
     whenNear(view, (near) => drawGeometry(near, shapes));
   }
-  document.documentElement.dataset.ready = "";
 }
 
 start().catch((error) => {
