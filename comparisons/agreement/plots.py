@@ -201,6 +201,7 @@ def stage_bars(data: Data) -> list[Plot]:
             "ticktext": [literal(row[1]) for row in rows],
             "range": [len(rows) - 0.4, -0.6],
             "showgrid": False,
+            "zeroline": False,
         }
         bars = [_bars(j, stage, rows, place) for j, stage in enumerate(stages)]
         plots.append(

@@ -61,7 +61,10 @@ function styled(figure, place) {
     modebar: MODEBAR,
     hoverlabel: { font: { ...FONT, size: 12 }, align: "left", bgcolor: "#fff" },
     dragmode: narrow ? false : "zoom",
-    legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", itemsizing: "constant" },
+    legend: {
+      orientation: "h", x: 0, y: 1.02, yanchor: "bottom", itemsizing: "constant",
+      traceorder: "normal",
+    },
     ...layout,
     height: narrow ? Math.min(layout.height, LOW) + (layout.meta?.narrow ?? 0) : layout.height,
     xaxis: { ...AXIS, ...broken(xaxis, narrow), ...small },
