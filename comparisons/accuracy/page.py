@@ -1,7 +1,7 @@
 """The page of a study: JSON, CSV files, figures and Markdown, all drawn from plain data."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from cea.files import write_whole
 from comparisons.accuracy import figures, tables, words
+from comparisons.accuracy.matrix import matrix_lines
 from comparisons.accuracy.runner import COMMAND
 from comparisons.kit.plots import png
 from comparisons.kit.records import RESULT, read_result
@@ -56,81 +57,88 @@ def _save(draw: Callable[[Data, str], Figure], data: Data, problem: str, file: P
 
 
 def _page(data: Data, made: dict[str, Table]) -> list[str]:
-    text = [
-        "# Error of flutter eigenvalues against run time",
-        "",
-        words.how_measured(data),
-        "",
+    sections = list(_sections(data, made))
+    contents = [f"- [{title}](#{_anchor(title)})" for title, _ in sections]
+    text = ["# Error of flutter eigenvalues against run time", "", *_matrix(data, made)]
+    text += ["## Contents", "", *contents, ""]
+    for title, lines in sections:
+        text += [f"## {title}", "", *lines]
+    return text
+
+
+def _matrix(data: Data, made: dict[str, Table]) -> list[str]:
+    """What the page opens with: which formulation may be used at which stiffness."""
+    return [
         "## Where each formulation may be used",
+        "",
+        *matrix_lines(data),
+        words.verdict_rule(),
         "",
         words.in_short(data),
         "",
-        words.verdict_rule(),
+        *_files(made["matrix"], made["uses"]),
+    ]
+
+
+def _sections(data: Data, made: dict[str, Table]) -> Iterator[tuple[str, list[str]]]:
+    """Titles and lines of all else."""
+    if data.get("no_flutter"):
+        lines = _bullets(words.without_flutter(data))
+        yield "Where nothing may grow", [*lines, "", *_files(made["no_flutter"])]
+    if data.get("finest"):
+        yield "Finest meshes", [*_bullets(words.finest(data)), "", *_files(made["finest"])]
+    for problem in data["problems"]:
+        yield problem, _problem(data, problem)
+    yield "Tables", _files(*(made[name] for name in ("runs", "pareto", "orders")))
+    yield "Omissions", _omissions(data, made)
+    yield "How it was measured", [words.how_measured(data), ""]
+    yield "As run", _machine(data)
+
+
+def _problem(data: Data, problem: str) -> list[str]:
+    described = data["problems"][problem]
+    low, high = described["band"]
+    return [
+        f"Exact eigenvalues with {low:g} <= Im lambda <= {high:g} rad/s, friction "
+        f"{described['friction']}, p in units of {described['unit']:g} N/m³.",
         "",
-        *_bullets(words.where_each_may_be_used(data)),
+        f"![error against run time and dofs](error_{problem}.png)",
+        "",
+        f"![error of growth against p](growth_{problem}.png)",
+        "",
+        "No other run is better in both error and time:",
+        "",
+        *_bullets(words.front(data, problem)),
         "",
     ]
-    if data.get("no_flutter"):
-        text += ["## Where nothing may grow", "", *_bullets(words.without_flutter(data)), ""]
-    if data.get("finest"):
-        text += ["## Finest meshes", "", *_bullets(words.finest(data)), ""]
-        text += _table(made["finest"])
-    for problem, described in data["problems"].items():
-        low, high = described["band"]
-        text += [
-            f"## {problem}",
-            "",
-            f"Exact eigenvalues with {low:g} <= Im lambda <= {high:g} rad/s, friction "
-            f"{described['friction']}, p in units of {described['unit']:g} N/m³.",
-            "",
-            f"![error against run time and dofs](error_{problem}.png)",
-            "",
-            f"![error of growth against p](growth_{problem}.png)",
-            "",
-            "Fastest for its error (no other run is better in both):",
-            "",
-            *_bullets(words.front(data, problem)),
-            "",
-            *_table(made["orders"], problem),
-        ]
-    return [*text, *_omissions(made), *_machine(data)]
+
+
+def _anchor(title: str) -> str:
+    """Address of a heading, as programs that show Markdown make it."""
+    return title.lower().replace(" ", "-")
 
 
 def _bullets(sentences: list[str]) -> list[str]:
     return [f"- {sentence}" for sentence in sentences]
 
 
-def _omissions(made: dict[str, Table]) -> list[str]:
+def _files(*tables: Table) -> list[str]:
+    """Tables in files of their own, each with what it shows."""
+    return [*(f"- [{t.name}.csv]({t.name}.csv): {t.caption}" for t in tables), ""]
+
+
+def _omissions(data: Data, made: dict[str, Table]) -> list[str]:
     parts = [made[name] for name in ("omissions", "incomplete")]
-    text = ["## Omissions", ""]
     if not any(table.rows for table in parts):
-        return [*text, "Nothing was left out and nothing failed.", ""]
-    return [*text, *(line for table in parts for line in _table(table))]
-
-
-def _table(table: Table, problem: str | None = None) -> list[str]:
-    """A table in Markdown, the rows of one problem or all."""
-    rows = [
-        cells
-        for cells, row in zip(table.cells(), table.rows, strict=True)
-        if problem is None or row[0] == problem
-    ]
-    if not rows:
-        return []
-    heads = [c.title + (f" ({c.unit})" if c.unit else "") for c in table.columns]
-    lines = [heads, ["---:" if c.show else "---" for c in table.columns], *rows]
-    body = ["| " + " | ".join(cell.replace("|", r"\|") for cell in line) + " |" for line in lines]
-    return [f"{table.caption} (`{table.name}.csv`)", "", *body, ""]
+        return ["Nothing was left out and nothing failed.", ""]
+    return [*_bullets([*words.reasons(data), words.lost(data)]), "", *_files(*parts)]
 
 
 def _machine(data: Data) -> list[str]:
     versions = ", ".join(f"{name} {version}" for name, version in data["versions"].items())
     machine = data["machine"]
     return [
-        "## As run",
-        "",
         f"{machine['system']} {machine['machine']}, {machine['cpus']} processors; {versions}; "
         f"commit {data['commit']}. "
-        f"Study: {json.dumps(data['inputs']['study'])}. All numbers: `{RESULT}`, `runs.csv`, "
-        "`uses.csv`, `pareto.csv`.",
+        f"Study: {json.dumps(data['inputs']['study'])}. All numbers: `{RESULT}`, `runs.csv`.",
     ]

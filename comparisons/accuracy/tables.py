@@ -12,6 +12,7 @@ from comparisons.accuracy.analysis import (
     seconds_of,
     uses,
 )
+from comparisons.accuracy.matrix import matrix_table
 from comparisons.accuracy.study import RULES, Method
 from comparisons.kit.numbers import counted, number, plain, shown
 from comparisons.kit.tables import Column, Table
@@ -270,6 +271,7 @@ def without_flutter(data: Data) -> Table:
 
 
 TABLES = (
+    matrix_table,
     every_run,
     orders,
     fronts,

@@ -1,6 +1,6 @@
 """The main comparison: both scenes on both backends with every formulation, and the disc alone."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -42,15 +42,15 @@ def formulations(backend: Backend, grid: int, gauss: Iterable[int]) -> list[Form
     return [collocation, Grid(grid), *(GaussPointToSurface(n) for n in gauss)]
 
 
-def compare(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResult]]:
+def compare(progress: Progress) -> tuple[dict[str, Any], Sequence[ModesResult]]:
     """Run everything.
 
     Returns
     -------
     dict
         Record for ``result.json``.
-    dict
-        The disc_pad result with GPTS on each backend, for pictures.
+    list
+        The results of the runs of the disc and pad, for pictures and shapes.
     """
     start = perf_counter()
     warm_up(progress)
@@ -196,7 +196,7 @@ def _backend_differences(runs: list[dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResult]]:
+def disc_pad(progress: Progress) -> tuple[dict[str, Any], Sequence[ModesResult]]:
     """Unstable modes of the disc and pad for every formulation on both backends."""
     runs = []
     results: dict[tuple[str, Backend], ModesResult] = {}
@@ -222,7 +222,7 @@ def disc_pad(progress: Progress) -> tuple[dict[str, Any], Mapping[str, ModesResu
         kind: match_unstable(results[kind, "fe"], results[kind, "iga"])
         for kind in ("collocation", "grid", "gpts")
     }
-    return {"runs": runs, "agreement": agreement}, {b: results["gpts", b] for b in BACKENDS}
+    return {"runs": runs, "agreement": agreement}, list(results.values())
 
 
 def _labels(backend: Backend, formulation: Formulation, run: Mapping[str, Any]) -> dict[str, Any]:

@@ -16,11 +16,30 @@ from comparisons.kit.tables import Data
 from scenes.names import backend_name
 
 
+def findings(data: Data) -> list[tuple[str, str]]:
+    """What was found, a sentence or two for each section of the page, and the section."""
+    return [
+        ("pad", agreement(data)),
+        ("patch", patch_test(data)),
+        ("disc", disc_alone(data)),
+        ("left-out", saved(data)),
+        ("times", total(data)),
+    ]
+
+
 def summary(data: Data) -> str:
-    """The report in one paragraph."""
-    return " ".join(
-        [*_agreement(data), *_patch_test(data), _disc_alone(data), saved(data), _total(data)]
-    )
+    """The findings in one paragraph."""
+    return " ".join(sentence for _, sentence in findings(data))
+
+
+def agreement(data: Data) -> str:
+    """How many unstable modes each backend finds with GPTS, and how far they are apart."""
+    return " ".join(_agreement(data))
+
+
+def patch_test(data: Data) -> str:
+    """The range of oscillations, and the worst ratio to what was expected."""
+    return " ".join(_patch_test(data))
 
 
 def _agreement(data: Data) -> list[str]:
@@ -87,7 +106,7 @@ def _patch_test(data: Data) -> list[str]:
     return sentences
 
 
-def _disc_alone(data: Data) -> str:
+def disc_alone(data: Data) -> str:
     """The most accurate run of each backend."""
     part = data["disc_alone"]
     best = []
@@ -126,7 +145,8 @@ def _changed(ratio: float) -> str:
     return f"{number(100 * abs(1 - ratio), 2)} % {'less' if ratio <= 1 else 'more'}"
 
 
-def _total(data: Data) -> str:
+def total(data: Data) -> str:
+    """How long everything took."""
     return f"All runs together took {number(data['seconds'])} s."
 
 

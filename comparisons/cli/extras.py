@@ -2,7 +2,7 @@
 
 from importlib.util import find_spec
 
-_MODULES = {"pictures": ("matplotlib", "PIL", "pyvista"), "exact": ("flint",)}
+_MODULES = {"pictures": ("matplotlib", "PIL", "plotly", "pyvista"), "exact": ("flint",)}
 """Modules that each extra of `pyproject.toml` brings."""
 
 

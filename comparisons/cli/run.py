@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 if TYPE_CHECKING:
+    from scenes.matrix_run import MatrixResult
     from scenes.matrix_scene import MatrixScene
+    from scenes.results import ModesResult, StaticResult
 
 
 def run(
@@ -20,6 +22,9 @@ def run(
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
+    report: Annotated[
+        bool, typer.Option("--report", help="Write report.html too: one file, to be played with.")
+    ] = False,
     out: Annotated[Path, typer.Option(help="Folder for result.json and all else.")] = Path(
         "results/run"
     ),
@@ -30,10 +35,11 @@ def run(
     inputs = {"scene": scene, "set": set_ or [], "backend": backend}
     if is_of_matrices(scene):
         _refuse("backend", backend, "left out: a scene of matrices has no bodies")
-        report_matrices(load_matrices(scene, set_ or (), data), out, {**inputs, "data": data})
+        chosen = load_matrices(scene, set_ or (), data)
+        report_matrices(chosen, out, {**inputs, "data": data}, report=report)
         return
     _refuse("data", data, "left out: a scene of bodies reads no matrices")
-    _run_bodies(scene, set_ or [], backend, out, inputs)
+    _run_bodies(scene, set_ or [], backend, out, inputs, report=report)
 
 
 def _refuse(option: str, value: str | None, allowed: str) -> None:
@@ -43,21 +49,28 @@ def _refuse(option: str, value: str | None, allowed: str) -> None:
         raise InputError(option, value, allowed)
 
 
-def report_matrices(scene: "MatrixScene", out: Path, inputs: dict[str, Any]) -> None:
+def report_matrices(
+    scene: "MatrixScene", out: Path, inputs: dict[str, Any], *, report: bool = False
+) -> None:
     """Run a scene of matrices, print its modes and write its result.json."""
     from cea.files import check_writable
+    from comparisons.cli.extras import need
     from comparisons.cli.output import console, print_modes
     from scenes.describe import save_result
     from scenes.matrix_run import run_matrices
 
     with console.status("reading matrices") as status:
         check_writable(out / "result.json", "out")
+        if report:
+            need("pictures")
         result = run_matrices(scene, listener=status.update)
     file = save_result(result, out / "result.json", inputs=inputs)
     print_modes(result)
     for name in ("pictures", "paraview"):
         console.print(f"left out: {name} ({result.skipped[name]})")
     typer.echo(f"{result.size} dofs, {result.timer.total:.2f} s; {file}")
+    if report:
+        _write_report(result, file)
 
 
 def _run_bodies(
@@ -66,6 +79,8 @@ def _run_bodies(
     backend: Literal["fe", "iga"] | None,
     out: Path,
     inputs: dict[str, Any],
+    *,
+    report: bool,
 ) -> None:
     """Run a scene of bodies and write its result.json, pictures and files for ParaView."""
     from cea.files import check_writable
@@ -79,7 +94,7 @@ def _run_bodies(
     with console.status("reading the scene") as status:
         chosen = load_scene(scene, set_, backend)
         check_writable(out / "result.json", "out")
-        if chosen.output.pictures or chosen.output.paraview:
+        if chosen.output.pictures or chosen.output.paraview or report:
             need("pictures")
         result = run_scene(chosen, listener=lambda stage: status.update(stage))
         files = {}
@@ -102,3 +117,12 @@ def _run_bodies(
     else:
         print_stresses(result)
     typer.echo(f"{result.system.size} dofs, {result.timer.total:.2f} s; {file}")
+    if report:
+        _write_report(result, file)
+
+
+def _write_report(result: "ModesResult | StaticResult | MatrixResult", file: Path) -> None:
+    """Write the page of a run beside its record, and name it."""
+    from comparisons.run_report.page import write_run_report
+
+    typer.echo(f"The report to open: {write_run_report(result, file)}")

@@ -5,6 +5,10 @@ from math import floor, isfinite, log10
 from typing import Any
 
 MISSING = "–"
+_SLOW = 0.1
+"""Growth rate (1/s) from which on three digits after the point are enough."""
+_STILL = 1e-9
+"""Growth rate (1/s) below which rounding alone grows."""
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NARROW_SPACE = "\u202f"
 
@@ -45,6 +49,13 @@ def decimals(places: int, *, sign: bool = False) -> Callable[[float | None], str
         return ("+" if sign and value > 0 else "") + _grouped(f"{value:,.{places}f}")
 
     return show
+
+
+def growth(value: float | None) -> str:
+    """Show a growth rate (1/s), a slow one by the digits that count."""
+    if value is None or abs(value) >= _SLOW:
+        return decimals(3, sign=True)(value)
+    return "0" if abs(value) < _STILL else number(value, 3, sign=True)
 
 
 def capitalised(text: str) -> str:

@@ -4,6 +4,8 @@ import csv
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from io import StringIO
+from itertools import groupby
+from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +46,15 @@ class Column:
             return MISSING
         return self.show(value) if self.show else str(value)
 
+    @staticmethod
+    def raw(value: Any) -> str | None:
+        """A number as a script reads it to sort by, empty where there is none; None of a text."""
+        if isinstance(value, str):
+            return None
+        if value is None or isnan(value):
+            return ""
+        return repr(float(value)).replace("inf", "Infinity")
+
 
 @dataclass(frozen=True)
 class Table:
@@ -74,6 +85,17 @@ class Table:
         return [
             [c.cell(value) for c, value in zip(self.columns, row, strict=True)] for row in self.rows
         ]
+
+    @property
+    def grouped(self) -> bool:
+        """Whether its first column names the section that a row belongs to."""
+        return self.columns[0].name == "section"
+
+    def groups(self) -> list[tuple[str, list[tuple[Any, ...]]]]:
+        """Sections with their rows; all rows without a name where there are none."""
+        if not self.grouped:
+            return [("", list(self.rows))]
+        return [(name, list(rows)) for name, rows in groupby(self.rows, key=lambda row: row[0])]
 
     def write_csv(self, folder: Path) -> Path:
         """Write the raw values to ``folder/name.csv``, ``.csv.gz`` where they are compressed."""

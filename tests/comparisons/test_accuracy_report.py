@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import re
 from dataclasses import replace
 from itertools import groupby
 
@@ -12,12 +13,14 @@ from typer.testing import CliRunner
 from cea.errors import InputError
 from comparisons.accuracy import page, words
 from comparisons.accuracy.analysis import lines, observed_order, pareto, uses
+from comparisons.accuracy.matrix import matrix_lines, matrix_table
 from comparisons.accuracy.no_flutter import NO_FLUTTER
 from comparisons.accuracy.no_flutter import measure as measure_no_flutter
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.runner import run_study
 from comparisons.accuracy.study import Method, Study, cases
 from comparisons.cli.app import app
+from comparisons.kit.numbers import number
 from comparisons.kit.worker import WorkerError
 
 TINY = Study(
@@ -145,9 +148,42 @@ def test_uses_stand_beside_a_yardstick_on_the_same_mesh(data):
     assert use.floor == pytest.approx((2.0 * use.refinement) ** -4, rel=1e-3)
     assert use.usable == (use.error <= 0.01)
     assert not found[Method("fe", 2, "segments"), 1.0].usable
-    said = "\n".join(words.where_each_may_be_used(data))
-    assert "NURBS 2, Greville** (drum)" in said
-    assert "p = 0.1" in said
+
+
+def test_the_matrix_says_which_formulation_may_be_used_where(data):
+    found = {(u.method.label, u.stiffness): u for u in uses(data["runs"])}
+    lines = [line.strip("| ").split(" | ") for line in matrix_lines(data) if line]
+    assert lines[0] == ["formulation", "p = 0.1", "p = 1"]
+    judged = {row[0]: row[1:] for row in lines[2:] if "yardstick" not in row[0]}
+    assert len(judged) > 8
+    assert not any("grid" in label for label in judged)  # it gave no numbers
+    for label, row in judged.items():
+        for p, text in zip((0.1, 1.0), row, strict=True):
+            use = found[label, p]
+            assert text == f"{'✓' if use.usable else '✗'} {number(use.error, 2)}"
+    assert {text[0] for row in judged.values() for text in row} == {"✓", "✗"}
+    assert [row[0] for row in lines[2:] if "yardstick" in row[0]] == [
+        "*FE 2, yardstick*",
+        "*NURBS 2, yardstick*",
+    ]
+    assert words.in_short(data).count("Usable") == len(set(map(tuple, marks(judged))))
+
+
+def marks(judged):
+    return [[text[0] for text in row] for row in judged.values()]
+
+
+def test_a_formulation_that_loses_modes_in_one_problem_is_not_usable(data):
+    gpts = {"backend": "iga", "degree": 2, "rule": "gpts"}
+    runs = [
+        run | {"growth": {"worst": None, "median": None}} if run["method"] == gpts else run
+        for run in data["runs"]
+    ]
+    lines = matrix_lines(data | {"runs": runs})
+    (line,) = (line for line in lines if "NURBS 2, GPTS |" in line)
+    assert line.count("✗ modes lost") == 2
+    table = {row[:2]: row for row in matrix_table(data | {"runs": runs}).rows}
+    assert table["NURBS 2, GPTS", 1.0][2:5] == ("no", None, "drum")
 
 
 def test_a_mesh_too_coarse_for_the_yardstick_says_nothing(data):
@@ -170,7 +206,14 @@ def test_the_page_is_drawn_anew_without_running(data, tmp_path):
     text = report.read_text()
     assert "## Omissions" in text
     assert "no grid today" in text
-    assert "FE 1, segments" in text  # lost modes
+    assert text.index("| formulation |") < text.index("## Contents") < text.index("## drum")
+    assert "FE 1, segments" in (tmp_path / "incomplete.csv").read_text()  # lost modes
+    links = re.findall(r"\]\(([^)#]+)\)", text)
+    assert set(links) >= {"matrix.csv", "uses.csv", "orders.csv", "incomplete.csv"}
+    assert set(links) <= set(files)
+    titles = re.findall(r"^## (.+)$", text, re.MULTILINE)
+    anchors = re.findall(r"\]\(#([^)]+)\)", text)
+    assert anchors == [title.lower().replace(" ", "-") for title in titles[2:]]
     assert text.count("\n- p = ") == 2
     assert len(files["runs.csv"].splitlines()) == 1 + len(data["runs"])
     for file in tmp_path.iterdir():
@@ -232,7 +275,7 @@ def test_the_page_tells_of_finest_meshes_and_of_what_grew(data, tmp_path):
     )
     assert "In 1 of 2 runs" in text
     assert "Exception: NURBS 2, mortar (layers) lets 3 modes of 20 grow" in text
-    assert "| drum | NURBS 8, mortar | outer 16, 48 |" in text
+    assert 'drum,"NURBS 8, mortar","outer 16, 48"' in (tmp_path / "finest.csv").read_text()
 
 
 def test_a_compressed_result_is_read(data, tmp_path):

@@ -1,5 +1,6 @@
 """A small made-up comparison with the keys of a real one, and a reader of the page made of it."""
 
+import json
 from html.parser import HTMLParser
 
 import numpy as np
@@ -159,11 +160,12 @@ def small_comparison():
 
 
 class Page(HTMLParser):
-    """Cells of the tables by id, addresses, tags and text of a page."""
+    """Cells of the tables by id, addresses, tags, data and text of a page."""
 
     def __init__(self, text):
         super().__init__()
         self.tables, self.addresses, self.tags, self.text = {}, [], set(), ""
+        self.data, self._script = {}, None
         self._rows, self._in_cell = [], False
         self.feed(text)
 
@@ -172,7 +174,9 @@ class Page(HTMLParser):
         attributes = dict(attributes)
         self.tags.add(tag)
         self.addresses += [attributes[k] for k in ("src", "href", "srcset") if k in attributes]
-        if tag == "table":
+        if tag == "script":
+            self._script = attributes
+        elif tag == "table":
             self._rows = self.tables.setdefault(attributes["id"], [])
         elif tag == "tr":
             self._rows.append([])
@@ -181,12 +185,18 @@ class Page(HTMLParser):
             self._in_cell = True
 
     def handle_endtag(self, tag):
-        """End a cell."""
+        """End a cell or script."""
+        if tag == "script":
+            self._script = None
         if tag in ("td", "th"):
             self._in_cell = False
 
     def handle_data(self, text):
-        """Add text to the cell it stands in."""
+        """Add text to the cell it stands in; that of a script is data, or none."""
+        if self._script is not None:
+            if self._script.get("type") == "application/json":
+                self.data[self._script["id"]] = json.loads(text)
+            return
         self.text += text
         if self._in_cell:
             self._rows[-1][-1] += text

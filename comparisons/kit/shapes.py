@@ -1,0 +1,216 @@
+"""Modes as a page shows them: outsides of the bodies, and how they move.
+
+Positions and displacements are kept as whole numbers, fine enough for a screen. What is drawn at
+a phase phi is x + s Re(u e^(i phi)), at phase 0 the largest deflection.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cea.body import Complexes, Floats, Ints
+from cea.contact.operators import Contact
+from comparisons.kit.binary import STEPS, Binary, quantised
+from comparisons.kit.interactive import literal
+from comparisons.kit.numbers import growth, number
+from scenes.results import ModesResult, StaticResult
+from scenes.skin import Skin, skins
+
+_POINTS = 4000
+"""Points of the outsides of a scene, about: more are not seen on a screen."""
+_MOST_POINTS = 8000
+"""Points from which on outsides are reduced."""
+_MOST = 3_000_000
+"""Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
+_POSITIONS = 2**16 - 1
+"""Steps of a position along the longest side of a scene."""
+_CONTACT_POINTS = 600
+"""Points of a contact that are shown at most."""
+_ARROWS = 24
+"""Arrows of friction that are shown at most."""
+
+
+@dataclass
+class Shapes:
+    """What the views of a page draw.
+
+    Parameters
+    ----------
+    scenes
+        Plain data of bodies by the key of their result.
+    modes
+        Plain data of modes by the key of their result, then their number from 1.
+    """
+
+    scenes: dict[str, Any] = field(default_factory=dict)
+    modes: dict[str, dict[str, Any]] = field(default_factory=dict)
+    binary: Binary = field(default_factory=Binary)
+    _size: int = 0
+
+    @property
+    def keys(self) -> set[str]:
+        """Modes that can be shown, as result/number."""
+        return {f"{key}/{number}" for key, modes in self.modes.items() for number in modes}
+
+    def plain(self) -> dict[str, Any]:
+        """Plain data for the page, beside the text of :attr:`binary`."""
+        return {"scenes": self.scenes, "modes": self.modes, "steps": STEPS}
+
+    def add_bodies(self, key: str, result: ModesResult | StaticResult) -> None:
+        """Keep the bodies of a result at rest, and its contact points; collective."""
+        outside = _outside(result)
+        if result.comm.rank == 0:
+            self._add_scene(key, result, outside)
+
+    def add(
+        self,
+        key: str,
+        result: ModesResult,
+        modes: Sequence[int],
+        like: str | None = None,
+        title: str = "",
+    ) -> None:
+        """Keep modes of a result, as many as there is room for; collective.
+
+        Parameters
+        ----------
+        key
+            Name of the result.
+        result
+            The result.
+        modes
+            Numbers of the modes, from 0, the most important first.
+        like
+            Key of a result kept before whose bodies are the same.
+        title
+            What is said of the result.
+        """
+        from scenes.drawing import largest_deflection  # brings pyvista
+
+        outside = _outside(result)
+        shapes = {
+            name: result.mode_shapes(name, skin.values, modes, everywhere=False)
+            for name, skin in outside.items()
+        }
+        if result.comm.rank:
+            return
+        if like is None:
+            self._add_scene(key, result, outside)
+        kept = self.modes.setdefault(key, {})
+        for i, mode in enumerate(modes):
+            u = np.concatenate([shape[..., i] for shape in shapes.values()])
+            if self._size + 4 * u.size > _MOST and kept:
+                break
+            turned, largest = largest_deflection(u)
+            kept[str(mode + 1)] = self._mode(turned, largest) | _told(result, mode, title)
+            kept[str(mode + 1)]["scene"] = like or key
+            self._size += 4 * u.size
+
+    def _add_scene(
+        self, key: str, result: ModesResult | StaticResult, outside: Mapping[str, Skin]
+    ) -> None:
+        from scenes.drawing import view_of  # brings pyvista
+
+        points = [skin.points for skin in outside.values()]
+        scene = self._scene(outside)
+        self.scenes[key] = scene | {
+            "view": view_of(points).tolist(),
+            "flat": points[0].shape[1] == 2,
+            "reduced": any(len(skin.edges) == 0 for skin in outside.values()),
+            "contacts": [self._contact(contact, scene) for contact in result.system.contacts],
+        }
+
+    def _contact(self, contact: Contact, scene: Mapping[str, Any]) -> dict[str, Any]:
+        """Points of a contact, and where friction pushes side a."""
+        points = contact.interface.points
+        few = points[_spread(len(points), _CONTACT_POINTS)]
+        places = np.clip((_in_space(few.x) - scene["low"]) / scene["step"], 0, _POSITIONS)
+        told = {
+            "name": literal(contact.name),
+            "a": literal(contact.half.a),
+            "points": self.binary.add(np.round(places).T, "uint16"),
+        }
+        friction = contact.half.friction
+        if friction is None or not friction.acts or len(points) == 0:
+            return told
+        some = points[_spread(len(points), _ARROWS)]
+        along = friction.direction.at(some.x, some.normal)
+        arrows = {"from": _in_space(some.x).tolist(), "along": _in_space(along).tolist()}
+        return told | {"arrows": arrows}
+
+    def _scene(self, outside: Mapping[str, Skin]) -> dict[str, Any]:
+        """Bodies of a scene: positions in a box, triangles, lines."""
+        every = np.concatenate([_in_space(skin.points) for skin in outside.values()])
+        low, extent = every.min(axis=0), float(np.ptp(every, axis=0).max())
+        bodies = []
+        for name, skin in outside.items():
+            places = (_in_space(skin.points) - low) * (_POSITIONS / extent)
+            bodies.append(
+                {
+                    "name": literal(name),
+                    "points": self.binary.add(np.round(places).T, "uint16"),
+                    "triangles": self.binary.add_numbers(skin.triangles.T),
+                    "edges": self.binary.add_numbers(skin.edges.T),
+                    "sharp": self.binary.add_numbers(skin.sharp.T),
+                }
+            )
+        return {
+            "bodies": bodies,
+            "low": low.tolist(),
+            "high": every.max(axis=0).tolist(),
+            "step": extent / _POSITIONS,
+        }
+
+    def _mode(self, turned: Complexes, largest: float) -> dict[str, Any]:
+        """Real and imaginary part of a displacement, relative to its largest deflection."""
+        real, imaginary = (
+            self.binary.add(quantised(_in_space(part), largest).T, "int16")
+            for part in (turned.real, turned.imag)
+        )
+        return {"real": real, "imaginary": imaginary}
+
+
+def _outside(result: ModesResult | StaticResult) -> dict[str, Skin]:
+    """Outsides of the bodies with no more points than a page has room for; collective."""
+    from scenes.decimation import reduced  # brings pyvista
+
+    return reduced(skins(result.bodies, _POINTS), _MOST_POINTS)
+
+
+def _told(result: ModesResult, mode: int, title: str) -> dict[str, Any]:
+    row = result.table()[mode]
+    return {
+        "number": mode + 1,
+        "title": title,
+        "frequency": number(row["frequency"], 6),
+        "growth": growth(row["growth_rate"]),
+        "verdict": row["verdict"],
+    }
+
+
+def by_importance(result: ModesResult) -> list[int]:
+    """Numbers of modes from 0: unstable ones first, the fastest growing before, then undecided."""
+    order = ("unstable", "undecided", "stable")
+    rows = enumerate(result.table())
+    return [
+        i
+        for i, row in sorted(
+            rows,
+            key=lambda item: (
+                order.index(item[1]["verdict"]),
+                -item[1]["growth_rate"] if item[1]["verdict"] == "unstable" else item[0],
+            ),
+        )
+    ]
+
+
+def _spread(count: int, most: int) -> Ints:
+    """Numbers below a count, all of them or as many as may be, evenly spread."""
+    return np.unique(np.linspace(0, max(count - 1, 0), min(count, most)).round().astype(np.int64))
+
+
+def _in_space(vectors: Floats) -> Floats:
+    """Vectors with z = 0 added in 2D, shape (n, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))

@@ -1,0 +1,180 @@
+"""Reports in a real browser: tables sort, points and phases show shapes, nothing is asked for."""
+
+from dataclasses import replace
+
+import pytest
+from browser import complaints, foreign_addresses, open_page, programs, started, until
+from report_data import small_comparison
+
+from comparisons.agreement.page import write_report
+from comparisons.run_report.page import write_run_report
+from scenes import load_scene, run_modes, save_result
+
+EVIL = """</script><script>document.title = "broken"</script><img src=x onerror="top.evil=1">"""
+IN_SIGHT = "arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})"
+DEPTHS = "return [...document.querySelector('.scene').data[0].x]"
+CENTRE = """
+const trace = arguments[0], point = arguments[1];
+const place = document.getElementById("plot-stability");
+const { xaxis, yaxis, _size } = place._fullLayout;
+const box = place.getBoundingClientRect();
+return [box.left + xaxis._offset + xaxis.d2p(place.data[trace].x[point]),
+        box.top + yaxis._offset + yaxis.d2p(place.data[trace].y[point])];
+"""
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    with started(tmp_path_factory.mktemp("profile")) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def result():
+    programs()
+    scene = load_scene("drum").on("fe").change("analysis.max_frequency", 0.3)
+    return run_modes(replace(scene, name=EVIL, description=EVIL))
+
+
+@pytest.fixture(scope="module")
+def report(result, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("a run")
+    return write_run_report(result, save_result(result, folder / "result.json"))
+
+
+@pytest.fixture(scope="module")
+def page(browser, report):
+    """The report of a run, opened in a wide window; it stays open between tests."""
+    open_page(browser, report, 1400)
+    return browser
+
+
+@pytest.fixture(scope="module")
+def comparison(tmp_path_factory):
+    programs()
+    return write_report(small_comparison(), [], tmp_path_factory.mktemp("comparison"))
+
+
+def column(running, table, number):
+    cells = f"#{table} tbody tr td:nth-child({number})"
+    return running.execute_script(
+        "return [...document.querySelectorAll(arguments[0])].map((cell) => cell.dataset.value)",
+        cells,
+    )
+
+
+def test_a_click_on_a_heading_sorts(page, result):
+    heading = page.find_element("css selector", "#modes thead th:nth-child(4) button")
+    growth = sorted(result.growth_rates.tolist())
+    for expected in (growth, growth[::-1]):
+        page.execute_script(IN_SIGHT, heading)
+        heading.click()
+        assert [float(value) for value in column(page, "modes", 4)] == expected
+    heading.send_keys("\ue007")  # Enter: the keyboard sorts as the mouse does
+    assert [float(value) for value in column(page, "modes", 4)] == growth
+
+
+def test_texts_of_scenes_stay_texts(page):
+    assert page.title == EVIL
+    assert page.find_element("tag name", "h1").text == EVIL
+    assert page.execute_script("return top.evil") is None
+
+
+def test_the_most_unstable_mode_is_shown_first(page, result):
+    (first,) = result.most_unstable(1)
+    shown = page.find_element("class name", "viewer").get_attribute("data-shown")
+    assert shown == f"run/{first + 1}"
+    assert "▲" in page.find_element("class name", "told").text
+
+
+def test_a_click_on_a_point_shows_its_mode(page):
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    keys = page.execute_script(
+        "const place = document.getElementById('plot-stability');"
+        "place.scrollIntoView({block: 'center', behavior: 'instant'});"
+        "return place.data[0].customdata"
+    )
+    assert len(keys) > 1
+    before = page.execute_script(DEPTHS)
+    shown = page.find_element("class name", "viewer").get_attribute("data-shown")
+    point = next(i for i, key in enumerate(keys) if key != shown)
+    x, y = page.execute_script(CENTRE, 0, point)
+    mouse = ActionChains(page)
+    mouse.w3c_actions.pointer_action.move_to_location(round(x), round(y))
+    mouse.pause(0.3)
+    mouse.w3c_actions.pointer_action.click()
+    mouse.perform()
+    chosen = f"return document.querySelector('.viewer').dataset.shown === '{keys[point]}'"
+    until(page, chosen)
+    until(page, f"return JSON.stringify((() => {{{DEPTHS}}})()) !== {str(before)!r}")
+    assert (
+        page.execute_script("return document.querySelector('tr.shown').dataset.mode")
+        == (keys[point])
+    )
+
+
+def test_the_phase_moves_the_shape(page, result):
+    """Half a period on, every point is as far on the other side; a whole one on, where it was."""
+    import numpy as np
+
+    def at(phase):
+        page.execute_script(
+            "const slider = document.querySelector('.phase');"
+            "slider.value = arguments[0]; slider.dispatchEvent(new Event('input'))",
+            phase,
+        )
+        until(page, f"return document.querySelector('.viewer').dataset.phase === '{phase}'")
+        return np.array(page.execute_script(DEPTHS))
+
+    begin, quarter, half = at(0), at(90), at(180)
+    rest = (begin + half) / 2
+    moved = np.abs(begin - rest).max()
+    assert moved > 1e-3 * np.ptp(rest)
+    assert np.abs(quarter - begin).max() > 0.1 * moved
+    np.testing.assert_allclose(at(90) + at(270), 2 * rest, atol=1e-4 * np.ptp(rest))
+
+
+def test_the_geometry_is_drawn_when_it_comes_in_sight(page, result):
+    place = page.find_element("class name", "geometry")
+    page.execute_script(IN_SIGHT, place)
+    names = until(page, "return document.querySelector('.geometry').data?.map((one) => one.name)")
+    assert [name for name in names if name in result.bodies] == [
+        *("outer", "outer", "inner", "inner")
+    ]
+    assert "contact interface" in names
+
+
+def test_play_and_pause(page):
+    play = page.find_element("class name", "play")
+    page.execute_script(IN_SIGHT, play)
+    play.click()
+    until(page, "return Number(document.querySelector('.phase').value) > 20")
+    play.click()
+    assert play.get_attribute("aria-pressed") == "false"
+
+
+def test_nothing_was_complained_of_and_nothing_asked_for(page):
+    """After all that was done to the page."""
+    assert complaints(page) == []
+    assert foreign_addresses(page) == []
+
+
+@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize("name", ["report", "comparison"])
+def test_no_page_scrolls_sideways(browser, name, width, request):
+    open_page(browser, request.getfixturevalue(name), width)
+    wide, window = browser.execute_script(
+        "return [document.documentElement.scrollWidth, innerWidth]"
+    )
+    assert window == width
+    assert wide <= width
+    # What is cut off is out of reach: all but what scrolls by itself ends inside the window.
+    outside = browser.execute_script(
+        "return [...document.querySelectorAll('main > *, section > *, figure, .controls > *')]"
+        ".filter((part) => part.getBoundingClientRect().right > innerWidth + 1)"
+        ".map((part) => part.outerHTML.slice(0, 80))"
+    )
+    assert outside == []
+    assert complaints(browser) == []
+    assert foreign_addresses(browser) == []

@@ -1,0 +1,203 @@
+"""The report of a run holds what its record says: every mode, its marks, the shapes that fit."""
+
+import base64
+import gzip
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mpi import mpiexec
+from report_data import Page
+from typer.testing import CliRunner
+
+from comparisons.cli.app import app
+from comparisons.kit import shapes as kit_shapes
+from comparisons.kit.binary import STEPS, Binary, quantised
+from comparisons.kit.interactive import finite, literal
+from comparisons.kit.shapes import Shapes, by_importance
+from comparisons.run_report.page import write_run_report
+from scenes import load_scene, run_modes, run_scene, save_result
+from scenes.skin import skins
+
+BIN = Path(sys.executable).parent
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run_modes(load_scene("drum").on("iga").change("analysis.max_frequency", 0.3))
+
+
+@pytest.fixture(scope="module")
+def report(result, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("run")
+    return write_run_report(result, save_result(result, folder / "result.json"))
+
+
+@pytest.fixture(scope="module")
+def page(report):
+    return Page(report.read_text("utf-8"))
+
+
+def numbers(text, place):
+    """An array that a page holds."""
+    content = gzip.decompress(base64.b64decode(text))
+    return np.frombuffer(content, place["type"], place["length"], place["at"])
+
+
+def test_the_page_is_one_light_file(report, page):
+    assert report.name == "report.html"
+    assert page.addresses
+    assert all(address.startswith(("data:", "#")) for address in page.addresses)
+    assert report.stat().st_size < 4e6
+
+
+def test_the_diagram_holds_every_mode_with_its_verdict(page, result):
+    traces = page.data["figure-stability"]["data"]
+    points = {
+        key: (trace["name"], x, y, trace["marker"]["symbol"])
+        for trace in traces
+        for key, x, y in zip(trace.get("customdata", ()), trace["x"], trace["y"], strict=True)
+    }
+    assert len(points) == len(result.frequencies)
+    for row in result.table():
+        name, x, y, symbol = points[f"run/{row['mode']}"]
+        assert (name, x) == (row["verdict"], pytest.approx(row["frequency"]))
+        assert y == row["growth_rate"]
+        assert symbol == {"stable": "circle", "unstable": "triangle-up"}[name]
+    assert {name for name, *_ in points.values()} == {"stable", "unstable"}
+
+
+def test_the_table_tells_verdicts_by_a_sign_too(page, result):
+    rows = page.tables["modes"][1:]
+    assert [int(row[0]) for row in rows] == [row["mode"] for row in result.table()]
+    signs = {"stable": "● stable", "unstable": "▲ unstable"}
+    assert [row[1] for row in rows] == [signs[row["verdict"]] for row in result.table()]
+    ratio = -result.eigenvalues.real / np.abs(result.eigenvalues)
+    unstable = int(np.argmin(ratio))
+    assert float(rows[unstable][4].replace("−", "-")) == pytest.approx(ratio[unstable], rel=0.01)
+
+
+def test_shapes_are_those_of_the_modes(report, page, result):
+    """At phase 0 and a quarter later, to the steps that displacements are kept in."""
+    held = page.data["shapes"]
+    text = report.read_text("utf-8").split('id="numbers">')[1].split("<")[0]
+    outside = skins(result.bodies, 4000)
+    (first,) = result.most_unstable(1)
+    mode = held["modes"]["run"][str(first + 1)]
+    exact = np.concatenate(
+        [result.mode_shapes(n, skin.values, [first])[..., 0] for n, skin in outside.items()]
+    )
+    real, imaginary = (numbers(text, mode[part]).reshape(3, -1) for part in ("real", "imaginary"))
+    kept = (real + 1j * imaginary)[:2].T
+    assert np.abs(real[2]).max() == 0
+    factor = np.vdot(kept, exact) / np.vdot(kept, kept)
+    np.testing.assert_allclose(kept * factor, exact, atol=1.5 * abs(factor))
+    largest = np.linalg.norm(real, axis=0).max()
+    assert largest == pytest.approx(STEPS, abs=2)
+    for body, skin in zip(held["scenes"]["run"]["bodies"], outside.values(), strict=True):
+        places = numbers(text, body["points"]).reshape(3, -1)[:2].T * held["scenes"]["run"]["step"]
+        low = held["scenes"]["run"]["low"][:2]
+        np.testing.assert_allclose(places + low, skin.points, atol=held["scenes"]["run"]["step"])
+        np.testing.assert_array_equal(
+            numbers(text, body["triangles"]).reshape(3, -1).T, skin.triangles
+        )
+
+
+def test_unstable_modes_come_first_and_stay_when_room_is_short(result, monkeypatch):
+    order = by_importance(result)
+    rows = result.table()
+    verdicts = [rows[i]["verdict"] for i in order]
+    count = verdicts.count("unstable")
+    assert 1 < count < len(verdicts)
+    assert set(verdicts[:count]) == {"unstable"}
+    growth = [rows[i]["growth_rate"] for i in order[:count]]
+    assert growth == sorted(growth, reverse=True)
+    monkeypatch.setattr(kit_shapes, "_MOST", 1)
+    few = Shapes()
+    few.add("run", result, order)
+    assert few.keys == {f"run/{order[0] + 1}"}
+
+
+def test_a_static_analysis_has_a_report(tmp_path):
+    scene = load_scene("patch_test").on("fe")
+    result = run_scene(scene)
+    report = write_run_report(result, save_result(result, tmp_path / "result.json"))
+    page = Page(report.read_text("utf-8"))
+    (plot,) = (figure for name, figure in page.data.items() if name.startswith("figure-stress"))
+    for trace in plot["data"]:
+        stress = result.stresses["interface"][trace["name"].removeprefix("side ")]
+        np.testing.assert_allclose(trace["x"], stress.arc)
+    assert "modes" not in page.tables
+
+
+def test_the_command_names_the_report(tmp_path):
+    command = ["run", "blocks", "--report"]
+    done = CliRunner().invoke(app, [*command, "--out", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    assert f"The report to open: {tmp_path / 'report.html'}" in done.output.replace("\n", "")
+    data = json.loads((tmp_path / "result.json").read_text())
+    page = Page((tmp_path / "report.html").read_text("utf-8"))
+    assert len(page.tables["modes"]) == 1 + len(data["eigenvalues"])
+
+
+def test_matrices_have_a_report_without_shapes(tmp_path):
+    from scipy.io import mmwrite
+    from scipy.sparse import diags_array
+
+    mmwrite(tmp_path / "M.mtx", diags_array([1.0, 1.0, 1.0]).tocoo())
+    mmwrite(tmp_path / "K.mtx", diags_array([1.0, 4.0, 9.0]).tocoo())
+    (tmp_path / "three.toml").write_text(
+        'name = "three"\n[files]\nM = "M.mtx"\nK = "K.mtx"\n[mass]\nM = 1.0\n'
+        '[stiffness]\nK = 1.0\n[analysis]\nkind = "cea"\nmax_frequency = 0.6\n'
+    )
+    out = tmp_path / "out"
+    command = ["run", str(tmp_path / "three.toml"), "--report", "--out", str(out)]
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 0, done.output
+    page = Page((out / "report.html").read_text("utf-8"))
+    assert len(page.tables["modes"]) == 1 + 3
+    assert "shapes" not in page.data
+
+
+def test_arrays_come_back_from_their_text():
+    binary = Binary()
+    arrays = [np.arange(5), np.array([70000, 3]), np.array([-7, 2047])]
+    places = [binary.add_numbers(arrays[0]), binary.add_numbers(arrays[1])]
+    places.append(binary.add(arrays[2], "int16"))
+    assert [place["type"] for place in places] == ["uint16", "uint32", "int16"]
+    for array, place in zip(arrays, places, strict=True):
+        np.testing.assert_array_equal(numbers(binary.text(), place), array)
+        assert place["at"] % 4 == 0
+    assert quantised(np.array([-0.5, 0.5]), 0.5).tolist() == [-STEPS, STEPS]
+    assert quantised(np.zeros(2), 0.0).tolist() == [0, 0]
+
+
+def test_texts_and_numbers_fit_the_library():
+    assert literal("<b>a & b</b>") == "&lt;b&gt;a &amp; b&lt;/b&gt;"
+    assert finite({"a": [1.0, float("nan")], "b": float("inf")}) == {"a": [1.0, None], "b": None}
+
+
+@pytest.mark.mpi
+def test_two_ranks_write_the_same_page(report, page, tmp_path):
+    """Modes are the same; shapes too, whose sign and phase are those of the largest deflection."""
+    command = [BIN / "cea", "run", "drum", "--backend", "iga", "--report", "--out", tmp_path]
+    done = mpiexec(2, *command, "--set", "analysis.max_frequency=0.3")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("The report to open: ") == 1
+    text = (tmp_path / "report.html").read_text("utf-8")
+    other = Page(text)
+    for one, two in zip(
+        *(each.data["figure-stability"]["data"] for each in (page, other)), strict=True
+    ):
+        np.testing.assert_allclose(one["x"], two["x"], rtol=1e-9)
+    texts = [report.read_text("utf-8"), text]
+    sizes = [each.split('id="numbers">')[1].split("<")[0] for each in texts]
+    for key, mode in page.data["shapes"]["modes"]["run"].items():
+        twin = other.data["shapes"]["modes"]["run"][key]
+        one, two = (
+            np.hypot(numbers(size, each["real"]), numbers(size, each["imaginary"]))
+            for size, each in zip(sizes, (mode, twin), strict=True)
+        )
+        np.testing.assert_allclose(one, two, atol=3)
