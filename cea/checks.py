@@ -12,6 +12,7 @@ import numpy as np
 from cea.body import Floats
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
+from cea.suggestions import did_you_mean
 
 _FLAT = 1e-10
 """Smallest Jacobian of a cell, relative to its largest, that is not called inverted."""
@@ -21,7 +22,8 @@ def check_surface(name: str, known: Iterable[str], field: str) -> None:
     """Refuse a surface that does not exist."""
     names = list(known)
     if name not in names:
-        raise InputError(field, name, f"one of {', '.join(names) or 'none: no surface is named'}")
+        there = ", ".join(names) or "none: no surface is named"
+        raise InputError(field, name, f"one of {there}{did_you_mean(name, names)}")
 
 
 def check_density(material: IsotropicMaterial, field: str) -> float:
