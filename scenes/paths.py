@@ -124,7 +124,7 @@ def _index(entries: list[Any], part: Part, place: list[Part]) -> int:
     """Number of an entry that is there."""
     number = int(part) if isinstance(part, int) or _NUMBER.fullmatch(part) else -1
     if not 0 <= number < len(entries):
-        there = f"0 to {len(entries) - 1}" if entries else "none: the list is empty"
+        there = f"from 0 to {len(entries) - 1}" if entries else "none: the list is empty"
         allowed = f"number of an entry of {as_text(place[:-1])}: {there}"
         raise InputError(as_text(place), part, allowed)
     return number
