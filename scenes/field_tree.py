@@ -10,6 +10,9 @@ Part = str | int
 _TYPES = {"str": "string", "float": "number", "int": "integer", "bool": "boolean"}
 """Names that pydantic gives to plain forms of a field, as JSON Schema has them."""
 
+_LISTS = ("tuple[", "list[")
+"""Beginnings of the names of those that are lists."""
+
 
 @dataclass(frozen=True)
 class FieldTree:
@@ -100,7 +103,7 @@ class FieldTree:
             if len(forms) == 1:
                 return self._named(self._resolved(forms[0]), part)
             return []
-        kind = _TYPES.get(part, part)
+        kind = "array" if part.startswith(_LISTS) else _TYPES.get(part, part)
         return [f for f in forms if kind in (f.get("type"), self._resolved(f).get("title"))]
 
     def _forms(self, nodes: Sequence[Node]) -> Iterator[Node]:

@@ -46,7 +46,7 @@ def node_grids(body: BodySpec, scale: float) -> Iterator[NodeGrid]:
     closed = isinstance(body.geometry, _CLOSED)
     if body.backend == "fe" and body.mesh.fe is not None:
         fe = body.mesh.fe
-        along = _elements_along(body, fe, scale)
+        along = elements_along(body, fe, scale)
         ends = [0.0 if closed and name == "theta" else 1.0 for name in body.geometry.directions]
         counts = [fe.degree * n + end for n, end in zip(along, ends, strict=True)]
         near = (fe.degree + 2.0) * (_SIMPLEX if fe.cell in SIMPLICES else 1.0) ** (1 / dim)
@@ -66,7 +66,7 @@ def node_grids(body: BodySpec, scale: float) -> Iterator[NodeGrid]:
             yield NodeGrid(tuple(counts), tuple(least), tuple(widths))
 
 
-def _elements_along(body: BodySpec, mesh: FeMesh, scale: float) -> list[float]:
+def elements_along(body: BodySpec, mesh: FeMesh, scale: float) -> list[float]:
     """Elements along each direction; of an unstructured mesh, of a box of equal volume."""
     if mesh.elements is not None:
         return [max(1.0, scale * n) for n in mesh.elements]
