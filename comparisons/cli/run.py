@@ -20,19 +20,29 @@ def run(
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Tell its steps and what is left out; run nothing.")
+    ] = False,
     out: Annotated[Path, typer.Option(help="Folder for result.json and all else.")] = Path(
         "results/run"
     ),
 ) -> None:
     """Run one scene and write its result.json."""
+    from comparisons.cli.explain import explain_bodies, explain_matrices
     from scenes.matrix_scene import is_of_matrices, load_matrices
 
     inputs = {"scene": scene, "set": set_ or [], "backend": backend}
     if is_of_matrices(scene):
         _refuse("backend", backend, "left out: a scene of matrices has no bodies")
+        if explain:
+            explain_matrices(scene, set_ or [], data)
+            return
         report_matrices(load_matrices(scene, set_ or (), data), out, {**inputs, "data": data})
         return
     _refuse("data", data, "left out: a scene of bodies reads no matrices")
+    if explain:
+        explain_bodies(scene, set_ or [], backend)
+        return
     _run_bodies(scene, set_ or [], backend, out, inputs)
 
 
