@@ -68,6 +68,11 @@ class Expression:
                 raise InputError(field, self.text, f"a number, or {error.allowed}") from None
 
     @property
+    def constant(self) -> float | None:
+        """Its value where it names no coordinate, else None."""
+        return None if self._varies else float(self(np.full((1, 3), 0.5))[0])
+
+    @property
     def _varies(self) -> bool:
         """Whether it names a coordinate."""
         return any(
@@ -97,8 +102,9 @@ class Expression:
         evaluator = Interpreter(symtable=names, minimal=True, use_numpy=False)
         with np.errstate(all="ignore"):
             value = evaluator.eval(tree, show_errors=False, raise_errors=False)
-        if evaluator.error:
-            raise self._refused(coordinates, str(evaluator.error[0].msg))
+        if evaluator.error or value is None:  # None is what operations on wrong operands give
+            reason = str(evaluator.error[0].msg) if evaluator.error else "it gives no number"
+            raise self._refused(coordinates, reason)
         try:
             values = np.broadcast_to(np.asarray(value, dtype=float), len(x)).copy()
         except (TypeError, ValueError, OverflowError):
@@ -152,6 +158,8 @@ _TOO_DEEP = f"nested more than {MAX_DEPTH} deep"
 
 def _check_node(node: ast.AST) -> None:
     """Refuse what is no arithmetic; functions take just their operands, and nowhere to write."""
+    if isinstance(node, ast.BitXor):
+        raise ValueError("a power is written **")
     if not isinstance(node, _GRAMMAR) or isinstance(node, _NO_ARITHMETIC):
         raise ValueError(f"{type(node).__name__} is no arithmetic")
     if isinstance(node, ast.Constant) and type(node.value) not in (int, float):

@@ -52,7 +52,8 @@ def _faults_of(detail: Mapping[str, Any], tree: FieldTree) -> Iterable[InputErro
     place = dotted(tree.written(detail["loc"]))
     if isinstance(cause, InputError):
         for each in (cause, *cause.others):
-            yield InputError(_joined(place, each.field), each.value, each.allowed)
+            known = tree.names(detail["loc"])
+            yield InputError(_joined(place, each.field, known), each.value, each.allowed)
     elif isinstance(cause, ValueError):
         yield InputError(place, detail["input"], str(cause))
     else:
@@ -65,9 +66,11 @@ def dotted(path: Iterable[Part]) -> str:
     return ".".join(map(str, path)) or "scene"
 
 
-def _joined(place: str, field: str) -> str:
+def _joined(place: str, field: str, known: Sequence[str]) -> str:
     """Path of a field of a section, which names itself in front of its fields or does not."""
-    return field if place == "scene" else f"{place}.{field.split('.')[-1]}"
+    if place == "scene":
+        return field
+    return f"{place}.{field if field.split('.')[0] in known else field.split('.')[-1]}"
 
 
 def _by_form(details: Sequence[Any], tree: FieldTree) -> Iterable[Mapping[str, Any]]:
@@ -84,18 +87,16 @@ def _by_form(details: Sequence[Any], tree: FieldTree) -> Iterable[Mapping[str, A
         else:
             yield detail
     for table, forms in by_table.items():
-        whole = [
-            found for found in forms.values() if not any(d["type"] == "missing" for d in found)
-        ]
+        whole = [form for form in forms.values() if not any(map(_lacks_a_field, form))]
         if whole:
             yield from min(whole, key=len)
             continue
         needed = [
-            "{" + ", ".join(f"{d['loc'][-1]} = ..." for d in found if d["type"] == "missing") + "}"
+            "{" + ", ".join(f"{d['loc'][-1]} = ..." for d in found if _lacks_a_field(d)) + "}"
             for found in forms.values()
         ]
         first = next(iter(forms.values()))
-        given = next((d["input"] for d in first if d["type"] == "missing"), None)
+        given = next((d["input"] for d in first if _lacks_a_field(d)), None)
         unknown = [d["loc"][-1] for d in first if d["type"] in _UNKNOWN]
         meant = "".join(did_you_mean(name, tree.names(table)) for name in unknown)
         yield {
@@ -104,6 +105,11 @@ def _by_form(details: Sequence[Any], tree: FieldTree) -> Iterable[Mapping[str, A
             "input": given,
             "msg": f"one of {', '.join(needed)}{meant}",
         }
+
+
+def _lacks_a_field(detail: Mapping[str, Any]) -> bool:
+    """Whether a field is missing, not an entry of a list."""
+    return detail["type"] == "missing" and isinstance(detail["loc"][-1], str)
 
 
 def _split(place: Sequence[Part], tree: FieldTree) -> tuple[tuple[Part, ...], Part] | None:

@@ -68,9 +68,7 @@ def _count_checks(scene: SceneSpec) -> Iterable[InputError]:
 def _name_checks(place: str, name: str) -> Iterable[InputError]:
     fits = 0 < len(name) <= _LONGEST and name.isprintable()
     if not fits or set(name) & set(_PARTING):
-        allowed = (
-            f"a name of 1 to {_LONGEST} printable characters without dot, comma, brackets, blank"
-        )
+        allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
         yield InputError(place, name, allowed)
 
 

@@ -15,6 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from cea.contact.formulations import Formulation, registered
 from cea.damping import RayleighDamping
 from cea.errors import InputError
+from cea.suggestions import did_you_mean
 from scenes.checks import cross_checks
 from scenes.every_fault import faults_of_the_rest
 from scenes.faults import faults_told_by
@@ -179,10 +180,11 @@ def _toml(scene: str | Path) -> dict[str, Any]:
         with file.open("rb") as stream:
             content = stream.read(_LARGEST + 1)
     except (OSError, ValueError) as error:
-        names = ", ".join([*scene_names(), *matrix_scene_names()])
-        allowed = f"a TOML file, or one of {names}"
+        names = [*scene_names(), *matrix_scene_names()]
+        allowed = f"a TOML file, or one of {', '.join(names)}"
         reason = f" ({error.strerror})" if isinstance(error, OSError) and error.strerror else ""
-        raise SceneError([InputError("scene", str(scene), allowed + reason)]) from error
+        meant = did_you_mean(file.stem, names) or _same_name(file, names)
+        raise SceneError([InputError("scene", str(scene), allowed + reason + meant)]) from error
     if len(content) > _LARGEST:
         raise SceneError([InputError("scene", str(scene), f"a file of at most {_LARGEST} bytes")])
     try:
@@ -193,6 +195,11 @@ def _toml(scene: str | Path) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         allowed = f"valid TOML in UTF-8: {error}"
         raise SceneError([InputError("scene", str(scene), allowed)]) from error
+
+
+def _same_name(file: Path, names: Iterable[str]) -> str:
+    """The end of a message about a file that is not there, where a scene has its name."""
+    return f"; did you mean {file.stem!r}?" if file.stem in names else ""
 
 
 def scene_names() -> list[str]:
@@ -245,7 +252,13 @@ def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
     try:
         return kind.validate_json(content)
     except ValidationError as error:
-        raise SceneError(faults_told_by(error, FieldTree(kind.json_schema()))) from error
+        raise SceneError(faults_told_by(error, _tree(kind))) from error
+
+
+@cache
+def _tree(kind: TypeAdapter[Any]) -> FieldTree:
+    """The fields of a kind of scene."""
+    return FieldTree(kind.json_schema())
 
 
 def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> dict[str, Any]:
