@@ -8,7 +8,7 @@ vectors with what a factorisation reads and writes, and its floating point opera
 L^(3/2) in nested dissection of a body in space.
 
 The five numbers are fits to the 1,800 stored runs of comparisons/accuracy/results, up to 12,000
-unknowns on one core of an x86_64 machine: 98 % of them took 0.7 to 3.7 times the estimate, half of
+unknowns on one core of an x86_64 machine: 98 % of them took 0.7 to 3.8 times the estimate, half of
 them 0.9 to 1.3 times. What quadratic problems and steady sliding add is not fitted but counted.
 """
 
