@@ -86,7 +86,7 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
                 seen = _surroundings(inspection.halves.values(), points)
                 _add_contacts(plotter, inspection.halves, distances, seen)
             aim(plotter.camera, view, seen, _WINDOW)
-        plotter.enable_anti_aliasing("ssaa")
+        plotter.enable_anti_aliasing("msaa", multi_samples=8)
         image = Image.fromarray(plotter.screenshot(return_img=True))
         plotter.close()
     stream = BytesIO()
