@@ -102,9 +102,11 @@ class Expression:
         evaluator = Interpreter(symtable=names, minimal=True, use_numpy=False)
         with np.errstate(all="ignore"):
             value = evaluator.eval(tree, show_errors=False, raise_errors=False)
-        if evaluator.error or value is None:  # None is what operations on wrong operands give
-            reason = str(evaluator.error[0].msg) if evaluator.error else "it gives no number"
-            raise self._refused(coordinates, reason)
+        if evaluator.error:
+            raise self._refused(coordinates, str(evaluator.error[0].msg))
+        if value is None:  # of operations on what they do not know, and of constants without bound
+            allowed = f"an expression that is {_FINITE}; this one gives no number"
+            raise InputError("expression", self.text, allowed)
         try:
             values = np.broadcast_to(np.asarray(value, dtype=float), len(x)).copy()
         except (TypeError, ValueError, OverflowError):

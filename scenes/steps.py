@@ -41,7 +41,8 @@ def _mesh(body: BodySpec) -> str:
     if body.backend == "fe" and fe is not None:
         how = f"size {fe.size:g} m by gmsh" if fe.size is not None else _times(fe.elements or ())
         return f"{fe.cell} elements of degree {fe.degree}, {how}"
-    assert iga is not None
+    if iga is None:
+        return f"as its {body.geometry.shape} has it"
     return f"NURBS of degree {_times(iga.degree)}, {_times(iga.elements)} knot spans"
 
 
