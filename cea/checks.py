@@ -12,16 +12,22 @@ import numpy as np
 from cea.body import Floats
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
+from cea.suggestions import did_you_mean
 
 _FLAT = 1e-10
 """Smallest Jacobian of a cell, relative to its largest, that is not called inverted."""
+
+
+_TILTED = 1e-4
+"""Angle (rad) from which surfaces are said to be tilted."""
 
 
 def check_surface(name: str, known: Iterable[str], field: str) -> None:
     """Refuse a surface that does not exist."""
     names = list(known)
     if name not in names:
-        raise InputError(field, name, f"one of {', '.join(names) or 'none: no surface is named'}")
+        there = ", ".join(names) or "none: no surface is named"
+        raise InputError(field, name, f"one of {there}{did_you_mean(name, names)}")
 
 
 def check_density(material: IsotropicMaterial, field: str) -> float:
@@ -114,20 +120,31 @@ def check_coverage(missed: int, count: int, fraction: float, limit: float, **wor
         )
 
 
-def check_gap(gap: float, allowed: float, field: str, sides: str) -> None:
-    """Refuse surfaces apart, or into each other, that nobody said may be.
+def check_gap(
+    distances: tuple[float, float], angle: float, allowed: float, field: str, sides: str
+) -> None:
+    """Refuse surfaces apart, into each other, or tilted, that nobody said may be.
 
     Parameters
     ----------
-    gap, allowed
-        Largest distance (m) between the surfaces, and what their meshes explain.
+    distances
+        Least and largest distance (m) between the surfaces, below zero inside of each other.
+    angle
+        Largest angle (rad) by which their normals are not opposite.
+    allowed
+        What their meshes explain (m).
     field, sides
         Name of the contact, and of its surfaces, for the message.
     """
-    if gap > allowed:
-        raise InputError(
-            f"{field}.reach",
-            None,
-            f"given where surfaces do not touch: {sides} is {gap:.3g} m apart, or as far inside, "
-            f"and their meshes explain {allowed:.3g} m",
-        )
+    least, largest = distances
+    if max(-least, largest) <= allowed:
+        return
+    found = [f"{largest:.3g} m apart"] if largest > allowed else []
+    found += [f"{-least:.3g} m inside each other"] if -least > allowed else []
+    tilt = f", tilted by up to {np.degrees(angle):.2g} degrees" if angle > _TILTED else ""
+    raise InputError(
+        f"{field}.reach",
+        None,
+        f"given where surfaces do not touch: {sides} is up to {' and '.join(found)}{tilt}, and "
+        f"their meshes explain {allowed:.3g} m",
+    )

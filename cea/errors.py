@@ -1,5 +1,6 @@
 """Errors that say what was wrong and, where there is one, the best answer so far."""
 
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 _LONGEST = 300
@@ -40,17 +41,22 @@ class InputError(ValueError):
         The value that was given.
     allowed
         What is allowed, in words.
+    others
+        Further faults of the same section, for those who tell every one.
     """
 
-    def __init__(self, field: str, value: object, allowed: str) -> None:
+    def __init__(
+        self, field: str, value: object, allowed: str, others: "Sequence[InputError]" = ()
+    ) -> None:
         self.field = field
         self.value = value
         self.allowed = allowed
+        self.others = tuple(others)
         super().__init__(_line(f"{_short(field)} = {_shown(value)}: {_short(allowed, _WORDS)}"))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel between ranks by what it was made from, not by its message."""
-        return type(self), (self.field, self.value, self.allowed)
+        return type(self), (self.field, self.value, self.allowed, self.others)
 
 
 class WriteError(OSError):
@@ -81,3 +87,11 @@ def require(condition: bool, field: str, value: object, allowed: str) -> None:
     """Raise :class:`InputError` unless a condition holds."""
     if not condition:
         raise InputError(field, value, allowed)
+
+
+def refuse(faults: Iterable[InputError]) -> None:
+    """Raise the first of some faults, which tells of the others; nothing where there is none."""
+    found = list(faults)
+    if found:
+        first, *others = found
+        raise InputError(first.field, first.value, first.allowed, others)

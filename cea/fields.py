@@ -68,6 +68,11 @@ class Expression:
                 raise InputError(field, self.text, f"a number, or {error.allowed}") from None
 
     @property
+    def constant(self) -> float | None:
+        """Its value where it names no coordinate, else None."""
+        return None if self._varies else float(self(np.full((1, 3), 0.5))[0])
+
+    @property
     def _varies(self) -> bool:
         """Whether it names a coordinate."""
         return any(
@@ -99,6 +104,9 @@ class Expression:
             value = evaluator.eval(tree, show_errors=False, raise_errors=False)
         if evaluator.error:
             raise self._refused(coordinates, str(evaluator.error[0].msg))
+        if value is None:  # of operations on what they do not know, and of constants without bound
+            allowed = f"an expression that is {_FINITE}; this one gives no number"
+            raise InputError("expression", self.text, allowed)
         try:
             values = np.broadcast_to(np.asarray(value, dtype=float), len(x)).copy()
         except (TypeError, ValueError, OverflowError):
@@ -152,6 +160,8 @@ _TOO_DEEP = f"nested more than {MAX_DEPTH} deep"
 
 def _check_node(node: ast.AST) -> None:
     """Refuse what is no arithmetic; functions take just their operands, and nowhere to write."""
+    if isinstance(node, ast.BitXor):
+        raise ValueError("a power is written **")
     if not isinstance(node, _GRAMMAR) or isinstance(node, _NO_ARITHMETIC):
         raise ValueError(f"{type(node).__name__} is no arithmetic")
     if isinstance(node, ast.Constant) and type(node.value) not in (int, float):

@@ -1,12 +1,13 @@
 """Linear isotropic elasticity."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import is_number
-from cea.errors import InputError
+from cea.errors import InputError, refuse
 
 
 @dataclass(frozen=True)
@@ -28,12 +29,15 @@ class IsotropicMaterial:
     rho: float | None = None
 
     def __post_init__(self) -> None:
+        refuse(self._faults())
+
+    def _faults(self) -> Iterator[InputError]:
         if not (is_number(self.E) and self.E > 0):
-            raise InputError("material.E", self.E, "a positive number (N/m^2)")
+            yield InputError("material.E", self.E, "a positive number (N/m^2)")
         if not (is_number(self.nu) and -1 < self.nu < 0.5):
-            raise InputError("material.nu", self.nu, "between -1 and 0.5, both excluded")
+            yield InputError("material.nu", self.nu, "between -1 and 0.5, both excluded")
         if self.rho is not None and not (is_number(self.rho) and self.rho > 0):
-            raise InputError("material.rho", self.rho, "a positive number (kg/m^3)")
+            yield InputError("material.rho", self.rho, "a positive number (kg/m^3)")
 
     @property
     def lame(self) -> tuple[float, float]:

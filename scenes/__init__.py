@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from scenes.assembled import AssembledScene as AssembledScene
     from scenes.assembled import assemble as assemble
     from scenes.describe import save_result as save_result
+    from scenes.inspection import Inspection as Inspection
+    from scenes.inspection import inspect_scene as inspect_scene
     from scenes.matrix_run import AssembledMatrices as AssembledMatrices
     from scenes.matrix_run import MatrixResult as MatrixResult
     from scenes.matrix_run import run_matrices as run_matrices
@@ -34,6 +36,7 @@ _OWNERS = {
     "cea.contact.formulations": ("Formulation", "register"),
     "scenes.assembled": ("AssembledScene", "assemble"),
     "scenes.describe": ("save_result",),
+    "scenes.inspection": ("Inspection", "inspect_scene"),
     "scenes.matrix_run": ("AssembledMatrices", "MatrixResult", "run_matrices"),
     "scenes.matrix_scene": ("MatrixScene", "load_matrices", "read_matrix_scene"),
     "scenes.opened": ("open_result",),

@@ -169,6 +169,11 @@ def check_interfaces(
                 raise InputError(f"interfaces.{name}", surface.name, f"{place} of these bodies")
 
 
+def build_half_passes(scene: Scene, interfaces: Mapping[str, Interface]) -> dict[str, HalfPass]:
+    """What happens at the contact points of a scene, by name of the half pass."""
+    return {half.name: _half_pass(half, interfaces[half.name]) for half in _halves(scene.contacts)}
+
+
 def _half_pass(half: _Half, interface: Interface) -> HalfPass:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
     spec, x = half.spec, interface.points.x
@@ -241,9 +246,7 @@ def build_system(
     leave_out: bool = True,
 ) -> CoupledSystem:
     """Coupled matrices of a scene: mass only for eigenvalues, loads only where they matter."""
-    halves = {
-        half.name: _half_pass(half, interfaces[half.name]) for half in _halves(scene.contacts)
-    }
+    halves = build_half_passes(scene, interfaces)
     static = scene.analysis.kind == "static"
     with timer("assembly"):
         return couple(

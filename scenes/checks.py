@@ -1,70 +1,22 @@
-"""What is wrong with a scene: pydantic's faults in the user's words, and checks between fields."""
+"""What is wrong with a scene between its fields, each of which is right by itself."""
 
-from collections.abc import Callable, Iterable, Sequence
-from itertools import pairwise
-from typing import Any
+from collections.abc import Iterable, Sequence
 
 import numpy as np
-from pydantic import ValidationError
 
 from cea.arrays import of_size_one
-from cea.checks import check_density, check_surface
-from cea.contact.formulations import Formulation, registered
+from cea.checks import check_density
 from cea.errors import InputError
-from cea.fields import Expression
 from cea.rotation import Rotation
+from cea.suggestions import did_you_mean
 from meshes.breaks import check_breaks
+from scenes.contact_checks import contact_checks, fault_of, unknown_surface
 from scenes.limits import MAX_ELEMENTS, limit_checks
-from scenes.spec.body import Backend, BodySpec
-from scenes.spec.contact import ContactSpec
+from scenes.sizes import size_checks
+from scenes.spec.body import BodySpec
 from scenes.spec.load import LoadSpec
 from scenes.spec.mesh import FeMesh, IgaMesh
 from scenes.spec.scene import SceneSpec
-
-
-def faults_told_by(error: ValidationError) -> list[InputError]:
-    """Faults that pydantic found, each under its own field."""
-    faults: dict[str, InputError] = {}
-    for detail in error.errors(include_url=False):
-        cause = detail.get("ctx", {}).get("error")
-        place = _place(detail["loc"])
-        allowed = detail["msg"][0].lower() + detail["msg"][1:]
-        if detail["type"] in ("unexpected_keyword_argument", "extra_forbidden"):
-            allowed = "no such field; remove it or mend its name"
-        if isinstance(cause, InputError):
-            place, value, allowed = (
-                f"{place}.{cause.field.split('.')[-1]}",
-                cause.value,
-                cause.allowed,
-            )
-        elif isinstance(cause, ValueError):
-            value, allowed = detail["input"], str(cause)
-        else:
-            value = detail["input"] if detail["type"] != "missing" else None
-        if place in faults:  # one of several forms the field may take
-            allowed = f"{faults[place].allowed}, or {allowed}"
-        faults[place] = InputError(place, value, allowed)
-    return list(faults.values())
-
-
-_CHOICES = (
-    *("geometry", "formulation", "analysis", "friction_direction_on_a", "p", "mu"),
-    *("pressure", "speed", "mu_slope"),
-)
-"""Fields of several forms: pydantic adds the name of the form to the path behind them."""
-_INNER_CHOICES = (("crowned", "base"),)
-"""The same inside of a form, of which its name is told too, as a body may be named as the field."""
-
-
-def _place(path: Sequence[str | int]) -> str:
-    """Path of a field as the user wrote it."""
-    before = ["", "", *path]
-    written = [
-        part
-        for part, behind in zip(path, pairwise(before), strict=False)
-        if behind[1] not in _CHOICES and behind not in _INNER_CHOICES
-    ]
-    return ".".join(map(str, written)) or "scene"
 
 
 def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
@@ -75,16 +27,9 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
     for name, body in scene.bodies.items():
         yield from _body_checks(f"bodies.{name}", body)
         if scene.analysis.kind == "cea":
-            yield from _fault(check_density, body.material, f"bodies.{name}.material")
+            yield from fault_of(check_density, body.material, f"bodies.{name}.material")
     known = sorted(f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces)
-    for name, contact in scene.contacts.items():
-        for side in ("a", "b"):
-            yield from _known(f"contacts.{name}.{side}", getattr(contact, side), known)
-        if contact.a.split(".")[0] == contact.b.split(".")[0]:
-            yield InputError(f"contacts.{name}.b", contact.b, f"another body than {contact.a}")
-        yield from _pressure_checks(f"contacts.{name}.sliding.pressure", contact)
-        yield from _formulation_checks(scene, name, contact)
-        yield from _dimension_checks(scene, f"contacts.{name}", contact)
+    yield from contact_checks(scene, known)
     if scene.analysis.kind == "static" and scene.output.pictures:
         yield InputError("output.pictures", scene.output.pictures, "0 in a static analysis")
     for i, load in enumerate(scene.loads):
@@ -96,9 +41,10 @@ def _load_checks(
 ) -> Iterable[InputError]:
     """Loads on what is not there, and forces of another dimension."""
     if load.surface is not None:
-        yield from _known(f"{place}.surface", load.surface, known)
+        yield from unknown_surface(f"{place}.surface", load.surface, known)
     elif load.body not in scene.bodies:
-        yield InputError(f"{place}.body", load.body, f"one of {', '.join(scene.bodies)}")
+        allowed = f"one of {', '.join(scene.bodies)}{did_you_mean(load.body, scene.bodies)}"
+        yield InputError(f"{place}.body", load.body, allowed)
     if load.on not in scene.bodies:
         return
     dim = len(scene.bodies[load.on].geometry.directions)
@@ -142,15 +88,15 @@ def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iter
     if not all(1 <= count <= MAX_ELEMENTS for count in elements):
         yield InputError(f"{place}.elements", elements, f"1 to {MAX_ELEMENTS} along each direction")
     else:
-        yield from _fault(check_breaks, body.geometry, elements, mesh.through, place)
+        yield from fault_of(check_breaks, body.geometry, elements, mesh.through, place)
 
 
 def _space_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     """Places, supports and springs that do not suit the dimension of the shape."""
     dim = len(body.geometry.directions)
-    yield from _fault(body.placement.check, dim, f"{place}.placement")
+    yield from fault_of(body.placement.check, dim, f"{place}.placement")
     for i, support in enumerate(body.supports):
-        yield from _fault(support.support().check, dim, f"{place}.supports.{i}")
+        yield from fault_of(support.support().check, dim, f"{place}.supports.{i}")
     if body.rotation is not None:
         yield from _rotation_checks(place, body, body.rotation)
     for i, spring in enumerate(body.springs):
@@ -172,7 +118,7 @@ _ASIDE = 1e-9
 def _rotation_checks(place: str, body: BodySpec, rotation: Rotation) -> Iterable[InputError]:
     """Rotations that do not leave the body as it is."""
     shape, dim = body.geometry.shape, len(body.geometry.directions)
-    yield from _fault(rotation.check, dim, f"{place}.rotation")
+    yield from fault_of(rotation.check, dim, f"{place}.rotation")
     if shape not in _AXISYMMETRIC:
         yield InputError(f"{place}.geometry.shape", shape, f"{', '.join(_AXISYMMETRIC)} to rotate")
         return
@@ -189,79 +135,13 @@ def _rotation_checks(place: str, body: BodySpec, rotation: Rotation) -> Iterable
 
 
 def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
-    yield from _mesh_checks(place, body)
+    of_mesh = list(_mesh_checks(place, body))
+    yield from of_mesh or size_checks(place, body)
     yield from _space_checks(place, body)
     if getattr(body.mesh, body.backend) is None:
         yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
     for kind in ("supports", "springs"):
         for i, item in enumerate(getattr(body, kind)):
-            yield from _known(f"{place}.{kind}.{i}.surface", item.surface, body.geometry.surfaces)
-
-
-def _pressure_checks(place: str, contact: ContactSpec) -> Iterable[InputError]:
-    """Contacts that slide at an unknown pressure, or at one beside that of the loads."""
-    if contact.sliding is None:
-        return
-    pressure = contact.sliding.pressure
-    if pressure is None and contact.c_n is None:
-        yield InputError(place, None, "the contact pressure (N/m^2), or c_n, which makes it")
-    elif pressure is not None and contact.c_n is not None:
-        yield InputError(place, pressure, "left out where c_n is given: the loads make it")
-
-
-_ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}
-"""Kinds of abscissae that surfaces of each backend have."""
-
-
-def _formulation_checks(scene: SceneSpec, name: str, contact: ContactSpec) -> Iterable[InputError]:
-    """Abscissae that the side they are asked of does not have."""
-    for side in ("a", "b") if contact.full_pass else ("a",):
-        body = scene.bodies.get(getattr(contact, side).split(".")[0])
-        if body is not None and not suits(contact.formulation, body.backend):
-            allowed = ", ".join(m for m, kind in registered().items() if suits(kind, body.backend))
-            yield InputError(
-                f"contacts.{name}.formulation.method",
-                contact.formulation.method,
-                f"one of {allowed} where side {side} has backend {body.backend!r}",
+            yield from unknown_surface(
+                f"{place}.{kind}.{i}.surface", item.surface, body.geometry.surfaces
             )
-
-
-def _dimension_checks(scene: SceneSpec, place: str, contact: ContactSpec) -> Iterable[InputError]:
-    """Sides of different dimensions, and directions and fields of another one."""
-    dims = {
-        len(scene.bodies[name].geometry.directions)
-        for name in (contact.a.split(".")[0], contact.b.split(".")[0])
-        if name in scene.bodies
-    }
-    if len(dims) > 1:
-        yield InputError(f"{place}.b", contact.b, f"a body of the same dimension as {contact.a}")
-    for dim in dims if len(dims) == 1 else ():
-        if contact.friction_direction_on_a is not None:
-            direction = f"{place}.friction_direction_on_a"
-            yield from _fault(contact.friction_direction_on_a.check, dim, direction)
-        sliding = contact.sliding.fields if contact.sliding is not None else {}
-        if dim == 2 and sliding.get("speed") is not None:
-            allowed = "left out in the plane, where the direction of sliding cannot turn"
-            yield InputError(f"{place}.sliding.speed", sliding["speed"], allowed)
-        fields = {"p": contact.p, "mu": contact.mu}
-        fields |= {f"sliding.{name}": value for name, value in sliding.items()}
-        for name, value in fields.items():
-            if isinstance(value, str):
-                yield from _fault(Expression(value).check, f"{place}.{name}", dim)
-
-
-def suits(formulation: Formulation | type[Formulation], backend: Backend) -> bool:
-    """Whether surfaces of a backend have the abscissae that a formulation needs."""
-    return formulation.abscissae is None or formulation.abscissae in _ABSCISSAE[backend]
-
-
-def _known(place: str, name: str, known: Iterable[str]) -> Iterable[InputError]:
-    yield from _fault(check_surface, name, known, place)
-
-
-def _fault(check: Callable[..., Any], *arguments: Any) -> Iterable[InputError]:
-    """Fault that a shared check finds, collected with the others rather than raised."""
-    try:
-        check(*arguments)
-    except InputError as error:
-        yield error

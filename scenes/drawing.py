@@ -41,16 +41,31 @@ class _Skin:
     @classmethod
     def of(cls, sample: VolumeSample, shape: Complexes, size: float) -> "_Skin":
         """Outside of a sample of a body, for displacements at its points."""
-        kind = _CELL_TYPES[sample.points.shape[1], sample.cells.shape[1]]
-        grid = pyvista.UnstructuredGrid({kind: sample.cells}, in_space(sample.points))
+        grid = _grid(sample)
         grid.point_data["real"] = in_space(shape.real)
         grid.point_data["imaginary"] = in_space(shape.imag)
         grid.point_data["at rest"] = grid.points
         grid.point_data["deflection"] = np.zeros(grid.n_points)
-        # Cells sampled one by one do not share points; without sharing each has an outside.
-        surface = grid.clean(tolerance=_MERGED * size).extract_surface(algorithm="dataset_surface")
-        edges = surface.extract_feature_edges(_FEATURE_ANGLE, manifold_edges=False)
-        return cls(surface, edges)
+        return cls(*_outside(grid, size))
+
+
+def body_skin(sample: VolumeSample, size: float) -> tuple[Any, Any]:
+    """Outside of a body at rest and its sharp edges, in a scene with a diagonal of a size (m)."""
+    return _outside(_grid(sample), size)
+
+
+def _grid(sample: VolumeSample) -> Any:
+    """Cells of a sample (pyvista ``UnstructuredGrid``)."""
+    kind = _CELL_TYPES[sample.points.shape[1], sample.cells.shape[1]]
+    return pyvista.UnstructuredGrid({kind: sample.cells}, in_space(sample.points))
+
+
+def _outside(grid: Any, size: float) -> tuple[Any, Any]:
+    """Outside of a grid, and its sharp edges."""
+    # Cells sampled one by one do not share points; without sharing each has an outside.
+    surface = grid.clean(tolerance=_MERGED * size).extract_surface(algorithm="dataset_surface")
+    edges = surface.extract_feature_edges(_FEATURE_ANGLE, manifold_edges=False)
+    return surface, edges
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,9 @@ MAX_ITEMS = 200
 _LONGEST = 100
 """Characters of a name."""
 
+_PARTING = ".,[] "
+"""Characters that part the names of a path, which no name may hold."""
+
 _SCALES = (
     "E", "rho", "P", "p", "c_n", "max_frequency", "size", "inner_radius", "outer_radius", "bore",
     "hub_radius", "reach", "speed", "frequencies",
@@ -35,6 +38,8 @@ _LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
 
 def limit_checks(scene: SceneSpec) -> Iterable[InputError]:
     """Faults of names and numbers."""
+    if not scene.name.strip():
+        yield InputError("name", scene.name, "a name that says something")
     yield from _count_checks(scene)
     for kind, names in (("bodies", scene.bodies), ("contacts", scene.contacts)):
         for name in names:
@@ -61,9 +66,9 @@ def _count_checks(scene: SceneSpec) -> Iterable[InputError]:
 
 
 def _name_checks(place: str, name: str) -> Iterable[InputError]:
-    fits = 0 < len(name) <= _LONGEST and name.isprintable() and name.strip() == name
-    if not fits or "." in name or "," in name:
-        allowed = f"a name of 1 to {_LONGEST} printable characters without dot or comma"
+    fits = 0 < len(name) <= _LONGEST and name.isprintable()
+    if not fits or set(name) & set(_PARTING):
+        allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
         yield InputError(place, name, allowed)
 
 

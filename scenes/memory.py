@@ -7,19 +7,14 @@ front of its own nodes beside those around its box that were cut before.
 
 import os
 import resource
-from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf, pi, prod, sqrt
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from cea.errors import InputError
-from cea.mesh import SIMPLICES
 from cea.petsc import MPI
-from meshes.patches import Patches
-from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
+from scenes.node_grids import TINY, NodeGrid, box_lengths, node_grids
 from scenes.read import Scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.body import BodySpec
@@ -36,21 +31,15 @@ _SYMMETRIC = 0.6
 _COMPLEX = 4.0
 """Entries of matrices and factors of a complex shift in real numbers, and of its complex vectors of
 displacements and velocities, relative to those of a real one."""
-_SIMPLEX = 0.55
-"""Couplings of a node of simplices, relative to one of boxes."""
 _VECTORS = 6.0
 """Vectors held for each mode sought: a Krylov basis of twice the number, its restart, the modes."""
 _PROGRAM = 3e8
 """Bytes of the program itself."""
 _FEWEST = 50
 """Modes that are made room for, at least."""
-_PACKING = {2: 1.0, 3: 0.95}
-"""Boxes along a length, in target edge lengths, that have the nodes of an unstructured mesh."""
 _SMALL = 4.0
 """Nodes along the longest side of a box that is not cut any more."""
 _BISECTIONS = 40
-_TINY = 1e-12
-_CLOSED = (Annulus, Hub, Disc, Ring)
 _PART = 0.9
 """Part of the memory of a machine that a run may have."""
 
@@ -87,25 +76,6 @@ class MemoryEstimate:
         return _PROGRAM + self.matrices + self.factors + self.vectors
 
 
-@dataclass(frozen=True)
-class _Grid:
-    """Nodes of a body as a box of them.
-
-    Parameters
-    ----------
-    counts
-        Nodes along each direction.
-    couplings
-        Nodes along each direction that one node is coupled to, on average.
-    widths
-        Layers of nodes that part a body across each direction.
-    """
-
-    counts: tuple[float, ...]
-    couplings: tuple[float, ...]
-    widths: tuple[float, ...]
-
-
 def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
     """Memory that a scene needs on all ranks together.
 
@@ -125,7 +95,7 @@ def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
     dofs = nonzeros = entries = modes = 0.0
     for body in scene.bodies.values():
         dim = len(body.geometry.directions)
-        for grid in _grids(body, scale):
+        for grid in node_grids(body, scale):
             n = prod(grid.counts)
             dofs += dim * n
             nonzeros += dim**2 * n * prod(grid.couplings)
@@ -210,7 +180,7 @@ def _mesh_of(body: BodySpec, scale: float) -> tuple[str, object, object]:
     """Field that says how fine a body is, its value, and its value on a coarser mesh."""
     mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
     if isinstance(mesh, FeMesh) and mesh.size is not None:
-        return "size", mesh.size, float(f"{mesh.size / max(scale, _TINY):.3g}")
+        return "size", mesh.size, float(f"{mesh.size / max(scale, TINY):.3g}")
     elements = () if mesh is None else mesh.elements or ()
     return "elements", elements, tuple(max(1, int(scale * n)) for n in elements)
 
@@ -220,67 +190,10 @@ def _gigabytes(number: float) -> str:
 
 
 def _nodes(body: BodySpec) -> float:
-    return sum(prod(grid.counts) for grid in _grids(body, 1.0))
+    return sum(prod(grid.counts) for grid in node_grids(body, 1.0))
 
 
-def _grids(body: BodySpec, scale: float) -> Iterator[_Grid]:
-    """Boxes of nodes that stand for the mesh of a body: one, or one for each of its patches."""
-    dim = len(body.geometry.directions)
-    closed = isinstance(body.geometry, _CLOSED)
-    if body.backend == "fe" and body.mesh.fe is not None:
-        fe = body.mesh.fe
-        along = _elements_along(body, fe, scale)
-        ends = [0.0 if closed and name == "theta" else 1.0 for name in body.geometry.directions]
-        counts = [fe.degree * n + end for n, end in zip(along, ends, strict=True)]
-        near = (fe.degree + 2.0) * (_SIMPLEX if fe.cell in SIMPLICES else 1.0) ** (1 / dim)
-        yield _Grid(tuple(counts), (near,) * dim, (1.0,) * dim)
-    elif body.mesh.iga is not None:
-        iga = body.mesh.iga
-        continuity = iga.continuity or tuple(p - 1 for p in iga.degree)
-        new = [p - c for p, c in zip(iga.degree, continuity, strict=True)]
-        couplings = [2.0 * (p + 1) - m for p, m in zip(iga.degree, new, strict=True)]
-        widths = [c + 1.0 for c in continuity]
-        for inner in _knots_of_patches(body.geometry):
-            counts = [
-                m * (max(1.0, scale * n) + k) + c + 1
-                for m, n, k, c in zip(new, iga.elements, inner, continuity, strict=True)
-            ]
-            least = [min(a, b) for a, b in zip(couplings, counts, strict=True)]
-            yield _Grid(tuple(counts), tuple(least), tuple(widths))
-
-
-def _elements_along(body: BodySpec, mesh: FeMesh, scale: float) -> list[float]:
-    """Elements along each direction; of an unstructured mesh, of a box of equal volume."""
-    if mesh.elements is not None:
-        return [max(1.0, scale * n) for n in mesh.elements]
-    size = (mesh.size or inf) / max(scale, _TINY)
-    lengths = _lengths(body.geometry)
-    return [max(1.0, _PACKING[len(lengths)] * length / size) for length in lengths]
-
-
-def _knots_of_patches(shape: Shape) -> list[tuple[int, ...]]:
-    """Knots inside each patch that a geometry brings along; a shape counts as one patch."""
-    if not isinstance(shape, Patches):
-        return [(0,) * len(shape.directions)]
-    return [
-        tuple(len(knots) - 2 * p - 2 for knots, p in zip(patch.knots, patch.degrees, strict=True))
-        for patch in shape.patches
-    ]
-
-
-def _lengths(shape: Shape) -> list[float]:
-    """Lengths (m) of a box that stands for a shape: of an arc, at its middle radius."""
-    if isinstance(shape, Patches):
-        points = np.concatenate([p.points.reshape(-1, len(p.degrees)) for p in shape.patches])
-        return np.ptp(points, axis=0).tolist()
-    spans = {n: high - low for n, (low, high) in zip(shape.directions, shape.extent, strict=True)}
-    if "theta" in spans:
-        low, high = shape.extent[0]
-        spans["theta"] *= pi / 180 * 0.5 * (low + high)
-    return list(spans.values())
-
-
-def _dissected(grid: _Grid) -> float:
+def _dissected(grid: NodeGrid) -> float:
     """Entries of the factors, L and U, of one unknown at each node of a box."""
     counts, entries, boxes = list(grid.counts), 0.0, 1.0
     cut = [0.0] * len(counts)
@@ -302,7 +215,7 @@ def _dissected(grid: _Grid) -> float:
 
 def _modes_below(frequency: float, body: BodySpec) -> float:
     """Modes of a body below a frequency (Hz) by Weyl's law, each kind of wave on its own."""
-    lengths, material = _lengths(body.geometry), body.material
+    lengths, material = box_lengths(body.geometry), body.material
     lam, shear = material.lame
     rho = material.rho or 1.0
     kinds = [((lam + 2 * shear) / rho, 1), (shear / rho, len(lengths) - 1)]

@@ -14,7 +14,7 @@ from cea.eigen.quadratic_window import QuadraticWindow
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
-from scenes.checks import faults_told_by
+from scenes.faults import faults_told_by
 from scenes.matrix_scene import MatrixScene, read_matrix_scene
 from scenes.of_modes import OfModes
 from scenes.read import Scene, read_scene

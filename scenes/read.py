@@ -14,7 +14,12 @@ from pydantic import TypeAdapter, ValidationError
 
 from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError
-from scenes.checks import cross_checks, faults_told_by
+from cea.suggestions import did_you_mean
+from scenes.checks import cross_checks
+from scenes.every_fault import faults_of_the_rest
+from scenes.faults import faults_told_by
+from scenes.field_tree import FieldTree
+from scenes.paths import set_at, set_by_text
 from scenes.spec.body import Backend
 from scenes.spec.scene import SceneSpec
 
@@ -159,10 +164,10 @@ def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
         When one cannot be set.
     """
     for override in overrides:
-        path, equals, text = override.partition("=")
-        if not equals:
-            raise SceneError([InputError("--set", override, "path.to.field=value")])
-        _set(data, path.strip(), _toml_value(text))
+        try:
+            set_by_text(data, override)
+        except InputError as error:
+            raise SceneError([error]) from None
 
 
 def _toml(scene: str | Path) -> dict[str, Any]:
@@ -174,10 +179,11 @@ def _toml(scene: str | Path) -> dict[str, Any]:
         with file.open("rb") as stream:
             content = stream.read(_LARGEST + 1)
     except (OSError, ValueError) as error:
-        names = ", ".join([*scene_names(), *matrix_scene_names()])
-        allowed = f"a TOML file, or one of {names}"
+        names = [*scene_names(), *matrix_scene_names()]
+        allowed = f"a TOML file, or one of {', '.join(names)}"
         reason = f" ({error.strerror})" if isinstance(error, OSError) and error.strerror else ""
-        raise SceneError([InputError("scene", str(scene), allowed + reason)]) from error
+        meant = did_you_mean(file.stem, names) or _same_name(file, names)
+        raise SceneError([InputError("scene", str(scene), allowed + reason + meant)]) from error
     if len(content) > _LARGEST:
         raise SceneError([InputError("scene", str(scene), f"a file of at most {_LARGEST} bytes")])
     try:
@@ -188,6 +194,11 @@ def _toml(scene: str | Path) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         allowed = f"valid TOML in UTF-8: {error}"
         raise SceneError([InputError("scene", str(scene), allowed)]) from error
+
+
+def _same_name(file: Path, names: Iterable[str]) -> str:
+    """The end of a message about a file that is not there, where a scene has its name."""
+    return f"; did you mean {file.stem!r}?" if file.stem in names else ""
 
 
 def scene_names() -> list[str]:
@@ -208,7 +219,20 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
     SceneError
         With one line for each fault.
     """
-    return _without_faults(checked(_adapter(tuple(registered().values())), data))
+    adapter = _adapter(tuple(registered().values()))
+    try:
+        scene = checked(adapter, data)
+    except SceneError as error:
+        if not isinstance(error.__cause__, ValidationError):
+            raise
+        others = faults_of_the_rest(
+            plain_data(data),
+            error.__cause__,
+            lambda rest: adapter.validate_json(json.dumps(rest)),
+            cross_checks,
+        )
+        raise SceneError([*error.faults, *others]) from error.__cause__
+    return _without_faults(scene)
 
 
 def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
@@ -227,14 +251,23 @@ def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
     try:
         return kind.validate_json(content)
     except ValidationError as error:
-        raise SceneError(faults_told_by(error)) from error
+        raise SceneError(faults_told_by(error, _tree(kind))) from error
+
+
+@cache
+def _tree(kind: TypeAdapter[Any]) -> FieldTree:
+    """The fields of a kind of scene."""
+    return FieldTree(kind.json_schema())
 
 
 def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> dict[str, Any]:
     """Plain data of a scene with fields changed, as :meth:`Scene.change` takes them."""
     data = plain_data(scene)
     for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
-        _set(data, path, plain_data(new))
+        try:
+            set_at(data, path, plain_data(new))
+        except InputError as error:
+            raise SceneError([error]) from None
     return data
 
 
@@ -304,47 +337,3 @@ def _without_faults(scene: Scene) -> Scene:
     if faults:
         raise SceneError(faults)
     return scene
-
-
-def _toml_value(text: str) -> Any:
-    """Value of a field as TOML has it; what TOML has no value for is text."""
-    try:
-        table = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
-        return text
-    return table["value"] if len(table) == 1 else text
-
-
-def _set(data: dict[str, Any], path: str, value: Any) -> None:
-    """Set a field by its path through tables and lists; tables that are not there are made."""
-    *parents, last = path.split(".")
-    table: Any = data
-    for name in parents:
-        table = _entry(table, name, path)
-    if isinstance(table, list):
-        table[_number(table, last, path)] = value
-    else:
-        table[last] = value
-
-
-def _entry(table: Any, name: str, path: str) -> Any:
-    """The table or list that a table or list holds under a name."""
-    if isinstance(table, list):
-        entry = table[_number(table, name, path)]
-    else:
-        if table.get(name) is None:
-            table[name] = {}
-        entry = table[name]
-    if not isinstance(entry, dict | list):
-        raise SceneError([InputError(path, entry, f"a path of tables: {name} is none")])
-    return entry
-
-
-_DIGITS = 10
-
-
-def _number(entries: list[Any], name: str, path: str) -> int:
-    if not (name.isdecimal() and len(name) < _DIGITS and int(name) < len(entries)):
-        allowed = f"a number from 0 to {len(entries) - 1}" if entries else "no entry: there is none"
-        raise SceneError([InputError(path, name, allowed)])
-    return int(name)

@@ -156,11 +156,13 @@ def pair(
             f"surfaces that face each other (their outward normals have cosine {worst:.3g}, "
             f"{_FACING} or less is allowed)",
         )
-    farthest = comm.allreduce(float(np.abs(opposite.distance).max(initial=0.0)), MPI.MAX)
+    least = comm.allreduce(float(opposite.distance.min(initial=np.inf)), MPI.MIN)
+    largest = comm.allreduce(float(opposite.distance.max(initial=-np.inf)), MPI.MAX)
+    farthest = max(abs(least), abs(largest))
     if must_touch:
-        angle = np.arccos(np.clip(-worst, -1.0, 1.0))
+        angle = float(np.arccos(np.clip(-worst, -1.0, 1.0)))
         allowed = float((_APART + _SAGITTA * angle) * max(a.mesh_size, b.mesh_size))
-        check_gap(farthest, allowed, field, f"{a.name} on {b.name}")
+        check_gap((least, largest), angle, allowed, field, f"{a.name} on {b.name}")
     return Interface(
         a=a,
         b=b,

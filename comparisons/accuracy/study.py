@@ -16,7 +16,7 @@ from cea.contact.formulations import (
     registered,
 )
 from comparisons.accuracy.problems import BodyMesh, Problem
-from scenes.checks import suits
+from scenes.contact_checks import suits
 from scenes.spec.body import Backend
 from scenes.variants import BACKENDS
 

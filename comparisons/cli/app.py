@@ -1,11 +1,13 @@
 """The command line ``cea``: its commands, each a function that imports what it uses."""
 
 import os
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+import cea
+from comparisons.cli.doctor import doctor
 from comparisons.cli.exact import app as exact_app
 from comparisons.cli.export import export
 from comparisons.cli.paper import claims, figure
@@ -13,6 +15,7 @@ from comparisons.cli.peers import peers
 from comparisons.cli.race import race
 from comparisons.cli.ranks import launched_together, one_voice
 from comparisons.cli.run import run
+from comparisons.cli.scene import app as scene_app
 from comparisons.cli.solve import solve
 from comparisons.cli.studies import (
     accuracy,
@@ -50,10 +53,29 @@ app = typer.Typer(
 _COMMANDS = (
     *(run, solve, sweep, race, export),
     *(compare, figure, claims, formulations, accuracy, damping, stability, reference, peers),
+    doctor,
 )
-for _command in _COMMANDS:
-    app.command()(_command)
+for _each in _COMMANDS:
+    app.command()(_each)
 app.add_typer(exact_app, name="exact")
+app.add_typer(scene_app, name="scene")
+
+
+def _tell_version(wanted: bool) -> None:
+    """Print the version and end."""
+    if wanted:
+        typer.echo(f"friction-cea {cea.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _command(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_tell_version, is_eager=True, help="Tell the version."),
+    ] = False,
+) -> None:
+    """Friction-induced flutter by complex eigenvalue analysis."""
 
 
 def main() -> None:

@@ -22,6 +22,9 @@ def run(
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Tell its steps and what is left out; run nothing.")
+    ] = False,
     report: Annotated[
         bool, typer.Option("--report", help="Write report.html too: one file, to be played with.")
     ] = False,
@@ -30,15 +33,22 @@ def run(
     ),
 ) -> None:
     """Run one scene and write its result.json."""
+    from comparisons.cli.explain import explain_bodies, explain_matrices
     from scenes.matrix_scene import is_of_matrices, load_matrices
 
     inputs = {"scene": scene, "set": set_ or [], "backend": backend}
     if is_of_matrices(scene):
         _refuse("backend", backend, "left out: a scene of matrices has no bodies")
+        if explain:
+            explain_matrices(scene, set_ or [], data)
+            return
         chosen = load_matrices(scene, set_ or (), data)
         report_matrices(chosen, out, {**inputs, "data": data}, report=report)
         return
     _refuse("data", data, "left out: a scene of bodies reads no matrices")
+    if explain:
+        explain_bodies(scene, set_ or [], backend)
+        return
     _run_bodies(scene, set_ or [], backend, out, inputs, report=report)
 
 

@@ -13,7 +13,7 @@ from cea.contact.formulations import (
     NodeToSurface,
     Segments,
 )
-from scenes.checks import suits
+from scenes.contact_checks import suits
 from scenes.read import Scene
 from scenes.spec.body import Backend
 

@@ -8,7 +8,13 @@ from pydantic import Field
 
 @dataclass(frozen=True)
 class StaticAnalysis:
-    """Displacements under the loads; reports stresses over the contacts."""
+    """Displacements under the loads; reports stresses over the contacts.
+
+    Parameters
+    ----------
+    samples
+        Points along each side of a contact at which its normal stress is reported.
+    """
 
     kind: Literal["static"]
     samples: Annotated[int, Field(ge=2, le=1000)] = 91

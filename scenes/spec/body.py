@@ -19,7 +19,29 @@ Backend = Literal["fe", "iga"]
 
 @dataclass(frozen=True)
 class BodySpec:
-    """A body: backend, geometry, meshes, material, supports, damping, rotation."""
+    """A body: backend, geometry, meshes, material, supports, damping, rotation.
+
+    Parameters
+    ----------
+    backend
+        ``fe``, Lagrange elements, or ``iga``, NURBS.
+    geometry
+        Its shape, in coordinates of its own.
+    material
+        Linear isotropic elasticity.
+    mesh
+        How it is divided, for each backend that it is to be run on.
+    supports
+        Displacements that are held.
+    springs
+        Elastic foundations of surfaces.
+    placement
+        Where the shape stands in space.
+    damping
+        Rayleigh damping.
+    rotation
+        Steady rotation about its own axis, seen from the frame at rest.
+    """
 
     backend: Backend
     geometry: Annotated[Shape, Field(discriminator="shape")]

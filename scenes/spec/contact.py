@@ -85,13 +85,14 @@ class ContactSpec:
     """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
 
     def __post_init__(self) -> None:
-        if isinstance(self.p, float) and not self.p > 0:
-            raise InputError("p", self.p, "greater than 0")
-        if isinstance(self.mu, float) and not self.mu >= 0:
-            raise InputError("mu", self.mu, "greater than or equal to 0")
         for name, value in (("p", self.p), ("mu", self.mu), ("added_gap", self.added_gap)):
             if isinstance(value, str):
                 Expression(value).check(name)
+        p, mu = _constant(self.p), _constant(self.mu)
+        if p is not None and not p > 0:
+            raise InputError("p", self.p, "greater than 0")
+        if mu is not None and not mu >= 0:
+            raise InputError("mu", self.mu, "greater than or equal to 0")
         self._check_stiffness()
         if self.mu != 0 and self.friction_direction_on_a is None:
             raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
@@ -141,3 +142,8 @@ class ContactSpec:
         if self.formulation.coupling == "mortar" and self.form == "saddle":
             allowed = "penalty where c_n is given: open parts of mortar contact have no compliance"
             raise InputError("form", self.form, allowed)
+
+
+def _constant(value: float | str | None) -> float | None:
+    """Value of a field that is the same everywhere, else None."""
+    return Expression(value).constant if isinstance(value, str) else value

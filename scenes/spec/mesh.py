@@ -80,7 +80,15 @@ class IgaMesh:
 
 @dataclass(frozen=True)
 class MeshSpec:
-    """Discretisations of a body, one for each backend it can be run on."""
+    """Discretisations of a body, one for each backend it can be run on.
+
+    Parameters
+    ----------
+    fe
+        Lagrange mesh.
+    iga
+        NURBS discretisation.
+    """
 
     fe: FeMesh | None = None
     iga: IgaMesh | None = None

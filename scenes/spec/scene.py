@@ -30,7 +30,25 @@ class OutputSpec:
 
 @dataclass(frozen=True)
 class SceneSpec:
-    """Bodies, contacts, loads and the analysis to be made of them, each right by itself."""
+    """Bodies, contacts, loads and the analysis to be made of them, each right by itself.
+
+    Parameters
+    ----------
+    name
+        Its name.
+    bodies
+        Bodies by name; names hold no dots, commas, brackets or blanks.
+    analysis
+        What is sought: modes, or the displacement under the loads.
+    contacts
+        Contacts between surfaces of two bodies, by name.
+    loads
+        Pressures and forces.
+    output
+        What is made beside numbers.
+    description
+        In words.
+    """
 
     name: str
     bodies: dict[str, BodySpec]

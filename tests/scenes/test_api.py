@@ -96,7 +96,7 @@ def test_fields_are_changed_by_their_paths():
     [
         (MU, -1, f"{MU} = -1.0: greater than or equal to 0"),
         ("contacts.pad_disc.nu", 1, "no such field"),
-        ("contacts.pad_disc.mu.x", 1, "a path of tables"),
+        ("contacts.pad_disc.mu.x", 1, "a table or a list"),
         ("bodies.disc.supports.7.surface", "top", "from 0 to"),
         ("bodies.disc.supports.first.surface", "top", "from 0 to"),
         ("contacts.pad_disc.formulation", {"method": "node_to_surface"}, "greville"),

@@ -58,7 +58,7 @@ def test_a_direction_by_expressions_is_the_circumferential_one():
     ("direction", "told"),
     [
         ('{field=["-y", "sideways", "0"]}', "an expression in x, y, z"),
-        ('{field=["-y", "x", 0]}', "valid string"),
+        ('{field=["-y", "x", 0]}', "text"),
     ],
 )
 def test_directions_that_are_none_are_refused_when_read(direction, told):

@@ -225,7 +225,7 @@ def with_(value, *path):
         (with_(1.0, "parameters", "pi"), "parameters.pi", "a name"),
         (with_(1.0, "parameters", "a b"), "parameters.a b", "a name"),
         (with_("K.npz", "files", "ｘ"), "files.ｘ", "a name"),
-        (with_(3, "files", "K"), "files.K", "string"),
+        (with_(3, "files", "K"), "files.K", "text"),
         (with_({"pictures": 1}, "output"), "output", "no such field"),
         (with_({}, "bodies"), "bodies", "no such field"),
     ],

@@ -9,7 +9,7 @@ from blocks import two_blocks
 
 from cea.contact.formulations import Formulation, GaussPointToSurface, base, register, registered
 from cea.errors import InputError
-from scenes.checks import suits
+from scenes.contact_checks import suits
 from scenes.read import SceneError, plain_data, read_scene
 from scenes.run import run_scene
 

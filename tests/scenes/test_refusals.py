@@ -133,7 +133,7 @@ def test_names_of_given_surfaces_part_no_paths():
     faces = {"y.min": [[0, 1, 0]]}
     scene = valid("blocks")
     scene["bodies"]["upper"]["geometry"] = {"shape": "patches", "patches": [patch], "faces": faces}
-    with pytest.raises(SceneError, match="without dot"):
+    with pytest.raises(SceneError, match="no dot"):
         read_scene(scene)
 
 

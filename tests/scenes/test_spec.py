@@ -39,7 +39,7 @@ def test_overrides_reach_any_field():
         ("bodies.pad.material.nu=0.5", "bodies.pad.material.nu", "0.5", "-1 and 0.5"),
         ("bodies.pad.materail={}", "bodies.pad.materail", "{}", "no such field"),
         ("bodies.pad.geometry.outer_radius=0.01", "outer_radius", "0.01", "more than inner_radius"),
-        ("bodies.pad.geometry.shape=cone", "bodies.pad.geometry", "cone", "'annulus', 'sector'"),
+        ("bodies.pad.geometry.shape=cone", "bodies.pad.geometry.shape", "cone", "annulus, sector"),
         ("bodies.pad.mesh.iga.elements=[6, 11]", "mesh.iga.elements", "(6, 11)", "r, theta, z"),
         ("bodies.pad.supports=[{surface='back'}]", "bodies.pad.supports.0.surface", "back", "top"),
         ("contacts.pad_disc.a=pad.botom", "contacts.pad_disc.a", "pad.botom", "pad.bottom"),
@@ -48,7 +48,7 @@ def test_overrides_reach_any_field():
         ("contacts.pad_disc.formulation={method='node_to_surface'}",
          "contacts.pad_disc.formulation.method", "node_to_surface", "greville"),
         ("contacts.pad_disc.friction_direction_on_a=7",
-         "contacts.pad_disc.friction_direction_on_a", "7", "object"),
+         "contacts.pad_disc.friction_direction_on_a", "7", "a table"),
         ("bodies.pad.mesh.fe.cell=triangle", "mesh.fe.cell", "triangle", "tetrahedron"),
         ("bodies.pad.mesh.fe.cell=quadrilateral", "mesh.fe.cell", "quadrilateral", "hexahedron"),
         ("bodies.pad.mesh.fe={cell='tetrahedron'}", "mesh.fe.size", "None", "or elements"),
@@ -106,7 +106,7 @@ def test_broken_toml_is_one_line(tmp_path):
         ("geometry.radii.theta=-1.0", "geometry.radii[theta]"),
         ("geometry.radii.theta=0.01", "geometry.radii"),
         ("geometry.surface='inner'", "geometry.surface"),
-        ("geometry.base.shape='disc'", "geometry.base"),
+        ("geometry.base.shape='disc'", "geometry.base.shape"),
     ],
 )
 def test_faults_of_a_crown_are_told_under_its_fields(change, field):

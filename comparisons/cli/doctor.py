@@ -1,0 +1,20 @@
+"""The command ``cea doctor``."""
+
+import typer
+
+
+def doctor() -> None:
+    """Tell whether this installation works, and what mends it; code 1 where it does not."""
+    from comparisons.cli.ranks import launched_together
+    from comparisons.doctor.study import examine
+
+    faults = 0
+    for finding in examine(launched=launched_together() is not None):
+        mark = "well " if finding.well else "FAULT"
+        typer.echo(f"{mark}  {finding.name}: {finding.told}")
+        if finding.mend is not None:
+            faults += 1
+            typer.echo(f"       mend it: {finding.mend}")
+    typer.echo("all is well" if not faults else f"faults: {faults}")
+    if faults:
+        raise typer.Exit(1)

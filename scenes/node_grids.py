@@ -1,0 +1,97 @@
+"""Boxes of nodes that stand for the meshes of bodies, from which sizes are estimated."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+
+from cea.mesh import SIMPLICES
+from meshes.patches import Patches
+from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
+from scenes.spec.body import BodySpec
+from scenes.spec.mesh import FeMesh
+
+_SIMPLEX = 0.55
+"""Couplings of a node of simplices, relative to one of boxes."""
+_PACKING = {2: 1.0, 3: 0.95}
+"""Boxes along a length, in target edge lengths, that have the nodes of an unstructured mesh."""
+TINY = 1e-12
+"""Factor on elements below which there are none."""
+_CLOSED = (Annulus, Hub, Disc, Ring)
+
+
+@dataclass(frozen=True)
+class NodeGrid:
+    """Nodes of a body as a box of them.
+
+    Parameters
+    ----------
+    counts
+        Nodes along each direction.
+    couplings
+        Nodes along each direction that one node is coupled to, on average.
+    widths
+        Layers of nodes that part a body across each direction.
+    """
+
+    counts: tuple[float, ...]
+    couplings: tuple[float, ...]
+    widths: tuple[float, ...]
+
+
+def node_grids(body: BodySpec, scale: float) -> Iterator[NodeGrid]:
+    """Boxes of nodes that stand for the mesh of a body: one, or one for each of its patches."""
+    dim = len(body.geometry.directions)
+    closed = isinstance(body.geometry, _CLOSED)
+    if body.backend == "fe" and body.mesh.fe is not None:
+        fe = body.mesh.fe
+        along = elements_along(body, fe, scale)
+        ends = [0.0 if closed and name == "theta" else 1.0 for name in body.geometry.directions]
+        counts = [fe.degree * n + end for n, end in zip(along, ends, strict=True)]
+        near = (fe.degree + 2.0) * (_SIMPLEX if fe.cell in SIMPLICES else 1.0) ** (1 / dim)
+        yield NodeGrid(tuple(counts), (near,) * dim, (1.0,) * dim)
+    elif body.mesh.iga is not None:
+        iga = body.mesh.iga
+        continuity = iga.continuity or tuple(p - 1 for p in iga.degree)
+        new = [p - c for p, c in zip(iga.degree, continuity, strict=True)]
+        couplings = [2.0 * (p + 1) - m for p, m in zip(iga.degree, new, strict=True)]
+        widths = [c + 1.0 for c in continuity]
+        for inner in _knots_of_patches(body.geometry):
+            counts = [
+                m * (max(1.0, scale * n) + k) + c + 1
+                for m, n, k, c in zip(new, iga.elements, inner, continuity, strict=True)
+            ]
+            least = [min(a, b) for a, b in zip(couplings, counts, strict=True)]
+            yield NodeGrid(tuple(counts), tuple(least), tuple(widths))
+
+
+def elements_along(body: BodySpec, mesh: FeMesh, scale: float) -> list[float]:
+    """Elements along each direction; of an unstructured mesh, of a box of equal volume."""
+    if mesh.elements is not None:
+        return [max(1.0, scale * n) for n in mesh.elements]
+    size = (mesh.size or inf) / max(scale, TINY)
+    lengths = box_lengths(body.geometry)
+    return [max(1.0, _PACKING[len(lengths)] * length / size) for length in lengths]
+
+
+def _knots_of_patches(shape: Shape) -> list[tuple[int, ...]]:
+    """Knots inside each patch that a geometry brings along; a shape counts as one patch."""
+    if not isinstance(shape, Patches):
+        return [(0,) * len(shape.directions)]
+    return [
+        tuple(len(knots) - 2 * p - 2 for knots, p in zip(patch.knots, patch.degrees, strict=True))
+        for patch in shape.patches
+    ]
+
+
+def box_lengths(shape: Shape) -> list[float]:
+    """Lengths (m) of a box that stands for a shape: of an arc, at its middle radius."""
+    if isinstance(shape, Patches):
+        points = np.concatenate([p.points.reshape(-1, len(p.degrees)) for p in shape.patches])
+        return np.ptp(points, axis=0).tolist()
+    spans = {n: high - low for n, (low, high) in zip(shape.directions, shape.extent, strict=True)}
+    if "theta" in spans:
+        low, high = shape.extent[0]
+        spans["theta"] *= pi / 180 * 0.5 * (low + high)
+    return list(spans.values())

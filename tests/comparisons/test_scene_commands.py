@@ -1,0 +1,111 @@
+"""Commands that look at scenes, run nothing, and tell what a run would do."""
+
+import sys
+import tomllib
+
+import pytest
+from mpi import BIN, mpiexec
+from PIL import Image
+
+import cea
+from comparisons.cli.app import main
+from scenes.read import SCENES, load_scene, matrix_scene_names, scene_names
+from scenes.run import skipped_by
+from scenes.steps import needed_by
+
+
+@pytest.fixture
+def told(monkeypatch, capsys):
+    """What a command writes, and its code."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["cea", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        written = capsys.readouterr()
+        return end.value.code or 0, written.out, written.err
+
+    return run
+
+
+def test_version(told):
+    assert told("--version") == (0, f"friction-cea {cea.__version__}\n", "")
+
+
+def test_list_names_every_scene_in_a_line(told):
+    code, out, _ = told("scene", "list")
+    assert code == 0
+    lines = out.splitlines()[1:]
+    assert [line.split()[0] for line in lines] == [*scene_names(), *matrix_scene_names()]
+    (line,) = (line for line in lines if line.startswith("disc_pad "))
+    assert "pad, disc" in line
+    assert "A steel disc clamped at its inner rim" in line
+    assert float(line.split()[1]) == pytest.approx(18696, rel=0.1)
+
+
+def test_check_tells_size_and_draws(told, tmp_path):
+    code, out, err = told("scene", "check", "blocks", "--out", tmp_path)
+    assert (code, err) == (0, "")
+    assert "920 unknowns" in out
+    assert "GB of memory" in out
+    assert "no faults" in out
+    assert str(tmp_path / "blocks.png") in out
+    assert Image.open(tmp_path / "blocks.png").size == (2200, 900)
+
+
+def test_check_tells_every_fault(told, tmp_path):
+    wrong = ["--set", "contacts.interface.mue=1", "--set", "bodies.upper.material.E=-1"]
+    code, _, err = told("scene", "check", "blocks", *wrong, "--out", tmp_path)
+    assert code == 1
+    assert [line.split(" = ")[0] for line in err.splitlines()] == [
+        "error: bodies.upper.material.E",
+        "error: contacts.interface.mue",
+    ]
+    tilted = ["--set", "bodies.upper.placement={angle=1.0}", "--no-picture"]
+    code, _, err = told("scene", "check", "blocks", *tilted, "--out", tmp_path)
+    assert code == 1
+    assert "tilted by up to 1 degrees" in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_check_warns_of_units(told, tmp_path):
+    steel = ["--set", "bodies.disc.material.E=210.0", "--no-picture"]
+    code, out, _ = told("scene", "check", "disc", *steel, "--out", tmp_path)
+    assert code == 0
+    assert "doubtful-units" in out
+
+
+def test_check_of_matrices(told, tmp_path):
+    code, _, err = told("scene", "check", "tu_berlin", "--data", tmp_path)
+    assert code == 1
+    assert err.startswith("error: files.")
+
+
+@pytest.mark.mpi
+def test_check_on_two_ranks_is_told_once(tmp_path):
+    done = mpiexec(2, BIN / "cea", "scene", "check", "blocks", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("920 unknowns") == 1
+    assert "168 points (168 inside)" in done.stdout
+    assert (tmp_path / "blocks.png").is_file()
+
+
+@pytest.mark.parametrize("name", ["crowned_pad", "disc_pad_damped", "patch_test"])
+def test_explain_tells_steps_and_what_is_left_out(name, told, tmp_path):
+    code, out, _ = told("run", name, "--explain", "--out", tmp_path / "none")
+    assert code == 0
+    steps, left_out = out.split("left out:\n")
+    scene = load_scene(name)
+    for part, expected in ((steps, needed_by(scene)), (left_out, skipped_by(scene))):
+        found = dict(line[2:].split(": ", 1) for line in part.splitlines() if line.startswith("  "))
+        assert found == expected
+    assert not (tmp_path / "none").exists()
+
+
+def test_scenes_are_files_an_editor_may_name_a_schema_in(told, tmp_path):
+    """The line that names the schema is a comment, which TOML does not mind."""
+    file = tmp_path / "mine.toml"
+    text = (SCENES / "blocks.toml").read_text()
+    file.write_text(f"#:schema ../docs/scene.schema.json\n{text}")
+    assert tomllib.loads(file.read_text()) == tomllib.loads(text)
+    assert told("scene", "check", file, "--no-picture")[0] == 0

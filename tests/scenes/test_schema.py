@@ -1,0 +1,114 @@
+"""The field reference and the JSON Schema: current, whole, and true of the scenes there are."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from json_schema import complaints
+from scene_mutations import removed, replaced, valid
+
+from scenes.read import OF_MATRICES, SCENES
+from scenes.schema import meanings_of, scene_schema, summary_of
+
+DOCS = Path(__file__).parents[2] / "docs"
+KINDS = {"bodies": "scene.schema.json", "matrices": "matrix_scene.schema.json"}
+FILES = [(file, "bodies") for file in sorted(SCENES.glob("*.toml"))]
+FILES += [(file, "matrices") for file in sorted(OF_MATRICES.glob("*.toml"))]
+
+
+def wrong(data, kind="bodies"):
+    schema = scene_schema(kind)
+    return list(complaints(data, schema, schema))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "file"),
+    [
+        (["reference"], "scene_reference.md"),
+        (["schema"], KINDS["bodies"]),
+        (["schema", "--matrices"], KINDS["matrices"]),
+    ],
+)
+def test_what_is_committed_is_what_the_command_writes(arguments, file, tmp_path):
+    """In a process of its own: formulations that other tests register are none of the project."""
+    out = tmp_path / file
+    command = [Path(sys.executable).with_name("cea"), "scene", *arguments, "--out", out]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == str(out)
+    assert out.read_text() == (DOCS / file).read_text(), (
+        f"cea scene {arguments[0]} --out docs/{file}"
+    )
+
+
+@pytest.mark.parametrize(("file", "kind"), FILES, ids=lambda value: getattr(value, "stem", value))
+def test_scenes_of_the_catalogue_validate(file, kind):
+    assert wrong(tomllib.loads(file.read_text()), kind) == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_field_is_explained(kind):
+    schema = scene_schema(kind)
+    sections = {"scene": schema, **schema["$defs"]}
+    silent = [
+        f"{name}.{field}"
+        for name, section in sections.items()
+        for field, spec in section.get("properties", {}).items()
+        if not spec.get("description")
+    ]
+    assert silent == []
+    assert all(section.get("description") for section in sections.values())
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("bodies", "pad", "backend"), "fem"),
+        (("bodies", "pad", "colour"), "red"),
+        (("bodies", "pad", "geometry", "shape"), "cone"),
+        (("bodies", "pad", "geometry", "start"), "25"),
+        (("bodies", "pad", "mesh", "iga", "degree"), [2, 2, 9]),
+        (("bodies", "pad", "supports", 0, "components"), ["w"]),
+        (("contacts", "pad_disc", "P"), -1.0),
+        (("contacts", "pad_disc", "P"), True),
+        (("contacts", "pad_disc", "mu"), [0.3]),
+        (("contacts", "pad_disc", "formulation"), {"method": "gpts"}),
+        (("contacts", "pad_disc", "friction_direction_on_a"), {"vektor": [1.0]}),
+        (("bodies", "pad", "placement"), {"axis": [0.0, 1.0]}),
+        (("analysis", "kind"), "static"),
+        (("output",), {"pictures": 1.5}),
+    ],
+)
+def test_wrong_scenes_do_not_validate(path, value):
+    data = valid("disc_pad")
+    data["bodies"]["pad"]["colour"] = data["bodies"]["pad"]["placement"] = data["output"] = {}
+    del data["bodies"]["pad"]["colour"]
+    assert wrong(replaced(data, path, value))
+    assert wrong(removed(valid("disc_pad"), ("bodies", "pad", "material", "nu")))
+
+
+def test_docstrings_are_taken_apart():
+    text = """Something.
+
+    More of it.
+
+    Parameters
+    ----------
+    a, b : float
+        Both
+        of them (:class:`cea.body.Body`).
+    c
+        ``three``.
+
+    Raises
+    ------
+    InputError
+        Never.""".replace("\n    ", "\n")
+    assert summary_of(text) == "Something. More of it."
+    assert meanings_of(text) == {
+        "a": (both := "Both of them (cea.body.Body)."),
+        "b": both,
+        "c": "three.",
+    }
+    assert meanings_of("Nothing more.") == {}
