@@ -54,9 +54,14 @@ class MatrixResult(OfModes):
     warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
 
     @property
-    def size(self) -> int:
+    def dofs(self) -> int:
         """Unknowns."""
         return int(self.modes.template.getSize())
+
+    @property
+    def told(self) -> tuple[ResultWarning, ...]:
+        """What the result must be read with."""
+        return self.warnings
 
     @property
     def comm(self) -> Any:

@@ -41,7 +41,7 @@ def print_steady(result: "ModesResult | StaticResult") -> None:
 
 def print_modes(result: "ModesResult | MatrixResult") -> None:
     """Print the eigenvalues of a run, its verdict, what it must be read with, and why it is all."""
-    from cea.eigen.spectrum import growth_text
+    from cea.eigen.mode_table import growth_text
 
     columns = ("mode", "frequency (Hz)", "growth rate (1/s)", "uncertainty", "residual")
     table = Table(*columns, "condition", "verdict")

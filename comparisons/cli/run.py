@@ -57,7 +57,7 @@ def report_matrices(scene: "MatrixScene", out: Path, inputs: dict[str, Any]) -> 
     print_modes(result)
     for name in ("pictures", "paraview"):
         console.print(f"left out: {name} ({result.skipped[name]})")
-    typer.echo(f"{result.size} dofs, {result.timer.total:.2f} s; {file}")
+    typer.echo(f"{result.dofs} dofs, {result.timer.total:.2f} s; {file}")
 
 
 def _run_bodies(
