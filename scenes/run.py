@@ -19,6 +19,7 @@ from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
 from scenes.spec.analysis import ComplexEigenvalueAnalysis, StaticAnalysis
 from scenes.steady import steady_warnings
+from scenes.unused import unused_input
 from scenes.warnings import scene_warnings, short_modes
 
 
@@ -160,7 +161,7 @@ def coupled(
 
 
 def skipped_by(scene: Scene) -> dict[str, str]:
-    """What a scene does not need, with the reason; none of it is computed."""
+    """What a scene does not need, or gives without use, with the reason; none is computed."""
     rotations = [body.rotation for body in scene.bodies.values() if body.rotation is not None]
     skipped = {}
     if not scene.slides_steadily:
@@ -192,4 +193,4 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     meshes = [body.mesh.fe for body in scene.bodies.values() if body.backend == "fe"]
     if not any(mesh.size for mesh in meshes if mesh is not None):
         skipped["gmsh"] = "no body has an unstructured mesh"
-    return skipped
+    return skipped | unused_input(scene)

@@ -1,13 +1,14 @@
-"""The record of a command in the folder of its report, and how it is opened again."""
+"""The record of a command in the folder of its report, and how it is opened again.
+
+``RESULT`` is its file: everything computed; tables, figures and words are drawn from it.
+"""
 
 from pathlib import Path
 from typing import Any
 
 from cea.errors import InputError
+from scenes.out_folder import RESULT as RESULT
 from scenes.stored import read_record
-
-RESULT = "result.json"
-"""Everything computed; tables, figures and words are drawn from it."""
 
 
 def read_result(out: Path, command: str) -> dict[str, Any]:
