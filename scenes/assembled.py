@@ -5,9 +5,9 @@ from dataclasses import fields, replace
 from typing import Any
 
 from cea.body import Body
-from cea.eigen.growth_thresholds import growth_threshold
+from cea.eigen.growth_thresholds import threshold_of
 from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.thresholds import Threshold, flutter_threshold
+from cea.eigen.thresholds import Threshold
 from cea.errors import InputError
 from cea.timing import StageTimer
 from scenes.read import Scene
@@ -84,18 +84,18 @@ class AssembledScene:
         listener
             Called with the name of each stage as it begins.
         of_every_contact
-            Fields of every contact, e.g. ``mu = 0.3``.
+            Fields of every contact that can slide, e.g. ``mu = 0.3``: bonded ones stay as they are.
 
         Raises
         ------
         SceneError
             When a change is refused.
         InputError
-            When the analysis is changed to another.
+            When the analysis is changed to another, or no contact can slide.
         """
         every = {
             f"contacts.{name}.{field}": value
-            for name in self.scene.contacts
+            for name in self._sliding(of_every_contact)
             for field, value in of_every_contact.items()
         }
         scene = self.scene.change(every | dict(changes or {}))
@@ -138,19 +138,18 @@ class AssembledScene:
         """
         assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
         top = self.scene.analysis.max_frequency
-        if self._quadratic(parameter, real, flutter):
-            if frequency is not None:
-                raise InputError("frequency", frequency, "left out with damping or rotation")
-            return growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
-        return flutter_threshold(
+        return threshold_of(
             self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
         )
 
-    def _quadratic(self, parameter: str, *values: float) -> bool:
-        """Whether velocities count at some values of a parameter."""
-        if not any(term.role == "damping" for term in self._driver.pencil.terms):
-            return False
-        return any(self._driver.quadratic({parameter: value}) for value in values)
+    def _sliding(self, fields: Mapping[str, Any]) -> list[str]:
+        """Contacts whose fields may be changed together: those that are not bonded."""
+        contacts = self.scene.contacts.items()
+        names = [name for name, c in contacts if c.formulation.coupling != "bonded"]
+        for field, value in fields.items():
+            if not names:
+                raise InputError(field, value, "left out: the scene has no contact that can slide")
+        return names
 
     def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
         """Parameters that make this scene another; None where others differ, or forms would."""

@@ -6,8 +6,10 @@ from typing import Any
 
 from scipy.sparse import csr_array
 
+from cea.eigen.growth_thresholds import threshold_of
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
+from cea.eigen.thresholds import Threshold
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.timing import StageTimer
@@ -161,6 +163,37 @@ class AssembledMatrices:
         warnings = (*modes.warnings, *symmetrised_pieces(self.pieces))
         skipped = skipped_by(scene, self.pieces)
         return MatrixResult(scene, modes, self.pieces, timer, skipped, warnings=warnings)
+
+    def threshold(
+        self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
+    ) -> Threshold:
+        """Value of a parameter at which a mode begins to grow, or ceases to.
+
+        Parameters
+        ----------
+        parameter
+            Path of a parameter, e.g. ``parameters.Omega``.
+        real, flutter
+            Values on either side: at one no pair of modes flutters, at the other one does. With
+            damping or gyroscopic terms every mode decays at the first, one grows at the other.
+        frequency
+            The growing mode nearest to it (Hz) is followed; None follows the fastest. With damping
+            or gyroscopic terms it is left out.
+
+        Raises
+        ------
+        InputError
+            When there is no such parameter, or the values do not enclose a threshold.
+        ConvergenceError
+            When the pair is lost on the way.
+        """
+        for value in (real, flutter):
+            scene = self.scene.change({parameter: value})
+            self._check_mass(scene.values, StageTimer())
+        top = self.scene.window.max_frequency
+        return threshold_of(
+            self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
+        )
 
     def _check_mass(self, values: Mapping[str, float], timer: StageTimer) -> None:
         """Refuse a mass that is not positive definite, once for equal coefficients."""

@@ -262,3 +262,25 @@ def test_a_mode_is_drawn():
     for mode in (0, -1, len(result.modes) + 1):
         with pytest.raises(InputError, match=rf"mode = {mode}: the number of a mode, from 1"):
             result.plot(mode)
+
+
+def test_one_friction_for_all_contacts_leaves_bonded_ones_out(backend):
+    """A lower block in two bonded halves is the uncut block: friction changes both alike."""
+    data = two_blocks(backend, GPTS, held=True, mu=0.1)
+    lower = data["bodies"].pop("lower")
+    for name, bottom, supports in (("middle", 0.2, []), ("base", 0.0, lower["supports"])):
+        geometry = lower["geometry"] | {"size": [1.0, 1.1, 0.2], "origin": [0.0, 0.0, bottom]}
+        data["bodies"][name] = lower | {"geometry": geometry, "supports": supports}
+    data["contacts"]["interface"]["b"] = "middle.z_max"
+    bond = {"formulation": {"method": "bonded"}, "P": float("inf"), "form": "saddle"}
+    data["contacts"]["bond"] = {"a": "middle.z_min", "b": "base.z_max", **bond}
+    cut = assemble(read_scene(data))
+    for mu in (0.3, 0.5):
+        found = cut.modes(mu=mu)
+        anew = run_modes(read_scene(data).change(MU, mu))
+        assert found.scene == anew.scene
+        assert found.scene.contacts["bond"].mu == 0.0
+        np.testing.assert_allclose(found.eigenvalues, anew.eigenvalues, rtol=1e-8, atol=1e-8)
+    del data["contacts"]["interface"], data["bodies"]["upper"]
+    with pytest.raises(InputError, match=r"mu = 0\.3: left out: the scene has no contact that can"):
+        assemble(read_scene(data)).modes(mu=0.3)
