@@ -84,17 +84,17 @@ def _run_bodies(
 def _write(
     result: "ModesResult | StaticResult | MatrixResult", out: Path, inputs: dict[str, Any]
 ) -> None:
-    """Put a result in the place of an earlier one, and print it."""
+    """Print a result, then put it in the place of an earlier one."""
     from comparisons.cli.output import console, print_result
     from comparisons.cli.progress import working
     from scenes.describe import save_result
     from scenes.matrix_run import MatrixResult
     from scenes.out_folder import RESULT, new_folder
 
+    print_result(result)
     with working("writing") as work, new_folder(out, root=result.comm.rank == 0) as new:
         drawn = {} if isinstance(result, MatrixResult) else _draw(result, new.part, work)
         save_result(result, new.part / RESULT, inputs=inputs, data=drawn)
-    print_result(result)
     if new.kept:
         console.print(f"not of this program, and kept: {', '.join(new.kept)}", markup=False)
     typer.echo(f"{result.dofs} dofs, {result.timer.total:.2f} s; {out / RESULT}")
