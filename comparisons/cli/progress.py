@@ -8,12 +8,15 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
     SpinnerColumn,
+    Task,
     TaskID,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
+from rich.text import Text
 
 from comparisons.cli.output import console
 
@@ -48,9 +51,30 @@ class Working:
         self._shown.update(self._task, description=name)
 
 
+class _SinceLastTime(ProgressColumn):
+    """Time left if the work takes as long as it did last time."""
+
+    def __init__(self, seconds: float) -> None:
+        super().__init__()
+        self._seconds = seconds
+
+    def render(self, task: Task) -> Text:
+        """Minutes and seconds."""
+        left = round(self._seconds - (task.elapsed or 0.0))
+        if left < 0:
+            return Text("longer than last time")
+        return Text(f"about {left // 60}:{left % 60:02d} left")
+
+
 @contextmanager
-def working(title: str, steps: int | None = None, to: Console = console) -> Iterator[Working]:
-    """Show how far a block of work is: time gone and, where its steps are known, time left.
+def working(
+    title: str,
+    *,
+    steps: int | None = None,
+    expected: float | None = None,
+    to: Console = console,
+) -> Iterator[Working]:
+    """Show how far a block of work is: time gone and, where something is known of it, time left.
 
     Parameters
     ----------
@@ -58,10 +82,16 @@ def working(title: str, steps: int | None = None, to: Console = console) -> Iter
         What is done.
     steps
         How many steps it has, which ``step`` begins; None where nobody knows.
+    expected
+        Seconds that it took last time, where steps are not known; None where nobody knows.
     to
         Where it is shown; nothing is where that is no terminal.
     """
-    known = [] if steps is None else [BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()]
+    known: list[ProgressColumn] = []
+    if steps is not None:
+        known = [BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()]
+    elif expected is not None:
+        known = [_SinceLastTime(expected)]
     with Progress(
         SpinnerColumn(),
         TextColumn("{task.description}", markup=False),

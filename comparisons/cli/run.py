@@ -49,10 +49,13 @@ def _refuse(option: str, value: str | None, allowed: str) -> None:
 def report_matrices(scene: "MatrixScene", out: Path, inputs: dict[str, Any]) -> None:
     """Run a scene of matrices, print its modes and write its result.json."""
     from comparisons.cli.progress import working
+    from comparisons.kit.records import last_seconds
+    from scenes.describe import RUN
     from scenes.matrix_run import run_matrices
     from scenes.out_folder import check_out
 
-    with working("reading matrices") as work:
+    expected = last_seconds(out, RUN, inputs)
+    with working("reading matrices", expected=expected) as work:
         check_out(out)
         result = run_matrices(scene, listener=work.stage)
     _write(result, out, inputs)
@@ -68,11 +71,14 @@ def _run_bodies(
     """Run a scene of bodies and write its result.json, pictures and files for ParaView."""
     from comparisons.cli.extras import need
     from comparisons.cli.progress import working
+    from comparisons.kit.records import last_seconds
+    from scenes.describe import RUN
     from scenes.out_folder import check_out
     from scenes.read import load_scene
     from scenes.run import run_scene
 
-    with working("reading the scene") as work:
+    expected = last_seconds(out, RUN, inputs)
+    with working("reading the scene", expected=expected) as work:
         chosen = load_scene(scene, set_, backend)
         check_out(out)
         if chosen.output.pictures or chosen.output.paraview:

@@ -20,10 +20,11 @@ def compare(
     from comparisons.agreement.page import write_report
     from comparisons.agreement.study import compare as run_comparison
     from comparisons.kit.progress import Progress
+    from comparisons.kit.records import last_seconds
     from scenes.out_folder import check_out, new_folder
 
     check_out(out)
-    with working("compare") as work:
+    with working("compare", expected=last_seconds(out, "compare")) as work:
 
         def begin(name: str) -> None:
             console.print(f"· {name}")
@@ -54,10 +55,11 @@ def formulations(
     from comparisons.formulations.page import read_formulations, write_formulations
     from comparisons.formulations.study import run_formulations
     from comparisons.kit.progress import Progress
+    from comparisons.kit.records import last_seconds
     from comparisons.paper.patch_test.numbers import run_paper_numbers
     from scenes.out_folder import check_out, new_folder
 
-    with working("formulations") as work:
+    with working("formulations", expected=last_seconds(out, "formulations")) as work:
         if redraw:
             data = read_formulations(out)
         else:
@@ -101,10 +103,11 @@ def accuracy(
     from comparisons.accuracy.problems import PROBLEMS, problem
     from comparisons.accuracy.runner import run_study
     from comparisons.accuracy.study import FULL, QUICK
+    from comparisons.kit.records import last_seconds
     from scenes.out_folder import check_out
 
     check_out(out)
-    with working("accuracy") as work:
+    with working("accuracy", expected=last_seconds(out, "accuracy")) as work:
         if redraw:
             data = page.read(out)
         else:
@@ -133,9 +136,10 @@ def damping(
     from cea.petsc import MPI
     from comparisons.damping.report import read_damping, thresholds_table, write_damping
     from comparisons.damping.study import run_damping
+    from comparisons.kit.records import last_seconds
     from scenes.out_folder import check_out, new_folder
 
-    with working("damping") as work:
+    with working("damping", expected=last_seconds(out, "damping")) as work:
         if redraw:
             data = read_damping(out)
         else:

@@ -14,9 +14,11 @@ from comparisons.cli.fitting import ShownColumn, blocks, total
 from comparisons.cli.output import print_result, print_table
 from comparisons.cli.progress import working
 from comparisons.kit.numbers import shown
+from comparisons.kit.records import RESULT, last_seconds
 from comparisons.kit.tables import Column, Table
 from scenes import load_scene
 from scenes.opened import StoredModes
+from scenes.stored import record, write_record
 
 WIDTHS = (40, 60, 80, 120)
 WINDOW = Window(12000.0, 1e9, inf, 4, 2, inf, True, False, 1e10, 4, None)
@@ -163,3 +165,18 @@ def test_progress_shows_time_left_on_a_terminal_and_nothing_in_a_file():
     assert "mu = 2: krylov" in told
     assert "2/4" in told
     assert re.search(r"-:--:--|0:00:0\d", told)
+
+
+def test_time_left_is_that_of_last_time(tmp_path):
+    file = tmp_path / RESULT
+    write_record(record("compare", {}, inputs={"n": 1}, seconds=125.0), file)
+    assert last_seconds(tmp_path, "compare") == 125.0
+    assert last_seconds(tmp_path, "compare", {"n": 1}) == 125.0
+    assert last_seconds(tmp_path, "compare", {"n": 2}) is None
+    assert last_seconds(tmp_path, "run") is None
+    assert last_seconds(tmp_path / "none", "run") is None
+    for expected, told in ((125.0, r"about 2:0[45] left"), (-1.0, "longer than last time")):
+        console = terminal(120)
+        with working("compare", expected=expected, to=console) as work:
+            work.step("patch test")
+        assert re.search(told, console.file.getvalue())
