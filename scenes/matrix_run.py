@@ -24,6 +24,7 @@ from scenes.matrix_pencil import (
 )
 from scenes.matrix_scene import ROLES, MatrixScene
 from scenes.of_modes import OfModes
+from scenes.unused import unused_parameters
 
 _LETTERS = {"mass": "M", "damping": "C", "stiffness": "K"}
 
@@ -258,4 +259,4 @@ def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str
         skipped["unsymmetric solver"] = "every matrix of the stiffness is symmetric"
     skipped["pictures"] = "matrices have no geometry"
     skipped["paraview"] = "matrices have no geometry"
-    return skipped
+    return skipped | unused_parameters(scene)

@@ -15,6 +15,7 @@ from cea.errors import InputError
 from scenes import SceneError, load_matrices, load_scene, open_result, save_result
 from scenes.matrix_run import AssembledMatrices, run_matrices
 from scenes.matrix_scene import is_of_matrices, read_matrix_scene
+from scenes.unused import unused_parameters
 
 WINDOW = {"kind": "cea", "max_frequency": 0.6}
 
@@ -374,3 +375,14 @@ def test_thresholds_of_matrices_are_the_closed_ones(tmp_path):
             assembled.threshold(*arguments)
     with pytest.raises(InputError, match=r"frequency = 0\.3: left out with damping"):
         damped.threshold("parameters.v", 1.0, 8.0, frequency=0.3)
+
+
+def test_parameters_of_no_coefficient_are_told(tmp_path):
+    scene = read_matrix_scene(chains(tmp_path)).change({"parameters.w": 2.0})
+    assert unused_parameters(scene) == {"parameters.w": "given, not used: in no coefficient"}
+    assert not unused_parameters(scene.change("stiffness.F", "v*w/10"))
+    decay = scene.change({"stiffness.F": "w", "parameters.v": 0.1, "analysis.min_growth": -1.0})
+    assert set(unused_parameters(decay)) == {"parameters.v", "analysis.min_growth"}
+    damped = decay.change({"parameters.c": 0.1, "stiffness.F": "v*w"})
+    assert not unused_parameters(damped)
+    assert unused_parameters(decay).items() <= run_matrices(decay).skipped.items()
