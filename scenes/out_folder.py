@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
+from platform import node
 from tempfile import TemporaryFile
 
 from cea.errors import InputError, WriteError
@@ -22,6 +23,8 @@ MANIFEST = "manifest.json"
 RESULT = "result.json"
 """File that is written last: where it stands, all that belongs to it does."""
 
+_PART = ".part"
+"""Ending of folders that are being filled."""
 _ABOUT = "Files of this result, with SHA-256. The next result takes their place, and no other's."
 
 _Digests = dict[str, list[str]]
@@ -97,11 +100,11 @@ def new_folder(out: Path, *, root: bool = True) -> Iterator[NewFolder]:
     WriteError
         When files cannot be written; an earlier result then stays as it was.
     """
-    new = NewFolder(out / f".{os.getpid()}.part", out)
+    new = NewFolder(out / f".{node()}.{os.getpid()}{_PART}", out)
     try:
         if root:
             with _told(out):
-                shutil.rmtree(new.part, ignore_errors=True)
+                _clear(out)
                 new.part.mkdir(parents=True)
         yield new
         if root:
@@ -112,6 +115,26 @@ def new_folder(out: Path, *, root: bool = True) -> Iterator[NewFolder]:
     finally:
         if root:
             shutil.rmtree(new.part, ignore_errors=True)
+
+
+def _clear(out: Path) -> None:
+    """Remove what processes of this machine left that were killed as they filled a folder."""
+    begin = f".{node()}."
+    for left in out.glob(f"*{_PART}"):
+        number = left.name.removeprefix(begin).removesuffix(_PART)
+        if left.name.startswith(begin) and number.isdecimal() and not _runs(int(number)):
+            shutil.rmtree(left, ignore_errors=True)
+
+
+def _runs(process: int) -> bool:
+    """Whether another process of a number runs."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True  # somebody else's
+    return process != os.getpid()
 
 
 @contextmanager

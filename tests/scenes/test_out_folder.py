@@ -2,6 +2,8 @@
 
 import json
 import os
+import platform
+import subprocess
 
 import pytest
 
@@ -145,3 +147,16 @@ def test_a_new_folder_is_made_and_may_be_used_again(tmp_path):
     assert list(out.iterdir()) == []
     fill(out, {})
     check_out(out)
+
+
+def test_what_was_killed_is_cleared_away_and_what_runs_is_not(tmp_path):
+    ended = subprocess.Popen(["true"])
+    ended.wait()
+    parent, others = os.getppid(), tmp_path / f".elsewhere.{ended.pid}.part"
+    names = [f".{platform.node()}.{process}.part" for process in (ended.pid, os.getpid(), parent)]
+    for folder in (*(tmp_path / name for name in names), others):
+        folder.mkdir()
+        (folder / "half").write_text("half")
+    fill(tmp_path, {})
+    left = sorted(path.name for path in tmp_path.iterdir() if path.is_dir())
+    assert left == sorted([names[2], others.name])
