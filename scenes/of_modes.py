@@ -124,9 +124,12 @@ class OfModes(ABC):
 
     def title(self, index: int) -> str:
         """A mode, by its index, in words: backend, number from 1, frequency and growth rate."""
+        begin = f"{backend_name(self.scene.backends)}, mode {index + 1}: "
+        if self.modes.rigid[index]:
+            return f"{begin}rigid motion"
         return (
-            f"{backend_name(self.scene.backends)}, mode {index + 1}: "
-            f"{self.frequencies[index]:.2f} Hz, growth rate {self.growth_rates[index]:+.2f} 1/s"
+            f"{begin}{self.frequencies[index]:.2f} Hz, "
+            f"growth rate {self.growth_rates[index]:+.2f} 1/s"
         )
 
     def _notes(self) -> Sequence[str]:

@@ -95,6 +95,7 @@ def accuracy(
     """Measure the error of every method against run time, on problems with exact eigenvalues."""
     from comparisons.cli.extras import need
     from comparisons.cli.progress import working
+    from comparisons.cli.redraw import refuse_with_redraw
 
     need("pictures", "exact")
     from comparisons.accuracy import page
@@ -106,6 +107,7 @@ def accuracy(
     from comparisons.kit.records import last_seconds
     from scenes.out_folder import check_out
 
+    refuse_with_redraw(redraw, {"problems": problems, "quick": quick})
     check_out(out)
     with working("accuracy", expected=last_seconds(out, "accuracy")) as work:
         if redraw:
@@ -168,6 +170,7 @@ def stability(
     from comparisons.cli.extras import need
     from comparisons.cli.output import console, print_table
     from comparisons.cli.progress import working
+    from comparisons.cli.redraw import refuse_with_redraw
 
     need("pictures", "exact")
     from comparisons.stability.catalogue import catalogue
@@ -177,6 +180,7 @@ def stability(
     from comparisons.stability.words import summary
     from scenes.out_folder import check_out, new_folder
 
+    refuse_with_redraw(redraw, {"case": case, "quick": quick})
     if redraw:
         data = read_stability(out)
     else:

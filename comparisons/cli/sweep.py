@@ -27,6 +27,7 @@ def sweep(
     from comparisons.cli.extras import need
     from comparisons.cli.output import print_table
     from comparisons.cli.progress import working
+    from comparisons.cli.redraw import refuse_another, refuse_with_redraw
 
     need("pictures")
     from cea.petsc import MPI
@@ -35,8 +36,11 @@ def sweep(
     from comparisons.sweep.tables import unstable_table, values_table
     from scenes.out_folder import check_out, new_folder
 
+    refuse_with_redraw(redraw, {"set": set_, "data": data})
     if redraw:
         found = read_sweep(out)
+        asked_for = {"scene": scene, "field": field, "start": start, "stop": stop}
+        refuse_another(asked_for, found["inputs"])
     else:
         asked = Sweep(scene, field, start, stop, points, tuple(set_ or ()), data)
         check_out(out)

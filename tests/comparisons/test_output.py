@@ -7,9 +7,12 @@ from math import inf
 import numpy as np
 import pytest
 from rich.console import Console
+from typer.testing import CliRunner
 
 from cea.eigen.spectrum import Spectrum, Window
+from cea.errors import InputError
 from cea.warned import ResultWarning
+from comparisons.cli.app import app
 from comparisons.cli.fitting import ShownColumn, blocks, total
 from comparisons.cli.output import print_result, print_table
 from comparisons.cli.progress import working
@@ -180,3 +183,18 @@ def test_time_left_is_that_of_last_time(tmp_path):
         with working("compare", expected=expected, to=console) as work:
             work.step("patch test")
         assert re.search(told, console.file.getvalue())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "field"),
+    [
+        (["accuracy", "drum", "--redraw"], "problems"),
+        (["accuracy", "--quick", "--redraw"], "quick"),
+        (["stability", "--case", "tied", "--redraw"], "case"),
+    ],
+)
+def test_options_that_drawing_has_no_use_for_are_refused(arguments, field, tmp_path):
+    found = CliRunner().invoke(app, [*arguments, "--out", str(tmp_path)])
+    assert isinstance(found.exception, InputError)
+    assert str(found.exception).startswith(f"{field} = ")
+    assert "left out with --redraw" in str(found.exception)
