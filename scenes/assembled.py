@@ -5,9 +5,9 @@ from dataclasses import fields, replace
 from typing import Any
 
 from cea.body import Body
-from cea.eigen.growth_thresholds import threshold_of
+from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.thresholds import Threshold
+from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
 from cea.timing import StageTimer
 from scenes.read import Scene
@@ -95,7 +95,7 @@ class AssembledScene:
         """
         every = {
             f"contacts.{name}.{field}": value
-            for name in self._sliding(of_every_contact)
+            for name in _sliding(self.scene, of_every_contact)
             for field, value in of_every_contact.items()
         }
         scene = self.scene.change(every | dict(changes or {}))
@@ -138,18 +138,19 @@ class AssembledScene:
         """
         assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
         top = self.scene.analysis.max_frequency
-        return threshold_of(
+        if self._quadratic(parameter, real, flutter):
+            if frequency is not None:
+                raise InputError("frequency", frequency, "left out with damping or rotation")
+            return growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
+        return flutter_threshold(
             self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
         )
 
-    def _sliding(self, fields: Mapping[str, Any]) -> list[str]:
-        """Contacts whose fields may be changed together: those that are not bonded."""
-        contacts = self.scene.contacts.items()
-        names = [name for name, c in contacts if c.formulation.coupling != "bonded"]
-        for field, value in fields.items():
-            if not names:
-                raise InputError(field, value, "left out: the scene has no contact that can slide")
-        return names
+    def _quadratic(self, parameter: str, *values: float) -> bool:
+        """Whether velocities count at some values of a parameter."""
+        if not any(term.role == "damping" for term in self._driver.pencil.terms):
+            return False
+        return any(self._driver.quadratic({parameter: value}) for value in values)
 
     def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
         """Parameters that make this scene another; None where others differ, or forms would."""
@@ -265,3 +266,12 @@ def _alike(old: ContactSpec, new: ContactSpec, but: Sequence[str]) -> bool:
         for field in fields(ContactSpec)
         if field.name not in but
     )
+
+
+def _sliding(scene: Scene, fields_of_all: Mapping[str, Any]) -> list[str]:
+    """Contacts whose fields may be changed together: those that are not bonded."""
+    names = [name for name, c in scene.contacts.items() if c.formulation.coupling != "bonded"]
+    for field, value in fields_of_all.items():
+        if not names:
+            raise InputError(field, value, "left out: the scene has no contact that can slide")
+    return names

@@ -6,10 +6,10 @@ from typing import Any
 
 from scipy.sparse import csr_array
 
-from cea.eigen.growth_thresholds import threshold_of
+from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
-from cea.eigen.thresholds import Threshold
+from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.timing import StageTimer
@@ -192,7 +192,11 @@ class AssembledMatrices:
             scene = self.scene.change({parameter: value})
             self._check_mass(scene.values, StageTimer())
         top = self.scene.window.max_frequency
-        return threshold_of(
+        if any(self._driver.quadratic({parameter: value}) for value in (real, flutter)):
+            if frequency is not None:
+                raise InputError("frequency", frequency, "left out where velocities count")
+            return growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
+        return flutter_threshold(
             self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
         )
 

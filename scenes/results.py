@@ -57,6 +57,11 @@ class SceneResult:
     warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
 
     @property
+    def dofs(self) -> int:
+        """Free dofs."""
+        return int(self.system.size)
+
+    @property
     def bodies(self) -> Mapping[str, Body]:
         """Bodies by name."""
         return self.system.bodies
@@ -65,11 +70,6 @@ class SceneResult:
     def steady(self) -> SteadySliding | None:
         """The state of steady sliding; None where the stiffness of every contact is given."""
         return self.system.steady
-
-    @property
-    def dofs(self) -> int:
-        """Free dofs."""
-        return int(self.system.size)
 
     def steady_lines(self) -> list[str]:
         """What the contacts carry in steady sliding, a line for each half pass."""

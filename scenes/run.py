@@ -163,7 +163,7 @@ def coupled(
 def skipped_by(scene: Scene) -> dict[str, str]:
     """What a scene does not need, or gives without use, with the reason; none is computed."""
     rotations = [body.rotation for body in scene.bodies.values() if body.rotation is not None]
-    skipped = {}
+    skipped = unused_input(scene)
     if not scene.slides_steadily:
         skipped["newton"] = "contact stiffness is known, no steady sliding state is sought"
     if not scene.damped:
@@ -193,4 +193,4 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     meshes = [body.mesh.fe for body in scene.bodies.values() if body.backend == "fe"]
     if not any(mesh.size for mesh in meshes if mesh is not None):
         skipped["gmsh"] = "no body has an unstructured mesh"
-    return skipped | unused_input(scene)
+    return skipped

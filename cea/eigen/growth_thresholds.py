@@ -10,50 +10,8 @@ from scipy.optimize import brentq
 
 from cea.body import Complexes, Floats
 from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.thresholds import Threshold, flutter_threshold
+from cea.eigen.thresholds import Threshold
 from cea.errors import ConvergenceError, InputError
-
-
-def threshold_of(
-    driver: KrylovSchur,
-    parameter: str,
-    real: float,
-    flutter: float,
-    *,
-    max_frequency: float,
-    frequency: float | None = None,
-) -> Threshold:
-    """Where a pair of modes begins to flutter or, where velocities count, where growth begins.
-
-    Parameters
-    ----------
-    driver
-        What solves the pencil.
-    parameter
-        Name of a parameter of the pencil.
-    real, flutter
-        Values on either side: at one nothing grows, at the other something does; where velocities
-        count every mode decays at the first.
-    max_frequency
-        Upper end of the modes that are looked at (Hz).
-    frequency
-        The growing mode nearest to it (Hz) is followed; None follows the fastest.
-
-    Raises
-    ------
-    InputError
-        When there is no such parameter, the values do not enclose a threshold, or a frequency is
-        given where velocities count.
-    ConvergenceError
-        When the pair is lost on the way, or a window is not complete.
-    """
-    if any(driver.quadratic({parameter: value}) for value in (real, flutter)):
-        if frequency is not None:
-            raise InputError("frequency", frequency, "left out with damping or rotation")
-        return growth_threshold(driver, parameter, real, flutter, max_frequency=max_frequency)
-    return flutter_threshold(
-        driver, parameter, real, flutter, max_frequency=max_frequency, frequency=frequency
-    )
 
 
 def growth_threshold(

@@ -373,7 +373,7 @@ def test_thresholds_of_matrices_are_the_closed_ones(tmp_path):
     ):
         with pytest.raises((InputError, SceneError), match=field):
             assembled.threshold(*arguments)
-    with pytest.raises(InputError, match=r"frequency = 0\.3: left out with damping"):
+    with pytest.raises(InputError, match=r"frequency = 0\.3: left out where velocities count"):
         damped.threshold("parameters.v", 1.0, 8.0, frequency=0.3)
 
 
