@@ -85,18 +85,18 @@ class AssembledScene:
         listener
             Called with the name of each stage as it begins.
         of_every_contact
-            Fields of every contact, e.g. ``mu = 0.3``.
+            Fields of every contact that can slide, e.g. ``mu = 0.3``: bonded ones stay as they are.
 
         Raises
         ------
         SceneError
             When a change is refused.
         InputError
-            When the analysis is changed to another.
+            When the analysis is changed to another, or no contact can slide.
         """
         every = {
             f"contacts.{name}.{field}": value
-            for name in self.scene.contacts
+            for name in _sliding(self.scene, of_every_contact)
             for field, value in of_every_contact.items()
         }
         scene = self.scene.change(every | dict(changes or {}))
@@ -288,3 +288,12 @@ def _alike(old: ContactSpec, new: ContactSpec, but: Sequence[str]) -> bool:
         for field in fields(ContactSpec)
         if field.name not in but
     )
+
+
+def _sliding(scene: Scene, fields_of_all: Mapping[str, Any]) -> list[str]:
+    """Contacts whose fields may be changed together: those that are not bonded."""
+    names = [name for name, c in scene.contacts.items() if c.formulation.coupling != "bonded"]
+    for field, value in fields_of_all.items():
+        if not names:
+            raise InputError(field, value, "left out: the scene has no contact that can slide")
+    return names

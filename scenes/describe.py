@@ -51,76 +51,79 @@ def save_result(
 
 
 def describe(result: ModesResult | StaticResult | MatrixResult) -> dict[str, Any]:
-    """Everything about a run, plain data as :func:`scenes.stored.write_record` takes them."""
-    if isinstance(result, MatrixResult):
-        return _describe_matrices(result)
-    data: dict[str, Any] = {
+    """Everything about a run, plain data as :func:`scenes.stored.write_record` takes them.
+
+    What was found comes first; `docs/result_json.md` says what every field is.
+    """
+    run = {
         "scene": as_data(result.scene),
-        "dofs": {
-            "free": result.system.size,
-            "bodies": {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()},
-        },
+        "dofs": {"free": result.dofs},
         "timings": dict(result.timer.seconds),
         "seconds": result.timer.total,
         "skipped": dict(result.skipped),
+    }
+    if isinstance(result, MatrixResult):
+        run["matrices"] = {name: piece.plain() for name, piece in result.pieces.items()}
+    else:
+        run |= _of_bodies(result)
+    if isinstance(result, StaticResult):
+        return run | {
+            "stresses": {
+                name: {side: _stress(stress) for side, stress in sides.items()}
+                for name, sides in result.stresses.items()
+            }
+        }
+    found = describe_modes(result.modes, result.analysis.growth_threshold)
+    return {"summary": result.summary} | found | run
+
+
+def _of_bodies(result: ModesResult | StaticResult) -> dict[str, Any]:
+    """What runs of bodies have, and those of matrices have not."""
+    bodies = {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()}
+    data: dict[str, Any] = {
+        "dofs": {"free": result.dofs, "bodies": bodies},
         "contacts": {name: _interface(i) for name, i in result.interfaces.items()},
     }
     if result.system.steady is not None:
         data["steady_sliding"] = steady_data(result.system.steady)
-    if isinstance(result, ModesResult):
-        return data | describe_modes(result.modes, result.analysis.growth_threshold)
-    return data | {
-        "stresses": {
-            name: {side: _stress(stress) for side, stress in sides.items()}
-            for name, sides in result.stresses.items()
-        }
-    }
-
-
-def _describe_matrices(result: MatrixResult) -> dict[str, Any]:
-    return {
-        "scene": as_data(result.scene),
-        "dofs": {"free": result.size},
-        "timings": dict(result.timer.seconds),
-        "seconds": result.timer.total,
-        "skipped": dict(result.skipped),
-        "matrices": {name: piece.plain() for name, piece in result.pieces.items()},
-    } | describe_modes(result.modes, result.analysis.growth_threshold)
+    return data
 
 
 def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str, Any]:
-    """Eigenvalues with their errors, the window searched, verdicts, the unstable modes."""
-    unstable = modes.unstable(growth_threshold)
+    """Eigenvalues with their errors, the window searched, verdicts, the unstable modes.
+
+    ``mode`` is the number of a mode, from 1: entry ``mode - 1`` of the list ``eigenvalues``.
+    """
+    rows = modes.table(growth_threshold)
     return {
-        "eigenvalues": [
+        "unstable_count": sum(row["verdict"] == "unstable" for row in rows),
+        "unstable": [
             {
-                "re": float(value.real),
-                "im": float(value.imag),
-                "residual": float(residual),
-                "condition": float(condition),
-                "uncertainty": float(uncertainty),
-                "verdict": verdict,
+                "mode": row["mode"],
+                "frequency": row["frequency"],
+                "growth": row["growth_rate"],
+                "damping_ratio": row["damping_ratio"],
             }
-            for value, residual, condition, uncertainty, verdict in zip(
-                modes.eigenvalues,
-                modes.residuals,
-                modes.conditions,
-                modes.growth_uncertainties,
-                modes.verdicts(growth_threshold),
-                strict=True,
-            )
+            for row in rows
+            if row["verdict"] == "unstable"
         ],
+        "verdict": modes.verdict(growth_threshold),
         "window": asdict(modes.window)
         | {"complete": modes.window.complete, "evidence": modes.window.evidence},
-        "verdict": modes.verdict(growth_threshold),
-        "unstable": [
-            {"mode": int(i), "frequency": float(f), "growth": float(g)}
-            for i, f, g in zip(
-                np.flatnonzero(unstable),
-                modes.frequencies[unstable],
-                modes.growth_rates[unstable],
-                strict=True,
-            )
+        "eigenvalues": [
+            {
+                "mode": row["mode"],
+                "frequency": row["frequency"],
+                "damping_ratio": row["damping_ratio"],
+                "re": row["growth_rate"],
+                "im": float(value.imag),
+                "residual": row["residual"],
+                "condition": row["condition"],
+                "uncertainty": row["uncertainty"],
+                "verdict": row["verdict"],
+                "rigid": row["rigid"],
+            }
+            for row, value in zip(rows, modes.eigenvalues, strict=True)
         ],
     }
 

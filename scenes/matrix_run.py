@@ -6,8 +6,10 @@ from typing import Any
 
 from scipy.sparse import csr_array
 
+from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
+from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.timing import StageTimer
@@ -22,6 +24,7 @@ from scenes.matrix_pencil import (
 )
 from scenes.matrix_scene import ROLES, MatrixScene
 from scenes.of_modes import OfModes
+from scenes.unused import unused_parameters
 
 _LETTERS = {"mass": "M", "damping": "C", "stiffness": "K"}
 
@@ -54,9 +57,14 @@ class MatrixResult(OfModes):
     warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
 
     @property
-    def size(self) -> int:
+    def dofs(self) -> int:
         """Unknowns."""
         return int(self.modes.template.getSize())
+
+    @property
+    def told(self) -> tuple[ResultWarning, ...]:
+        """What the result must be read with."""
+        return self.warnings
 
     @property
     def comm(self) -> Any:
@@ -157,6 +165,41 @@ class AssembledMatrices:
         skipped = skipped_by(scene, self.pieces)
         return MatrixResult(scene, modes, self.pieces, timer, skipped, warnings=warnings)
 
+    def threshold(
+        self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
+    ) -> Threshold:
+        """Value of a parameter at which a mode begins to grow, or ceases to.
+
+        Parameters
+        ----------
+        parameter
+            Path of a parameter, e.g. ``parameters.Omega``.
+        real, flutter
+            Values on either side: at one no pair of modes flutters, at the other one does. With
+            damping or gyroscopic terms every mode decays at the first, one grows at the other.
+        frequency
+            The growing mode nearest to it (Hz) is followed; None follows the fastest. With damping
+            or gyroscopic terms it is left out.
+
+        Raises
+        ------
+        InputError
+            When there is no such parameter, or the values do not enclose a threshold.
+        ConvergenceError
+            When the pair is lost on the way.
+        """
+        for value in (real, flutter):
+            scene = self.scene.change({parameter: value})
+            self._check_mass(scene.values, StageTimer())
+        top = self.scene.window.max_frequency
+        if any(self._driver.quadratic({parameter: value}) for value in (real, flutter)):
+            if frequency is not None:
+                raise InputError("frequency", frequency, "left out where velocities count")
+            return growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
+        return flutter_threshold(
+            self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
+        )
+
     def _check_mass(self, values: Mapping[str, float], timer: StageTimer) -> None:
         """Refuse a mass that is not positive definite, once for equal coefficients."""
         mass = self.scene.sum("mass")
@@ -220,4 +263,4 @@ def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str
         skipped["unsymmetric solver"] = "every matrix of the stiffness is symmetric"
     skipped["pictures"] = "matrices have no geometry"
     skipped["paraview"] = "matrices have no geometry"
-    return skipped
+    return skipped | unused_parameters(scene)

@@ -1,20 +1,28 @@
 """What modes of a scene say of themselves, fresh or opened from a file."""
 
-from typing import Any
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats
+from cea.eigen.mode_table import SIGNS, ModeTable, html_table
 from cea.eigen.spectrum import Spectrum, Verdict
+from cea.errors import InputError
+from cea.warned import ResultWarning
 from scenes.matrix_scene import MatrixScene
 from scenes.names import backend_name
 from scenes.read import Scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 
 
-class OfModes:
+class OfModes(ABC):
     """Modes of a scene.
+
+    A mode that is named by a number has one from 1, as tables, files, pictures show it; arrays of
+    modes are indexed from 0, as all arrays are.
 
     Attributes
     ----------
@@ -58,24 +66,82 @@ class OfModes:
         """Of the whole window: stable, unstable, or undecided."""
         return self.modes.verdict(self.analysis.growth_threshold)
 
+    @property
+    def damping_ratios(self) -> Floats:
+        """-Re lambda / abs(lambda), shape (n,): below zero where a mode grows, NaN where rigid."""
+        return self.modes.damping_ratios
+
+    @property
+    @abstractmethod
+    def dofs(self) -> int:
+        """Free dofs."""
+
+    @property
+    def told(self) -> tuple[ResultWarning, ...]:
+        """What the result must be read with."""
+        return self.modes.warnings
+
+    def steady_lines(self) -> list[str]:
+        """What the contacts carry in steady sliding, a line for each half pass."""
+        return []
+
     def most_unstable(self, count: int) -> list[int]:
-        """Numbers, from 0, of the most unstable modes; of the first ones where none is."""
+        """Indices, from 0, of the most unstable modes; of the first ones where none is."""
         unstable = np.flatnonzero(self.unstable)
         if not len(unstable):
             return list(range(min(count, len(self.modes))))
         order = np.argsort(-self.growth_rates[unstable], kind="stable")
         return unstable[order][:count].tolist()
 
-    def table(self) -> list[dict[str, Any]]:
+    def index(self, mode: int | None = None) -> int:
+        """Index, from 0, of a mode in all arrays.
+
+        Parameters
+        ----------
+        mode
+            Its number, from 1; by default the most unstable one.
+
+        Raises
+        ------
+        InputError
+            When there is no such mode.
+        """
+        if mode is None and len(self.modes):
+            return self.most_unstable(1)[0]
+        if mode is None or not 1 <= mode <= len(self.modes):
+            raise InputError("mode", mode, f"the number of a mode, from 1 to {len(self.modes)}")
+        return int(mode) - 1
+
+    def table(self) -> ModeTable:
         """A row for each mode, as :meth:`cea.eigen.spectrum.Spectrum.table` has them."""
         return self.modes.table(self.analysis.growth_threshold)
 
-    def title(self, mode: int) -> str:
-        """A mode in words: backend, number from 1, frequency and growth rate."""
+    @property
+    def summary(self) -> str:
+        """How many modes are unstable, and the verdict, in a line."""
+        headline = self.modes.headline(self.analysis.growth_threshold)
+        return f"{self.scene.name}: {headline}; verdict: {self.verdict}"
+
+    def title(self, index: int) -> str:
+        """A mode, by its index, in words: backend, number from 1, frequency and growth rate."""
+        begin = f"{backend_name(self.scene.backends)}, mode {index + 1}: "
+        if self.modes.rigid[index]:
+            return f"{begin}rigid motion"
         return (
-            f"{backend_name(self.scene.backends)}, mode {mode + 1}: "
-            f"{self.frequencies[mode]:.2f} Hz, growth rate {self.growth_rates[mode]:+.2f} 1/s"
+            f"{begin}{self.frequencies[index]:.2f} Hz, "
+            f"growth rate {self.growth_rates[index]:+.2f} 1/s"
         )
 
+    def _notes(self) -> Sequence[str]:
+        """What stands below the table: dofs, evidence of the window, steady sliding, warnings."""
+        warnings = [f"warning ({warning.kind}): {warning.message}" for warning in self.told]
+        evidence = f"window: {self.modes.window.evidence}"
+        return [f"{self.dofs} dofs", evidence, *self.steady_lines(), *warnings]
+
     def __repr__(self) -> str:
-        return f"{self.scene.name}: {self.modes.text(self.analysis.growth_threshold)}"
+        return "\n".join([self.summary, repr(self.table()), SIGNS, *self._notes()])
+
+    def _repr_html_(self) -> str:
+        notes = "<br>".join(escape(line) for line in (SIGNS, *self._notes()))
+        summary = f"<p><b>{escape(self.summary)}</b></p>"
+        return f"{summary}{html_table(self.table())}<p>{notes}</p>"

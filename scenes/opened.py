@@ -17,6 +17,7 @@ from cea.warned import ResultWarning
 from scenes.faults import faults_told_by
 from scenes.matrix_scene import MatrixScene, read_matrix_scene
 from scenes.of_modes import OfModes
+from scenes.of_stresses import Extremes, stress_lines, stress_rows
 from scenes.read import Scene, read_scene
 from scenes.stored import PROVENANCE, read_record
 
@@ -81,7 +82,7 @@ class _StoredRun(StoredResult):
 
 
 @dataclass(frozen=True)
-class StoredModes(OfModes, _StoredRun):
+class StoredModes(_StoredRun, OfModes):
     """Modes of a complex eigenvalue analysis, without their shapes.
 
     Parameters
@@ -93,6 +94,13 @@ class StoredModes(OfModes, _StoredRun):
     modes: Spectrum
 
     __repr__ = OfModes.__repr__
+
+    def steady_lines(self) -> list[str]:
+        """What the contacts carry in steady sliding, a line for each half pass."""
+        from scenes.steady import steady_lines  # brings PETSc, which opening a file does not need
+
+        steady = self.data.get("steady_sliding")
+        return [] if steady is None else steady_lines(steady)
 
 
 @dataclass(frozen=True)
@@ -127,6 +135,19 @@ class StoredStatic(_StoredRun):
     """
 
     stresses: Mapping[str, Mapping[str, StoredStress]]
+
+    def table(self) -> list[dict[str, Any]]:
+        """A row for each side of each contact, as :meth:`scenes.results.StaticResult.table`."""
+        return stress_rows(
+            {
+                name: {side: Extremes(s.min, s.max, s.oscillation) for side, s in sides.items()}
+                for name, sides in self.stresses.items()
+            }
+        )
+
+    def __repr__(self) -> str:
+        rows = stress_lines(self.table())
+        return "\n".join([f"{self.scene.name}: static analysis", *rows])
 
 
 def open_result(file: str | Path) -> StoredModes | StoredStatic | StoredResult:

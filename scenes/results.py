@@ -18,6 +18,7 @@ from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from scenes.arrays import gathered_displacements, gathered_rows, gathered_sums
 from scenes.of_modes import OfModes
+from scenes.of_stresses import Extremes, stress_lines, stress_rows
 from scenes.read import Scene
 from scenes.spec.analysis import StaticAnalysis
 from scenes.steady import steady_data, steady_lines
@@ -54,6 +55,11 @@ class SceneResult:
     timer: StageTimer
     skipped: Mapping[str, str]
     warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
+
+    @property
+    def dofs(self) -> int:
+        """Free dofs."""
+        return int(self.system.size)
 
     @property
     def bodies(self) -> Mapping[str, Body]:
@@ -146,7 +152,7 @@ class SceneResult:
 
 
 @dataclass(frozen=True)
-class ModesResult(OfModes, SceneResult):
+class ModesResult(SceneResult, OfModes):
     """Modes of a complex eigenvalue analysis.
 
     Parameters
@@ -157,6 +163,13 @@ class ModesResult(OfModes, SceneResult):
 
     scene: Scene
     modes: Modes
+
+    __repr__ = OfModes.__repr__
+
+    @property
+    def told(self) -> tuple[ResultWarning, ...]:
+        """What the result must be read with."""
+        return self.warnings
 
     def _values(self) -> Mapping[str, float]:
         return self.modes.values
@@ -190,7 +203,7 @@ class ModesResult(OfModes, SceneResult):
             of its scalar basis functions at the points, shape (n, num_scalar_dofs); None takes
             the scalar dofs themselves.
         modes
-            Numbers of the modes, from 0; None takes all.
+            Indices of the modes, from 0, as in :attr:`eigenvalues`; None takes all.
         everywhere
             Whether every rank gives the points and gets the answer; otherwise rank 0 does, and
             others get an empty array.
@@ -209,19 +222,23 @@ class ModesResult(OfModes, SceneResult):
         Parameters
         ----------
         mode
-            Its number, from 0; by default the most unstable one.
+            Its number, from 1, as :meth:`table` has it; by default the most unstable one.
 
         Returns
         -------
         PIL.Image.Image
-            On rank 0, None on other ranks.
+            On rank 0, None on other ranks. A notebook shows it; ``save`` writes it.
+
+        Raises
+        ------
+        InputError
+            When there is no such mode.
         """
-        (chosen,) = self.most_unstable(1) if mode is None else [mode]
-        drawings = self.drawings([chosen])
+        drawings = self.drawings([self.index(mode)])
         return drawings[0].images([0.0])[0] if drawings else None
 
     def drawings(self, modes: Sequence[int]) -> list["Drawing"]:
-        """Modes ready to be drawn at any phase; on rank 0, none on other ranks."""
+        """Modes, by their indices, ready to be drawn at any phase; none but on rank 0."""
         from scenes.drawing import Drawing  # brings pyvista
 
         samples = {name: body.volume_sample(2) for name, body in self.bodies.items()}
@@ -235,9 +252,6 @@ class ModesResult(OfModes, SceneResult):
             Drawing.of(samples, {n: u[..., i] for n, u in shapes.items()}, self.title(mode))
             for i, mode in enumerate(modes)
         ]
-
-    def __repr__(self) -> str:
-        return "\n".join([OfModes.__repr__(self), *self.steady_lines()])
 
 
 @dataclass(frozen=True)
@@ -274,22 +288,16 @@ class StaticResult(SceneResult):
 
     def table(self) -> list[dict[str, Any]]:
         """A row for each side of each contact: extremes and oscillation of sigma_n (N/m^2)."""
-        return [
+        return stress_rows(
             {
-                "contact": name,
-                "side": side,
-                "min": float(stress.sigma_n.min()),
-                "max": float(stress.sigma_n.max()),
-                "oscillation": stress.oscillation,
+                name: {
+                    side: Extremes(float(s.sigma_n.min()), float(s.sigma_n.max()), s.oscillation)
+                    for side, s in sides.items()
+                }
+                for name, sides in self.stresses.items()
             }
-            for name, sides in self.stresses.items()
-            for side, stress in sides.items()
-        ]
+        )
 
     def __repr__(self) -> str:
-        rows = [
-            f"{row['contact']}, side {row['side']}: sigma_n from {row['min']:.6g} to "
-            f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
-            for row in self.table()
-        ]
+        rows = stress_lines(self.table())
         return "\n".join([f"{self.scene.name}: static analysis", *self.steady_lines(), *rows])

@@ -19,6 +19,7 @@ from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
 from scenes.spec.analysis import ComplexEigenvalueAnalysis, StaticAnalysis
 from scenes.steady import steady_warnings
+from scenes.unused import unused_input
 from scenes.warnings import scene_warnings, short_modes
 
 
@@ -160,9 +161,9 @@ def coupled(
 
 
 def skipped_by(scene: Scene) -> dict[str, str]:
-    """What a scene does not need, with the reason; none of it is computed."""
+    """What a scene does not need, or gives without use, with the reason; none is computed."""
     rotations = [body.rotation for body in scene.bodies.values() if body.rotation is not None]
-    skipped = {}
+    skipped = unused_input(scene)
     if not scene.slides_steadily:
         skipped["newton"] = "contact stiffness is known, no steady sliding state is sought"
     if not scene.damped:

@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats
+from cea.eigen.mode_table import SIGNS, ModeTable, aligned
 from cea.warned import ResultWarning
 
 Verdict = Literal["stable", "unstable", "undecided"]
 
 RELATIVE_GROWTH = 1e-4
 """Growth rate relative to abs(lambda) above which a mode is called unstable by default."""
-_DIGITS = 0.01
-"""Growth rate (1/s) below which three digits after the point show too little."""
 SLOW = 0.1
 """Modes slower than this part of the window are judged by it: rigid motions have no speed."""
 _TRUSTED = 1e-2
@@ -141,6 +140,19 @@ class Spectrum:
         return self.eigenvalues.real
 
     @property
+    def damping_ratios(self) -> Floats:
+        """-Re lambda / abs(lambda), shape (n,): below zero where a mode grows, NaN where rigid."""
+        ratios = np.full(len(self), np.nan)
+        moving = ~self.rigid
+        ratios[moving] = 0.0 - self.growth_rates[moving] / np.abs(self.eigenvalues[moving])
+        return ratios
+
+    @property
+    def rigid(self) -> NDArray[np.bool_]:
+        """Modes whose lambda is zero but for rounding, shape (n,): nothing holds their motion."""
+        return self.trusted & (np.abs(self.eigenvalues) <= self.growth_uncertainties)
+
+    @property
     def slowest(self) -> float:
         """Tenth of the window (1/s): what slower modes are judged by, or zero without window.
 
@@ -192,7 +204,7 @@ class Spectrum:
             return "unstable"
         return "stable" if self.window.complete and "undecided" not in each else "undecided"
 
-    def table(self, threshold: float | None = None) -> list[dict[str, Any]]:
+    def table(self, threshold: float | None = None) -> ModeTable:
         """A row for each mode: its number from 1, frequency (Hz), growth rate (1/s), errors.
 
         Parameters
@@ -200,41 +212,31 @@ class Spectrum:
         threshold
             Growth rate (1/s) above which a mode is called unstable; see :meth:`thresholds`.
         """
+        ratios = zip(self.damping_ratios.tolist(), self.rigid.tolist(), strict=True)
         columns: dict[str, Iterable[Any]] = {
             "mode": range(1, len(self) + 1),
             "frequency": self.frequencies.tolist(),
             "growth_rate": self.growth_rates.tolist(),
+            "damping_ratio": [None if rigid else ratio for ratio, rigid in ratios],
             "unstable": self.unstable(threshold).tolist(),
             "verdict": self.verdicts(threshold),
+            "rigid": self.rigid.tolist(),
             "uncertainty": self.growth_uncertainties.tolist(),
             "residual": self.residuals.tolist(),
             "condition": self.conditions.tolist(),
         }
-        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        rows = zip(*columns.values(), strict=True)
+        return ModeTable(dict(zip(columns, row, strict=True)) for row in rows)
+
+    def headline(self, threshold: float | None = None) -> str:
+        """How many modes are unstable, undecided and rigid, in words."""
+        each, rigid = self.verdicts(threshold), int(self.rigid.sum())
+        counts = [(each.count("undecided"), "undecided"), (rigid, "rigid")]
+        line = f"{each.count('unstable')} of {len(self)} modes up to "
+        line += f"{self.window.max_frequency:g} Hz unstable"
+        return ", ".join([line, *(f"{count} {name}" for count, name in counts if count)])
 
     def text(self, threshold: float | None = None) -> str:
-        """How many modes are unstable, and all of them in a table.
-
-        A star marks unstable modes, a question mark those whose errors leave it open.
-        """
-        rows = self.table(threshold)
-        count = sum(row["verdict"] == "unstable" for row in rows)
-        unsure = sum(row["verdict"] == "undecided" for row in rows)
-        lines = [
-            f"{count} of {len(self)} modes up to {self.window.max_frequency:g} Hz unstable"
-            + (f", {unsure} undecided" if unsure else ""),
-            " mode  frequency (Hz)  growth rate (1/s)  uncertainty  residual  condition",
-        ]
-        signs = {"unstable": " *", "undecided": " ?", "stable": ""}
-        lines += [
-            f"{row['mode']:5d}  {row['frequency']:14.3f}  {growth_text(row['growth_rate']):>17}"
-            f"  {row['uncertainty']:11.1e}  {row['residual']:8.1e}  {row['condition']:9.1f}"
-            f"{signs[row['verdict']]}"
-            for row in rows
-        ]
-        return "\n".join(lines)
-
-
-def growth_text(rate: float) -> str:
-    """A growth rate (1/s); a small one by its digits, for it decides as a large one does."""
-    return f"{rate:+.3f}" if rate == 0 or abs(rate) >= _DIGITS else f"{rate:+.2e}"
+        """How many modes are unstable, and all of them in a table with marks."""
+        lines = aligned(self.table(threshold))
+        return "\n".join([self.headline(threshold), *lines, SIGNS])

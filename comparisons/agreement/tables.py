@@ -72,9 +72,9 @@ def eigenvalues(data: Data) -> Table:
     rows = []
     for run in data["disc_pad"]["runs"]:
         unstable = {mode["mode"] for mode in run["unstable"]}
-        for i, value in enumerate(run["eigenvalues"]):
+        for i, value in enumerate(run["eigenvalues"], start=1):
             numbers = (value["im"] / tau, value["re"], value["residual"], value["condition"])
-            rows.append((run["backend"], run["formulation"], i + 1, *numbers, i in unstable))
+            rows.append((run["backend"], run["formulation"], i, *numbers, i in unstable))
     names = ("backend", "formulation", "mode", "frequency", "growth", "residual", "condition")
     columns = tuple(Column(name, name) for name in (*names, "unstable"))
     return Table("eigenvalues", "", columns, rows)

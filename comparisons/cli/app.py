@@ -1,6 +1,8 @@
 """The command line ``cea``: its commands, each a function that imports what it uses."""
 
 import os
+import sys
+from io import TextIOWrapper
 from typing import Annotated, Any
 
 import typer
@@ -82,5 +84,10 @@ def main() -> None:
     """Run a command; wrong input and failed convergence end in one line, not a traceback."""
     # Products of small matrices lose by threads, many times over on a machine that is busy.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(
+                errors="replace"
+            )  # marks and signs end no run where none can be shown
     with one_voice(launched_together()):
         app(standalone_mode=True)

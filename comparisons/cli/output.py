@@ -1,78 +1,140 @@
-"""What commands print: where they are, tables, modes."""
+"""What commands print: progress, tables, results."""
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-import typer
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.table import Table
 
+from comparisons.cli.fitting import ShownColumn, blocks, total
 from comparisons.kit.tables import Table as ReportTable
 
 if TYPE_CHECKING:
     from scenes.matrix_run import MatrixResult
     from scenes.results import ModesResult, StaticResult
 
-console = Console()
-_TABLE_WIDTH = 120
-
-
-def print_table(table: ReportTable) -> None:
-    """Print a table of a report."""
-    shown = Table(title=table.caption, title_justify="left", box=SIMPLE_HEAD)
-    for column in table.columns:
-        unit = f" ({column.unit})" if column.unit else ""
-        shown.add_column(
-            column.title + unit, no_wrap=True, justify="right" if column.show else "left"
-        )
-    for cells in table.cells():
-        shown.add_row(*cells)
-    Console(width=max(console.width, _TABLE_WIDTH)).print(shown)
-
+console = Console(highlight=False)
 
 _COLOURS = {"unstable": "bold red", "undecided": "yellow", "stable": None}
+_FIRST = ("mode", "frequency", "growth_rate", "damping_ratio", "verdict")
+"""Columns of modes, the most important first; others follow where the terminal has room."""
+_NEEDED = 3
+"""Columns that are never left out."""
 
 
-def print_steady(result: "ModesResult | StaticResult") -> None:
-    """Print what the contacts carry in steady sliding, where that was sought."""
+def width_of(console: Console) -> int | None:
+    """Columns of a terminal; None where it is none: a file has room."""
+    return console.width if console.is_terminal else None
+
+
+def print_table(table: ReportTable, to: Console = console) -> None:
+    """Print a table of a report; columns for which there is no room stand below the others.
+
+    Parameters
+    ----------
+    table
+        The table.
+    to
+        Where it is printed.
+    """
+    rows = table.cells()
+    columns = [
+        ShownColumn(
+            f"{column.title} ({column.unit})" if column.unit else column.title,
+            [row[i] for row in rows],
+            column.show is not None,
+        )
+        for i, column in enumerate(table.columns)
+    ]
+    for i, block in enumerate(blocks(columns, width_of(to))):
+        _print(block.table("" if i else table.caption), to)
+
+
+def print_result(
+    result: "ModesResult | StaticResult | MatrixResult", to: Console = console
+) -> None:
+    """Print what a run found: first how many modes are unstable, last what it left out.
+
+    Parameters
+    ----------
+    result
+        The run.
+    to
+        Where it is printed.
+    """
+    from scenes.results import StaticResult
+
+    if isinstance(result, StaticResult):
+        _say(to, str(result))
+        warnings = result.warnings
+    else:
+        _print_modes(result, to)
+        warnings = result.told
+    for warning in warnings:
+        _say(to, f"warning ({warning.kind}): {warning.message}", "yellow")
+    _say_left_out(result.skipped, to)
+
+
+def _say_left_out(skipped: Mapping[str, str], to: Console) -> None:
+    """Name what the run did without; the reasons stand in result.json."""
+    from scenes.unused import GIVEN
+
+    given = [name for name, reason in skipped.items() if reason.startswith(GIVEN)]
+    others = [name for name in skipped if name not in given]
+    for words, names in (("left out, not needed", others), ("given, not used", given)):
+        if names:
+            _say(to, f"{words}: {', '.join(names)}", "dim")
+
+
+def _print_modes(result: "ModesResult | MatrixResult", to: Console) -> None:
+    """Print the verdict, the unstable modes, all modes, and why they are all."""
+    from cea.eigen.mode_table import MARKS, SIGNS, TITLES, shown_cells
+
+    rows = result.table()
+    texts = shown_cells(rows)
+    summary = " ".join(part for part in (MARKS[result.verdict], result.summary) if part)
+    _say(to, summary, _COLOURS[result.verdict])
+    for index in result.most_unstable(len(rows)) if result.unstable.any() else ():
+        cells = texts[index]
+        _say(
+            to,
+            f"{MARKS['unstable']} mode {cells['mode']}: {cells['frequency']} Hz, growth rate "
+            f"{cells['growth_rate']} 1/s, damping ratio {cells['damping_ratio']}",
+            _COLOURS["unstable"],
+        )
+    names = [*_FIRST, *(name for name in TITLES if name not in _FIRST)]
+    marks = ShownColumn("", [MARKS[row["verdict"]] for row in rows], number=False)
+    columns = [
+        ShownColumn(TITLES[name], [line[name] for line in texts], name != "verdict")
+        for name in names
+    ]
+    shown = _fitting([marks, *columns], width_of(to))
+    (block,) = blocks(shown, None)
+    _print(block.table(styles=[_COLOURS[row["verdict"]] for row in rows]), to)
+    left_out = [TITLES[name] for name in names[len(shown) - 1 :]]
+    if left_out:
+        _say(to, f"no room for: {', '.join(left_out)} (in result.json)")
+    _say(to, SIGNS)
     for line in result.steady_lines():
-        console.print(line)
+        _say(to, line)
+    _say(to, f"window: {result.modes.window.evidence}")
 
 
-def print_modes(result: "ModesResult | MatrixResult") -> None:
-    """Print the eigenvalues of a run, its verdict, what it must be read with, and why it is all."""
-    from cea.eigen.spectrum import growth_text
-
-    columns = ("mode", "frequency (Hz)", "growth rate (1/s)", "uncertainty", "residual")
-    table = Table(*columns, "condition", "verdict")
-    for mode in result.table():
-        table.add_row(
-            str(mode["mode"]),
-            f"{mode['frequency']:.3f}",
-            growth_text(mode["growth_rate"]),
-            f"{mode['uncertainty']:.1e}",
-            f"{mode['residual']:.1e}",
-            f"{mode['condition']:.1f}",
-            mode["verdict"],
-            style=_COLOURS[mode["verdict"]],
-        )
-    console.print(table)
-    typer.echo(result.modes.window.evidence)
-    _print_warnings(result)
-    console.print(f"verdict: {result.verdict}")
+def _fitting(columns: Sequence[ShownColumn], width: int | None) -> list[ShownColumn]:
+    """The first columns, as many as fit beside each other, and those that are needed."""
+    count = len(columns)
+    while width is not None and count > 1 + _NEEDED:
+        if total([column.natural for column in columns[:count]]) <= width:
+            break
+        count -= 1
+    return list(columns[:count])
 
 
-def print_stresses(result: "StaticResult") -> None:
-    """Print the range of the normal stress on each side of each contact."""
-    for row in result.table():
-        console.print(
-            f"{row['contact']}, side {row['side']}: sigma_n from {row['min']:.6g} to "
-            f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
-        )
-    _print_warnings(result)
+def _print(table: object, to: Console) -> None:
+    """Print a table as wide as it is: a terminal wraps what a single number makes too wide."""
+    room = Console(width=1 << 12, file=to.file, force_terminal=to.is_terminal, highlight=False)
+    room.print(table, crop=False)
 
 
-def _print_warnings(result: "ModesResult | StaticResult | MatrixResult") -> None:
-    """Print what a result must be read with."""
-    for warning in result.warnings:
-        console.print(f"warning ({warning.kind}): {warning.message}", style="yellow")
+def _say(to: Console, text: str, style: str | None = None) -> None:
+    """Print text as it is, wrapped at words on a terminal."""
+    to.print(text, style=style, markup=False, soft_wrap=not to.is_terminal)

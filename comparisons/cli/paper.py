@@ -24,17 +24,21 @@ def figure(
     """Make a figure of the paper: data, pictures, and its numbers beside those of the text."""
     from cea.petsc import MPI
     from comparisons.cli.extras import need
-    from comparisons.cli.output import console, print_table
+    from comparisons.cli.output import print_table
+    from comparisons.cli.progress import working
 
     need("pictures")
     from comparisons.kit.progress import Progress
     from comparisons.paper.both_backends import make_both
     from comparisons.paper.common.store import make_figure
     from comparisons.paper.registry import chosen
+    from scenes.out_folder import check_out
 
-    for each in chosen(name):
-        with console.status(each.title) as status:
-            progress = Progress(step=status.update, stage=lambda stage: None)
+    figures = chosen(name)
+    check_out(out)
+    for each in figures:
+        with working(each.title) as work:
+            progress = Progress(step=work.step, stage=lambda stage: None)
             pictures = []
             if backend == "both":
                 both = make_both(each, out, progress, recompute=recompute)
@@ -55,15 +59,17 @@ def claims(out: _Out = Path("results/figures")) -> None:
     """Judge the paper's claims by the figures' data; what is not stored is computed."""
     from cea.petsc import MPI
     from comparisons.cli.extras import need
-    from comparisons.cli.output import console
+    from comparisons.cli.progress import working
 
     need("pictures")
     from comparisons.kit.progress import Progress
     from comparisons.paper.claims.judge import judge, write_claims
+    from scenes.out_folder import check_out
 
+    check_out(out)
     start = perf_counter()
-    with console.status("claims") as status:
-        judged = judge(out, Progress(step=status.update, stage=lambda stage: None))
+    with working("claims") as work:
+        judged = judge(out, Progress(step=work.step, stage=lambda stage: None))
     if MPI.COMM_WORLD.rank == 0:
         for each in judged:
             typer.echo(each.told())

@@ -14,18 +14,20 @@ def race(
     out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/race"),
 ) -> None:
     """Time a scene of matrices beside five shift-and-invert runs of scipy in the same process."""
-    from cea.files import check_writable
-    from comparisons.cli.output import console, print_table
+    from comparisons.cli.output import print_table
+    from comparisons.cli.progress import working
     from comparisons.race.page import write_race
     from comparisons.race.study import race as run_race
     from comparisons.race.tables import race_table
     from scenes.matrix_scene import load_matrices
+    from scenes.out_folder import check_out, new_folder
 
-    with console.status("race") as status:
+    with working("race") as work:
         chosen = load_matrices(scene, set_ or (), data)
-        check_writable(out / "result.json", "out")
+        check_out(out)
         inputs = {"scene": scene, "set": set_ or [], "data": data, "repeats": repeats}
-        found = run_race(chosen, inputs, repeats=repeats, progress=status.update)
-        file = write_race(found, out)
+        found = run_race(chosen, inputs, repeats=repeats, progress=work.stage)
+    with new_folder(out) as new:
+        file = new.final(write_race(found, new.part))
     print_table(race_table(found))
     typer.echo(f"{file}")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 if TYPE_CHECKING:
+    from comparisons.cli.progress import Working
     from scenes.matrix_run import MatrixResult
     from scenes.matrix_scene import MatrixScene
     from scenes.results import ModesResult, StaticResult
@@ -63,24 +64,20 @@ def report_matrices(
     scene: "MatrixScene", out: Path, inputs: dict[str, Any], *, report: bool = False
 ) -> None:
     """Run a scene of matrices, print its modes and write its result.json."""
-    from cea.files import check_writable
     from comparisons.cli.extras import need
-    from comparisons.cli.output import console, print_modes
-    from scenes.describe import save_result
+    from comparisons.cli.progress import working
+    from comparisons.kit.records import last_seconds
+    from scenes.describe import RUN
     from scenes.matrix_run import run_matrices
+    from scenes.out_folder import check_out
 
-    with console.status("reading matrices") as status:
-        check_writable(out / "result.json", "out")
+    expected = last_seconds(out, RUN, inputs)
+    with working("reading matrices", expected=expected) as work:
+        check_out(out)
         if report:
             need("pictures")
-        result = run_matrices(scene, listener=status.update)
-    file = save_result(result, out / "result.json", inputs=inputs)
-    print_modes(result)
-    for name in ("pictures", "paraview"):
-        console.print(f"left out: {name} ({result.skipped[name]})")
-    typer.echo(f"{result.size} dofs, {result.timer.total:.2f} s; {file}")
-    if report:
-        _write_report(result, file)
+        result = run_matrices(scene, listener=work.stage)
+    _write(result, out, inputs, report=report)
 
 
 def _run_bodies(
@@ -93,46 +90,77 @@ def _run_bodies(
     report: bool,
 ) -> None:
     """Run a scene of bodies and write its result.json, pictures and files for ParaView."""
-    from cea.files import check_writable
     from comparisons.cli.extras import need
-    from comparisons.cli.output import console, print_modes, print_steady, print_stresses
-    from scenes.describe import save_result
+    from comparisons.cli.progress import working
+    from comparisons.kit.records import last_seconds
+    from scenes.describe import RUN
+    from scenes.out_folder import check_out
     from scenes.read import load_scene
-    from scenes.results import ModesResult
     from scenes.run import run_scene
 
-    with console.status("reading the scene") as status:
+    expected = last_seconds(out, RUN, inputs)
+    with working("reading the scene", expected=expected) as work:
         chosen = load_scene(scene, set_, backend)
-        check_writable(out / "result.json", "out")
+        check_out(out)
         if chosen.output.pictures or chosen.output.paraview or report:
             need("pictures")
-        result = run_scene(chosen, listener=lambda stage: status.update(stage))
-        files = {}
-        if chosen.output.pictures and isinstance(result, ModesResult):
-            from scenes.pictures import draw_modes
-
-            status.update("pictures")
-            pictures = draw_modes(result, chosen.output.pictures, out, animated=True)
-            files["pictures"] = [file.name for file in pictures]
-        if chosen.output.paraview:
-            from scenes.paraview import write_paraview
-
-            status.update("files for ParaView")
-            collections = write_paraview(result, chosen.output.paraview, out)
-            files["paraview"] = [file.name for file in collections]
-    file = save_result(result, out / "result.json", inputs=inputs, data=files)
-    print_steady(result)
-    if isinstance(result, ModesResult):
-        print_modes(result)
-    else:
-        print_stresses(result)
-    typer.echo(f"{result.system.size} dofs, {result.timer.total:.2f} s; {file}")
-    if report:
-        _write_report(result, file)
+        result = run_scene(chosen, listener=work.stage)
+    _write(result, out, inputs, report=report)
 
 
-def _write_report(result: "ModesResult | StaticResult | MatrixResult", file: Path) -> None:
-    """Write the page of a run beside its record, and name it."""
+def _write(
+    result: "ModesResult | StaticResult | MatrixResult",
+    out: Path,
+    inputs: dict[str, Any],
+    *,
+    report: bool,
+) -> None:
+    """Print a result, then put it in the place of an earlier one."""
+    from comparisons.cli.output import console, print_result
+    from comparisons.cli.progress import working
+    from scenes.describe import save_result
+    from scenes.matrix_run import MatrixResult
+    from scenes.out_folder import RESULT, new_folder
+
+    page = None
+    print_result(result)
+    with working("writing") as work, new_folder(out, root=result.comm.rank == 0) as new:
+        drawn = {} if isinstance(result, MatrixResult) else _draw(result, new.part, work)
+        record = save_result(result, new.part / RESULT, inputs=inputs, data=drawn)
+        if report:
+            page = new.final(_report(result, record))
+    if new.kept:
+        console.print(f"not of this program, and kept: {', '.join(new.kept)}", markup=False)
+    typer.echo(f"{result.dofs} dofs, {result.timer.total:.2f} s; {out / RESULT}")
+    if page:
+        typer.echo(f"The report to open: {page}")
+
+
+def _report(result: "ModesResult | StaticResult | MatrixResult", record: Path) -> Path:
+    """Write the page of a run beside its record."""
     from comparisons.run_report.page import write_run_report
 
-    typer.echo(f"The report to open: {write_run_report(result, file)}")
+    return write_run_report(result, record)
+
+
+def _draw(
+    result: "ModesResult | StaticResult", folder: Path, work: "Working"
+) -> dict[str, list[str]]:
+    """Write the pictures and files for ParaView that a scene asks for; their names."""
+    from scenes.results import ModesResult
+
+    files = {}
+    output = result.scene.output
+    if output.pictures and isinstance(result, ModesResult):
+        from scenes.pictures import draw_modes
+
+        work.stage("pictures")
+        pictures = draw_modes(result, output.pictures, folder, animated=True)
+        files["pictures"] = [file.name for file in pictures]
+    if output.paraview:
+        from scenes.paraview import write_paraview
+
+        work.stage("files for ParaView")
+        collections = write_paraview(result, output.paraview, folder)
+        files["paraview"] = [file.name for file in collections]
+    return files

@@ -12,27 +12,28 @@ def compare(
     """Run both scenes on both backends with every formulation and write the report."""
     from comparisons.cli.extras import need
     from comparisons.cli.output import console, print_table
+    from comparisons.cli.progress import working
 
     need("pictures")
+    from cea.petsc import MPI
     from comparisons.agreement import tables
     from comparisons.agreement.page import write_report
     from comparisons.agreement.study import compare as run_comparison
     from comparisons.kit.progress import Progress
+    from comparisons.kit.records import last_seconds
+    from scenes.out_folder import check_out, new_folder
 
-    with console.status("compare") as status:
-        step = ""
+    check_out(out)
+    with working("compare", expected=last_seconds(out, "compare")) as work:
 
         def begin(name: str) -> None:
-            nonlocal step
-            step = name
             console.print(f"· {name}")
-            status.update(name)
+            work.step(name)
 
-        data, results = run_comparison(
-            Progress(step=begin, stage=lambda stage: status.update(f"{step}: {stage}"))
-        )
+        data, results = run_comparison(Progress(step=begin, stage=work.stage))
         begin("report")
-        report = write_report(data, results, out)
+        with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
+            report = new.final(write_report(data, results, new.part))
     for make in (tables.patch_test, tables.agreement, tables.disc_alone):
         print_table(make(data))
     typer.echo(f"The report to open: {report}")
@@ -47,24 +48,30 @@ def formulations(
     """Patch tests, locking, momentum, numbers of the paper, pairings of backends: one page."""
     from comparisons.cli.extras import need
     from comparisons.cli.output import console
+    from comparisons.cli.progress import working
 
     need("pictures", "exact")
+    from cea.petsc import MPI
     from comparisons.formulations.page import read_formulations, write_formulations
     from comparisons.formulations.study import run_formulations
     from comparisons.kit.progress import Progress
+    from comparisons.kit.records import last_seconds
     from comparisons.paper.patch_test.numbers import run_paper_numbers
+    from scenes.out_folder import check_out, new_folder
 
-    with console.status("formulations") as status:
+    with working("formulations", expected=last_seconds(out, "formulations")) as work:
         if redraw:
             data = read_formulations(out)
         else:
+            check_out(out)
             data = run_formulations(
-                Progress(step=status.update, stage=lambda stage: None),
+                Progress(step=work.step, stage=lambda stage: None),
                 lambda part: console.print(f"· {part}"),
                 run_paper_numbers,
             )
-        status.update("report")
-        report = write_formulations(data, out)
+        work.step("report")
+        with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
+            report = new.final(write_formulations(data, new.part))
     typer.echo(f"The report to open: {report}")
 
 
@@ -87,7 +94,8 @@ def accuracy(
 ) -> None:
     """Measure the error of every method against run time, on problems with exact eigenvalues."""
     from comparisons.cli.extras import need
-    from comparisons.cli.output import console
+    from comparisons.cli.progress import working
+    from comparisons.cli.redraw import refuse_with_redraw
 
     need("pictures", "exact")
     from comparisons.accuracy import page
@@ -96,16 +104,20 @@ def accuracy(
     from comparisons.accuracy.problems import PROBLEMS, problem
     from comparisons.accuracy.runner import run_study
     from comparisons.accuracy.study import FULL, QUICK
+    from comparisons.kit.records import last_seconds
+    from scenes.out_folder import check_out
 
-    with console.status("accuracy") as status:
+    refuse_with_redraw(redraw, {"problems": problems, "quick": quick})
+    check_out(out)
+    with working("accuracy", expected=last_seconds(out, "accuracy")) as work:
         if redraw:
             data = page.read(out)
         else:
             names = [problem(name).name for name in problems or PROBLEMS]
-            data = run_study(QUICK if quick else FULL, names, status.update)
+            data = run_study(QUICK if quick else FULL, names, work.step)
         if finest:
-            data["no_flutter"] = run_no_flutter(status.update)
-            data["finest"] = run_finest(progress=status.update)
+            data["no_flutter"] = run_no_flutter(work.step)
+            data["finest"] = run_finest(progress=work.step)
     typer.echo(f"The report to open: {page.write(data, out)}")
 
 
@@ -119,16 +131,25 @@ def damping(
 ) -> None:
     """How damping moves the threshold of flutter: elastic bodies over the exact lumped system."""
     from comparisons.cli.extras import need
-    from comparisons.cli.output import console, print_table
+    from comparisons.cli.output import print_table
+    from comparisons.cli.progress import working
 
     need("pictures", "exact")
+    from cea.petsc import MPI
     from comparisons.damping.report import read_damping, thresholds_table, write_damping
     from comparisons.damping.study import run_damping
+    from comparisons.kit.records import last_seconds
+    from scenes.out_folder import check_out, new_folder
 
-    with console.status("damping") as status:
-        data = read_damping(out) if redraw else run_damping(status.update)
-        status.update("figure")
-        figure = write_damping(data, out)
+    with working("damping", expected=last_seconds(out, "damping")) as work:
+        if redraw:
+            data = read_damping(out)
+        else:
+            check_out(out)
+            data = run_damping(work.step)
+        work.step("figure")
+        with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
+            figure = new.final(write_damping(data, new.part))
     print_table(thresholds_table(data))
     typer.echo(f"The figure to open: {figure}")
 
@@ -148,21 +169,32 @@ def stability(
     """Run stiff and extreme scenes against references; code 1 when one is not as expected."""
     from comparisons.cli.extras import need
     from comparisons.cli.output import console, print_table
+    from comparisons.cli.progress import working
+    from comparisons.cli.redraw import refuse_with_redraw
 
     need("pictures", "exact")
+    from comparisons.stability.catalogue import catalogue
     from comparisons.stability.page import read_stability, write_stability
     from comparisons.stability.study import StabilityStudy, run_stability
     from comparisons.stability.tables import verdicts_table
     from comparisons.stability.words import summary
+    from scenes.out_folder import check_out, new_folder
 
-    with console.status("stability") as status:
-        if redraw:
-            data = read_stability(out)
-        else:
-            study = StabilityStudy(tuple(case or ()), quick)
-            data = run_stability(study, lambda title: console.print(f"· {title}"))
-        status.update("report")
-        report = write_stability(data, out)
+    refuse_with_redraw(redraw, {"case": case, "quick": quick})
+    if redraw:
+        data = read_stability(out)
+    else:
+        check_out(out)
+        study = StabilityStudy(tuple(case or ()), quick)
+
+        def begin(title: str) -> None:
+            console.print(f"· {title}")
+            work.step(title)
+
+        with working("stability", steps=len(study.cases or catalogue())) as work:
+            data = run_stability(study, begin)
+    with new_folder(out) as new:
+        report = new.final(write_stability(data, new.part))
     print_table(verdicts_table(data))
     typer.echo(summary(data))
     typer.echo(f"The report to open: {report}")
@@ -181,15 +213,18 @@ def reference(
     """Show the converged modes of disc_pad, on which both backends agree."""
     from cea.petsc import MPI
     from comparisons.cli.output import console, print_table
+    from comparisons.cli.progress import working
     from comparisons.kit.progress import Progress
     from comparisons.reference.study import compute_reference, stored_reference
     from comparisons.reference.tables import reference_table
+    from scenes.out_folder import check_out
     from scenes.stored import write_record
 
+    check_out(out)
     data = stored_reference()
     if recompute:
-        with console.status("reference") as status:
-            data = compute_reference(Progress(step=console.print, stage=status.update))
+        with working("reference") as work:
+            data = compute_reference(Progress(step=console.print, stage=work.stage))
     table = reference_table(data)
     if MPI.COMM_WORLD.rank == 0:
         write_record(data, out / "disc_pad_reference.json")

@@ -25,22 +25,29 @@ def sweep(
 ) -> None:
     """Follow the modes of a scene along a field, and draw those that become unstable."""
     from comparisons.cli.extras import need
-    from comparisons.cli.output import console, print_table
+    from comparisons.cli.output import print_table
+    from comparisons.cli.progress import working
+    from comparisons.cli.redraw import refuse_another, refuse_with_redraw
 
     need("pictures")
-    from cea.files import check_writable
+    from cea.petsc import MPI
     from comparisons.sweep.page import read_sweep, write_sweep
     from comparisons.sweep.study import Sweep, run_sweep
     from comparisons.sweep.tables import unstable_table, values_table
+    from scenes.out_folder import check_out, new_folder
 
-    with console.status("sweep") as status:
-        if redraw:
-            found = read_sweep(out)
-        else:
-            check_writable(out / "result.json", "out")
-            asked = Sweep(scene, field, start, stop, points, tuple(set_ or ()), data)
-            found = run_sweep(asked, status.update)
-        picture = write_sweep(found, out)
+    refuse_with_redraw(redraw, {"set": set_, "data": data})
+    if redraw:
+        found = read_sweep(out)
+        asked_for = {"scene": scene, "field": field, "start": start, "stop": stop}
+        refuse_another(asked_for, found["inputs"])
+    else:
+        asked = Sweep(scene, field, start, stop, points, tuple(set_ or ()), data)
+        check_out(out)
+        with working("sweep", steps=points) as work:
+            found = run_sweep(asked, work.step)
+    with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
+        picture = new.final(write_sweep(found, new.part))
     print_table(values_table(found))
     print_table(unstable_table(found))
     typer.echo(f"The picture to open: {picture}")

@@ -127,6 +127,7 @@ def _of_degree(body: BodySpec, degree: int) -> BodySpec:
 def _described(result: ModesResult, backends: tuple[Backend, Backend]) -> dict[str, Any]:
     """What of a run is kept."""
     described = describe(result)
+    eigenvalues = {value["mode"]: value for value in described["eigenvalues"]}
     return {
         "pad": backends[0],
         "disc": backends[1],
@@ -138,7 +139,7 @@ def _described(result: ModesResult, backends: tuple[Backend, Backend]) -> dict[s
             {
                 "frequency": mode["frequency"],
                 "growth": mode["growth"],
-                **{k: described["eigenvalues"][mode["mode"]][k] for k in ("residual", "condition")},
+                **{k: eigenvalues[mode["mode"]][k] for k in ("residual", "condition")},
             }
             for mode in described["unstable"]
         ],

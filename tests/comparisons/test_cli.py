@@ -82,7 +82,7 @@ def with_settings(settings):
             "apart",
         ),
         (["disc", "--set", "bodies.disc.mesh.iga.elements=[0,8,1]"], ELEMENTS, "1 to"),
-        (["disc", "--out", "/dev/null/here"], "out", "a file to write"),
+        (["disc", "--out", "/dev/null/here"], "out", "a folder to write to"),
     ],
 )
 def test_faults_are_one_line_without_traceback(arguments, field, told, tmp_path):

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -69,7 +70,9 @@ def test_solve_takes_matrices_and_writes_a_result(folder, tmp_path):
     window = ["--max-frequency", 0.6, "--min-growth", -1.0, "--growth-threshold", 0.01]
     done = cea("solve", *files, *window, "--out", tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "left out: pictures (matrices have no geometry)" in done.stdout
+    assert "left out, not needed: " in done.stdout
+    assert "pictures" in done.stdout.partition("left out, not needed: ")[2].splitlines()[0]
+    assert done.stdout.startswith("● solve: ")
     stored = json.loads((tmp_path / "result.json").read_text())
     found = np.array([v["re"] + 1j * v["im"] for v in stored["eigenvalues"]])
     M, K = made["M"], made["K"] + made["F"]
@@ -129,7 +132,7 @@ def test_a_sweep_finds_at_each_value_what_lapack_finds(swept):
     assert swept["command"] == "sweep"
 
 
-def test_what_a_sweep_leaves_behind_is_drawn_anew(swept, tmp_path, monkeypatch):
+def test_what_a_sweep_leaves_behind_is_drawn_anew(swept, tmp_path, monkeypatch, capsys):
     picture = write_sweep(swept, tmp_path)
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert read_sweep(tmp_path)["points"] == swept["points"]
@@ -137,12 +140,37 @@ def test_what_a_sweep_leaves_behind_is_drawn_anew(swept, tmp_path, monkeypatch):
         rows = list(csv.DictReader(stream))
     assert len(rows) == sum(len(point["modes"]) for point in swept["points"])
     picture.unlink()
-    command = ["cea", "sweep", "any", "any", "0", "1", "--redraw", "--out", str(tmp_path)]
-    monkeypatch.setattr(sys, "argv", command)
+    asked = [str(swept["inputs"][name]) for name in ("scene", "field", "start", "stop")]
+    options = ["--redraw", "--out", str(tmp_path)]
+    monkeypatch.setattr(sys, "argv", ["cea", "sweep", *asked, *options])
     with pytest.raises(SystemExit) as end:
         main()
     assert not end.value.code
     assert picture.exists()
+    capsys.readouterr()
+    for arguments, field in (
+        ([*asked[:1], "parameters.mu", *asked[2:]], "field"),
+        ([*asked[:3], "17.5"], "stop"),
+        ([*asked, "--data", "x"], "data"),
+    ):
+        monkeypatch.setattr(sys, "argv", ["cea", "sweep", *arguments, *options])
+        with pytest.raises(SystemExit):
+            main()
+        assert capsys.readouterr().err.startswith(f"error: {field} = ")
+
+
+def test_terminals_without_letters_for_marks_end_no_run(tmp_path):
+    for name, matrix in {"M": np.eye(2), "K": np.array([[4.0, 1.0], [-1.0, 4.0]])}.items():
+        mmwrite(tmp_path / f"{name}.mtx", csr_array(matrix))
+    files = ["--mass", tmp_path / "M.mtx", "--stiffness", tmp_path / "K.mtx"]
+    arguments = ["solve", *files, "--max-frequency", "1", "--out", tmp_path]
+    done = subprocess.run(
+        [Path(sys.executable).with_name("cea"), *map(str, arguments)],
+        capture_output=True,
+        env=os.environ | {"PYTHONIOENCODING": "ascii"},
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(b"? solve: 1 of 2 modes up to 1 Hz unstable")
 
 
 def test_unstable_curves_are_told_with_where_they_are(swept):

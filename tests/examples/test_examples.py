@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from examples import (
+    brake_sweep,
     compare_formulations,
     exact_errors,
     flutter_threshold,
@@ -15,7 +16,9 @@ from examples import (
     mixed_bodies,
     own_scene,
     unstable_modes,
+    which_formulation,
 )
+from scenes import assemble
 
 ROOT = Path(__file__).parents[2]
 SAME = 1e-8
@@ -70,6 +73,29 @@ def test_matrices_in_scipy():
     scipy, ours = matrices_in_scipy.eigenvalue_by_scipy()
     assert scipy == pytest.approx(ours, rel=SAME)
     assert ours == pytest.approx(1.374601243291j, rel=SAME)
+
+
+def test_which_formulation():
+    """GPTS with enough points is as mortar and segments are; lumping and collocation are not."""
+    found = which_formulation.growth_rates(3e11)
+    mortar = 399.06110664229936
+    assert found["mortar"] == pytest.approx(mortar, rel=SAME)
+    for name in ("gpts, 5 points", "segments"):
+        assert found[name] == pytest.approx(mortar, rel=1e-4)
+    for name in ("greville", "gpts, lumped"):
+        assert abs(found[name] - mortar) > 0.04 * mortar
+
+
+def test_brake_sweep(tmp_path):
+    brake = assemble(brake_sweep.SCENE)
+    threshold = brake.threshold(brake_sweep.MU, real=0.0, flutter=0.5).value
+    assert threshold == pytest.approx(0.10431982925533562, rel=SAME)
+    frictions = np.array([0.0, 0.99 * threshold, 1.01 * threshold])
+    growth = brake_sweep.sweep(brake, frictions)
+    assert growth[:2] == [0.0, 0.0]
+    assert growth[2] == pytest.approx(7.0767672, rel=1e-4)
+    brake_sweep.draw(frictions, growth, threshold, tmp_path / "sweep.png")
+    assert (tmp_path / "sweep.png").stat().st_size > 5000
 
 
 def test_examples_are_short_and_every_one_is_run():

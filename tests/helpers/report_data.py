@@ -54,7 +54,9 @@ def pad_run(backend, method, label, modes, scale):
         "formulation": label,
         "eigenvalues": eigenvalues,
         "unstable": [
-            {"mode": i, "frequency": f, "growth": re} for i, (f, re) in enumerate(modes) if re > 10
+            {"mode": i, "frequency": f, "growth": re}
+            for i, (f, re) in enumerate(modes, start=1)
+            if re > 10
         ],
         "window": {
             "found": 44,

@@ -15,6 +15,7 @@ from cea.errors import InputError
 from scenes import SceneError, load_matrices, load_scene, open_result, save_result
 from scenes.matrix_run import AssembledMatrices, run_matrices
 from scenes.matrix_scene import is_of_matrices, read_matrix_scene
+from scenes.unused import unused_parameters
 
 WINDOW = {"kind": "cea", "max_frequency": 0.6}
 
@@ -333,3 +334,55 @@ def test_matrices_of_the_brake_are_as_they_are_described(brake):
     assert kinds.pop("DG") == "skew"
     assert set(kinds.values()) == {"symmetric"}
     assert {piece.size for piece in brake.pieces.values()} == {4669}
+
+
+def chains(folder, **parameters):
+    """Two oscillators that flutter without damping beyond v = 4, as those of the examples."""
+    matrices = {"M": np.eye(2), "K": np.diag([4.0, 5.0]), "F": np.array([[0.0, 1.0], [-1.0, 0.0]])}
+    for name, matrix in matrices.items():
+        mmwrite(folder / f"{name}.mtx", csr_array(matrix), precision=17)
+    return {
+        "name": "two oscillators",
+        "data": str(folder),
+        "files": {name: f"{name}.mtx" for name in matrices},
+        "parameters": {"v": 1.0, "c": 0.0},
+        "mass": {"M": 1.0},
+        "damping": {"M": "c"},
+        "stiffness": {"K": 1.0, "F": "v/10"},
+        "analysis": {"kind": "cea", "max_frequency": 1.0},
+    }
+
+
+def test_thresholds_of_matrices_are_the_closed_ones(tmp_path):
+    """Kappa = 4.5 +- sqrt(0.25 - v^2/100): modes coalesce at v = 5.
+
+    With damping c a mode of stiffness a + i b grows beyond b = c sqrt(a).
+    """
+    assembled = AssembledMatrices(read_matrix_scene(chains(tmp_path)))
+    found = assembled.threshold("parameters.v", 1.0, 8.0)
+    assert found.value == pytest.approx(5.0, rel=1e-9)
+    assert found.frequency == pytest.approx(np.sqrt(4.5) / (2 * np.pi), rel=1e-6)
+
+    damped = AssembledMatrices(read_matrix_scene(chains(tmp_path)).change("parameters.c", 0.1))
+    v = 10 * np.sqrt(0.25 + 0.1**2 * 4.5)
+    assert damped.threshold("parameters.v", 1.0, 8.0).value == pytest.approx(v, rel=1e-9)
+    for arguments, field in (
+        (("parameters.w", 1.0, 8.0), "parameters.w"),
+        (("parameters.v", 1.0, 2.0), "flutter|unstable"),
+        (("parameters.v", 8.0, 9.0), "real|stable"),
+    ):
+        with pytest.raises((InputError, SceneError), match=field):
+            assembled.threshold(*arguments)
+    with pytest.raises(InputError, match=r"frequency = 0\.3: left out where velocities count"):
+        damped.threshold("parameters.v", 1.0, 8.0, frequency=0.3)
+
+
+def test_parameters_of_no_coefficient_are_told(tmp_path):
+    scene = read_matrix_scene(chains(tmp_path)).change({"parameters.w": 2.0})
+    assert unused_parameters(scene) == {"parameters.w": "given, not used: in no coefficient"}
+    assert not unused_parameters(scene.change("stiffness.F", "v*w/10"))
+    decay = scene.change({"stiffness.F": "w", "parameters.v": 0.1, "analysis.min_growth": -1.0})
+    assert set(unused_parameters(decay)) == {"parameters.v", "analysis.min_growth"}
+    damped = decay.change({"parameters.c": 0.1, "stiffness.F": "v*w"})
+    assert not unused_parameters(damped)
+    assert unused_parameters(decay).items() <= run_matrices(decay).skipped.items()

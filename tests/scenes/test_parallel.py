@@ -132,6 +132,13 @@ def test_command_line_prints_and_writes_once(tmp_path):
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("result.json") == 1
     assert done.stdout.count("side b") == 1
+    (tmp_path / "mode_1.png").write_text("mine")
+    more = ["--set", "analysis.samples=4", "--set", "output.paraview=1"]
+    for arguments, files in ((more, {"displacement.pvd"}), (more[:2], set())):
+        done = mpiexec(2, *cea, *arguments, "--out", tmp_path)
+        assert done.returncode == 0, done.stderr
+        found = {path.name for path in tmp_path.glob("*") if path.is_file()}
+        assert found - {"contacts.pvd"} == {"manifest.json", "mode_1.png", "result.json"} | files
     alone = run(*cea, "--set", "analysis.samples=4", "--out", tmp_path / "alone")
     assert alone.returncode == 0, alone.stderr
     together, single = (

@@ -109,9 +109,30 @@ def test_what_is_printed_begins_with_the_unstable_modes(result):
     assert [row["unstable"] for row in table] == result.unstable.tolist()
     first, *_ = str(result).splitlines()
     count = int(result.unstable.sum())
-    assert first == f"two blocks: {count} of {len(table)} modes up to 1 Hz unstable"
-    assert str(result.modes).count("\n") == len(table) + 1
-    assert f"{result.frequencies[-1]:.3f}" in repr(result.modes).splitlines()[-1]
+    headline = f"two blocks: {count} of {len(table)} modes up to 1 Hz unstable"
+    assert first == f"{headline}; verdict: {result.verdict}"
+    told = str(result.modes).splitlines()
+    assert len(told) == len(table) + 3
+    frequencies = [float(line[1:].split()[1]) for line in told[2:-1]]
+    np.testing.assert_allclose(frequencies, result.frequencies, rtol=0, atol=5e-7)
+    for sign in (f"{result.dofs} dofs", result.modes.window.evidence, "damping ratio"):
+        assert sign in str(result)
+    for warning in result.warnings:
+        assert warning.message in str(result)
+
+
+def test_a_notebook_shows_tables(result):
+    table = result.table()
+    html = result._repr_html_()
+    assert html.count("<tr") == len(table) + 1
+    assert table._repr_html_() in html
+    assert f"{result.dofs} dofs" in html
+    np.testing.assert_array_equal(table.column("frequency"), result.frequencies)
+    np.testing.assert_array_equal(table.column("damping_ratio"), result.damping_ratios)
+    assert table.column("unstable").dtype == bool
+    with pytest.raises(InputError, match="name = 'speed': one of mode, frequency"):
+        table.column("speed")
+    assert repr(table).splitlines()[1:] == str(result).splitlines()[2 : len(table) + 2]
 
 
 def test_the_analysis_decides_what_comes_back():
@@ -231,6 +252,35 @@ def test_sensitivities_come_with_left_vectors(assembled):
 
 
 def test_a_mode_is_drawn():
-    image = run_modes(scene_of("iga")).plot(1)
-    pixels = np.asarray(image.convert("RGB"), dtype=int)
+    result = run_modes(scene_of("iga"))
+    pixels = np.asarray(result.plot(1).convert("RGB"), dtype=int)
     assert (np.ptp(pixels, axis=2) > 30).mean() > 0.05
+    first = result.drawings([0])[0]
+    assert "mode 1:" in first.title
+    np.testing.assert_array_equal(pixels, first.images([0.0])[0].convert("RGB"))
+    assert result.index(len(result.modes)) == len(result.modes) - 1
+    for mode in (0, -1, len(result.modes) + 1):
+        with pytest.raises(InputError, match=rf"mode = {mode}: the number of a mode, from 1"):
+            result.plot(mode)
+
+
+def test_one_friction_for_all_contacts_leaves_bonded_ones_out(backend):
+    """A lower block in two bonded halves is the uncut block: friction changes both alike."""
+    data = two_blocks(backend, GPTS, held=True, mu=0.1)
+    lower = data["bodies"].pop("lower")
+    for name, bottom, supports in (("middle", 0.2, []), ("base", 0.0, lower["supports"])):
+        geometry = lower["geometry"] | {"size": [1.0, 1.1, 0.2], "origin": [0.0, 0.0, bottom]}
+        data["bodies"][name] = lower | {"geometry": geometry, "supports": supports}
+    data["contacts"]["interface"]["b"] = "middle.z_max"
+    bond = {"formulation": {"method": "bonded"}, "P": float("inf"), "form": "saddle"}
+    data["contacts"]["bond"] = {"a": "middle.z_min", "b": "base.z_max", **bond}
+    cut = assemble(read_scene(data))
+    for mu in (0.3, 0.5):
+        found = cut.modes(mu=mu)
+        anew = run_modes(read_scene(data).change(MU, mu))
+        assert found.scene == anew.scene
+        assert found.scene.contacts["bond"].mu == 0.0
+        np.testing.assert_allclose(found.eigenvalues, anew.eigenvalues, rtol=1e-8, atol=1e-8)
+    del data["contacts"]["interface"], data["bodies"]["upper"]
+    with pytest.raises(InputError, match=r"mu = 0\.3: left out: the scene has no contact that can"):
+        assemble(read_scene(data)).modes(mu=0.3)

@@ -9,6 +9,7 @@ from blocks import assemble, two_blocks
 import cea.eigen.krylov_schur
 from scenes.read import read_scene
 from scenes.run import run_scene, skipped_by
+from scenes.unused import GIVEN, unused_input
 
 GPTS = {"method": "gpts", "points": 3}
 LOAD = {"surface": "upper.x_min", "pressure": 1.0}
@@ -96,7 +97,38 @@ TETRAHEDRA = {"cell": "tetrahedron", "size": 0.2}
 )
 def test_a_scene_tells_exactly_what_it_does_not_need(backend, changes, expected):
     scene = read_scene(two_blocks(backend, GPTS)).change(changes)
-    assert set(skipped_by(scene)) == expected
+    skipped = skipped_by(scene)
+    given = {name for name, reason in skipped.items() if reason.startswith(GIVEN)}
+    assert set(skipped) - given == expected - given
+    assert all(name not in expected or name == "loads" for name in given)
+
+
+FRICTION = "contacts.interface.friction_direction_on_a"
+DIRECTION = {"speed": 2.0, "pressure": 1.0}
+
+
+@pytest.mark.parametrize("backend", ["fe", "iga"])
+@pytest.mark.parametrize(
+    ("changes", "unused"),
+    [
+        ({}, set()),
+        ({"loads": [LOAD]}, {"loads"}),
+        ({"loads": [LOAD], "analysis": {"kind": "static"}}, set()),
+        ({"analysis.min_growth": -1.0}, {"analysis.min_growth"}),
+        ({"analysis.min_growth": -1.0, "bodies.upper.damping": {"alpha": 0.1}}, set()),
+        ({"contacts.interface.mu": 0.0}, {FRICTION}),
+        (
+            {"contacts.interface.mu": 0.0, "contacts.interface.sliding": DIRECTION},
+            {"contacts.interface.sliding.speed"},
+        ),
+    ],
+)
+def test_what_is_given_without_use_is_told_with_its_path(backend, changes, unused):
+    scene = read_scene(two_blocks(backend, GPTS)).change(changes)
+    other = "iga" if backend == "fe" else "fe"
+    found = unused_input(scene)
+    assert set(found) == unused | {f"bodies.*.mesh.{other}"}
+    assert found.items() <= skipped_by(scene).items()
 
 
 @pytest.mark.parametrize(

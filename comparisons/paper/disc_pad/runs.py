@@ -87,6 +87,9 @@ class Runs:
 RUNS = Runs()
 """Runs of this process."""
 
+_OF_A_VALUE = ("re", "im", "residual", "condition", "uncertainty", "verdict")
+"""What is stored of an eigenvalue; figures refer to one by its index, from 0."""
+
 
 def _spectrum(label: str, result: ModesResult) -> Spectrum:
     modes = result.modes
@@ -96,8 +99,11 @@ def _spectrum(label: str, result: ModesResult) -> Spectrum:
         "points": sum(len(interface.points) for interface in result.interfaces.values()),
         "seconds": result.timer.total,
         "timings": dict(result.timer.seconds),
-        "eigenvalues": described["eigenvalues"],
-        "unstable": described["unstable"],
+        "eigenvalues": [{key: e[key] for key in _OF_A_VALUE} for e in described["eigenvalues"]],
+        "unstable": [
+            {"mode": mode["mode"] - 1, "frequency": mode["frequency"], "growth": mode["growth"]}
+            for mode in described["unstable"]
+        ],
         "growth_uncertainty": float(modes.growth_uncertainties.max(initial=0.0)),
     }
     shapes, data["contact_motion"], data["contact_gap"] = _shapes(result)

@@ -108,7 +108,7 @@ class OfFiles:
             )
             result = run_matrices(scene)
         threshold = result.analysis.growth_threshold
-        return answer_of(result.modes, result.warnings, threshold, result.size)
+        return answer_of(result.modes, result.warnings, threshold, result.dofs)
 
 
 def _write(matrix: csr_array, file: Path) -> None:

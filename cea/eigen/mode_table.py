@@ -1,0 +1,153 @@
+"""Tables of modes: rows for programs, text for a terminal, HTML for a notebook.
+
+Modes bear numbers from 1 wherever one is told; arrays of them are indexed from 0 as all arrays are.
+Colour is never the only sign of a verdict: each has a mark.
+"""
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from importlib import import_module
+from importlib.util import find_spec
+from math import floor, log10
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.errors import InputError
+
+MARKS = {"unstable": "●", "undecided": "○", "stable": ""}
+"""What stands beside a mode, by its verdict."""
+SIGNS = (
+    "● unstable, ○ undecided; a growth rate Re lambda above 0 grows, and so does a damping ratio "
+    "-Re lambda / |lambda| below 0"
+)
+"""Marks and signs in words."""
+TITLES = {
+    "mode": "mode",
+    "frequency": "frequency (Hz)",
+    "growth_rate": "growth rate (1/s)",
+    "damping_ratio": "damping ratio",
+    "verdict": "verdict",
+    "uncertainty": "uncertainty (1/s)",
+    "residual": "residual",
+    "condition": "condition",
+}
+"""Headings of what is shown of each mode, in order."""
+
+_DIGITS = 0.01
+"""Growth rate (1/s) below which three digits after the point show too little."""
+_RATIO = 1e-3
+"""Damping ratio below which four do."""
+_FEWEST, _MOST = 3, 9
+"""Digits after the point of frequencies (Hz)."""
+_COLOURS = {"unstable": "#c0392b", "undecided": "#9a6700"}
+"""Of rows in HTML."""
+
+
+class ModeTable(list[dict[str, Any]]):
+    """Rows of modes, each a dictionary; a list that pandas takes, and that shows itself.
+
+    Parameters
+    ----------
+    rows
+        ``mode`` (number from 1), ``frequency`` (Hz), ``growth_rate`` (1/s), ``damping_ratio`` (None
+        of rigid modes), ``verdict``, ``unstable``, ``rigid``, ``uncertainty`` (1/s), ``residual``,
+        ``condition``.
+    """
+
+    def column(self, name: str) -> NDArray[Any]:
+        """One field of every row, shape (n,); NaN where a number is None.
+
+        Raises
+        ------
+        InputError
+            When rows have no such field.
+        """
+        if self and name not in self[0]:
+            raise InputError("name", name, f"one of {', '.join(self[0])}")
+        return np.array([np.nan if row[name] is None else row[name] for row in self])
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` whose index is the number of the mode.
+
+        Raises
+        ------
+        InputError
+            When pandas is not installed, which nothing else needs.
+        """
+        if find_spec("pandas") is None:
+            raise InputError("pandas", "not installed", "installed: the program itself needs none")
+        return import_module("pandas").DataFrame.from_records(list(self), index="mode")
+
+    def __repr__(self) -> str:
+        return "\n".join(aligned(self))
+
+    def _repr_html_(self) -> str:
+        return html_table(self)
+
+
+def shown_cells(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
+    """Text of what is shown of each mode, by the names of :data:`TITLES`.
+
+    Parameters
+    ----------
+    rows
+        Rows of a :class:`ModeTable`.
+    """
+    places = _places(max((row["frequency"] for row in rows), default=0.0))
+    return [
+        {
+            "mode": str(row["mode"]),
+            "frequency": f"{row['frequency']:.{places}f}",
+            "growth_rate": growth_text(row["growth_rate"]),
+            "damping_ratio": ratio_text(row["damping_ratio"]),
+            "verdict": f"{row['verdict']}, rigid" if row["rigid"] else row["verdict"],
+            "uncertainty": f"{row['uncertainty']:.1e}",
+            "residual": f"{row['residual']:.1e}",
+            "condition": f"{row['condition']:.1f}",
+        }
+        for row in rows
+    ]
+
+
+def growth_text(rate: float) -> str:
+    """A growth rate (1/s); a small one by its digits, for it decides as a large one does."""
+    return f"{rate:+.3f}" if rate == 0 or abs(rate) >= _DIGITS else f"{rate:+.2e}"
+
+
+def ratio_text(ratio: float | None) -> str:
+    """A damping ratio, likewise; a dash where a mode has none."""
+    if ratio is None:
+        return "-"
+    return f"{ratio:+.4f}" if ratio == 0 or abs(ratio) >= _RATIO else f"{ratio:+.1e}"
+
+
+def aligned(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Lines of a table of modes: its headings, and a line for each mode with its mark."""
+    cells = [list(TITLES.values()), *(list(row.values()) for row in shown_cells(rows))]
+    widths = [max(len(line[i]) for line in cells) for i in range(len(TITLES))]
+    marks = [" ", *(MARKS[row["verdict"]] or " " for row in rows)]
+    return [
+        "  ".join([mark, *(text.rjust(width) for text, width in zip(line, widths, strict=True))])
+        for mark, line in zip(marks, cells, strict=True)
+    ]
+
+
+def html_table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """A table of modes in HTML."""
+    head = "".join(f"<th>{escape(title)}</th>" for title in ("", *TITLES.values()))
+    lines = []
+    for row, cells in zip(rows, shown_cells(rows), strict=True):
+        colour = _COLOURS.get(row["verdict"])
+        style = f' style="color:{colour};font-weight:bold"' if colour else ""
+        parts = [MARKS[row["verdict"]], *(escape(text) for text in cells.values())]
+        lines.append(f"<tr{style}>{''.join(f'<td>{part}</td>' for part in parts)}</tr>")
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
+
+
+def _places(highest: float) -> int:
+    """Digits after the point that give the highest frequency (Hz) six in all, and at least 3."""
+    if not highest > 0:
+        return _FEWEST
+    return min(max(5 - floor(log10(highest)), _FEWEST), _MOST)

@@ -1,0 +1,200 @@
+"""What a run prints: at any width of the terminal, no number cut, colour never the only sign."""
+
+import re
+from io import StringIO
+from math import inf
+
+import numpy as np
+import pytest
+from rich.console import Console
+from typer.testing import CliRunner
+
+from cea.eigen.spectrum import Spectrum, Window
+from cea.errors import InputError
+from cea.warned import ResultWarning
+from comparisons.cli.app import app
+from comparisons.cli.fitting import ShownColumn, blocks, total
+from comparisons.cli.output import print_result, print_table
+from comparisons.cli.progress import working
+from comparisons.kit.numbers import shown
+from comparisons.kit.records import RESULT, last_seconds
+from comparisons.kit.tables import Column, Table
+from scenes import load_scene
+from scenes.opened import StoredModes
+from scenes.stored import record, write_record
+
+WIDTHS = (40, 60, 80, 120)
+WINDOW = Window(12000.0, 1e9, inf, 4, 2, inf, True, False, 1e10, 4, None)
+LONG = ResultWarning("short-modes", "a sentence about modes that is longer than a line " * 3)
+
+
+def terminal(width, *, is_terminal=True):
+    return Console(
+        width=width,
+        file=StringIO(),
+        force_terminal=is_terminal,
+        color_system=None,
+        highlight=False,
+        no_color=True,
+    )
+
+
+def lines_of(console):
+    return re.sub(r"\x1b\[[\d;]*m", "", console.file.getvalue()).splitlines()
+
+
+@pytest.fixture
+def result():
+    """Modes that are rigid, stable, undecided and unstable, with growth of many digits."""
+    values = np.array([0.0, 3000j, 123.456 + 40000j, 123456.789 + 70000j])
+    modes = Spectrum(
+        values,
+        residuals=np.full(4, 1.5e-10),
+        conditions=np.array([1.0, 12345.6, 2.0, 1.0]),
+        growth_uncertainties=np.array([1e-4, 1e-3, 200.0, 2e-3]),
+        window=WINDOW,
+        warnings=(LONG,),
+    )
+    data = {"dofs": {"free": 1234}, "timings": {}, "skipped": {"newton": "known stiffness"}}
+    common = dict.fromkeys(("command", "inputs", "versions", "commit", "machine"), "")
+    scene = load_scene("disc_pad")
+    return StoredModes(**common, seconds=1.0, warnings=(), data=data, scene=scene, modes=modes)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_modes_fit_the_terminal_and_keep_their_digits(width, result):
+    console = terminal(width)
+    print_result(result, console)
+    lines = lines_of(console)
+    assert max(map(len, lines)) <= width
+    assert not any("…" in line for line in lines)
+    words = {word for line in lines for word in line.split()}
+    for row in result.table():
+        assert {f"{row['frequency']:.3f}", f"{row['growth_rate']:+.3f}"} <= words
+    text = " ".join(" ".join(lines).split())
+    left_out = text.partition("no room for: ")[2].partition(" (in result.json)")[0]
+    assert ("12345.6" in words) == ("condition" not in left_out)
+    assert ("1.5e-10" in words) == ("residual" not in left_out)
+    assert ("damping ratio" in left_out) == (width < 60)
+    assert bool(left_out) == (width < 120)
+
+
+def test_what_matters_comes_first_and_bears_a_mark(result):
+    console = terminal(120)
+    print_result(result, console)
+    lines = lines_of(console)
+    assert lines[0].startswith(
+        "● disc_pad: 1 of 4 modes up to 12000 Hz unstable, 1 undecided, 1 ri"
+    )
+    assert lines[1].startswith(
+        "● mode 4: 11140.846 Hz, growth rate +123456.789 1/s, damping ratio -"
+    )
+    table = [line for line in lines[2:] if re.match(r" [●○ ] +\d+  ", line)]
+    assert [line[1] for line in table] == [" ", " ", "○", "●"]
+    assert "stable, rigid" in table[0]
+    assert sum("Re lambda above 0 grows" in line for line in lines) == 1
+    assert any("warning (short-modes)" in line for line in lines)
+
+
+def test_a_file_has_room_for_everything(result):
+    console = terminal(80, is_terminal=False)
+    print_result(result, console)
+    lines = lines_of(console)
+    assert not any("no room for" in line for line in lines)
+    assert max(map(len, lines)) > 120
+
+
+SIX = range(6)
+TABLE = Table(
+    "made",
+    "A table whose caption is longer than most terminals are wide, as many of them are.",
+    (
+        Column("backend", "backend"),
+        Column("formulation", "formulation"),
+        *(Column(f"n{i}", f"number {i}", shown(7), "N/m³") for i in SIX),
+        Column("words", "what it means"),
+    ),
+    [
+        (
+            "NURBS",
+            "Gauss-point-to-surface, lumped",
+            *(1.234567e-9 * 10.0**i for i in range(6)),
+            "a b",
+        ),
+        ("finite elements", "mortar", *(1.234567e8 * 10.0**i for i in range(6)), "some words " * 9),
+    ],
+)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_tables_of_reports_fit_the_terminal_and_keep_their_digits(width):
+    console = terminal(width)
+    print_table(TABLE, console)
+    lines = lines_of(console)
+    text = "\n".join(lines)
+    assert "…" not in text
+    table = [line for line in lines if line not in TABLE.caption]
+    assert max(map(len, table)) <= width
+    for row in TABLE.cells():
+        for cell in row[2:8]:
+            assert any(re.search(rf"(^| ){re.escape(cell)}( |$)", line) for line in lines), cell
+    assert {"Gauss-point-to-surface,", "lumped", "some", "words"} <= set(text.split())
+    assert text.count("NURBS") > 1 or width > 80
+
+
+def test_blocks_bear_the_columns_that_name_their_rows():
+    columns = [ShownColumn("name", ["a", "b"], False)]
+    columns += [ShownColumn(f"n{i}", ["1" * 10, "2" * 10], True) for i in range(5)]
+    found = blocks(columns, 40)
+    assert [[c.title for c in block.columns] for block in found] == [
+        ["name", "n0", "n1"],
+        ["name", "n2", "n3"],
+        ["name", "n4"],
+    ]
+    assert all(total(block.widths) <= 40 for block in found)
+    (whole,) = blocks(columns, None)
+    assert len(whole.columns) == 6
+
+
+def test_progress_shows_time_left_on_a_terminal_and_nothing_in_a_file():
+    quiet, seen = terminal(80, is_terminal=False), terminal(80)
+    for console in (quiet, seen):
+        with working("sweep", steps=4, to=console) as work:
+            for i in range(3):
+                work.step(f"mu = {i}")
+                work.stage("krylov")
+    assert quiet.file.getvalue() == ""
+    told = seen.file.getvalue()
+    assert "mu = 2: krylov" in told
+    assert "2/4" in told
+    assert re.search(r"-:--:--|0:00:0\d", told)
+
+
+def test_time_left_is_that_of_last_time(tmp_path):
+    file = tmp_path / RESULT
+    write_record(record("compare", {}, inputs={"n": 1}, seconds=125.0), file)
+    assert last_seconds(tmp_path, "compare") == 125.0
+    assert last_seconds(tmp_path, "compare", {"n": 1}) == 125.0
+    assert last_seconds(tmp_path, "compare", {"n": 2}) is None
+    assert last_seconds(tmp_path, "run") is None
+    assert last_seconds(tmp_path / "none", "run") is None
+    for expected, told in ((125.0, r"about 2:0[45] left"), (-1.0, "longer than last time")):
+        console = terminal(120)
+        with working("compare", expected=expected, to=console) as work:
+            work.step("patch test")
+        assert re.search(told, console.file.getvalue())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "field"),
+    [
+        (["accuracy", "drum", "--redraw"], "problems"),
+        (["accuracy", "--quick", "--redraw"], "quick"),
+        (["stability", "--case", "tied", "--redraw"], "case"),
+    ],
+)
+def test_options_that_drawing_has_no_use_for_are_refused(arguments, field, tmp_path):
+    found = CliRunner().invoke(app, [*arguments, "--out", str(tmp_path)])
+    assert isinstance(found.exception, InputError)
+    assert str(found.exception).startswith(f"{field} = ")
+    assert "left out with --redraw" in str(found.exception)

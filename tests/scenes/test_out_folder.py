@@ -1,0 +1,162 @@
+"""Folders of results: refused before the work, replaced as a whole, nobody's own files lost."""
+
+import json
+import os
+import platform
+import subprocess
+
+import pytest
+
+from cea.errors import InputError, WriteError
+from scenes.out_folder import MANIFEST, RESULT, check_out, listed, new_folder
+from scenes.stored import record, write_record
+
+
+def fill(out, files):
+    """Write a result with some files; what was kept."""
+    with new_folder(out) as new:
+        for name, content in files.items():
+            file = new.part / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(content)
+        write_record(record("run", {}, inputs={}, seconds=1.0), new.part / RESULT)
+    return new.kept
+
+
+def content(out):
+    files = (file for file in out.rglob("*") if file.is_file())
+    found = {file.relative_to(out).as_posix(): file.read_text() for file in files}
+    return {name: text for name, text in found.items() if name not in (RESULT, MANIFEST)}
+
+
+def test_a_result_takes_the_place_of_an_earlier_one(tmp_path):
+    assert fill(tmp_path, {"mode_1.png": "a", "modes/mode_1.vtu": "b", "modes/old/x": "c"}) == []
+    assert listed(tmp_path) == ["mode_1.png", "modes/mode_1.vtu", "modes/old/x", RESULT]
+    assert fill(tmp_path, {"mode_2.png": "d", "modes/mode_2.vtu": "e"}) == []
+    assert content(tmp_path) == {"mode_2.png": "d", "modes/mode_2.vtu": "e"}
+    assert not (tmp_path / "modes" / "old").exists()
+    assert fill(tmp_path, {}) == []
+    assert sorted(os.listdir(tmp_path)) == [MANIFEST, RESULT]
+
+
+def test_what_others_wrote_stays(tmp_path):
+    fill(tmp_path, {"mode_1.png": "a", "modes/mode_1.vtu": "b"})
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "modes" / "own.vtu").write_text("mine too")
+    (tmp_path / "mode_1.png").write_text("painted over")
+    assert fill(tmp_path, {"mode_2.png": "c"}) == ["mode_1.png"]
+    kept = {"notes.txt": "mine", "modes/own.vtu": "mine too", "mode_1.png": "painted over"}
+    assert content(tmp_path) == kept | {"mode_2.png": "c"}
+
+    (tmp_path / "mode_2.png").write_text("painted over too")
+    assert fill(tmp_path, {"mode_2.png": "d", "modes": "a file"}) == [
+        "mode_2.png.kept1",
+        "modes.kept1",
+    ]
+    assert content(tmp_path) == {
+        **{"notes.txt": "mine", "modes.kept1/own.vtu": "mine too", "mode_1.png": "painted over"},
+        **{"mode_2.png": "d", "mode_2.png.kept1": "painted over too", "modes": "a file"},
+    }
+
+
+def test_a_list_names_no_files_outside_its_folder(tmp_path):
+    out = tmp_path / "out"
+    fill(out, {})
+    victim = tmp_path / "victim"
+    victim.write_text("")
+    empty = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"
+    files = {"../victim": [empty], str(victim): [empty]}
+    (out / MANIFEST).write_text(json.dumps({"files": files}))
+    fill(out, {})
+    assert victim.exists()
+    for i, broken in enumerate(("", "[]", '{"files": 3}', '{"files": {"a": 3}}')):
+        (out / MANIFEST).write_text(broken)
+        assert fill(out, {"a": str(i)}) == ([f"a.kept{i}"] if i else [])
+    assert content(out) == {"a": "3", "a.kept1": "0", "a.kept2": "1", "a.kept3": "2"}
+
+
+def test_what_fails_leaves_the_earlier_result(tmp_path):
+    fill(tmp_path, {"mode_1.png": "a"})
+    before = {file: file.read_bytes() for file in tmp_path.rglob("*")}
+    with pytest.raises(TypeError, match="must be str"):
+        fill(tmp_path, {"mode_1.png": "half", "mode_2.png": b"no text"})
+    with pytest.raises(WriteError) as caught, new_folder(tmp_path) as new:
+        raise WriteError(f"{new.part}/mode_1.png cannot be written: no space")
+    assert str(caught.value) == f"{tmp_path}/mode_1.png cannot be written: no space"
+    assert {file: file.read_bytes() for file in tmp_path.rglob("*")} == before
+
+
+def test_what_ends_while_files_change_place_is_made_good(tmp_path, monkeypatch):
+    import scenes.out_folder as module
+
+    fill(tmp_path, {"mode_1.png": "a", "mode_2.png": "b"})
+    original = module._remove
+
+    def ends(new, name, digests):
+        original(new, name, digests)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(module, "_remove", ends)
+        with pytest.raises(KeyboardInterrupt):
+            fill(tmp_path, {"mode_3.png": "c"})
+    assert not (tmp_path / RESULT).exists()
+    assert fill(tmp_path, {"mode_4.png": "d"}) == []
+    assert content(tmp_path) == {"mode_4.png": "d"}
+
+
+def test_results_of_versions_without_a_list_are_written_over(tmp_path):
+    fill(tmp_path, {"mode_1.png": "a", "other.png": "x"})
+    (tmp_path / MANIFEST).unlink()
+    assert fill(tmp_path, {"mode_1.png": "b"}) == []
+    assert content(tmp_path) == {"mode_1.png": "b", "other.png": "x"}
+
+
+def test_folders_that_cannot_take_a_result_are_refused(tmp_path):
+    file = tmp_path / "file"
+    file.write_text("mine")
+    for out in (file, file / "inside", file / "inside" / "deeper"):
+        with pytest.raises(InputError, match=r"out = .*a folder to write to"):
+            check_out(out)
+    with pytest.raises(InputError, match=r"out = .*a folder to write to"):
+        check_out(tmp_path / ("x" * 300))
+    for content_of_it in ("mine", "{}", '{"command": "run"}'):
+        (tmp_path / RESULT).write_text(content_of_it)
+        with pytest.raises(InputError, match=r"out = .*a folder without a result\.json"):
+            check_out(tmp_path)
+    (tmp_path / RESULT).unlink()
+    (tmp_path / RESULT).mkdir()
+    with pytest.raises(InputError, match=r"out = .*a folder without a result\.json"):
+        check_out(tmp_path)
+    assert file.read_text() == "mine"
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="nothing is closed to the superuser")
+def test_a_folder_that_is_closed_is_refused(tmp_path):
+    tmp_path.chmod(0o500)
+    try:
+        with pytest.raises(InputError, match=r"out = .*Permission denied"):
+            check_out(tmp_path)
+    finally:
+        tmp_path.chmod(0o700)
+
+
+def test_a_new_folder_is_made_and_may_be_used_again(tmp_path):
+    out = tmp_path / "new" / "deeper"
+    check_out(out)
+    assert list(out.iterdir()) == []
+    fill(out, {})
+    check_out(out)
+
+
+def test_what_was_killed_is_cleared_away_and_what_runs_is_not(tmp_path):
+    ended = subprocess.Popen(["true"])
+    ended.wait()
+    parent, others = os.getppid(), tmp_path / f".elsewhere.{ended.pid}.part"
+    names = [f".{platform.node()}.{process}.part" for process in (ended.pid, os.getpid(), parent)]
+    for folder in (*(tmp_path / name for name in names), others):
+        folder.mkdir()
+        (folder / "half").write_text("half")
+    fill(tmp_path, {})
+    left = sorted(path.name for path in tmp_path.iterdir() if path.is_dir())
+    assert left == sorted([names[2], others.name])
