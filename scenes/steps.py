@@ -71,6 +71,9 @@ def _of_velocities(scene: Scene) -> dict[str, str]:
     damped += [name for name, contact in scene.contacts.items() if contact.sliding is not None]
     if scene.damped:
         steps["damping"] = f"C of {', '.join(damped)}"
+    modal = [n for n, b in scene.bodies.items() if b.damping is not None and b.damping.modal]
+    if modal:
+        steps["modal damping"] = f"modes of {', '.join(modal)} alone, found first"
     rotations = {n: b.rotation for n, b in scene.bodies.items() if b.rotation is not None}
     if rotations:
         steps["gyroscopic"] = f"Y of {', '.join(rotations)}"

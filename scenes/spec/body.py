@@ -38,7 +38,7 @@ class BodySpec:
     placement
         Where the shape stands in space.
     damping
-        Rayleigh damping.
+        Rayleigh and modal damping.
     rotation
         Steady rotation about its own axis, seen from the frame at rest.
     """
