@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
+from warnings import catch_warnings, simplefilter
 
 import numpy as np
 
@@ -140,7 +141,9 @@ def parsed(text: str) -> ast.expr:
     if len(text) > MAX_LENGTH:
         raise ValueError(f"longer than {MAX_LENGTH} characters")
     try:
-        tree = ast.parse(text.strip(), mode="eval").body
+        with catch_warnings():  # "0.3if" is refused below, and says so in one line
+            simplefilter("ignore", SyntaxWarning)
+            tree = ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
         raise ValueError(error.msg) from None
     except (RecursionError, MemoryError):

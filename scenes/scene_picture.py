@@ -27,12 +27,19 @@ _LENGTH = 0.06
 """Length of an arrow, relative to the diagonal of what is drawn of the contacts."""
 _AROUND = 0.25
 """What is seen around the contact points, relative to their diagonal."""
-_ROOM = 0.08
+_ROOM = 0.15
 """Room that a name takes, relative to the diagonal."""
+_DOTS = 200.0
+"""Size of points times the root of their number (pixels)."""
 _CLOSED = 1e-6
 """Gaps below this, relative to the diagonal, have the colour of none."""
 _LIFT = 2e-3
 """Distance of what is drawn on a surface from it, relative to the diagonal."""
+_PANELS = (
+    ("bodies, surfaces, supports", "dark: held; light blue: held in part"),
+    ("contact points", "grey: normals of a; red: friction on a"),
+)
+"""Title and legend of each panel."""
 _COLOURS = ("#B9C7D6", "#D9C9A5", "#BCD4B8", "#D8BBC4", "#C5BEDC", "#BFD7D9")
 _HELD, _PARTLY, _NORMAL, _FRICTION = "#1F3A5F", "#6C8EBF", "#444444", "#C0392B"
 
@@ -68,7 +75,7 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
         window = [2 * _WINDOW[0], _WINDOW[1]]
         plotter = pyvista.Plotter(off_screen=True, window_size=window, shape=(1, 2))
         plotter.set_background("white")
-        for panel, title in ((0, "bodies, surfaces, supports"), (1, "contact points")):
+        for panel, (title, legend) in enumerate(_PANELS):
             plotter.subplot(0, panel)
             for number, (surface, edges) in enumerate(skins):
                 colour = _COLOURS[number % len(_COLOURS)]
@@ -78,6 +85,7 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
                 if edges.n_points:
                     plotter.add_mesh(edges, color="#303840", line_width=2)
             plotter.add_text(f"{inspection.scene.name}: {title}", font_size=14, color="#222222")
+            plotter.add_text(legend, position="lower_left", font_size=10, color="#222222")
             if panel == 0:
                 _add_supports(plotter, inspection, size)
                 _add_names(plotter, inspection.bodies, view, size)
@@ -135,17 +143,18 @@ def _add_names(plotter: Any, bodies: Mapping[str, Body], view: Floats, size: flo
             middle = np.linalg.norm(centres - centres.mean(axis=0), axis=1) / size
             places.append(centres[np.argmax(score - 0.1 * _ROOM * middle)])
             names.append(f"{name}.{surface_name}")
-    plotter.add_point_labels(
-        np.asarray(places),
-        names,
-        font_size=13,
-        text_color="#222222",
-        shape_color="white",
-        shape_opacity=0.75,
-        point_size=7,
-        point_color="#222222",
-        always_visible=True,
-    )
+    for place, name in zip(places, names, strict=True):  # together some would be left out
+        plotter.add_point_labels(
+            place[None],
+            [name],
+            font_size=13,
+            text_color="#222222",
+            shape_color="white",
+            shape_opacity=0.75,
+            point_size=7,
+            point_color="#222222",
+            always_visible=True,
+        )
 
 
 def _add_contacts(
@@ -166,7 +175,7 @@ def _add_contacts(
             scalars="gap",
             cmap="coolwarm",
             clim=(-widest, widest),
-            point_size=10,
+            point_size=max(4.0, min(10.0, _DOTS / np.sqrt(len(points)))),
             render_points_as_spheres=True,
             scalar_bar_args=_BAR,
         )
@@ -175,7 +184,8 @@ def _add_contacts(
         _add_arrows(plotter, x, normal, 0.6 * _LENGTH * size, _NORMAL)
         if half.friction is not None:
             direction = half.friction.direction.at(x, normal)
-            _add_arrows(plotter, x, direction, _LENGTH * size, _FRICTION)
+            inside = x - 0.2 * _LENGTH * size * normal  # points would hide what lies among them
+            _add_arrows(plotter, inside, direction, _LENGTH * size, _FRICTION)
 
 
 _BAR = {
@@ -184,7 +194,7 @@ _BAR = {
     "vertical": False,
     "width": 0.4,
     "height": 0.08,
-    "position_x": 0.3,
+    "position_x": 0.45,
     "position_y": 0.02,
     "title_font_size": 20,
     "label_font_size": 17,

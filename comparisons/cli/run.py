@@ -23,15 +23,15 @@ def run(
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for result.json and all else.")] = Path(
+        "results/run"
+    ),
     explain: Annotated[
         bool, typer.Option("--explain", help="Tell its steps and what is left out; run nothing.")
     ] = False,
     report: Annotated[
         bool, typer.Option("--report", help="Write report.html too: one file, to be played with.")
     ] = False,
-    out: Annotated[Path, typer.Option(help="Folder for result.json and all else.")] = Path(
-        "results/run"
-    ),
 ) -> None:
     """Run one scene and write its result.json."""
     from comparisons.cli.explain import explain_bodies, explain_matrices
