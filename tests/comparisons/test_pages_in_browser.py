@@ -145,6 +145,15 @@ def test_the_geometry_is_drawn_when_it_comes_in_sight(page, result):
     assert "contact interface" in names
 
 
+def test_no_button_sends_data_elsewhere(page):
+    titles = page.execute_script(
+        "return [...document.querySelectorAll('.modebar-btn')].map((one) => one.dataset.title)"
+    )
+    assert len(titles) > 10
+    offered = ("Zoom", "Pan", "Reset", "Download plot", "Turntable")
+    assert [title for title in titles if not title.startswith(offered)] == []
+
+
 def test_play_and_pause(page):
     play = page.find_element("class name", "play")
     page.execute_script(IN_SIGHT, play)

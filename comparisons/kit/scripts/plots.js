@@ -27,16 +27,20 @@ const AXIS = {
   ticklen: 4, tickcolor: "#999", automargin: true,
 };
 
-function isNarrow(place) {
-  return place.clientWidth < NARROW;
+function isNarrow() {
+  return innerWidth < NARROW;
 }
 
-function settings(place) {
+// Buttons that the library may add of itself, to send data elsewhere, stay out.
+const BUTTONS = [["zoom2d", "pan2d", "resetScale2d", "toImage"]];
+const BUTTONS_IN_SPACE = [["tableRotation", "pan3d", "zoom3d", "resetCameraDefault3d", "toImage"]];
+
+function settings(buttons) {
   return {
     responsive: true,
     displaylogo: false,
-    displayModeBar: isNarrow(place) ? false : "hover",
-    modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d", "resetCameraLastSave3d"],
+    displayModeBar: isNarrow() ? false : "hover",
+    modeBarButtons: buttons,
     scrollZoom: false,
   };
 }
@@ -49,7 +53,7 @@ function broken(axis, narrow) {
 }
 
 function styled(figure, place) {
-  const narrow = isNarrow(place);
+  const narrow = isNarrow();
   const small = place.clientWidth < TINY ? { title: { text: "" } } : {};
   const { xaxis, yaxis, ...layout } = figure.layout;
   return {
@@ -76,7 +80,7 @@ function styled(figure, place) {
 async function drawPlot(place, show) {
   const figure = JSON.parse(document.getElementById(place.dataset.figure).textContent);
   place.textContent = "";
-  await Plotly.newPlot(place, figure.data, styled(figure, place), settings(place));
+  await Plotly.newPlot(place, figure.data, styled(figure, place), settings(BUTTONS));
   place.on("plotly_click", (event) => {
     const mode = event.points[0].customdata;
     if (typeof mode === "string") show(mode, false);

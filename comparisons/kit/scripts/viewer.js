@@ -8,7 +8,7 @@ const LIGHT = {
   facenormalsepsilon: 1e-20, vertexnormalsepsilon: 1e-20, // bodies are small in metres
 };
 
-function spaceLayout(place, scene, height) {
+function spaceLayout(scene, height) {
   const margin = DEFLECTION * diagonal(scene);
   const extents = scene.high.map((high, axis) => high - scene.low[axis] + 2 * margin);
   const largest = Math.max(...extents);
@@ -18,7 +18,7 @@ function spaceLayout(place, scene, height) {
   });
   const [x, y, z] = extents.map((extent) => ((scene.flat ? 1.5 : 1.9) * extent) / largest);
   return {
-    font: { ...FONT, size: isNarrow(place) ? 11 : 12.5 },
+    font: { ...FONT, size: isNarrow() ? 11 : 12.5 },
     height, margin: { l: 0, r: 0, t: 0, b: 0 },
     paper_bgcolor: "rgba(0,0,0,0)",
     hoverlabel: { font: { ...FONT, size: 12 }, bgcolor: "#fff" },
@@ -151,14 +151,14 @@ class ModeViewer {
       movingTraces(body, moved[i], i === 0, this.mesh.checked, light));
     const camera = this.scene.layout?.scene?.camera;
     const scene = this.shapes.scenes[this.mode.scene];
-    const layout = spaceLayout(this.scene, scene, this.height());
+    const layout = spaceLayout(scene, this.height());
     if (camera && this.drawn === this.mode.scene) layout.scene.camera = camera;
     this.drawn = this.mode.scene;
-    await Plotly.react(this.scene, traces, layout, settings(this.scene));
+    await Plotly.react(this.scene, traces, layout, settings(BUTTONS_IN_SPACE));
   }
 
   height() {
-    return innerWidth < NARROW ? 330 : 430;
+    return isNarrow() ? 330 : 430;
   }
 
   // Moves what is drawn; calls that come while it is drawn are answered by one more move.
@@ -246,8 +246,8 @@ async function drawGeometry(place, shapes) {
     ];
   }));
   place.textContent = "";
-  const layout = spaceLayout(place, scene, innerWidth < NARROW ? 330 : 460);
-  await Plotly.newPlot(place, traces, layout, settings(place));
+  const layout = spaceLayout(scene, isNarrow() ? 330 : 460);
+  await Plotly.newPlot(place, traces, layout, settings(BUTTONS_IN_SPACE));
 }
 
 function contactTraces(shapes, scene, contact) {
