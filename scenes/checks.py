@@ -16,7 +16,7 @@ from scenes.limits import MAX_ELEMENTS, limit_checks
 from scenes.sizes import size_checks
 from scenes.spec.body import BodySpec
 from scenes.spec.load import LoadSpec
-from scenes.spec.mesh import FeMesh, IgaMesh
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.scene import SceneSpec
 
 
@@ -157,7 +157,9 @@ def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     yield from of_mesh or size_checks(place, body)
     yield from _space_checks(place, body)
     of_file = isinstance(body.geometry, MeshFile)
-    if not of_file and getattr(body.mesh, body.backend) is None:
+    if not of_file and body.mesh == MeshSpec():
+        yield InputError(f"{place}.mesh", None, "field required, but for a mesh file")
+    elif not of_file and getattr(body.mesh, body.backend) is None:
         yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
     for kind in ("supports", "springs"):
         for i, item in enumerate(getattr(body, kind)):

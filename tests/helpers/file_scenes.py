@@ -56,7 +56,7 @@ def on_any_number_of_ranks():
     data = from_file(scene, file, lacking=True) if comm.rank == 0 else None
     data = comm.bcast(data, root=0)
     found = eigenvalues(read_scene(data))
-    data["bodies"]["upper"]["geometry"]["faces"]["y_min"] = "nodes:upper_y_min:S9"
+    data["bodies"]["upper"]["geometry"]["faces"]["y_min"] = "upper:S1"
     try:
         run_modes(read_scene(data))
         told = "accepted"
