@@ -18,10 +18,11 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.errors import require
+from cea.errors import InputError, require
 from meshes.breaks import Breaks
 from meshes.crowned import Crowned
 from meshes.crowned_bezier import crowned_bezier
+from meshes.nurbs_file import NurbsFile
 from meshes.patches import Face, GivenPatch, Patches
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
@@ -104,6 +105,8 @@ def nurbs_shape(
         case Patches():
             patches = tuple(_given(patch, breaks, placement) for patch in shape.patches)
             return NurbsShape(patches, MappingProxyType(shape.faces))
+        case NurbsFile():
+            return nurbs_shape(shape.given, breaks, placement)
         case Box() | Rectangle():
             faces = _sides(shape.surfaces, range(len(breaks)))
             return NurbsShape((_straight(shape, breaks, placement),), faces)
@@ -125,6 +128,8 @@ def nurbs_shape(
             return NurbsShape(patches, flat.faces)
         case Hub():
             return _hub(shape, breaks, placement)
+        case _:
+            raise InputError("shape", shape.shape, "a shape that has NURBS patches")
 
 
 def _check(shape: Shape, breaks: Breaks) -> None:

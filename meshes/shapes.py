@@ -6,11 +6,26 @@ by breaks (:mod:`meshes.breaks`).
 """
 
 from meshes.crowned import Crowned
+from meshes.mesh_file import MeshFile
+from meshes.nurbs_file import NurbsFile
 from meshes.patches import Patches
 from meshes.plane_shapes import Rectangle, Ring, RingSector
 from meshes.solid_shapes import Annulus, Box, Disc, Hub, Sector
 
-Shape = Box | Annulus | Sector | Hub | Disc | Rectangle | Ring | RingSector | Crowned | Patches
+Shape = (
+    Box
+    | Annulus
+    | Sector
+    | Hub
+    | Disc
+    | Rectangle
+    | Ring
+    | RingSector
+    | Crowned
+    | Patches
+    | MeshFile
+    | NurbsFile
+)
 
 __all__ = [
     "Annulus",
@@ -18,6 +33,8 @@ __all__ = [
     "Crowned",
     "Disc",
     "Hub",
+    "MeshFile",
+    "NurbsFile",
     "Patches",
     "Rectangle",
     "Ring",

@@ -21,12 +21,12 @@ from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
-from scenes.lagrange_mesh import lagrange_mesh
+from scenes.body_meshes import body_mesh, used_surfaces
 from scenes.read import Scene
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.load import LoadSpec
-from scenes.spec.mesh import FeMesh, IgaMesh
+from scenes.spec.mesh import IgaMesh
 from scenes.spec.motion import SlidingSpec
 
 _ROUNDING = 1e-14
@@ -37,15 +37,22 @@ def build_bodies(scene: Scene, timer: StageTimer) -> dict[str, Body]:
     """Bodies of a scene by name."""
     with timer("meshing"):
         return {
-            name: build_body(name, spec, [load for load in scene.loads if load.on == name])
+            name: build_body(
+                name,
+                spec,
+                [load for load in scene.loads if load.on == name],
+                used_surfaces(scene, name),
+            )
             for name, spec in scene.bodies.items()
         }
 
 
-def build_body(name: str, spec: BodySpec, loads: Sequence[LoadSpec] = ()) -> Body:
-    """One body of a scene on its backend."""
-    if spec.backend == "fe" and spec.mesh.fe is not None:
-        return _fe_body(name, spec, spec.mesh.fe, loads)
+def build_body(
+    name: str, spec: BodySpec, loads: Sequence[LoadSpec] = (), surfaces: Sequence[str] = ()
+) -> Body:
+    """One body of a scene on its backend; of a mesh file it has the surfaces that are asked for."""
+    if spec.backend == "fe" and spec.fe_degree is not None:
+        return _fe_body(name, spec, spec.fe_degree, loads, surfaces)
     if spec.backend == "iga" and spec.mesh.iga is not None:
         return _iga_body(name, spec, spec.mesh.iga, loads)
     raise InputError(f"bodies.{name}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
@@ -68,13 +75,19 @@ def _forces(loads: Sequence[LoadSpec]) -> list[Force]:
     return found + [Force(load.body_force) for load in loads if load.body_force is not None]
 
 
-def _fe_body(name: str, spec: BodySpec, mesh: FeMesh, loads: Sequence[LoadSpec]) -> Body:
+def _fe_body(
+    name: str,
+    spec: BodySpec,
+    degree: int,
+    loads: Sequence[LoadSpec],
+    surfaces: Sequence[str],
+) -> Body:
     from fe_cea import FEBody
 
     return FEBody.from_mesh(
         name,
-        made_on_first(MPI.COMM_WORLD, lambda: lagrange_mesh(spec)),
-        degree=mesh.degree,
+        made_on_first(MPI.COMM_WORLD, lambda: body_mesh(name, spec, surfaces)),
+        degree=degree,
         material=spec.material,
         supports=[s.support() for s in spec.supports],
         springs=spec.springs,

@@ -10,12 +10,13 @@ from cea.errors import InputError
 from cea.rotation import Rotation
 from cea.suggestions import did_you_mean
 from meshes.breaks import check_breaks
+from meshes.mesh_file import MeshFile
 from scenes.contact_checks import contact_checks, fault_of, unknown_surface
 from scenes.limits import MAX_ELEMENTS, limit_checks
 from scenes.sizes import size_checks
 from scenes.spec.body import BodySpec
 from scenes.spec.load import LoadSpec
-from scenes.spec.mesh import FeMesh, IgaMesh
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.scene import SceneSpec
 
 
@@ -63,7 +64,8 @@ def _mesh_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     """Meshes that do not suit the dimension of the shape."""
     directions = body.geometry.directions
     dim, names = len(directions), ", ".join(directions)
-    if body.geometry.shape == "patches" and body.backend == "fe":
+    yield from _file_checks(place, body)
+    if body.geometry.shape in ("patches", "nurbs_file") and body.backend == "fe":
         yield InputError(f"{place}.backend", "fe", "'iga' for a geometry of patches")
     fe, iga = body.mesh.fe, body.mesh.iga
     if fe is not None and fe.cell not in _CELLS[dim]:
@@ -80,6 +82,22 @@ def _mesh_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     for backend, mesh in (("fe", fe), ("iga", iga)):
         if mesh is not None and mesh.elements is not None and len(mesh.elements) == dim:
             yield from _elements_checks(f"{place}.mesh.{backend}", body, mesh)
+
+
+def _file_checks(place: str, body: BodySpec) -> Iterable[InputError]:
+    """Meshes beside that of a file, and degrees of a file that is none."""
+    mesh = body.mesh
+    if not isinstance(body.geometry, MeshFile):
+        if mesh.degree is not None:
+            allowed = "left out but of a mesh file: fe.degree or iga.degree says it"
+            yield InputError(f"{place}.mesh.degree", mesh.degree, allowed)
+        return
+    if body.backend != "fe":
+        yield InputError(f"{place}.backend", body.backend, "'fe' for a mesh file")
+    for name in ("fe", "iga"):
+        if getattr(mesh, name) is not None:
+            allowed = "left out: cells are those of the file; mesh.degree may be given"
+            yield InputError(f"{place}.mesh.{name}", getattr(mesh, name), allowed)
 
 
 def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iterable[InputError]:
@@ -138,7 +156,10 @@ def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     of_mesh = list(_mesh_checks(place, body))
     yield from of_mesh or size_checks(place, body)
     yield from _space_checks(place, body)
-    if getattr(body.mesh, body.backend) is None:
+    of_file = isinstance(body.geometry, MeshFile)
+    if not of_file and body.mesh == MeshSpec():
+        yield InputError(f"{place}.mesh", None, "field required, but for a mesh file")
+    elif not of_file and getattr(body.mesh, body.backend) is None:
         yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
     for kind in ("supports", "springs"):
         for i, item in enumerate(getattr(body, kind)):

@@ -55,7 +55,7 @@ def _mean(spec: ContactSpec, halves: Sequence[Contact]) -> float:
 def _depth(scene: Scene, body: str, surface: str) -> float | None:
     """Extent (m) of a body across one of its surfaces; None where its shape does not say."""
     shape = scene.bodies[body].geometry
-    if shape.shape == "patches":
+    if shape.shape in ("patches", "nurbs_file"):
         return None
     for direction, (low, high) in zip(shape.directions, shape.extent, strict=True):
         if surface in _ENDS.get(direction, ()):

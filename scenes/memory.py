@@ -14,6 +14,7 @@ from typing import Any
 
 from cea.errors import InputError
 from cea.petsc import MPI
+from meshes.mesh_file import MeshFile
 from scenes.node_grids import TINY, NodeGrid, box_lengths, node_grids
 from scenes.read import Scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
@@ -155,14 +156,20 @@ def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
     if estimate.bytes <= available:
         return
     name, body = max(scene.bodies.items(), key=lambda item: _nodes(item[1]))
+    told = (
+        f"{estimate.dofs:.3g} dofs take about {_gigabytes(estimate.bytes)} of the "
+        f"{_gigabytes(available)} there are"
+    )
+    if isinstance(body.geometry, MeshFile):
+        field = f"bodies.{name}.geometry.file"
+        raise InputError(field, body.geometry.file, f"a mesh that fits into memory: {told}")
     scale = _fitting_scale(scene, available)
     field, value, fitting = _mesh_of(body, scale)
     would = f"{field} = {fitting} would, the other bodies coarser alike" if scale else "none would"
     raise InputError(
         f"bodies.{name}.mesh.{body.backend}.{field}",
         value,
-        f"a mesh that fits into memory: {estimate.dofs:.3g} dofs take about "
-        f"{_gigabytes(estimate.bytes)} of the {_gigabytes(available)} there are; {would}",
+        f"a mesh that fits into memory: {told}; {would}",
     )
 
 

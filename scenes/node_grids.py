@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import inf, pi
+from math import inf, pi, prod
 
 import numpy as np
 
 from cea.mesh import SIMPLICES
+from meshes.mesh_file import MeshFile
+from meshes.nurbs_file import NurbsFile
 from meshes.patches import Patches
 from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 from scenes.spec.body import BodySpec
@@ -44,7 +46,9 @@ def node_grids(body: BodySpec, scale: float) -> Iterator[NodeGrid]:
     """Boxes of nodes that stand for the mesh of a body: one, or one for each of its patches."""
     dim = len(body.geometry.directions)
     closed = isinstance(body.geometry, _CLOSED)
-    if body.backend == "fe" and body.mesh.fe is not None:
+    if isinstance(body.geometry, MeshFile):
+        yield _grid_of_file(body.geometry, body.fe_degree or body.geometry.order, scale)
+    elif body.backend == "fe" and body.mesh.fe is not None:
         fe = body.mesh.fe
         along = elements_along(body, fe, scale)
         ends = [0.0 if closed and name == "theta" else 1.0 for name in body.geometry.directions]
@@ -66,6 +70,19 @@ def node_grids(body: BodySpec, scale: float) -> Iterator[NodeGrid]:
             yield NodeGrid(tuple(counts), tuple(least), tuple(widths))
 
 
+def _grid_of_file(file: MeshFile, degree: int, scale: float) -> NodeGrid:
+    """Nodes of the elements of a file, in a box of the proportions of the body."""
+    lengths = box_lengths(file)
+    dim = len(lengths)
+    nodes = file.num_nodes * (degree / file.order) ** dim
+    if file.fills_in:
+        nodes = max(nodes, float(file.num_cells * degree**dim))
+    even = (nodes * scale**dim / prod(lengths)) ** (1 / dim)
+    near = (degree + 2.0) * (_SIMPLEX if file.is_simplex else 1.0) ** (1 / dim)
+    counts = tuple(max(1.0, even * length) for length in lengths)
+    return NodeGrid(counts, (near,) * dim, (1.0,) * dim)
+
+
 def elements_along(body: BodySpec, mesh: FeMesh, scale: float) -> list[float]:
     """Elements along each direction; of an unstructured mesh, of a box of equal volume."""
     if mesh.elements is not None:
@@ -77,6 +94,8 @@ def elements_along(body: BodySpec, mesh: FeMesh, scale: float) -> list[float]:
 
 def _knots_of_patches(shape: Shape) -> list[tuple[int, ...]]:
     """Knots inside each patch that a geometry brings along; a shape counts as one patch."""
+    if isinstance(shape, NurbsFile):
+        return _knots_of_patches(shape.given)
     if not isinstance(shape, Patches):
         return [(0,) * len(shape.directions)]
     return [
@@ -87,6 +106,8 @@ def _knots_of_patches(shape: Shape) -> list[tuple[int, ...]]:
 
 def box_lengths(shape: Shape) -> list[float]:
     """Lengths (m) of a box that stands for a shape: of an arc, at its middle radius."""
+    if isinstance(shape, NurbsFile):
+        return box_lengths(shape.given)
     if isinstance(shape, Patches):
         points = np.concatenate([p.points.reshape(-1, len(p.degrees)) for p in shape.patches])
         return np.ptp(points, axis=0).tolist()

@@ -139,7 +139,17 @@ def load_scene(
         for body in data["bodies"].values():
             if isinstance(body, dict):
                 body["backend"] = backend
+    _set_paths(data, scene_file(scene).parent)
     return read_scene(data)
+
+
+def _set_paths(data: Mapping[str, Any], folder: Path) -> None:
+    """Take the files of meshes to be relative to the folder of the scene."""
+    bodies = data.get("bodies")
+    for body in bodies.values() if isinstance(bodies, dict) else ():
+        geometry = body.get("geometry") if isinstance(body, dict) else None
+        if isinstance(geometry, dict) and isinstance(geometry.get("file"), str):
+            geometry["file"] = str(folder / geometry["file"])
 
 
 def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any]:

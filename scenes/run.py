@@ -13,6 +13,7 @@ from cea.system.contact_stresses import contact_stresses
 from cea.system.coupled import CoupledSystem
 from cea.system.steady_sliding import steady_sliding
 from cea.timing import StageTimer
+from scenes.body_meshes import filled_in
 from scenes.build import build_bodies, build_interfaces, build_system, check_interfaces
 from scenes.memory import check_memory
 from scenes.read import Scene
@@ -193,4 +194,9 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     meshes = [body.mesh.fe for body in scene.bodies.values() if body.backend == "fe"]
     if not any(mesh.size for mesh in meshes if mesh is not None):
         skipped["gmsh"] = "no body has an unstructured mesh"
+    if filled := list(filled_in(scene)):
+        skipped["serendipity"] = (
+            f"elements of {', '.join(filled)} get the middles of faces and cells: the same "
+            "geometry, displacements of the Lagrange space"
+        )
     return skipped

@@ -14,6 +14,7 @@ them 0.9 to 1.3 times. What quadratic problems and steady sliding add is not fit
 
 from math import prod
 
+from meshes.mesh_file import MeshFile
 from scenes.memory import MemoryEstimate
 from scenes.node_grids import elements_along, node_grids
 from scenes.read import Scene
@@ -60,5 +61,8 @@ def _assembly(body: BodySpec) -> float:
     if body.backend == "fe" and fe is not None:
         elements = prod(elements_along(body, fe, 1.0))
         return _ELEMENT_ENTRY * dim**2 * elements * (fe.degree + 1.0) ** (2 * dim)
+    if isinstance(body.geometry, MeshFile):
+        shape_functions = (body.fe_degree or 1) + 1.0
+        return _ELEMENT_ENTRY * dim**2 * body.geometry.num_cells * shape_functions ** (2 * dim)
     couplings = sum(prod(grid.counts) * prod(grid.couplings) for grid in node_grids(body, 1.0))
     return _NURBS_ENTRY * dim**2 * couplings

@@ -235,12 +235,11 @@ def _surface(bodies: Mapping[str, Body], place: str) -> Surface:
 
 def _degree(body: BodySpec) -> tuple[int, bool]:
     """Lowest degree of a body's elements, and whether they are smooth splines."""
-    fe, iga = body.mesh.fe, body.mesh.iga
-    if body.backend == "fe" and fe is not None:
-        return fe.degree, False
+    degree, iga = body.fe_degree, body.mesh.iga
+    if body.backend == "fe" and degree is not None:
+        return degree, False
     assert iga is not None
-    degree = min(iga.degree)
-    return degree, iga.continuity is None or min(iga.continuity) > 0
+    return min(iga.degree), iga.continuity is None or min(iga.continuity) > 0
 
 
 def _kind(method: str, weights: str) -> str:

@@ -8,6 +8,7 @@ from pydantic import Field
 from cea.material import IsotropicMaterial
 from cea.rotation import Rotation
 from cea.supports.boundary import Spring
+from meshes.mesh_file import MeshFile
 from meshes.placement import Placement
 from meshes.shapes import Shape
 from scenes.spec.mesh import MeshSpec
@@ -46,12 +47,19 @@ class BodySpec:
     backend: Backend
     geometry: Annotated[Shape, Field(discriminator="shape")]
     material: IsotropicMaterial
-    mesh: MeshSpec
+    mesh: MeshSpec = field(default_factory=MeshSpec)
     supports: tuple[SupportSpec, ...] = ()
     springs: tuple[Spring, ...] = ()
     placement: Placement = field(default_factory=Placement)
     damping: DampingSpec | None = None
     rotation: Rotation | None = None
+
+    @property
+    def fe_degree(self) -> int | None:
+        """Degree of its Lagrange elements; None where it has none."""
+        if isinstance(self.geometry, MeshFile):
+            return self.mesh.degree or self.geometry.order
+        return self.mesh.fe.degree if self.mesh.fe is not None else None
 
     left_out: ClassVar[tuple[str, ...]] = ("damping", "rotation")
     """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""

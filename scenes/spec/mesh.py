@@ -1,7 +1,7 @@
 """What a scene says of meshes, one for each backend."""
 
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
@@ -85,10 +85,16 @@ class MeshSpec:
     Parameters
     ----------
     fe
-        Lagrange mesh.
+        Lagrange mesh of a shape.
     iga
         NURBS discretisation.
+    degree
+        Degree of the elements of a mesh from a file; by default the order of its cells.
     """
 
     fe: FeMesh | None = None
     iga: IgaMesh | None = None
+    degree: Annotated[int, Field(ge=1, le=4)] | None = None
+
+    left_out: ClassVar[tuple[str, ...]] = ("degree",)
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""

@@ -14,6 +14,7 @@ from examples import (
     matrices_from_files,
     matrices_in_scipy,
     mixed_bodies,
+    own_mesh,
     own_scene,
     unstable_modes,
     which_formulation,
@@ -43,6 +44,13 @@ def test_formulations():
 
 def test_own_scene():
     assert own_scene.lowest_frequency() == pytest.approx(0.13398734709299248, rel=SAME)
+
+
+def test_own_mesh(capsys):
+    """The mesh is unstructured: its program may place nodes anew from version to version."""
+    lowest = own_mesh.frequencies()[0]
+    assert lowest == pytest.approx(1731.759, rel=1e-3)
+    assert "in millimetres: 3 of 16 modes" in capsys.readouterr().out
 
 
 def test_mixed_bodies():

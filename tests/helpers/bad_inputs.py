@@ -1,15 +1,26 @@
 """Bad input for everything that reads: scenes, paths of `--set`, files, meshes, expressions."""
 
+import json
 import signal
 from contextlib import contextmanager
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import numpy as np
+from mesh_writers import write
 from scene_mutations import HOSTILE, NAMES, Bad, drawn, places, random_mutation, text_of, valid
 
 from cea.errors import ConvergenceError, InputError
 from cea.fields import Expression
 from cea.mesh import Mesh
+from meshes.breaks import breaks_of
+from meshes.mesh_file import MeshFile
+from meshes.nurbs_file import NurbsFile
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Box
 from scenes.opened import open_result
 from scenes.read import SceneError, load_scene, read_scene
 
@@ -167,6 +178,37 @@ def random_mesh(rng):
     return Bad("mesh", f"mesh with wrong {part}: {str(data)[:150]}", data, refused)
 
 
+READERS = {".cdb": "mapdl_archive", ".xdmf": "h5py", ".vtu": "meshio"}
+"""What reads files beside the project and gmsh."""
+
+
+@cache
+def whole_files():
+    """Content and geometry of valid files of every format that can be read."""
+    shape = Box((2.0, 1.0, 1.0))
+    mesh = shape_mesh(shape, "hexahedron", 2, breaks=breaks_of(shape, (2, 1, 1)))
+    names = ["a22.msh", "a.msh", "binary.msh", "a.inp", "a.cdb", "a.bdf", "a.xdmf", "a.vtu"]
+    found = []
+    with TemporaryDirectory() as folder:
+        for name in names:
+            file = Path(folder) / name
+            if file.suffix not in READERS or find_spec(READERS[file.suffix]):
+                geometry = write({"box": mesh}, file, lacking=True)["box"]
+                found.append((file.suffix, file.read_bytes(), geometry))
+        patch = {"degrees": [1, 1], "knot_vectors": [[0.0, 0.0, 1.0, 1.0]] * 2}
+        patch["control_points"] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]
+        patches = json.dumps({"Base64Encoding": False, "SplineList": [patch]}).encode()
+    return (*found, (".json", patches, {"shape": "nurbs_file", "unit": "m"}))
+
+
+def random_mesh_file(rng):
+    """A file of a mesh or of patches, cut, changed or mixed with another."""
+    ending, whole, geometry = drawn(rng, whole_files())
+    content = random_file(rng, whole)
+    words = f"{ending} file {content[:40]!r} of {len(content)} bytes"
+    return Bad("mesh file", words, (ending, content, geometry), None)
+
+
 def reader(kind, folder):
     """What reads each kind of input; files go through a folder."""
 
@@ -182,6 +224,16 @@ def reader(kind, folder):
         (folder / "result.json").write_bytes(content)
         return open_result(folder / "result.json")
 
+    def mesh_file(value):
+        ending, content, geometry = value
+        file = folder / f"bad{ending}"
+        file.write_bytes(content)
+        fields = {**geometry, "file": str(file)}
+        if fields.pop("shape") == "nurbs_file":
+            return NurbsFile(**fields)
+        read = MeshFile(**fields)
+        return read.mesh(read.faces)
+
     return {
         "scene": read_scene,
         "expression": lambda text: Expression(text)(np.full((3, 3), 0.4)),
@@ -189,6 +241,7 @@ def reader(kind, folder):
         "scene file": scene_file,
         "stored": stored,
         "mesh": lambda data: Mesh(**data),
+        "mesh file": mesh_file,
     }[kind]
 
 
@@ -216,4 +269,4 @@ def random_bad(rng, stored):
     if kind < 0.9:
         content = random_file(rng, stored)
         return Bad("stored", f"stored result {content[:40]!r}", content, None)
-    return random_mesh(rng)
+    return random_mesh(rng) if kind < 0.98 else random_mesh_file(rng)

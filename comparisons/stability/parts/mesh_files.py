@@ -1,0 +1,102 @@
+"""Scenes whose bodies are written to a mesh file, and read from it again."""
+
+from collections.abc import Mapping
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from cea.mesh import Mesh, reference_nodes
+from comparisons.stability.parts.answers import Answer
+from comparisons.stability.parts.problems import OfScene
+from meshes.breaks import breaks_of
+from meshes.mesh_file import METRES, Unit
+from meshes.mesh_files.kinds import KINDS
+from meshes.shape_mesh import shape_mesh
+from scenes.read import read_scene
+from scenes.spec.scene import SceneSpec
+
+_ELEMENTS = {1: ("CPE4", "quadrilateral4"), 2: ("CPE8R", "quadrilateral8")}
+"""Type in a deck, and kind, of quadrilaterals of each order."""
+
+
+@dataclass(frozen=True)
+class OfMeshFile:
+    """A scene in the plane whose bodies are written to a deck of Abaqus and read from it.
+
+    Parameters
+    ----------
+    data
+        What a scene file holds, its bodies of shapes.
+    unit
+        Unit of length of the deck.
+    numbers
+        Steps between the numbers of nodes.
+    geometry
+        Fields of the geometry of every body that differ, such as its unit.
+    """
+
+    data: Mapping[str, Any]
+    unit: Unit = "m"
+    numbers: int = 1
+    geometry: Mapping[str, Any] | None = None
+
+    def solve(self, max_frequency: float | None) -> Answer:
+        """Write, read, and solve."""
+        data = deepcopy(dict(self.data))
+        whole = {**data, "analysis": {"kind": "cea", "max_frequency": 1.0}}
+        meshes = _meshes(read_scene(whole))
+        with TemporaryDirectory() as folder:
+            deck = Path(folder) / "bodies.inp"
+            deck.write_text(_deck(meshes, self.unit, self.numbers))
+            for name, mesh in meshes.items():
+                faces = {surface: f"{name}_{surface}" for surface in mesh.surfaces}
+                fields = {"file": str(deck), "unit": self.unit, "part": name, "faces": faces}
+                geometry = {"shape": "mesh_file", **fields, **(self.geometry or {})}
+                data["bodies"][name] |= {"geometry": geometry, "mesh": {}}
+            return OfScene(data).solve(max_frequency)
+
+
+def _meshes(scene: SceneSpec) -> dict[str, Mesh]:
+    """Meshes of the bodies of a scene, of quadrilaterals."""
+    meshes = {}
+    for name, body in scene.bodies.items():
+        fe = body.mesh.fe
+        assert fe is not None
+        assert fe.elements is not None
+        breaks = breaks_of(body.geometry, fe.elements, fe.through)
+        meshes[name] = shape_mesh(body.geometry, "quadrilateral", fe.degree, breaks=breaks)
+    return meshes
+
+
+def _deck(meshes: Mapping[str, Mesh], unit: Unit, step: int) -> str:
+    """Nodes, elements and a set of nodes for each surface."""
+    above, below = METRES[unit]
+    lines, first, element = [], 0, 0
+    for name, mesh in meshes.items():
+        kind, reference = _ELEMENTS[mesh.order]
+        nodes = mesh.cells[:, _places(reference, mesh.order)]
+        used = np.unique(nodes)
+        numbers = step * (1 + first + np.arange(len(mesh.points)))
+        lines.append("*NODE")
+        for number, (x, y) in zip(numbers[used], mesh.points[used] * below / above, strict=True):
+            lines.append(f"{number}, {x!r}, {y!r}".replace("np.float64(", "").replace(")", ""))
+        lines.append(f"*ELEMENT, TYPE={kind}, ELSET={name}")
+        for row in numbers[nodes].tolist():
+            element += 1
+            lines.append(", ".join(map(str, [element, *row])))
+        for surface, facets in mesh.surfaces.items():
+            lines.append(f"*NSET, NSET={name}_{surface}")
+            lines += [f"{number}," for number in numbers[np.unique(facets)]]
+        first += len(mesh.points)
+    return "\n".join(lines) + "\n"
+
+
+def _places(kind: str, order: int) -> Any:
+    """Nodes of a mesh's cell in the order in which a deck lists them."""
+    ours = reference_nodes("quadrilateral", order)
+    apart = np.linalg.norm(KINDS[kind].reference[:, None] - ours, axis=2)
+    return apart.argmin(axis=1)

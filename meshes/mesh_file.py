@@ -1,0 +1,212 @@
+"""A body whose mesh is part of a mesh file."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator
+
+from cea.errors import InputError, require
+from cea.mesh import Mesh
+from meshes.mesh_files.body import body_mesh
+from meshes.mesh_files.content import FileContent
+from meshes.mesh_files.part import Part, part_of
+from meshes.mesh_files.surfaces import check_sets, marks_of
+from meshes.placement import Placement
+from meshes.read_mesh_file import read_mesh_file
+
+Unit = Literal["m", "cm", "mm", "um", "in", "ft"]
+METRES: dict[Unit, tuple[float, float]] = {
+    "m": (1, 1),
+    "cm": (1, 100),
+    "mm": (1, 1000),
+    "um": (1, 10**6),
+    "in": (254, 10**4),
+    "ft": (3048, 10**4),
+}
+"""Each unit in metres, as a fraction: numbers of the file are multiplied, then divided."""
+
+
+def _one_or_more(sets: Any) -> Any:
+    """One set, given by its name, as several are."""
+    if isinstance(sets, str):
+        return (sets,)
+    return tuple(sets) if isinstance(sets, list) else sets
+
+
+Sets = Annotated[
+    tuple[str, ...],
+    BeforeValidator(_one_or_more, json_schema_input_type=str | tuple[str, ...]),
+]
+"""Sets of a file that make a surface; one alone may be given by its name."""
+
+_LONGEST = 100
+"""Characters of a name of a surface."""
+_IN_PLACE = Placement()
+
+
+def in_metres(values: NDArray[np.float64], unit: Unit) -> NDArray[np.float64]:
+    """Lengths of a file in metres."""
+    above, below = METRES[unit]
+    return values * above / below
+
+
+def check_unit(unit: str | None) -> None:
+    """Refuse a file whose unit of length nobody told.
+
+    Raises
+    ------
+    InputError
+        Naming unit.
+    """
+    allowed = f"the unit of length of the file, one of {', '.join(get_args(Unit))}"
+    require(unit is not None, "unit", None, allowed)
+
+
+@dataclass(frozen=True)
+class MeshFile:
+    """A body from a mesh file: cells, their order and curved sides are those of the file.
+
+    Formats are .msh of gmsh, .inp of Abaqus and CalculiX, .cdb of Ansys (CDWRITE), .bdf and .nas of
+    Nastran, .xdmf and .vtu.
+
+    Parameters
+    ----------
+    file
+        The file; in a scene file, relative to it.
+    unit
+        Unit of length of the file: m, cm, mm, um, in or ft. There is no default.
+    part
+        Set of the elements of the body: a physical group, an element set, a component, the instance
+        of a part, or ``PSOLID 3``, ``material 1`` and the like; all solid elements by default.
+    faces
+        Named surfaces: a set of the file or several, physical groups, surfaces, sets of elements or
+        of nodes; ``SET:S3`` for the third faces of the elements of a set, as Abaqus counts them;
+        ``nodes:SET`` where sets of several kinds have a name. Sets of the file whose names are fit
+        for surfaces need not be listed here.
+    merge_nodes
+        Distance, in the unit of the file, within which nodes are made one; by default none are.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, or the part is none.
+    """
+
+    file: str
+    unit: Unit | None = None
+    part: str | None = None
+    faces: dict[str, Sets] = field(default_factory=dict)
+    merge_nodes: float | None = None
+    shape: Literal["mesh_file"] = "mesh_file"
+
+    names: ClassVar[tuple[str, ...]] = ("x", "y", "z")
+
+    def __post_init__(self) -> None:
+        check_unit(self.unit)
+        distance = self.merge_nodes
+        fits = distance is None or 0 < distance < np.inf
+        require(fits, "merge_nodes", distance, "a positive distance in the unit of the file")
+        faces = {name: _one_or_more(sets) for name, sets in self.faces.items()}
+        object.__setattr__(self, "faces", faces)
+        empty = [name for name, sets in faces.items() if not sets]
+        require(not empty, "faces", empty, "one set of the file or more for each surface")
+        check_sets(self.content, faces)
+        if not (self._part and self.extent):
+            raise InputError("part", self.part, "elements")
+
+    @property
+    def content(self) -> FileContent:
+        """What the file holds."""
+        return read_mesh_file(Path(self.file), self.merge_nodes)
+
+    @cached_property
+    def _part(self) -> Part:
+        faces = {name: self._sets(name) for name in self.faces}
+        return part_of(self.content, self.part, marks_of(self.content, faces))
+
+    def _sets(self, surface: str) -> tuple[str, ...]:
+        """Sets of the file that a surface is made of."""
+        return self.faces.get(surface, (surface,))
+
+    @cached_property
+    def directions(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return self.names[: self._part.dim]
+
+    @cached_property
+    def surfaces(self) -> tuple[str, ...]:
+        """Names of surfaces that the body may have."""
+        of_file = [name for name in self.content.names if is_fit(name)]
+        return tuple(dict.fromkeys([*self.faces, *of_file]))
+
+    @cached_property
+    def extent(self) -> tuple[tuple[float, float], ...]:
+        """Range of each coordinate (m)."""
+        nodes = self._part.nodes
+        used = self.content.points[np.unique(nodes[nodes >= 0]), : self._part.dim]
+        low, high = (in_metres(ends, self._unit) for ends in (used.min(axis=0), used.max(axis=0)))
+        return tuple(zip(low.tolist(), high.tolist(), strict=True))
+
+    @property
+    def order(self) -> int:
+        """Order of the geometry of its cells."""
+        return self._part.order
+
+    @cached_property
+    def _counts(self) -> tuple[int, int]:
+        nodes = self._part.nodes
+        return len(np.unique(nodes[nodes >= 0])), len(nodes)
+
+    @property
+    def num_nodes(self) -> int:
+        """Number of its nodes in the file."""
+        return self._counts[0]
+
+    @property
+    def num_cells(self) -> int:
+        """Number of its cells."""
+        return self._counts[1]
+
+    @property
+    def is_simplex(self) -> bool:
+        """Whether its cells are triangles or tetrahedra."""
+        return self._part.cell in ("triangle", "tetrahedron")
+
+    @property
+    def fills_in(self) -> bool:
+        """Whether nodes are added to 8-node quadrilaterals or 20-node hexahedra."""
+        return self._part.incomplete
+
+    @property
+    def _unit(self) -> Unit:
+        assert self.unit is not None
+        return self.unit
+
+    def mesh(self, surfaces: Iterable[str], placement: Placement = _IN_PLACE) -> Mesh:
+        """Its mesh, checked.
+
+        Parameters
+        ----------
+        surfaces
+            Surfaces that are asked for: those of others may overlap.
+        placement
+            Where it is put.
+
+        Raises
+        ------
+        InputError
+            Naming file, part, merge_nodes or faces.
+        """
+        faces = {name: self._sets(name) for name in surfaces}
+        mesh = body_mesh(self.content, self._part, faces, self.part)
+        return replace(mesh, points=placement.apply(in_metres(mesh.points, self._unit)))
+
+
+def is_fit(name: str) -> bool:
+    """Whether a name can stand in "body.surface"."""
+    return 0 < len(name) <= _LONGEST and name.isprintable() and not set(name) & set(" .,[]")

@@ -1,0 +1,199 @@
+"""Content of a mesh file, the same for every format: nodes, elements, sets of both, faces."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.errors import require
+from cea.mesh import DIMENSION, SIMPLICES, Cell, lattice
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Role = Literal["solid", "mark", "structural"]
+
+_SAME = 1e-6
+"""Reference nodes nearer than this are one."""
+
+
+@dataclass(frozen=True, eq=False)
+class ElementBlock:
+    """Elements of one kind.
+
+    Parameters
+    ----------
+    kind
+        What the file calls them, e.g. C3D20R.
+    cell
+        Their cell; ``line``, or another word for what no body here can be made of.
+    order
+        Order of their geometry.
+    numbers
+        Their numbers in the file, (n,).
+    nodes
+        Rows of their nodes among the points, (n, n_nodes): in the order of a
+        :class:`cea.mesh.Mesh`, -1 where the element has none of its nodes, as in the middle of
+        faces of 20-node hexahedra. Of lines and other elements, as the file has them.
+    role
+        ``solid``: what bodies are made of, and where solids of more dimensions are there, marks of
+        their faces; ``mark``: of faces alone; ``structural``: shells, beams, springs and the like.
+    """
+
+    kind: str
+    cell: str
+    order: int
+    numbers: Ints
+    nodes: Ints
+    role: Role = "solid"
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    @property
+    def dim(self) -> int:
+        """Dimension of its cells; 0 of what is none."""
+        return (
+            1
+            if self.cell == "line"
+            else next((dim for cell, dim in DIMENSION.items() if cell == self.cell), 0)
+        )
+
+    @property
+    def corners(self) -> Ints:
+        """Corners of each element, (n, n_corners)."""
+        if self.cell not in DIMENSION:
+            return self.nodes[:, :2]  # lines begin with their ends in all formats
+        return self.nodes[:, corner_places(self.cell, self.order)]
+
+
+@dataclass(frozen=True, eq=False)
+class FileContent:
+    """What a mesh file holds.
+
+    Parameters
+    ----------
+    points
+        Positions of the nodes in the unit of the file, (n, 3).
+    node_numbers
+        Numbers of the nodes in the file, (n,).
+    blocks
+        The elements.
+    element_sets
+        Elements of each set, counted through the blocks.
+    node_sets
+        Nodes of each set, as rows of the points.
+    face_sets
+        Faces of each set: elements, and which of their facets as :func:`cea.mesh.facet_nodes`
+        counts them, or -1 for all that are free, (n, 2).
+    """
+
+    points: Floats
+    node_numbers: Ints
+    blocks: Sequence[ElementBlock]
+    element_sets: Mapping[str, Ints] = field(default_factory=dict)
+    node_sets: Mapping[str, Ints] = field(default_factory=dict)
+    face_sets: Mapping[str, Ints] = field(default_factory=dict)
+
+    @property
+    def starts(self) -> Ints:
+        """Number of the first element of each block, and of all elements, (blocks + 1,)."""
+        return np.concatenate([[0], np.cumsum([len(block) for block in self.blocks])]).astype(int)
+
+    @property
+    def dim(self) -> int:
+        """Dimension of the elements that bodies are made of."""
+        return max((b.dim for b in self.blocks if b.role == "solid" and len(b)), default=0)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all sets."""
+        return tuple(dict.fromkeys([*self.face_sets, *self.element_sets, *self.node_sets]))
+
+    def with_others(self, kinds: Sequence[str]) -> "FileContent":
+        """The content with a structural element of each kind that was not read."""
+        none = np.empty((1, 0), dtype=np.int64)
+        others = [
+            ElementBlock(kind, "other", 1, np.zeros(1, dtype=np.int64), none, "structural")
+            for kind in kinds
+        ]
+        return replace(self, blocks=[*self.blocks, *others])
+
+
+def corner_places(cell: Cell | str, order: int) -> Ints:
+    """Places of the corners among the nodes of a cell, in C order of the reference cell."""
+    places = lattice(DIMENSION[cell], order, cell in SIMPLICES)  # type: ignore[index]
+    if cell in SIMPLICES:
+        at_corner = (places == order).any(axis=1) | (places == 0).all(axis=1)
+    else:
+        at_corner = np.isin(places, (0, order)).all(axis=1)
+    return np.flatnonzero(at_corner)
+
+
+def in_order(cell: Cell, order: int, nodes: Ints, reference: Floats) -> Ints:
+    """Nodes of elements in the order of :class:`cea.mesh.Mesh`, -1 where they have none.
+
+    Parameters
+    ----------
+    cell, order
+        Kind of the elements.
+    nodes
+        Their nodes as another program lists them, (n, m).
+    reference
+        Nodes of the reference cell, from 0 to 1, in the order of that program, (m, dim).
+
+    Raises
+    ------
+    InputError
+        When a node of the reference cell is none of a Lagrange cell.
+    """
+    wanted = lattice(DIMENSION[cell], order, cell in SIMPLICES) / order
+    apart = np.linalg.norm(wanted[:, None] - reference, axis=2)
+    found, nearest = apart.min(axis=1) < _SAME, apart.argmin(axis=1)
+    require(
+        len(np.unique(nearest[found])) == len(reference),
+        "file",
+        f"{cell} of {len(reference)} nodes",
+        f"nodes of a Lagrange cell of order {order}, or of one without some of them",
+    )
+    ordered = np.full((len(nodes), len(wanted)), -1, dtype=np.int64)
+    ordered[:, found] = nodes[:, nearest[found]]
+    return ordered
+
+
+def rows_of(numbers: Ints, wanted: Ints, what: str) -> Ints:
+    """Rows of wanted numbers among numbers in any order, of any shape.
+
+    Raises
+    ------
+    InputError
+        When there is no such number, or it is there twice.
+    """
+    order = np.argsort(numbers, kind="stable")
+    rising = numbers[order]
+    twice = np.flatnonzero(np.diff(rising) == 0)
+    if len(twice):
+        require(False, "file", int(rising[twice[0]]), f"numbers of {what} that are there once")
+    place = np.minimum(np.searchsorted(rising, wanted), max(len(rising) - 1, 0))
+    known = rising[place] == wanted if len(rising) else np.zeros(wanted.shape, dtype=bool)
+    if not known.all():
+        first = int(wanted[~known].flat[0])
+        require(False, "file", first, f"a number of {what} that the file has: it is used")
+    return order[place].astype(np.int64)
+
+
+def known_rows(numbers: Ints, wanted: Ints) -> Ints:
+    """Rows of those wanted numbers that are there, (n,); sets may name what a file left out."""
+    if not len(numbers):
+        return np.empty(0, dtype=np.int64)
+    order = np.argsort(numbers, kind="stable")
+    place = np.minimum(np.searchsorted(numbers[order], wanted), len(numbers) - 1)
+    return order[place[numbers[order][place] == wanted]].astype(np.int64)
+
+
+def shown(names: Iterable[str], limit: int = 20) -> str:
+    """Names for a message, not more than fit."""
+    known = list(names)
+    more = f" and {len(known) - limit} more" if len(known) > limit else ""
+    return ", ".join(known[:limit]) + more if known else "none"

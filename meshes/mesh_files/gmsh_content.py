@@ -1,0 +1,98 @@
+"""Content of files that gmsh reads: its own, and those of Nastran."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from cea.errors import require
+from cea.mesh import Cell
+from meshes.mesh_files.apart import arrays_of
+from meshes.mesh_files.content import ElementBlock, FileContent, Ints, Role, in_order, rows_of
+
+_CELLS: dict[str, Cell] = {
+    "Triangle": "triangle",
+    "Quadrilateral": "quadrilateral",
+    "Tetrahedron": "tetrahedron",
+    "Hexahedron": "hexahedron",
+}
+"""Cells by the first word of gmsh's names."""
+_WORDS = {1: "curve", 2: "surface", 3: "volume"}
+"""What groups without a name are called, before their number."""
+_PROPERTIES = {1: "PBAR", 2: "PSHELL", 3: "PSOLID"}
+"""What Nastran calls properties, before their number."""
+_BOXES = ("quadrilateral", "hexahedron")
+
+Places = Mapping[tuple[int, int], Sequence[Ints]]
+"""Elements of each entity, given by its dimension and number."""
+
+
+def gmsh_content(file: Path, *, shells_bear: bool = False) -> FileContent:
+    """Nodes, elements and physical groups of a file.
+
+    Parameters
+    ----------
+    file
+        The file.
+    shells_bear
+        Whether elements of less dimensions are shells and beams rather than marks of faces; sets
+        are then those of the properties, as ``PSOLID 3``.
+
+    Raises
+    ------
+    InputError
+        When gmsh cannot read it, there are no nodes, or nodes of elements lack.
+    """
+    arrays = arrays_of("gmsh_program", file)
+    what, numbers = json.loads(arrays["what"].item()), arrays["tags"]
+    require(len(numbers) > 0, "file", "no nodes", "a mesh")
+    points = arrays["positions"].reshape(-1, 3)
+    require(bool(np.isfinite(points).all()), "file", "nodes", "finite coordinates")
+    blocks: list[ElementBlock] = []
+    places: dict[tuple[int, int], list[Ints]] = {}
+    count = 0
+    for i, (dim, entity, kind) in enumerate(what["blocks"]):
+        if dim:
+            role: Role = "structural" if shells_bear and dim < 3 else "solid"
+            name, order, per_element, local = what["kinds"][str(kind)]
+            ids, nodes = arrays[f"numbers {i}"], arrays[f"nodes {i}"].reshape(-1, per_element)
+            rows = rows_of(numbers, nodes, "a node")
+            blocks.append(_block(name, dim, order, local, ids, rows, role))
+            places.setdefault((dim, entity), []).append(np.arange(count, count + len(ids)))
+            count += len(ids)
+    sets = _properties(places) if shells_bear else _groups(what["groups"], places)
+    return FileContent(points, numbers, blocks, sets)
+
+
+def _block(
+    name: str, dim: int, order: int, local: Sequence[float], ids: Ints, rows: Ints, role: Role
+) -> ElementBlock:
+    """Elements of one kind in one entity."""
+    cell = _CELLS.get(name.split()[0])
+    if cell is None:
+        return ElementBlock(name, "line" if dim == 1 else name, order, ids, rows, role)
+    reference = np.reshape(local, (rows.shape[1], -1))[:, :dim]
+    if cell in _BOXES:
+        reference = (reference + 1) / 2  # gmsh's reference boxes reach from -1 to 1
+    return ElementBlock(name, cell, order, ids, in_order(cell, order, rows, reference), role)
+
+
+def _groups(
+    groups: Sequence[tuple[int, int, str, Sequence[int]]], places: Places
+) -> dict[str, Ints]:
+    """Elements of each physical group; groups of one name together."""
+    sets: dict[str, list[Ints]] = {}
+    for dim, tag, name, entities in groups:
+        if dim:
+            members = sets.setdefault(name or f"{_WORDS[dim]} {tag}", [])
+            for entity in entities:
+                members += places.get((dim, entity), ())
+    return {name: np.concatenate(parts) for name, parts in sets.items() if parts}
+
+
+def _properties(places: Places) -> dict[str, Ints]:
+    """Elements of each property, which gmsh makes an entity of its dimension."""
+    return {
+        f"{_PROPERTIES[dim]} {tag}": np.concatenate(parts) for (dim, tag), parts in places.items()
+    }

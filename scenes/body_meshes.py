@@ -1,0 +1,45 @@
+"""Meshes of Lagrange bodies, of shapes or from files, with the surfaces that a scene uses."""
+
+from collections.abc import Iterable
+
+from cea.errors import InputError
+from cea.mesh import Mesh
+from meshes.mesh_file import MeshFile
+from scenes.lagrange_mesh import lagrange_mesh
+from scenes.spec.body import BodySpec
+from scenes.spec.scene import SceneSpec
+
+
+def used_surfaces(scene: SceneSpec, body: str) -> list[str]:
+    """Surfaces of a body that supports, springs, loads and contacts name."""
+    spec = scene.bodies[body]
+    places = [load.surface for load in scene.loads if load.surface is not None]
+    places += [side for contact in scene.contacts.values() for side in (contact.a, contact.b)]
+    own = [place.partition(".")[2] for place in places if place.partition(".")[0] == body]
+    held = [support.surface for support in spec.supports]
+    held += [spring.surface for spring in spec.springs]
+    return list(dict.fromkeys([*held, *own]))
+
+
+def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
+    """Mesh of a body of Lagrange elements; of a mesh file, with the surfaces that are asked for.
+
+    Raises
+    ------
+    InputError
+        Naming a field of its geometry.
+    """
+    if not isinstance(spec.geometry, MeshFile):
+        return lagrange_mesh(spec)
+    try:
+        return spec.geometry.mesh(surfaces, spec.placement)
+    except InputError as error:
+        field = f"bodies.{body}.geometry.{error.field}"
+        raise InputError(field, error.value, error.allowed) from None
+
+
+def filled_in(scene: SceneSpec) -> Iterable[str]:
+    """Bodies to whose elements the middles of faces and cells are added."""
+    for name, body in scene.bodies.items():
+        if isinstance(body.geometry, MeshFile) and body.geometry.fills_in:
+            yield name

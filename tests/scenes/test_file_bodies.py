@@ -1,0 +1,141 @@
+"""Bodies from mesh files in scenes: the eigenvalues of the built-in shapes, beside any others."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from file_scenes import built, eigenvalues, from_file, on_any_number_of_ranks
+from mpi import on_ranks
+
+from scenes.describe import describe
+from scenes.read import SceneError, load_scene, read_scene
+from scenes.run import run_modes
+
+FILES = ("a.msh", "a.inp", "a.cdb", "a.bdf", "a.xdmf", "a.vtu")
+NEEDED = {"cdb": "mapdl_archive", "xdmf": "h5py", "vtu": "meshio"}
+KINDS = [("hexahedron", 1), ("hexahedron", 2), ("tetrahedron", 1), ("tetrahedron", 2)]
+
+
+@cache
+def expected(cell, degree):
+    return eigenvalues(built(cell, degree))
+
+
+@cache
+def frictionless(cell, degree):
+    return eigenvalues(built(cell, degree).change("contacts.interface.mu", 0.0))
+
+
+@pytest.mark.parametrize(("cell", "degree"), KINDS)
+@pytest.mark.parametrize("name", FILES)
+def test_a_pair_written_and_read_has_the_eigenvalues_it_had(tmp_path, name, cell, degree):
+    if (ending := name.split(".")[1]) in NEEDED:
+        pytest.importorskip(NEEDED[ending])
+    lacking = ending in ("inp", "cdb", "bdf")
+    scene = read_scene(from_file(built(cell, degree), tmp_path / name, lacking))
+    found, reference = eigenvalues(scene), expected(cell, degree)
+    assert len(found) == len(reference) >= 2
+    assert np.abs(found - reference).max() < 1e-10 * np.abs(reference).max()
+    without = frictionless(cell, degree)[: len(reference)]
+    assert np.abs(np.abs(reference[: len(without)]) - np.abs(without)).max() > 1e-6  # friction acts
+
+
+def test_a_body_of_a_file_touches_built_in_ones_of_either_backend(tmp_path, backend):
+    scene = built("hexahedron", 2)
+    data = from_file(scene, tmp_path / "upper.inp", lacking=True, bodies=("upper",))
+    data["bodies"]["lower"]["backend"] = backend
+    data["bodies"]["lower"]["mesh"]["iga"] = {"degree": [2, 2, 2], "elements": [4, 2, 2]}
+    found, beside = eigenvalues(read_scene(data)), expected("hexahedron", 2)
+    tolerance = {"fe": 1e-10, "iga": 0.02}[backend]
+    assert np.abs(found - beside).max() < tolerance * np.abs(beside).max()
+
+
+def test_elements_of_higher_degree_on_the_cells_of_a_file(tmp_path):
+    data = from_file(built("hexahedron", 1), tmp_path / "a.msh")
+    for body in data["bodies"].values():
+        body["mesh"] = {"degree": 2}
+    data["analysis"]["max_frequency"] = 0.25
+    reference = expected("hexahedron", 2)
+    found = eigenvalues(read_scene(data))
+    assert np.abs(found - reference).max() < 1e-10 * np.abs(reference).max()
+
+
+def test_results_say_where_nodes_were_added(tmp_path):
+    scene = read_scene(from_file(built("hexahedron", 2), tmp_path / "a.inp", lacking=True))
+    told = describe(run_modes(scene))["skipped"]
+    assert "upper, lower" in told["serendipity"]
+    whole = read_scene(from_file(built("hexahedron", 2), tmp_path / "a.msh"))
+    assert "serendipity" not in describe(run_modes(whole))["skipped"]
+
+
+SCENE = """
+name = "cube"
+[bodies.cube]
+backend = "fe"
+geometry = { shape = "mesh_file", file = "cube.inp", unit = "mm", part = "upper" }
+material = { E = 1.0, nu = 0.3, rho = 1.0 }
+supports = [{ surface = "upper_y_max" }]
+[analysis]
+kind = "cea"
+max_frequency = 500.0
+"""
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    from_file(built("hexahedron", 1), tmp_path / "cube.inp", bodies=("upper",))
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return tmp_path / "scene.toml"
+
+
+def test_files_lie_beside_the_scene_and_sets_are_surfaces(scene_file, monkeypatch):
+    monkeypatch.chdir("/")
+    scene = load_scene(scene_file)
+    geometry = scene.bodies["cube"].geometry
+    assert geometry.extent == ((0.0, 2e-3), (0.0, 0.5e-3), (0.0, 2e-3))
+    assert "upper_x_min" in geometry.surfaces
+    assert len(run_modes(scene).modes) > 2
+
+
+@pytest.mark.parametrize(
+    ("setting", "field", "words"),
+    [
+        ("geometry.file='none.inp'", "geometry.file", "a mesh file"),
+        ("geometry.unit='furlong'", "geometry.unit", "'m', 'cm'"),
+        ("geometry.part='pad'", "geometry.part", "a set of elements"),
+        ("geometry.merge_nodes=-1.0", "geometry.merge_nodes", "positive"),
+        ("mesh.fe={cell = 'tetrahedron', size = 1.0}", "mesh.fe", "those of the file"),
+        ("geometry.faces={rim = 3}", "geometry.faces.rim", "a list"),
+        ("geometry.faces={rim = ['upper_x_min', 'x']}", "geometry.faces", "{'rim': 'x'}"),
+        ("geometry.faces={rim = []}", "geometry.faces", "one set of the file or more"),
+        ("mesh.degree=9", "mesh.degree", "less than or equal to 4"),
+        ("supports.0.surface='z'", "supports.0.surface", "one of upper"),
+        ("rotation={axis = [0.0, 0.0, 1.0], rate = 1.0}", "geometry.shape", "to rotate"),
+        ("backend='iga'", "backend", "'fe' for a mesh file"),
+    ],
+)
+def test_what_is_refused_of_a_scene(scene_file, setting, field, words):
+    with pytest.raises(SceneError) as refused:
+        load_scene(scene_file, [f"bodies.cube.{setting}"])
+    faults = {fault.field: str(fault) for fault in refused.value.faults}
+    assert words in faults[f"bodies.cube.{field}"]
+
+
+def test_a_degree_is_of_files_alone():
+    with pytest.raises(SceneError, match=r"bodies.upper.mesh.degree = 2: left out"):
+        load_scene("blocks_3d", ["bodies.upper.mesh.degree=2"])
+
+
+def test_meshes_of_files_that_do_not_fit_into_memory_are_refused(scene_file, monkeypatch):
+    monkeypatch.setattr("scenes.memory.available_memory", lambda: 2e8)
+    with pytest.raises(ValueError, match=r"bodies.cube.geometry.file.* fits into memory"):
+        run_modes(load_scene(scene_file))
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_any_number_of_ranks(ranks):
+    found, alone = on_ranks(ranks, "file_scenes.on_any_number_of_ranks"), on_any_number_of_ranks()
+    assert "bodies.upper.geometry.faces.y_min" in found["told"] == alone["told"]
+    for part in ("re", "im"):
+        np.testing.assert_allclose(found[part], alone[part], rtol=0, atol=1e-9)
