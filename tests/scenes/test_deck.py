@@ -333,7 +333,7 @@ def test_texts_of_a_scene_stay_comments(written, tmp_path):
 
 
 def test_names_that_programs_do_not_take_are_refused(tmp_path):
-    for name in ("1part", "part one", "teil-ä"):
+    for name in ("1part", "part+", "teil-ä"):
         data = {"name": "names", "bodies": {name: body("tetrahedron", 1)}}
         scene = read_scene({**data, "analysis": {"kind": "cea", "max_frequency": 1e4}})
         with pytest.raises(SceneError, match="a letter, then at most"):
