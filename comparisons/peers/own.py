@@ -27,7 +27,7 @@ def solve(scene_data: dict[str, Any], mass_quadrature: int | None) -> dict[str, 
         ``eigenvalues`` (1/s) as pairs of real and imaginary part, ``dofs``, ``timings`` by stage.
     """
     from fe_cea import FEBody
-    from scenes.lagrange_mesh import lagrange_mesh
+    from scenes.body_meshes import body_mesh
     from scenes.read import read_scene
     from scenes.run import run_modes
 
@@ -37,14 +37,14 @@ def solve(scene_data: dict[str, Any], mass_quadrature: int | None) -> dict[str, 
         bodies = {
             name: FEBody.from_mesh(
                 name,
-                lagrange_mesh(spec),
-                degree=spec.mesh.fe.degree,
+                body_mesh(name, spec, ()),
+                degree=degree,
                 material=spec.material,
                 supports=[each.support() for each in spec.supports],
                 mass_quadrature=mass_quadrature,
             )
             for name, spec in scene.bodies.items()
-            if spec.mesh.fe is not None
+            if (degree := spec.fe_degree) is not None
         }
     result = run_modes(scene, bodies=bodies)
     values = result.eigenvalues

@@ -1,6 +1,6 @@
 """Bodies of a scene as a deck has them: numbered nodes and elements, and their surfaces."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from cea.errors import InputError
 from cea.mesh import Floats, Ints, Mesh, lattice
+from scenes.body_meshes import body_mesh, used_surfaces
 from scenes.deck.elements import ELEMENTS, element_nodes, faces_of
-from scenes.lagrange_mesh import lagrange_mesh
 from scenes.read import Scene
 from scenes.spec.body import BodySpec
 
@@ -116,22 +116,34 @@ def _gauss(dim: int, simplex: bool) -> tuple[Floats, Floats]:
 
 
 def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
-    """Bodies of a scene by name, meshed and numbered; the scene was checked before."""
+    """Bodies of a scene by name, meshed and numbered; the scene was checked before.
+
+    Raises
+    ------
+    InputError
+        When a mesh file has elements that a deck has not.
+    """
     bodies: dict[str, DeckBody] = {}
     node = element = 1
-    for name, mesh in _meshes(scene.bodies):
-        bodies[name] = DeckBody(name, scene.bodies[name], mesh, node, element)
+    for name, spec in scene.bodies.items():
+        mesh = _mesh(name, spec, used_surfaces(scene, name))
+        bodies[name] = DeckBody(name, spec, mesh, node, element)
         node, element = node + len(mesh.points), element + len(mesh.cells)
     return bodies
 
 
-def _meshes(specs: Mapping[str, BodySpec]) -> Iterator[tuple[str, Mesh]]:
-    for name, spec in specs.items():
-        fe = spec.mesh.fe
-        if fe is None:
-            raise InputError(f"bodies.{name}.mesh.fe", None, "a Lagrange mesh")
-        mesh = lagrange_mesh(spec).without_loose_points()
-        yield name, straight_quadratic(mesh) if (fe.degree, mesh.order) == (2, 1) else mesh
+def _mesh(name: str, spec: BodySpec, surfaces: Sequence[str]) -> Mesh:
+    """Mesh whose nodes are those of the elements."""
+    mesh, degree = body_mesh(name, spec, surfaces).without_loose_points(), spec.fe_degree
+    if degree == 2 and mesh.order == 1 and mesh.is_simplex:
+        return straight_quadratic(mesh)
+    if degree != mesh.order or (mesh.cell, mesh.order) not in ELEMENTS:
+        allowed = (
+            "the order of the cells for a deck, and 1 where they are no simplices: this file has "
+            f"a {mesh.cell} of order {mesh.order}"
+        )
+        raise InputError(f"bodies.{name}.mesh.degree", degree, allowed)
+    return mesh
 
 
 def straight_quadratic(mesh: Mesh) -> Mesh:

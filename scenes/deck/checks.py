@@ -6,11 +6,14 @@ from collections.abc import Iterable, Iterator
 from math import isfinite
 
 from cea.errors import InputError
+from meshes.mesh_file import MeshFile
+from scenes.body_meshes import used_surfaces
 from scenes.deck.bodies import set_name
 from scenes.deck.elements import ELEMENTS
 from scenes.read import Scene, SceneError
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
+from scenes.spec.mesh import FeMesh
 
 _LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
 """Names that both programs take as they are; they do not tell capitals from small letters."""
@@ -59,8 +62,10 @@ def _repeated_names(scene: Scene) -> Iterator[InputError]:
     places = [f"bodies.{name}" for name in scene.bodies]
     names = [name.lower() for name in scene.bodies]
     for name, body in scene.bodies.items():
-        places += [f"bodies.{name}.geometry.{each}" for each in body.geometry.surfaces]
-        names += [set_name(f"{name}.{each}").lower() for each in body.geometry.surfaces]
+        from_file = isinstance(body.geometry, MeshFile)
+        surfaces = used_surfaces(scene, name) if from_file else body.geometry.surfaces
+        places += [f"bodies.{name}.geometry.{each}" for each in surfaces]
+        names += [set_name(f"{name}.{each}").lower() for each in surfaces]
     count = Counter(names)
     for place, name in zip(places, names, strict=True):
         if count[name] > 1:
@@ -68,24 +73,12 @@ def _repeated_names(scene: Scene) -> Iterator[InputError]:
 
 
 def _body_faults(field: str, body: BodySpec) -> Iterable[InputError]:
-    fe = body.mesh.fe
     if body.backend != "fe":
         allowed = "'fe': a deck holds Lagrange elements, no NURBS (--backend fe)"
         yield InputError(f"{field}.backend", body.backend, allowed)
         return
-    if fe is None:
-        yield InputError(f"{field}.mesh.fe", None, "a mesh of the shape for a deck")
-        return
-    if (fe.cell, fe.degree) not in ELEMENTS:
-        wanted = "tetrahedron" if len(body.geometry.directions) == 3 else "triangle"
-        allowed = (
-            f"1 for a deck, or 2 with cell = {wanted!r}, geometry_degree = 1: no element there has "
-            f"the nodes of a {fe.cell} of degree {fe.degree}"
-        )
-        yield InputError(f"{field}.mesh.fe.degree", fe.degree, allowed)
-    elif (fe.geometry_degree or fe.degree) not in {1, fe.degree}:
-        allowed = f"1 or {fe.degree} for a deck"
-        yield InputError(f"{field}.mesh.fe.geometry_degree", fe.geometry_degree, allowed)
+    if body.mesh.fe is not None:
+        yield from _element_faults(f"{field}.mesh.fe", body, body.mesh.fe)
     for name in ("springs", "damping", "rotation"):
         if value := getattr(body, name):
             yield InputError(f"{field}.{name}", value, "left out for a deck: it is not written")
@@ -93,6 +86,20 @@ def _body_faults(field: str, body: BodySpec) -> Iterable[InputError]:
         if "normal" in support.components:
             allowed = "x, y, z, or radial, circumferential, axial, for a deck"
             yield InputError(f"{field}.supports.{i}.components", ["normal"], allowed)
+
+
+def _element_faults(field: str, body: BodySpec, fe: FeMesh) -> Iterator[InputError]:
+    """Elements that no deck has; those of mesh files show when the file is read."""
+    if (fe.cell, fe.degree) not in ELEMENTS:
+        wanted = "tetrahedron" if len(body.geometry.directions) == 3 else "triangle"
+        allowed = (
+            f"1 for a deck, or 2 with cell = {wanted!r}, geometry_degree = 1: no element there has "
+            f"the nodes of a {fe.cell} of degree {fe.degree}"
+        )
+        yield InputError(f"{field}.degree", fe.degree, allowed)
+    elif (fe.geometry_degree or fe.degree) not in {1, fe.degree}:
+        allowed = f"1 or {fe.degree} for a deck"
+        yield InputError(f"{field}.geometry_degree", fe.geometry_degree, allowed)
 
 
 def _contact_faults(field: str, contact: ContactSpec) -> Iterator[InputError]:

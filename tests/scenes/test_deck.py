@@ -13,9 +13,9 @@ from comparisons.cli.app import main
 from comparisons.peers import calculix
 from fe_cea import FEBody
 from scenes import load_scene, read_scene, run_modes
+from scenes.body_meshes import body_mesh
 from scenes.deck.bodies import deck_bodies
 from scenes.deck.write import write_deck
-from scenes.lagrange_mesh import lagrange_mesh
 from scenes.read import SceneError
 
 P2 = {"cell": "tetrahedron", "degree": 2, "geometry_degree": 1}
@@ -216,8 +216,8 @@ def ours(scene, quadrature, top):
     bodies = {
         name: FEBody.from_mesh(
             name,
-            lagrange_mesh(spec),
-            degree=spec.mesh.fe.degree,
+            body_mesh(name, spec, ()),
+            degree=spec.fe_degree,
             material=spec.material,
             supports=[support.support() for support in spec.supports],
             mass_quadrature=quadrature,
@@ -263,6 +263,21 @@ def test_friction_pushes_the_pad_as_the_scene_says(tmp_path):
     size = 4 / np.radians(40) * np.sin(np.radians(20)) / 2  # of the mean direction over 40 degrees
     assert force[2] > 0  # the disc pushes the pad up
     assert force[:2] @ middle == pytest.approx(2 * 0.7 * force[2] * size, rel=0.02)
+
+
+def test_a_model_read_back_is_the_body_that_was_written(written, tmp_path):
+    (model, *_), (deck, *_) = written
+    scene = in_contact()
+    faces = {"pad": ("top", "bottom"), "disc": ("inner", "top")}
+    for name, used in faces.items():
+        sets = {each: f"{name}-{each}" for each in used}
+        file = {"shape": "mesh_file", "file": str(model), "unit": "m", "part": name, "faces": sets}
+        scene = scene.change({f"bodies.{name}.geometry": file, f"bodies.{name}.mesh": {}})
+    found, before = (run_modes(each).eigenvalues for each in (scene, in_contact()))
+    assert found == pytest.approx(before, abs=1e-10 * abs(before).max())
+    again = decks.cards(write_deck(scene, tmp_path)[0])
+    assert len(decks.nodes(again)) == len(decks.nodes(deck))
+    assert decks.faces(again, "pad-bottom", "pad") != []
 
 
 REFUSED = {
