@@ -47,6 +47,9 @@ class SceneResult:
         What the scene did not need, with the reason.
     warnings
         What the result must be read with, warnings of the modes themselves included.
+    reactions
+        Forces (N) of each support on its body under the loads, by body, shape (supports, dim), in
+        the order of the scene; empty where no support prescribes a displacement.
     """
 
     scene: Scene
@@ -55,6 +58,7 @@ class SceneResult:
     timer: StageTimer
     skipped: Mapping[str, str]
     warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
+    reactions: Mapping[str, Floats] = field(default_factory=dict, kw_only=True)
 
     @property
     def dofs(self) -> int:
@@ -72,16 +76,22 @@ class SceneResult:
         return self.system.steady
 
     def steady_lines(self) -> list[str]:
-        """What the contacts carry in steady sliding, a line for each half pass."""
-        return [] if self.steady is None else steady_lines(steady_data(self.steady))
+        """What the contacts carry in steady sliding, and supports that prescribe, in lines."""
+        contacts = [] if self.steady is None else steady_lines(steady_data(self.steady))
+        return contacts + [
+            f"{name}, {self.scene.bodies[name].supports[number].surface}: support bears "
+            f"{', '.join(f'{part:.6g}' for part in force)} N"
+            for name, forces in self.reactions.items()
+            for number, force in enumerate(forces)
+        ]
 
     def matrices(self) -> dict[str, csr_array]:
         """Matrices by name: K and M of the bodies, K_n and K_f of the contacts.
 
         Their rows are the free dofs of all ranks. K_f is zero without friction, M is left out of
-        static analyses. C is there where something damps, Y where a body rotates; a convective
-        stiffness is part of K. Modal damping would be full: W is there where modes of a body are
-        damped, a column for each, and the damping is C + W W^T.
+        static analyses. C is there where something damps, Y where a body rotates; convective and
+        geometric stiffness are part of K. Modal damping would be full: W is there where modes of a
+        body are damped, a column for each, and the damping is C + W W^T.
 
         Returns
         -------
@@ -136,6 +146,7 @@ class SceneResult:
         vectors: Complexes,
         *,
         everywhere: bool,
+        prescribed: float = 0.0,
     ) -> Complexes:
         body, _, name = place.partition(".")
         if body not in self.bodies:
@@ -148,7 +159,8 @@ class SceneResult:
             at = surfaces[name].trace(at)
         elif isinstance(at, SurfaceCoordinates):
             raise InputError("place", place, "a surface, body.surface, for coordinates on it")
-        return gathered_displacements(self.system, body, at, vectors, everywhere=everywhere)
+        options: Any = {"prescribed": prescribed, "everywhere": everywhere}
+        return gathered_displacements(self.system, body, at, vectors, **options)
 
 
 @dataclass(frozen=True)
@@ -284,7 +296,8 @@ class StaticResult(SceneResult):
     ) -> Floats:
         """Displacements (m) at points, shape (n, dim), as in :meth:`ModesResult.mode_shapes`."""
         vectors = self.displacement.array[:, None].astype(complex)
-        return self._displacements(place, at, vectors, everywhere=everywhere)[..., 0].real
+        options: Any = {"everywhere": everywhere, "prescribed": 1.0}
+        return self._displacements(place, at, vectors, **options)[..., 0].real
 
     def table(self) -> list[dict[str, Any]]:
         """A row for each side of each contact: extremes and oscillation of sigma_n (N/m^2)."""

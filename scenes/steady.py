@@ -7,11 +7,13 @@ import numpy as np
 
 from cea.contact.laws import NormalCompliance
 from cea.contact.operators import Contact
+from cea.eigen.modes import Modes
 from cea.matrices import destroy
 from cea.petsc import Vec
 from cea.system.coupled import CoupledSystem
-from cea.system.sliding_state import ContactState, SteadySliding
+from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
 from cea.warned import ResultWarning
+from scenes.following import kept_state_warning, moves_the_state
 from scenes.read import Scene
 
 _LEFT = 1e-6
@@ -27,18 +29,26 @@ def steady_data(steady: SteadySliding) -> dict[str, Any]:
         "uncertainty": steady.uncertainty,
         "residual": steady.residual,
         "iterations": steady.iterations,
-        "path": [
-            {
-                "load": step.factor,
-                "residuals": list(step.residuals),
-                "closed": list(step.closed),
-                "parity": step.parity,
-            }
-            for step in steady.path
-        ],
+        "path": [_step_data(step) for step in steady.path],
         "contacts": {name: _contact_data(state) for name, state in steady.contacts.items()},
         "uniqueness": unique and {"parity": unique.parity, "margin": unique.margin},
     }
+
+
+def _step_data(step: LoadStep) -> dict[str, Any]:
+    data: dict[str, Any] = {
+        "load": step.factor,
+        "residuals": list(step.residuals),
+        "closed": list(step.closed),
+        "parity": step.parity,
+    }
+    if step.state is not None:
+        data |= {
+            "iterations": len(step.lengths),
+            "contacts": {name: _contact_data(s) for name, s in step.state.contacts.items()},
+            "margin": step.state.margin,
+        }
+    return data
 
 
 def _contact_data(state: ContactState) -> dict[str, Any]:
@@ -54,8 +64,13 @@ def _contact_data(state: ContactState) -> dict[str, Any]:
 
 
 def steady_lines(data: dict[str, Any]) -> list[str]:
-    """Lines for people, one for each half pass, of :func:`steady_data`."""
-    return [_line(name, contact) for name, contact in data["contacts"].items()]
+    """Lines for people of :func:`steady_data`: half passes in each load step, and at last."""
+    steps = [
+        f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
+        for step in data["path"]
+        for name, contact in step.get("contacts", {}).items()
+    ]
+    return steps + [_line(name, contact) for name, contact in data["contacts"].items()]
 
 
 def _line(name: str, contact: dict[str, Any]) -> str:
@@ -81,6 +96,13 @@ def steady_warnings(scene: Scene, system: CoupledSystem) -> tuple[ResultWarning,
             found += _open(contact, state)
             found += _undecided(contact, state, _NOISE * steady.uncertainty * largest)
     return tuple(found)
+
+
+def kept_state_warnings(steady: SteadySliding | None, modes: Modes) -> Iterator[ResultWarning]:
+    """What sensitivities must be read with: modes with left vectors were asked for them."""
+    moving = [name for name in modes.pencil.parameters if moves_the_state(name)]
+    if steady is not None and modes.left is not None and moving:
+        yield kept_state_warning(", ".join(moving))
 
 
 def _loads_without_effect(scene: Scene) -> Iterator[ResultWarning]:

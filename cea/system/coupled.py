@@ -6,7 +6,7 @@ On every rank the unknowns are the free dofs of the first body, then those of th
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf, log10
 from typing import Any
@@ -16,6 +16,7 @@ import numpy as np
 from cea.body import Body, Floats
 from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.operators import Contact, HalfPass, assemble_contact
+from cea.contact.prescribed import force_of_prescribed
 from cea.contact.saddle import contact_forces
 from cea.contact.sliding import Sliding, SlidingDamping, damping_of
 from cea.eigen.low_rank import LowRankTerm
@@ -59,6 +60,9 @@ class CoupledSystem:
         How half passes slide, by name, where that damps; none in static scenes.
     steady
         The state of steady sliding that contacts were linearised about; None where none was sought.
+    prestress
+        Geometric stiffness of the stresses of that state by body, PETSc AIJ (N/m); empty where it
+        was not asked for.
     """
 
     bodies: Mapping[str, Body]
@@ -72,6 +76,7 @@ class CoupledSystem:
     motions: Mapping[str, Motion]
     sliding: Mapping[str, Sliding]
     steady: SteadySliding | None = None
+    prestress: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def size(self) -> int:
@@ -154,8 +159,19 @@ class CoupledSystem:
             leave_out=leave_out,
         )
 
-    def linearised(self, steady: SteadySliding) -> "CoupledSystem":
-        """The system of small motions about a state of steady sliding."""
+    def linearised(
+        self, steady: SteadySliding, *, geometric_stiffness: bool = False
+    ) -> "CoupledSystem":
+        """The system of small motions about a state of steady sliding.
+
+        Parameters
+        ----------
+        steady
+            The state.
+        geometric_stiffness
+            Whether its stresses stiffen, or soften, the bodies; the forces of contacts and loads
+            keep their directions.
+        """
         contacts = [
             replace(
                 contact,
@@ -166,16 +182,28 @@ class CoupledSystem:
             for contact in self.contacts
         ]
         digits = penalty_digits(contacts, self.stiffness_diagonal)
+        prestress = {}
+        if geometric_stiffness:
+            prestress = {
+                name: body.geometric_stiffness(self.displacement(steady.displacement, name))
+                for name, body in self.bodies.items()
+            }
         return replace(
-            self, contacts=with_forms(contacts, digits), penalty_digits=digits, steady=steady
+            self,
+            contacts=with_forms(contacts, digits),
+            penalty_digits=digits,
+            steady=steady,
+            prestress=prestress,
         )
 
     def _body_terms(self) -> Iterator[Term]:
-        """K, M, C and Y of each body."""
+        """K, M, C and Y of each body, and what its prestress makes, whatever the parameters."""
         for name, body in self.bodies.items():
             path, motion = f"bodies.{name}", self.motions.get(name, STILL)
             embedded = partial(self._embedded, name)
             yield from body_terms(path, body, motion, embedded, with_mass=self.with_mass)
+            if name in self.prestress:
+                yield Term("stiffness", embedded(self.prestress[name]), Coefficient.of({}))
 
     @cached_property
     def _modal_terms(self) -> tuple[LowRankTerm, ...]:
@@ -292,7 +320,9 @@ class CoupledSystem:
         return whole
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
-        """Full displacement (m) of one body, shape (dim * num_scalar_dofs,).
+        """Full displacement (m) of one body under loads, shape (dim * num_scalar_dofs,).
+
+        With what its supports prescribe.
 
         Parameters
         ----------
@@ -307,6 +337,8 @@ class CoupledSystem:
         full = self.bodies[body].expansion.createVecLeft()
         self.bodies[body].expansion.mult(part, full)
         x.restoreSubVector(self.index_sets[body], part)
+        if (prescribed := self.bodies[body].prescribed) is not None:
+            full.axpy(1.0, prescribed)
         displacement = gather(full, everywhere=everywhere)
         destroy(full)
         return displacement
@@ -350,16 +382,10 @@ def couple(
     index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
     template = nest.createVecRight()
     destroy(nest)
-    load = None
-    if with_load:
-        load = template.duplicate()
-        for name, body in bodies.items():
-            part = load.getSubVector(index_sets[name])
-            body.load().copy(part)
-            load.restoreSubVector(index_sets[name], part)
     made = [
         assemble_contact(bodies, name, half, leave_out=leave_out) for name, half in contacts.items()
     ]
+    load = _load(bodies, made, template, index_sets) if with_load else None
     diagonal = _stiffness_diagonal(bodies, template)
     digits = penalty_digits(made, diagonal)
     return CoupledSystem(
@@ -383,3 +409,20 @@ def _stiffness_diagonal(bodies: Mapping[str, Body], template: Any) -> Any:
     whole.array[:] = np.concatenate([part.array_r for part in parts])
     destroy(*parts)
     return whole
+
+
+def _load(
+    bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any, index_sets: Any
+) -> Any:
+    """Forces (N) of loads and of displacements that supports prescribe, PETSc vector."""
+    load = template.duplicate()
+    for name, body in bodies.items():
+        part = load.getSubVector(index_sets[name])
+        body.load().copy(part)
+        load.restoreSubVector(index_sets[name], part)
+    for contact in contacts:
+        if contact.prescribed is not None and contact.half.law.linear:
+            force = force_of_prescribed(contact)
+            load.axpy(-1.0, force)
+            destroy(force)
+    return load

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cea.body import Floats
+from cea.contact.operators import Contact
 from cea.petsc import Vec
 from cea.warned import ResultWarning
 
@@ -51,6 +52,25 @@ class ContactState:
 
 
 @dataclass(frozen=True)
+class StepState:
+    """The equilibrium under a part of the load.
+
+    Parameters
+    ----------
+    displacement
+        Free displacements (m), PETSc vector.
+    contacts
+        State of each half pass with a law, by its name.
+    margin
+        That of :class:`Uniqueness`; None where the tangent is symmetric or singular.
+    """
+
+    displacement: Vec
+    contacts: Mapping[str, ContactState]
+    margin: float | None
+
+
+@dataclass(frozen=True)
 class LoadStep:
     """A part of the load at which the equilibrium was found.
 
@@ -67,6 +87,8 @@ class LoadStep:
     parity
         Whether the number of negative real eigenvalues of the tangent is odd (1) or even (0); None
         where it is symmetric, or that is not known.
+    state
+        The equilibrium; None where the history was not asked for.
     """
 
     factor: float
@@ -74,6 +96,7 @@ class LoadStep:
     lengths: tuple[float, ...]
     closed: tuple[int, ...]
     parity: int | None
+    state: StepState | None = None
 
 
 @dataclass(frozen=True)
@@ -165,3 +188,26 @@ class SteadySliding:
     def iterations(self) -> int:
         """Steps of Newton's method, over all parts of the load."""
         return sum(len(step.lengths) for step in self.path)
+
+
+def contact_state(contact: Contact, closure: Floats) -> ContactState:
+    """What a half pass carries at closures of all its points (m), shape (n,)."""
+    half, points = contact.half, contact.interface.points
+    pressure = half.law.pressure(closure)
+    weighted = points.weight * pressure
+    force = -(weighted @ points.normal)
+    friction = 0.0
+    if half.friction is not None and half.friction.acts:
+        rubbing = weighted * half.friction.mu
+        friction = float(rubbing.sum())
+        force = force + rubbing @ half.friction.direction.at(points.x, points.normal)
+    return ContactState(
+        closure=closure,
+        pressure=pressure,
+        stiffness=half.law.slope(closure),
+        normal_force=float(weighted.sum()),
+        friction_force=friction,
+        force_on_a=force,
+        closed_area=float(points.weight[closure > 0].sum()),
+        area=float(points.weight.sum()),
+    )
