@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from cea.errors import InputError
 
-MARKS = {"unstable": "●", "undecided": "○", "stable": ""}
+MARKS = {"unstable": "▲", "undecided": "◆", "stable": ""}
 """What stands beside a mode, by its verdict."""
 SIGNS = (
-    "● unstable, ○ undecided; a growth rate Re lambda above 0 grows, and so does a damping ratio "
+    "▲ unstable, ◆ undecided; a growth rate Re lambda above 0 grows, and so does a damping ratio "
     "-Re lambda / |lambda| below 0"
 )
 """Marks and signs in words."""

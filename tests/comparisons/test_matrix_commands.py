@@ -72,7 +72,7 @@ def test_solve_takes_matrices_and_writes_a_result(folder, tmp_path):
     assert done.returncode == 0, done.stderr
     assert "left out, not needed: " in done.stdout
     assert "pictures" in done.stdout.partition("left out, not needed: ")[2].splitlines()[0]
-    assert done.stdout.startswith("● solve: ")
+    assert done.stdout.startswith("▲ solve: ")
     stored = json.loads((tmp_path / "result.json").read_text())
     found = np.array([v["re"] + 1j * v["im"] for v in stored["eigenvalues"]])
     M, K = made["M"], made["K"] + made["F"]

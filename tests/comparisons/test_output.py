@@ -84,13 +84,13 @@ def test_what_matters_comes_first_and_bears_a_mark(result):
     print_result(result, console)
     lines = lines_of(console)
     assert lines[0].startswith(
-        "● disc_pad: 1 of 4 modes up to 12000 Hz unstable, 1 undecided, 1 ri"
+        "▲ disc_pad: 1 of 4 modes up to 12000 Hz unstable, 1 undecided, 1 ri"
     )
     assert lines[1].startswith(
-        "● mode 4: 11140.846 Hz, growth rate +123456.789 1/s, damping ratio -"
+        "▲ mode 4: 11140.846 Hz, growth rate +123456.789 1/s, damping ratio -"
     )
-    table = [line for line in lines[2:] if re.match(r" [●○ ] +\d+  ", line)]
-    assert [line[1] for line in table] == [" ", " ", "○", "●"]
+    table = [line for line in lines[2:] if re.match(r" [▲◆ ] +\d+  ", line)]
+    assert [line[1] for line in table] == [" ", " ", "◆", "▲"]
     assert "stable, rigid" in table[0]
     assert sum("Re lambda above 0 grows" in line for line in lines) == 1
     assert any("warning (short-modes)" in line for line in lines)
