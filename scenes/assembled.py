@@ -14,7 +14,7 @@ from cea.timing import StageTimer
 from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.run import RunOptions, coupled, run_modes, skipped_by, with_warnings
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 
@@ -159,7 +159,10 @@ class AssembledScene:
     def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
         """Parameters that make this scene another; None where others differ, or forms would."""
         values = _parameters_changed(self.scene, scene)
-        if scene.slides_steadily and not all(name.endswith(".rho") for name in values or ()):
+        if scene.slides_steadily and (
+            _of_steady_state(scene.analysis) != _of_steady_state(self.scene.analysis)
+            or not all(name.endswith(".rho") for name in values or ())
+        ):
             return None  # another state of steady sliding
         left_open = [name for name, contact in scene.contacts.items() if contact.form is None]
         if values is not None and self._system.keeps_forms(left_open, values):
@@ -208,6 +211,12 @@ def _parameters_changed(old: Scene, new: Scene) -> dict[str, float] | None:
             return None
         values |= {f"contacts.{name}.{key}": value for key, value in found.items()}
     return values
+
+
+def _of_steady_state(analysis: Analysis) -> tuple[Any, ...]:
+    """What a state of steady sliding, and what is made of it, depend on in an analysis."""
+    stiffens = analysis.kind == "cea" and analysis.geometric_stiffness
+    return analysis.load_steps, stiffens
 
 
 def _of_body(old: BodySpec, new: BodySpec) -> dict[str, float] | None:

@@ -18,6 +18,7 @@ from scenes.spec.body import BodySpec
 from scenes.spec.load import LoadSpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.scene import SceneSpec
+from scenes.steady_checks import steady_checks
 
 
 def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
@@ -35,6 +36,7 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
         yield InputError("output.pictures", scene.output.pictures, "0 in a static analysis")
     for i, load in enumerate(scene.loads):
         yield from _load_checks(scene, f"loads.{i}", load, known)
+    yield from steady_checks(scene)
 
 
 def _load_checks(

@@ -29,6 +29,7 @@ from scenes.read import (
     tables_of,
 )
 from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
+from scenes.steady_checks import needs_no_steady_state
 
 Role = Literal["mass", "damping", "stiffness"]
 ROLES: tuple[Role, ...] = ("mass", "damping", "stiffness")
@@ -193,6 +194,7 @@ def _checks(scene: MatrixScene) -> Iterator[InputError]:
     elif not SMALLEST <= scene.analysis.max_frequency <= LARGEST:
         allowed = f"{SMALLEST:g} to {LARGEST:g} (Hz)"
         yield InputError("analysis.max_frequency", scene.analysis.max_frequency, allowed)
+    yield from needs_no_steady_state(scene.analysis, "left out: matrices have no contacts")
     for section, names in (("files", scene.files), (PARAMETERS, scene.parameters)):
         if len(names) > MAX_ITEMS:
             yield InputError(section, f"{len(names)} of them", f"at most {MAX_ITEMS}")

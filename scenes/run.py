@@ -157,7 +157,10 @@ def coupled(
         check_interfaces(scene, bodies, interfaces)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
     if scene.slides_steadily:
-        system = system.linearised(steady_sliding(system, timer))
+        steps = scene.analysis.load_steps
+        told = steps is not None
+        steady = steady_sliding(system, timer, steps=steps if told else 1, history=told)
+        system = system.linearised(steady)
     return system, interfaces, timer
 
 

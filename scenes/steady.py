@@ -10,7 +10,7 @@ from cea.contact.operators import Contact
 from cea.matrices import destroy
 from cea.petsc import Vec
 from cea.system.coupled import CoupledSystem
-from cea.system.sliding_state import ContactState, SteadySliding
+from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
 from cea.warned import ResultWarning
 from scenes.read import Scene
 
@@ -27,18 +27,26 @@ def steady_data(steady: SteadySliding) -> dict[str, Any]:
         "uncertainty": steady.uncertainty,
         "residual": steady.residual,
         "iterations": steady.iterations,
-        "path": [
-            {
-                "load": step.factor,
-                "residuals": list(step.residuals),
-                "closed": list(step.closed),
-                "parity": step.parity,
-            }
-            for step in steady.path
-        ],
+        "path": [_step_data(step) for step in steady.path],
         "contacts": {name: _contact_data(state) for name, state in steady.contacts.items()},
         "uniqueness": unique and {"parity": unique.parity, "margin": unique.margin},
     }
+
+
+def _step_data(step: LoadStep) -> dict[str, Any]:
+    data: dict[str, Any] = {
+        "load": step.factor,
+        "residuals": list(step.residuals),
+        "closed": list(step.closed),
+        "parity": step.parity,
+    }
+    if step.state is not None:
+        data |= {
+            "iterations": len(step.lengths),
+            "contacts": {name: _contact_data(s) for name, s in step.state.contacts.items()},
+            "margin": step.state.margin,
+        }
+    return data
 
 
 def _contact_data(state: ContactState) -> dict[str, Any]:
@@ -54,8 +62,13 @@ def _contact_data(state: ContactState) -> dict[str, Any]:
 
 
 def steady_lines(data: dict[str, Any]) -> list[str]:
-    """Lines for people, one for each half pass, of :func:`steady_data`."""
-    return [_line(name, contact) for name, contact in data["contacts"].items()]
+    """Lines for people, for each half pass in each load step and at last, of :func:`steady_data`."""
+    steps = [
+        f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
+        for step in data["path"]
+        for name, contact in step.get("contacts", {}).items()
+    ]
+    return steps + [_line(name, contact) for name, contact in data["contacts"].items()]
 
 
 def _line(name: str, contact: dict[str, Any]) -> str:

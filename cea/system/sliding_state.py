@@ -51,6 +51,25 @@ class ContactState:
 
 
 @dataclass(frozen=True)
+class StepState:
+    """The equilibrium under a part of the load.
+
+    Parameters
+    ----------
+    displacement
+        Free displacements (m), PETSc vector.
+    contacts
+        State of each half pass with a law, by its name.
+    margin
+        That of :class:`Uniqueness`; None where the tangent is symmetric or singular.
+    """
+
+    displacement: Vec
+    contacts: Mapping[str, ContactState]
+    margin: float | None
+
+
+@dataclass(frozen=True)
 class LoadStep:
     """A part of the load at which the equilibrium was found.
 
@@ -67,6 +86,8 @@ class LoadStep:
     parity
         Whether the number of negative real eigenvalues of the tangent is odd (1) or even (0); None
         where it is symmetric, or that is not known.
+    state
+        The equilibrium; None where the history was not asked for.
     """
 
     factor: float
@@ -74,6 +95,7 @@ class LoadStep:
     lengths: tuple[float, ...]
     closed: tuple[int, ...]
     parity: int | None
+    state: StepState | None = None
 
 
 @dataclass(frozen=True)

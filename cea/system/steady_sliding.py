@@ -6,6 +6,7 @@ about the state meet the contact stiffness p = m_n c_n (u_n - g_n)_+^(m_n - 1).
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -21,12 +22,12 @@ from cea.system.sliding_newton import (
     solved_regularly,
 )
 from cea.system.sliding_problem import SlidingProblem, State, free_tangent
-from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
+from cea.system.sliding_state import ContactState, LoadStep, SteadySliding, StepState
 from cea.system.uniqueness import uniqueness_at
 from cea.timing import StageTimer
 
 _SHORTEST = 1 / 64
-"""Least part of the load of a step."""
+"""Least part of a step that was asked for to which it is cut."""
 _FIRST = 1 / 2
 """The same before any equilibrium was found."""
 _GROWS = 2.0
@@ -43,8 +44,16 @@ LEAVE_FREE = "the points that are closed leave a rigid motion free: the tangent 
 OPENS = "the load opens the contact: no point is closed"
 
 
+_TOGETHER = 1e-9
+"""Parts of the load, in those of a step, that are taken with the step."""
+
+
 def steady_sliding(
-    system: CoupledSystem, timer: StageTimer | None = None, *, steps: int = 1
+    system: CoupledSystem,
+    timer: StageTimer | None = None,
+    *,
+    steps: int | Sequence[float] = 1,
+    history: bool = False,
 ) -> SteadySliding:
     """Equilibrium of steady sliding.
 
@@ -56,12 +65,15 @@ def steady_sliding(
     timer
         Counts assembly and factorisation.
     steps
-        Parts in which the load is put on at first; they are cut where no equilibrium is found.
+        Number of equal steps in which the load is put on, or the part of it at the end of each,
+        rising to 1. Steps are cut where no equilibrium is found.
+    history
+        Whether the equilibrium at each of them is kept.
 
     Raises
     ------
     InputError
-        When the system has no load, no such contact, or steps are not positive.
+        When the system has no load, no such contact, or steps do not rise to 1.
     ConvergenceError
         When the load opens the contact, a rigid motion is free, or no equilibrium is found; the
         last :class:`cea.system.sliding_problem.State` is attached.
@@ -70,48 +82,74 @@ def steady_sliding(
         raise InputError("load", None, "forces: the system was coupled without")
     if all(contact.half.law.linear for contact in system.contacts):
         raise InputError("contacts", list(system.bodies), "one with a law of its closure")
-    if steps < 1:
-        raise InputError("steps", steps, "1 or more")
+    targets = check_steps(steps, "steps")
     timer = timer or StageTimer()
     problem = SlidingProblem(system)
     try:
-        return _Path(problem, timer).solve(steps)
+        return _Path(problem, timer, history=history).solve(targets)
     finally:
         problem.free()
+
+
+def check_steps(steps: int | Sequence[float], field: str) -> tuple[float, ...]:
+    """Parts of the load at the ends of steps.
+
+    Raises
+    ------
+    InputError
+        When there is no step, or they do not rise from above 0 to 1.
+    """
+    if isinstance(steps, int):
+        if steps < 1:
+            raise InputError(field, steps, "1 or more")
+        return tuple(number / steps for number in range(1, steps + 1))
+    parts = tuple(float(part) for part in steps)
+    if not parts or not all(a < b for a, b in pairwise((0.0, *parts))) or parts[-1] != 1.0:
+        raise InputError(field, list(parts), "parts of the load that rise from above 0 to 1")
+    return parts
 
 
 class _Path:
     """The way from no load to the whole of it."""
 
-    def __init__(self, problem: SlidingProblem, timer: StageTimer) -> None:
+    def __init__(self, problem: SlidingProblem, timer: StageTimer, *, history: bool) -> None:
         self._problem = problem
         self._timer = timer
+        self._history = history
         self._springs = _closed_slopes(problem)
         self._newton = SlidingNewton(problem, self._springs, timer)
         self._starts: dict[float, tuple[Floats, Floats]] = {}
 
-    def solve(self, steps: int) -> SteadySliding:
-        """Put the load on in so many parts, or in more where it takes them."""
-        done, part = 0.0, 1.0 / steps
-        if self._pulls(part) and not self._newton.is_held():
-            start = self._problem.state(*self._start(part), part)
+    def solve(self, targets: Sequence[float]) -> SteadySliding:
+        """Put the load on in steps to given parts of it, or in more where it takes them."""
+        first = targets[0]
+        if self._pulls(first) and not self._newton.is_held():
+            start = self._problem.state(*self._start(first), first)
             raise ConvergenceError(OPENS, best=start)
         path: list[LoadStep] = []
         state: State | None = None
-        while done < 1.0:
-            factor = min(1.0, done + part)
+        for begin, end in pairwise((0.0, *targets)):
+            state = self._step(state, begin, end, path)
+        assert state is not None
+        return self._result(state, path)
+
+    def _step(self, state: State | None, begin: float, end: float, path: list[LoadStep]) -> State:
+        """One of the steps that were asked for, cut where no equilibrium is found."""
+        whole = part = end - begin
+        done = begin
+        while state is None or done < end:
+            factor = done + part if done + part < end - _TOGETHER * whole else end
             run = self._at(state, factor)
             if run.converged and closed_points(run.state):
                 done, state = factor, run.state
-                part = max(part, min(_GROWS * part, 1.0 / steps))
-                path.append(_load_step(factor, run))
+                part = min(_GROWS * part, whole)
+                path.append(self._load_step(factor, run))
                 continue
             part *= 0.5
-            least = _SHORTEST if state is not None else _FIRST
+            least = (_SHORTEST if state is not None else _FIRST) * whole
             if part < least or (state is None and self._pulls(factor)):
                 raise ConvergenceError(self._reason(run, factor), best=run.state)
-        assert state is not None
-        return self._result(state, path)
+        return state
 
     def _at(self, state: State | None, factor: float) -> Iteration:
         """Equilibrium under a part of the load, from that under a smaller one or from none."""
@@ -174,13 +212,30 @@ class _Path:
             displacement=problem.vector(state.x),
             uncertainty=uncertainty,
             residual=state.relative,
-            contacts={
-                contact.name: _contact_state(contact, closure)
-                for contact, closure in zip(problem.contacts, state.closures, strict=True)
-            },
+            contacts=self._contact_states(state),
             path=tuple(path),
             uniqueness=uniqueness,
         )
+
+    def _load_step(self, factor: float, run: Iteration) -> LoadStep:
+        how = (tuple(run.residuals), tuple(run.lengths), tuple(run.closed), run.parity)
+        return LoadStep(factor, *how, self._step_state(run.state) if self._history else None)
+
+    def _step_state(self, state: State) -> StepState:
+        """The equilibrium under a part of the load, and how far it is from another one."""
+        problem = self._problem
+        tangent = problem.tangent(problem.slopes(state.closures))
+        with self._timer("factorisation"):
+            uniqueness, _ = uniqueness_at(tangent, state.x, state.f, {})
+        free_tangent(tangent)
+        margin = uniqueness.margin if uniqueness is not None else None
+        return StepState(problem.vector(state.x), self._contact_states(state), margin)
+
+    def _contact_states(self, state: State) -> dict[str, ContactState]:
+        return {
+            contact.name: _contact_state(contact, closure)
+            for contact, closure in zip(self._problem.contacts, state.closures, strict=True)
+        }
 
     def _reason(self, run: Iteration, factor: float) -> str:
         """Why there is no equilibrium."""
@@ -216,10 +271,6 @@ class _Path:
 def path_parities(path: Sequence[LoadStep]) -> dict[float, int | None]:
     """Parity of negative eigenvalues of the tangent by part of the load."""
     return {step.factor: step.parity for step in path}
-
-
-def _load_step(factor: float, run: Iteration) -> LoadStep:
-    return LoadStep(factor, tuple(run.residuals), tuple(run.lengths), tuple(run.closed), run.parity)
 
 
 def _closed_slopes(problem: SlidingProblem) -> list[Floats]:

@@ -1,0 +1,31 @@
+"""What a scene is refused for that asks for steady sliding where there is none."""
+
+from collections.abc import Iterable
+
+from cea.errors import InputError
+from scenes.spec.analysis import Analysis
+from scenes.spec.scene import SceneSpec
+
+_NEEDS = "left out where no contact has c_n: no state of steady sliding is sought"
+
+
+def steady_checks(scene: SceneSpec) -> Iterable[InputError]:
+    """Fields that mean nothing without a state of steady sliding."""
+    if not any(contact.c_n is not None for contact in scene.contacts.values()):
+        yield from needs_no_steady_state(scene.analysis, _NEEDS)
+
+
+def needs_no_steady_state(analysis: Analysis, allowed: str) -> Iterable[InputError]:
+    """Fields of an analysis that need a state of steady sliding.
+
+    Parameters
+    ----------
+    analysis
+        The analysis.
+    allowed
+        What is allowed where there is none.
+    """
+    if analysis.load_steps is not None:
+        yield InputError("analysis.load_steps", analysis.load_steps, allowed)
+    if analysis.kind == "cea" and analysis.geometric_stiffness:
+        yield InputError("analysis.geometric_stiffness", True, allowed)
