@@ -384,8 +384,43 @@ class Body(Protocol):
         """
         ...
 
+    @property
+    def prescribed(self) -> Any | None:
+        """Displacement of all dofs that supports prescribe (m), PETSc vector (full).
+
+        None where they hold all at zero. The displacement is this and what the free dofs add.
+        """
+        ...
+
+    def full_stiffness(self) -> Any:
+        """Elastic stiffness with springs of all dofs, held ones too, PETSc AIJ (full x full), N/m.
+
+        Made anew at each call.
+        """
+        ...
+
     def load(self) -> Any:
-        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""
+        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N.
+
+        With those of prescribed displacements, - Z^T K u_D (:mod:`cea.supports.prescribed`).
+        """
+        ...
+
+    def full_load(self) -> Any:
+        """The same on all dofs, without those of prescribed displacements, PETSc vector (full)."""
+        ...
+
+    def geometric_stiffness(self, displacement: Floats) -> Any:
+        """Stiffness that stresses make: int sigma_ij d_i u . d_j v, PETSc AIJ (free x free), N/m.
+
+        Symmetric; sigma is the stress of a displacement by the law of the material (Wriggers,
+        Nonlinear Finite Element Methods, 2008, sec. 4.2.3).
+
+        Parameters
+        ----------
+        displacement
+            Displacement of all dofs (m), the same on every rank, shape (dim * num_scalar_dofs,).
+        """
         ...
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:

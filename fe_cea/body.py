@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, Self
 
-from dolfinx.fem import functionspace
+from dolfinx.fem import Function, functionspace
 from dolfinx.fem.petsc import assemble_matrix, assemble_vector
 from scipy.sparse import csr_array
 
-from cea.body import VolumeCells, VolumeSample
+from cea.body import Floats, VolumeCells, VolumeSample
 from cea.checks import check_density, check_jacobians
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
@@ -27,12 +27,14 @@ from cea.supports.boundary import (
     through_body,
 )
 from cea.supports.constraints import Constraints
+from cea.supports.prescribed import add_prescribed
 from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute
 from fe_cea.facets import gather_facets
 from fe_cea.forms import (
     body_force_form,
     convective_form,
+    geometric_form,
     gyroscopic_form,
     mass_form,
     pressure_form,
@@ -302,18 +304,57 @@ class FEBody:
             full.destroy()
         return free
 
+    @property
+    def prescribed(self) -> Any | None:
+        """Displacement of all dofs that supports prescribe (m), PETSc vector (full), or None."""
+        return self._prescribed
+
+    @cached_property
+    def _prescribed(self) -> Any | None:
+        first, last = self._space.dofmap.index_map.local_range
+        return self._constraints.prescribed_displacement(first, last, self.expansion)
+
+    def full_stiffness(self) -> Any:
+        """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
+        form = stiffness_form(self._space, self._material, self._tagged_springs, self._facet_tags)
+        full = assemble_matrix(form)
+        full.assemble()
+        return full
+
     def load(self) -> Any:
-        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""
+        """Forces of loads and of prescribed displacements, PETSc vector (free), N."""
         return self._load
 
     @cached_property
     def _load(self) -> Any:
         free = self.expansion.createVecRight()
+        for full in self._full_loads():
+            self.expansion.multTransposeAdd(full, free, free)
+        add_prescribed(free, self)
+        return free
+
+    def full_load(self) -> Any:
+        """Forces on all dofs, without those of prescribed displacements, PETSc vector (full), N."""
+        every = self.expansion.createVecLeft()
+        for full in self._full_loads():
+            every.array[:] += full.array_r
+        return every
+
+    def _full_loads(self) -> Iterator[Any]:
+        """Forces on all dofs whose sum is the load, PETSc vectors."""
         for form in self._load_forms():
             full = assemble_vector(form)
             full.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-            self.expansion.multTransposeAdd(full, free, free)
-        return free
+            yield full
+
+    def geometric_stiffness(self, displacement: Floats) -> Any:
+        """Stiffness that stresses of a displacement make, PETSc AIJ (free x free), N/m."""
+        u = Function(self._space)
+        first, last = self._space.dofmap.index_map.local_range
+        mine = slice(self.dim * first, self.dim * last)
+        u.x.array[: self.dim * (last - first)] = displacement[mine]
+        u.x.scatter_forward()
+        return self._assembled(geometric_form(u, self._material))
 
     def _load_forms(self) -> Iterator[Any]:
         """Linear forms whose sum is the load."""

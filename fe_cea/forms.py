@@ -77,16 +77,41 @@ def stiffness_form(
     facet_tags
         Facet tags (dolfinx).
     """
-    mesh, dim = V.mesh, V.mesh.geometry.dim
-    lam, mu = (Constant(mesh, default_scalar_type(value)) for value in material.lame)
     u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
-
-    def strain(w: Any) -> Any:
-        return ufl.sym(ufl.grad(w))
-
-    stress = lam * ufl.div(u) * ufl.Identity(dim) + 2 * mu * strain(u)
-    a = ufl.inner(stress, strain(v)) * ufl.dx(metadata={"quadrature_degree": stiffness_degree(V)})
+    dx = ufl.dx(metadata={"quadrature_degree": stiffness_degree(V)})
+    a = ufl.inner(_stress(u, V, material), ufl.sym(ufl.grad(v))) * dx
     return compiled(sum(_spring_integrals(V, springs, facet_tags), a))
+
+
+def _stress(u: Any, V: Any, material: IsotropicMaterial) -> Any:
+    """Stress of a displacement (N/m^2)."""
+    lam, mu = (Constant(V.mesh, default_scalar_type(value)) for value in material.lame)
+    dim = V.mesh.geometry.dim
+    return lam * ufl.div(u) * ufl.Identity(dim) + 2 * mu * ufl.sym(ufl.grad(u))
+
+
+def geometric_form(displacement: Any, material: IsotropicMaterial) -> Form:
+    """Stiffness int sigma_ij d_i u . d_j v that stresses of a displacement make, N/m.
+
+    Parameters
+    ----------
+    displacement
+        Function of a vector Lagrange space (dolfinx), m.
+    material
+        Material.
+    """
+    V = displacement.function_space
+    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
+    stress = _stress(displacement, V, material)
+    degree = geometric_degree(V)
+    dx = ufl.dx(metadata={"quadrature_degree": degree})
+    return compiled(ufl.inner(ufl.grad(u) * stress, ufl.grad(v)) * dx)
+
+
+def geometric_degree(V: Any) -> int:
+    """Quadrature degree of products of three gradients, exact on affine cells."""
+    q = _order(V)
+    return 3 * (q - 1) if _is_simplex(V) else 3 * q
 
 
 def spring_form(V: Any, springs: Iterable[tuple[Spring, int]], facet_tags: Any) -> Form:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from cea.body import Floats, Ints, SurfaceCoordinates
+from cea.errors import InputError
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints, constrain
 from cea.supports.directions import Directions, merged
@@ -50,14 +51,18 @@ def nodal_constraints(
     held, rollers = [], []
     for support in supports:
         dofs, x, normal = _nodes(surfaces[support.surface], points)
+        values = [np.full(len(dofs), value) for value in support.values(dim)]
         if isinstance(support.frame, SurfaceNormal):
-            rollers.append(Directions(dofs, normal))
+            rollers.append(Directions(dofs, normal, values[0] if support.prescribes else None))
             continue
         nodes, first = np.unique(dofs, return_index=True)
-        directions = support.directions(x[first], normal[first])
-        held += [Directions(nodes, direction) for direction in directions]
+        for direction, value in zip(
+            support.directions(x[first], normal[first]), values, strict=True
+        ):
+            along = value[first] if support.prescribes else None
+            held.append(Directions(nodes, direction, along))
     if rollers:
-        held.append(_mean_normals(Directions.joined(rollers, dim)))
+        held.append(_mean_normals(Directions.joined(rollers, dim), field))
     return constrain(num_scalar_dofs, Directions.joined(held, dim), field=field)
 
 
@@ -72,11 +77,27 @@ def _nodes(surface: FESurface, points: Floats) -> tuple[Ints, Floats, Floats]:
     return dofs, surface.position(at), surface.normal(at)
 
 
-def _mean_normals(normals: Directions) -> Directions:
+def _mean_normals(normals: Directions, field: str) -> Directions:
+    """One direction for all normals that are near at a node.
+
+    Raises
+    ------
+    InputError
+        When faces that join smoothly are held at different values.
+    """
     label = merged(normals, _CREASE)
     count = label.max(initial=-1) + 1
     mean = np.zeros((count, normals.direction.shape[1]))
     np.add.at(mean, label, normals.direction)
     dofs = np.zeros(count, dtype=np.int64)
     dofs[label] = normals.dof
-    return Directions(dofs, mean / np.linalg.norm(mean, axis=1, keepdims=True))
+    directions = mean / np.linalg.norm(mean, axis=1, keepdims=True)
+    if normals.value is None:
+        return Directions(dofs, directions)
+    value = np.zeros(count)
+    value[label] = normals.value
+    wrong = normals.value[value[label] != normals.value]
+    if len(wrong):
+        allowed = "the same along normals of faces that join smoothly"
+        raise InputError(f"{field}.value", float(wrong[0]), allowed)
+    return Directions(dofs, directions, value)

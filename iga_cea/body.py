@@ -25,7 +25,8 @@ from cea.supports.boundary import (
     through_body,
 )
 from cea.supports.constraints import Constraints
-from iga_cea import assembly, transport
+from cea.supports.prescribed import add_prescribed
+from iga_cea import assembly, prestress, transport
 from iga_cea.cells import bezier_cells
 from iga_cea.inputs import check_faces, check_patches, checked_continuity, checked_degree
 from iga_cea.multipatch import End, Multipatch, join
@@ -161,9 +162,36 @@ class NurbsBody:
         )
         return self._restricted(whole)
 
+    @property
+    def prescribed(self) -> Any | None:
+        """Displacement of all dofs that supports prescribe (m), PETSc vector (full), or None."""
+        return self._prescribed
+
+    @cached_property
+    def _prescribed(self) -> Any | None:
+        first, last = self.multipatch.dof_ranges[self.comm.rank : self.comm.rank + 2]
+        return self._constraints.prescribed_displacement(int(first), int(last), self.expansion)
+
+    def full_stiffness(self) -> Any:
+        """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
+        K = assembly.stiffness(self.multipatch, self._pattern, self.material.lame, self.comm)
+        for spring in self._springs:
+            foundation = self._foundation(spring)
+            K.axpy(1.0, foundation, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+            foundation.destroy()
+        return K
+
     def load(self) -> Any:
-        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N."""
+        """Forces of loads and of prescribed displacements, PETSc vector (free), N."""
         return self._load
+
+    def geometric_stiffness(self, displacement: Floats) -> Any:
+        """Stiffness that stresses of a displacement make, PETSc AIJ (free x free), N/m."""
+        u = displacement.reshape(-1, self.dim)
+        whole = prestress.geometric_stiffness(
+            self.multipatch, self._pattern, self.material, u, self.comm
+        )
+        return self._restricted(whole)
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
         """Sample of the whole body, each knot span divided so many times a direction.
@@ -215,12 +243,7 @@ class NurbsBody:
 
     @cached_property
     def _stiffness(self) -> Any:
-        K = assembly.stiffness(self.multipatch, self._pattern, self.material.lame, self.comm)
-        for spring in self._springs:
-            foundation = self._foundation(spring)
-            K.axpy(1.0, foundation, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
-            foundation.destroy()
-        return self._restricted(K)
+        return self._restricted(self.full_stiffness())
 
     @cached_property
     def _spring_stiffness(self) -> Any | None:
@@ -242,6 +265,14 @@ class NurbsBody:
 
     @cached_property
     def _load(self) -> Any:
+        load, full = self.expansion.createVecRight(), self.full_load()
+        self.expansion.multTranspose(full, load)
+        destroy(full)
+        add_prescribed(load, self)
+        return load
+
+    def full_load(self) -> Any:
+        """Forces on all dofs, without those of prescribed displacements, PETSc vector (full), N."""
         force = np.zeros((self.num_scalar_dofs, self.dim))
         for pressure in self._pressures:
             surface = self.surfaces[pressure.surface]
@@ -252,12 +283,11 @@ class NurbsBody:
             points = self.surfaces[name].gauss_points(max(self.degree) + 1)
             share = self.surfaces[name].trace(points.at).T @ points.weight
             force += share[:, None] * value / points.weight.sum()
-        load, full = self.expansion.createVecs()
+        full = self.expansion.createVecLeft()
         full.setArray(force.ravel()[self._owned])
         if (through := through_body(self._forces)) is not None:
             self._add_body_force(full, through)
-        self.expansion.multTranspose(full, load)
-        return load
+        return full
 
     def _add_body_force(self, full: Any, force: Floats) -> None:
         """Add the forces on all dofs of a force on every part (N/m^3)."""

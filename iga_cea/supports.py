@@ -17,7 +17,8 @@ elements with u_r = 0 at its rims, lowest kappa: errors 8e-5, 5e-7, 8e-9 project
 6e-5 collocated for q = 2, 3, 4. Either admits exactly a motion whose u . d vanishes everywhere, so
 that a body between rollers still rotates freely about their axis.
 
-Where a direction is held at an edge already, the rows of the edge are dropped with it.
+Where a direction is held at an edge already, the rows of the edge are dropped with it. Values that
+a support prescribes take the place of the zeros.
 """
 
 from collections.abc import Mapping, Sequence
@@ -76,10 +77,12 @@ def face_constraints(
             here = points.at.element == number
             dofs = face.dofs[..., 0].ravel()
             for k, direction in enumerate(fields[:, here]):
+                value = np.full(len(dofs), support.values(dim)[k]) if support.prescribes else None
                 if np.abs(direction - direction[0]).max() <= _SAME:
-                    held.append(Directions(dofs, np.broadcast_to(direction[0], (len(dofs), dim))))
+                    along_face = np.broadcast_to(direction[0], (len(dofs), dim))
+                    held.append(Directions(dofs, along_face, value))
                     continue
-                anchor = Directions(dofs, _at_greville(surface, number, support)[k])
+                anchor = Directions(dofs, _at_greville(surface, number, support)[k], value)
                 trace = surface.trace(points.at[here])
                 turning.append(_TurningFace(anchor, trace, points.weight[here], direction))
     projected = _projected(turning, dim) if turning else None
@@ -93,7 +96,8 @@ class _TurningFace:
     Parameters
     ----------
     anchor
-        Its scalar dofs, each once, with the direction at its Greville abscissa.
+        Its scalar dofs, each once, with the direction at its Greville abscissa and the
+        displacement along it, the same all over the face.
     trace
         Values of the functions at Gauss points, (n, num_scalar_dofs).
     weight
@@ -121,12 +125,16 @@ def _projected(faces: Sequence[_TurningFace], dim: int) -> ProjectedConstraints:
     label = merged(anchors, _SMOOTH)
     count = int(label.max()) + 1
     rows = csr_array((count, dim * faces[0].trace.shape[1]))
+    right = np.zeros(count)
     ends = np.cumsum([len(face.anchor) for face in faces])
     for face, labels in zip(faces, np.split(label, ends[:-1]), strict=True):
         test = _tests(face, labels, count)
         rows = csr_array(rows + test @ along(face.trace, face.direction))
+        right += face.anchor.values[0] * test.sum(axis=1)
     first = np.unique(label, return_index=True)[1]
-    return ProjectedConstraints(Directions(anchors.dof[first], anchors.direction[first]), rows)
+    values = None if anchors.value is None else anchors.value[first]
+    anchor = Directions(anchors.dof[first], anchors.direction[first], values)
+    return ProjectedConstraints(anchor, rows, right)
 
 
 def _tests(face: _TurningFace, labels: Ints, count: int) -> csr_array:

@@ -158,8 +158,7 @@ def coupled(
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
     if scene.slides_steadily:
         steps = scene.analysis.load_steps
-        told = steps is not None
-        steady = steady_sliding(system, timer, steps=steps if told else 1, history=told)
+        steady = steady_sliding(system, timer, steps=steps or 1, history=steps is not None)
         system = system.linearised(steady)
     return system, interfaces, timer
 

@@ -62,7 +62,7 @@ def _contact_data(state: ContactState) -> dict[str, Any]:
 
 
 def steady_lines(data: dict[str, Any]) -> list[str]:
-    """Lines for people, for each half pass in each load step and at last, of :func:`steady_data`."""
+    """Lines for people of :func:`steady_data`: half passes in each load step, and at last."""
     steps = [
         f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
         for step in data["path"]

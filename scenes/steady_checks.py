@@ -11,8 +11,13 @@ _NEEDS = "left out where no contact has c_n: no state of steady sliding is sough
 
 def steady_checks(scene: SceneSpec) -> Iterable[InputError]:
     """Fields that mean nothing without a state of steady sliding."""
-    if not any(contact.c_n is not None for contact in scene.contacts.values()):
-        yield from needs_no_steady_state(scene.analysis, _NEEDS)
+    if any(contact.c_n is not None for contact in scene.contacts.values()):
+        return
+    yield from needs_no_steady_state(scene.analysis, _NEEDS)
+    for name, body in scene.bodies.items() if scene.analysis.kind == "cea" else ():
+        for i, support in enumerate(body.supports):
+            if support.value is not None:
+                yield InputError(f"bodies.{name}.supports.{i}.value", support.value, _NEEDS)
 
 
 def needs_no_steady_state(analysis: Analysis, allowed: str) -> Iterable[InputError]:

@@ -148,6 +148,9 @@ class Contact:
         Projection on the traces of side a; None where points stand for themselves.
     lumped
         K_n and K_f of lumped contact; None of others.
+    prescribed
+        What displacements that supports prescribe close of the gap at all points (m), shape (n,);
+        None where they close nothing.
     """
 
     name: str
@@ -157,6 +160,7 @@ class Contact:
     mu: float
     projection: MortarProjection | None = None
     lumped: tuple[Any, Any | None] | None = None
+    prescribed: Floats | None = None
 
     @property
     def pair(self) -> str:
@@ -310,7 +314,24 @@ def assemble_contact(
     if half.coupling == "lumped":
         weight = points.weight * half.stiffness[interface.rows]
         lumped = lumped_matrices(bodies, sides, interface, weight, direction, field)
-    return Contact(name, half, gap, slip, mu, projection, lumped)
+    closed = prescribed_closure(bodies, half)
+    return Contact(name, half, gap, slip, mu, projection, lumped, closed)
+
+
+def prescribed_closure(bodies: Mapping[str, Body], half: HalfPass) -> Floats | None:
+    """What displacements that supports prescribe close of the gap at all points (m), shape (n,).
+
+    None where nothing is prescribed, or nothing of it reaches the contact.
+    """
+    interface = half.interface
+    jumps = jump_along(interface, interface.local_points.normal)
+    closed = np.zeros(len(interface.local_points))
+    for name, jump in zip((half.a, half.b), jumps, strict=True):
+        prescribed = bodies[name].prescribed
+        if prescribed is not None:
+            closed += jump @ gather(prescribed)
+    every = np.concatenate(interface.comm.allgather(closed))
+    return every if every.any() else None
 
 
 def friction_at(half: HalfPass) -> tuple[Floats, float]:

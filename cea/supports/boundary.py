@@ -8,14 +8,14 @@ import numpy as np
 from cea.body import Floats
 from cea.checks import check_surface
 from cea.errors import InputError
-from cea.supports.frames import Cartesian, Frame
+from cea.supports.frames import Cartesian, Cylindrical, Frame
 
 _CARTESIAN = Cartesian()
 
 
 @dataclass(frozen=True)
 class Support:
-    """Displacement components held at zero on a surface.
+    """Displacement components held on a surface, at zero or at given values.
 
     Parameters
     ----------
@@ -26,17 +26,29 @@ class Support:
         circumferential, axial; normal. None holds every one.
     frame
         Frame of the components.
+    value
+        Displacement along each held component (m), in the order of the frame, or one for all; None
+        holds all at zero. About an axis, radial and circumferential ones are not both held at
+        values.
     """
 
     surface: str
     components: tuple[int, ...] | None = None
     frame: Frame = _CARTESIAN
+    value: tuple[float, ...] | float | None = None
 
     def __post_init__(self) -> None:
         if self.components is not None and (
             not self.components or not set(self.components) <= {0, 1, 2}
         ):
             raise InputError("support.components", self.components, "one or more of 0, 1, 2")
+        if self.value is not None and not np.isfinite(self.value).all():
+            raise InputError("support.value", self.value, "finite numbers (m)")
+
+    @property
+    def prescribes(self) -> bool:
+        """Whether it holds anything elsewhere than at zero."""
+        return self.value is not None and bool(np.any(self.value))
 
     def check(self, dim: int, field: str) -> None:
         """Refuse components and frames that do not suit the dimension of space.
@@ -51,12 +63,32 @@ class Support:
         Raises
         ------
         InputError
-            Naming components, axis or origin.
+            Naming components, axis, origin or value.
         """
         self.frame.check(dim, field)
         size = self.frame.size(dim)
         if self.components is not None and max(self.components) >= size:
             raise InputError(f"{field}.components", self.components, f"below {size}")
+        held = self._held(dim)
+        if isinstance(self.value, tuple) and len(self.value) != len(held):
+            allowed = f"a number (m) for each of the {len(held)} components held"
+            raise InputError(f"{field}.value", self.value, allowed)
+        if self.prescribes and isinstance(self.frame, Cylindrical) and {0, 1} <= set(held):
+            allowed = "zero where both radial and circumferential are held"
+            raise InputError(f"{field}.value", self.value, allowed)
+
+    def _held(self, dim: int) -> tuple[int, ...]:
+        """Held components, in the order of the frame."""
+        components = self.components
+        if components is None:
+            components = tuple(range(self.frame.size(dim)))
+        return tuple(sorted(set(components)))
+
+    def values(self, dim: int) -> Floats:
+        """Displacement along each of the held directions (m), shape (held components,)."""
+        held = self._held(dim)
+        given = 0.0 if self.value is None else self.value
+        return np.array(np.broadcast_to(np.asarray(given, dtype=float), len(held)))
 
     def directions(self, x: Floats, normal: Floats) -> Floats:
         """Held unit directions, shape (held components, n, dim).
@@ -68,10 +100,7 @@ class Support:
         normal
             Outward unit normals there, shape (n, dim).
         """
-        components = self.components
-        if components is None:
-            components = tuple(range(self.frame.size(x.shape[1])))
-        return self.frame.directions(tuple(sorted(set(components))), x, normal)
+        return self.frame.directions(self._held(x.shape[1]), x, normal)
 
 
 @dataclass(frozen=True)

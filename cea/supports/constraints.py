@@ -7,6 +7,9 @@ free directions B, directions T solved for, and held ones, so that u = B v + T s
 
     C T s + C B v = 0,    u = (B - T (C T)^-1 C B) v = Z v.
 
+Where supports prescribe values, d . u_i = g and C u = c, a displacement u_D is added to that
+(:mod:`cea.supports.prescribed`).
+
 Every rank holds all constraints: there are as many as a surface has dofs.
 """
 
@@ -23,6 +26,7 @@ from cea.errors import InputError
 from cea.matrices import distributed
 from cea.petsc import PETSc
 from cea.supports.directions import Directions, complement, orthonormal
+from cea.supports.prescribed import held_displacement
 
 _NEGLIGIBLE = 1e-14
 """Coefficients dropped; those of dependent dofs fall exponentially with distance."""
@@ -43,10 +47,13 @@ class ProjectedConstraints:
         One dof and direction for each row. A row whose direction is held there already is dropped.
     rows
         Coefficients, shape (rows, dim * num_scalar_dofs); they touch anchored dofs only.
+    right
+        c of C u = c, shape (rows,).
     """
 
     anchor: Directions
     rows: csr_array
+    right: Floats
 
 
 @dataclass(frozen=True)
@@ -65,6 +72,9 @@ class Constraints:
         Unknowns lost at each of them, shape (m,).
     rows
         Their displacement components from the free unknowns, shape (dim * m, free unknowns).
+    prescribed
+        Displacement components of theirs that are prescribed (m), shape (dim * m,); None where all
+        is held at zero.
     """
 
     dim: int
@@ -72,6 +82,7 @@ class Constraints:
     dofs: Ints
     removed: Ints
     rows: csr_array
+    prescribed: Floats | None = None
 
     @property
     def any(self) -> bool:
@@ -117,6 +128,24 @@ class Constraints:
         size = dim * (last - first)
         local = csr_array(coo_array(entries, shape=(size, self.rows.shape[1])))
         return distributed(local, (int(stops - starts), self.rows.shape[1]), comm)
+
+    def prescribed_displacement(self, first: int, last: int, expansion: Any) -> Any | None:
+        """u_D, PETSc vector (full), m; None where all is held at zero.
+
+        Parameters
+        ----------
+        first, last
+            Scalar dofs of this rank.
+        expansion
+            Z, PETSc AIJ (full x free).
+        """
+        if self.prescribed is None:
+            return None
+        held = slice(*np.searchsorted(self.dofs, [first, last]))
+        vector = expansion.createVecLeft()
+        part = self.prescribed[self.dim * held.start : self.dim * held.stop]
+        vector.array[_components(self.dofs[held] - first, self.dim)] = part
+        return vector
 
     def restrict(self, matrix: Any, expansion: Any) -> Any:
         """Z^T A Z of a symmetric matrix, symmetric as far as rounding goes.
@@ -171,7 +200,8 @@ def constrain(
     Raises
     ------
     InputError
-        When projected constraints contradict the held directions around them.
+        When projected constraints contradict the held directions around them, or supports hold one
+        component at different values.
     """
     dim = held.direction.shape[1]
     anchor = projected.anchor if projected else Directions.joined([], dim)
@@ -181,15 +211,25 @@ def constrain(
     first = _first_free(dim, dofs, removed, dofs)
     total = dim * num_scalar_dofs - int(removed.sum())
     free = _free_rows(complement(taken), removed, first, total)
+    values = None
+    if held.value is not None:
+        place = slice(len(held))
+        values = held_displacement(held, owner[place], taken, slot[place], field).ravel()
     solved = np.flatnonzero(slot[len(held) :] >= 0)
     if projected and len(solved):
-        at, place = owner[len(held) :][solved], slot[len(held) :][solved]
-        dependent = _dependent_columns(taken[at, place], at, len(dofs))
+        at, row = owner[len(held) :][solved], slot[len(held) :][solved]
+        dependent = _dependent_columns(taken[at, row], at, len(dofs))
         C = projected.rows[solved][:, _components(dofs, dim)]
         free = csr_array(free + dependent @ _elimination(C @ dependent, C @ free, field))
+        if every.value is not None:
+            values = np.zeros(dim * len(dofs)) if values is None else values
+            size = np.abs(every.value).max() or 1.0  # coefficients are dropped below a size
+            rest = csr_array((C @ values - projected.right[solved])[:, None] / size)
+            amounts = _elimination(C @ dependent, rest, field)
+            values = values + size * (dependent @ amounts).toarray()[:, 0]
     free.data[np.abs(free.data) < _NEGLIGIBLE] = 0.0
     free.eliminate_zeros()
-    return Constraints(dim, num_scalar_dofs, dofs, removed, free)
+    return Constraints(dim, num_scalar_dofs, dofs, removed, free, values)
 
 
 def _first_free(dim: int, held: Ints, removed: Ints, dofs: Ints) -> Ints:

@@ -24,10 +24,13 @@ class Directions:
         Scalar dofs, shape (n,).
     direction
         Unit directions there, shape (n, dim).
+    value
+        Displacement along each (m), shape (n,); None of zero.
     """
 
     dof: Ints
     direction: Floats
+    value: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.dof)
@@ -35,10 +38,19 @@ class Directions:
     @classmethod
     def joined(cls, parts: Sequence["Directions"], dim: int) -> "Directions":
         """Directions of several parts, in order."""
+        values = None
+        if any(part.value is not None for part in parts):
+            values = np.concatenate([part.values for part in parts])
         return cls(
             np.concatenate([np.zeros(0, dtype=np.int64), *(part.dof for part in parts)]),
             np.concatenate([np.zeros((0, dim)), *(part.direction for part in parts)]),
+            values,
         )
+
+    @property
+    def values(self) -> Floats:
+        """Displacement along each (m), shape (n,)."""
+        return np.zeros(len(self)) if self.value is None else self.value
 
 
 def merged(entries: Directions, cosine: float) -> Ints:

@@ -16,6 +16,7 @@ import numpy as np
 from cea.body import Body, Floats
 from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.operators import Contact, HalfPass, assemble_contact
+from cea.contact.prescribed import force_of_prescribed
 from cea.contact.saddle import contact_forces
 from cea.contact.sliding import Sliding, SlidingDamping, damping_of
 from cea.eigen.low_rank import LowRankTerm
@@ -292,7 +293,9 @@ class CoupledSystem:
         return whole
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
-        """Full displacement (m) of one body, shape (dim * num_scalar_dofs,).
+        """Full displacement (m) of one body under loads, shape (dim * num_scalar_dofs,).
+
+        With what its supports prescribe.
 
         Parameters
         ----------
@@ -307,6 +310,8 @@ class CoupledSystem:
         full = self.bodies[body].expansion.createVecLeft()
         self.bodies[body].expansion.mult(part, full)
         x.restoreSubVector(self.index_sets[body], part)
+        if (prescribed := self.bodies[body].prescribed) is not None:
+            full.axpy(1.0, prescribed)
         displacement = gather(full, everywhere=everywhere)
         destroy(full)
         return displacement
@@ -350,16 +355,10 @@ def couple(
     index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
     template = nest.createVecRight()
     destroy(nest)
-    load = None
-    if with_load:
-        load = template.duplicate()
-        for name, body in bodies.items():
-            part = load.getSubVector(index_sets[name])
-            body.load().copy(part)
-            load.restoreSubVector(index_sets[name], part)
     made = [
         assemble_contact(bodies, name, half, leave_out=leave_out) for name, half in contacts.items()
     ]
+    load = _load(bodies, made, template, index_sets) if with_load else None
     diagonal = _stiffness_diagonal(bodies, template)
     digits = penalty_digits(made, diagonal)
     return CoupledSystem(
@@ -383,3 +382,20 @@ def _stiffness_diagonal(bodies: Mapping[str, Body], template: Any) -> Any:
     whole.array[:] = np.concatenate([part.array_r for part in parts])
     destroy(*parts)
     return whole
+
+
+def _load(
+    bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any, index_sets: Any
+) -> Any:
+    """Forces (N) of loads and of displacements that supports prescribe, PETSc vector."""
+    load = template.duplicate()
+    for name, body in bodies.items():
+        part = load.getSubVector(index_sets[name])
+        body.load().copy(part)
+        load.restoreSubVector(index_sets[name], part)
+    for contact in contacts:
+        if contact.prescribed is not None and contact.half.law.linear:
+            force = force_of_prescribed(contact)
+            load.axpy(-1.0, force)
+            destroy(force)
+    return load

@@ -91,7 +91,11 @@ class SlidingProblem:
         self.matrices = at_rest.pencil().at()
         assert system.load is not None
         self._load = system.load
-        self.gaps = tuple(contact.reactions.met(initial_gap(contact)) for contact in self.contacts)
+        self._gaps = tuple(contact.reactions.met(initial_gap(contact)) for contact in self.contacts)
+        self._prescribed = tuple(
+            None if contact.prescribed is None else contact.reactions.met(contact.prescribed)
+            for contact in self.contacts
+        )
         self._x = system.vector()
         self._y = system.vector()
 
@@ -104,6 +108,24 @@ class SlidingProblem:
     def load(self) -> float:
         """Sum of the absolute forces of the load (N)."""
         return float(self._load.norm(1))
+
+    def gaps_at(self, factor: float) -> tuple[Floats, ...]:
+        """Gaps at all points of each contact with a law (m) where free dofs do not move.
+
+        Parameters
+        ----------
+        factor
+            The part of the load, and of the displacements that supports prescribe.
+        """
+        return tuple(
+            gap if closed is None else gap - factor * closed
+            for gap, closed in zip(self._gaps, self._prescribed, strict=True)
+        )
+
+    @property
+    def nearest(self) -> tuple[float, ...]:
+        """Least initial gap of each contact with a law (m)."""
+        return tuple(float(gap.min()) for gap in self._gaps)
 
     def law(self, number: int) -> NormalCompliance:
         """Law of a contact."""
@@ -135,7 +157,8 @@ class SlidingProblem:
         self._x.array[:] = x
         elastic = self._linear_forces(f)
         approaches = [each.reactions.approach(self._x) for each in self.contacts]
-        closures = tuple(u - gap for u, gap in zip(approaches, self.gaps, strict=True))
+        gaps = self.gaps_at(factor)
+        closures = tuple(u - gap for u, gap in zip(approaches, gaps, strict=True))
         contact = self._reactions(
             [
                 each.half.law.pressure(closure) / self.softness
@@ -145,7 +168,7 @@ class SlidingProblem:
         rounding = self._reactions(
             [
                 slope * np.finfo(float).eps * np.maximum(np.abs(u), np.abs(gap))
-                for slope, u, gap in zip(self.slopes(closures), approaches, self.gaps, strict=True)
+                for slope, u, gap in zip(self.slopes(closures), approaches, gaps, strict=True)
             ]
         )
         load = self.load_at(factor)
@@ -216,17 +239,26 @@ class SlidingProblem:
         """A part of the load (N), the rows of this rank."""
         return factor * self._load.array_r
 
-    def spring_forces(self, slopes: Slopes) -> Floats:
+    def rest(self, factor: float) -> tuple[Floats, ...]:
+        """What closes the least initial gap at all points of each contact with a law (m)."""
+        return tuple(
+            np.full(len(gap), least) if closed is None else least - factor * closed
+            for gap, least, closed in zip(self._gaps, self.nearest, self._prescribed, strict=True)
+        )
+
+    def spring_forces(self, slopes: Slopes, factor: float) -> Floats:
         """Forces of springs at all points whose rest is the least gap (N), the rows of this rank.
 
         Parameters
         ----------
         slopes
             Stiffness of the springs (N/m^3).
+        factor
+            The part of the load.
         """
         total = np.zeros(self.rows)
-        for contact, slope, gap in zip(self.contacts, slopes, self.gaps, strict=True):
-            force = contact.reactions.forces(slope * gap.min(), friction=False)
+        for contact, slope, rest in zip(self.contacts, slopes, self.rest(factor), strict=True):
+            force = contact.reactions.forces(slope * rest, friction=False)
             total += force.array_r
             destroy(force)
         return total

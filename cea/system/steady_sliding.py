@@ -191,7 +191,7 @@ class _Path:
     def _held_by_springs(self, factor: float) -> tuple[Floats, Floats]:
         problem = self._problem
         state = problem.state(*problem.zero(), factor)
-        tension = problem.spring_forces(self._springs)
+        tension = problem.spring_forces(self._springs, factor)
         tangent = problem.tangent(self._springs, friction=False)
         with self._timer("factorisation"):
             found = solved_regularly(tangent, problem.load_at(factor) + tension)
@@ -259,9 +259,9 @@ class _Path:
         x = problem.vector(self._start(factor)[0])
         force = sum(
             float(contact.interface.points.weight @ (slope * contact.reactions.approach(x)))
-            - float(contact.interface.points.weight @ (slope * gap.min()))
-            for contact, slope, gap in zip(
-                problem.contacts, self._springs, problem.gaps, strict=True
+            - float(contact.interface.points.weight @ (slope * rest))
+            for contact, slope, rest in zip(
+                problem.contacts, self._springs, problem.rest(factor), strict=True
             )
         )
         destroy(x)
@@ -276,15 +276,16 @@ def path_parities(path: Sequence[LoadStep]) -> dict[float, int | None]:
 def _closed_slopes(problem: SlidingProblem) -> list[Floats]:
     """Secant slope of each contact where the whole load presses all of it evenly (N/m^3)."""
     slopes = []
-    for number, (gap, area) in enumerate(zip(problem.gaps, problem.areas, strict=True)):
-        law, overlap = problem.law(number), -float(gap.min())
+    for number, (nearest, area) in enumerate(zip(problem.nearest, problem.areas, strict=True)):
+        law, overlap = problem.law(number), -nearest
         interface = problem.contacts[number].interface
         size = min(interface.a.mesh_size, interface.b.mesh_size)
         closure = max(law.closure(problem.load / area), overlap if overlap > _OVERLAP * size else 0)
         if not closure > 0:
             raise ConvergenceError(f"{OPENS}; nothing presses the sides together", best=None)
         pressure = float(law.pressure(np.array(closure)))
-        slopes.append(np.full(len(gap), pressure / closure))
+        points = len(problem.contacts[number].interface.points)
+        slopes.append(np.full(points, pressure / closure))
     return slopes
 
 

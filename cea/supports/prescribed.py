@@ -1,0 +1,75 @@
+"""Displacements that supports prescribe, beside what they leave free.
+
+With u = Z v + u_D, u_D the displacement of held dofs at the prescribed values and zero elsewhere,
+the equilibrium of the free dofs is Z^T K Z v = Z^T F - Z^T K u_D.
+"""
+
+import numpy as np
+
+from cea.body import Body, Floats, Ints
+from cea.errors import InputError
+from cea.matrices import destroy
+from cea.petsc import Vec
+from cea.supports.directions import Directions
+
+_SAME = 1e-9
+"""Difference of values, relative to the largest, that is taken for rounding."""
+
+
+def held_displacement(
+    held: Directions, owner: Ints, taken: Floats, slot: Ints, field: str
+) -> Floats:
+    """Displacement of dofs that are held at values along directions, shape (dofs, dim).
+
+    Parameters
+    ----------
+    held
+        Directions at dofs, and the values.
+    owner
+        Number of the dof of each, shape (n,).
+    taken
+        Orthonormal rows that they were made, zero beyond their number, shape (dofs, dim, dim).
+    slot
+        Row that each became, -1 where it depends on those before it.
+    field
+        Name of the supports in messages.
+
+    Raises
+    ------
+    InputError
+        When supports hold one component at different values.
+    """
+    along = np.einsum("nki,ni->nk", taken[owner], held.direction)
+    amount = np.zeros(taken.shape[:2])
+    for k in range(taken.shape[1]):
+        new = np.flatnonzero(slot == k)
+        before = np.einsum("nj,nj->n", along[new, :k], amount[owner[new], :k])
+        amount[owner[new], k] = (held.values[new] - before) / along[new, k]
+    _check(held, owner, taken, along, amount, field)
+    return np.einsum("nk,nki->ni", amount, taken)
+
+
+def _check(
+    held: Directions, owner: Ints, taken: Floats, along: Floats, amount: Floats, field: str
+) -> None:
+    """Refuse values that contradict each other, as far as their directions are the same."""
+    spanned = np.einsum("nk,nki->ni", along, taken[owner])
+    sine = np.linalg.norm(held.direction - spanned, axis=1)
+    wrong = np.abs(held.values - np.einsum("nk,nk->n", along, amount[owner]))
+    largest = np.abs(held.values).max(initial=0.0)
+    if len(wrong) and (wrong > (_SAME + 4 * sine) * largest).any():
+        value = float(held.values[np.argmax(wrong)])
+        allowed = "the value of the other supports that hold the same component at an edge"
+        raise InputError(f"{field}.value", value, allowed)
+
+
+def add_prescribed(load: Vec, body: Body) -> None:
+    """Add - Z^T K u_D to forces on the free dofs of a body (N), where supports prescribe any."""
+    if body.prescribed is None:
+        return
+    stiffness = body.full_stiffness()
+    force, free = body.expansion.createVecLeft(), load.duplicate()
+    stiffness.mult(body.prescribed, force)
+    body.expansion.multTranspose(force, free)
+    load.axpy(-1.0, free)
+    destroy(stiffness, force, free)
