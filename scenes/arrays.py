@@ -7,13 +7,18 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from cea.body import Complexes, Floats
-from cea.matrices import destroy, free_operator, scaled_total
+from cea.matrices import destroy, free_operator, gather, scaled_total
 from cea.ranks import local_rows
 from cea.system.coupled import CoupledSystem
 
 
 def displacements(
-    system: CoupledSystem, body: str, trace: csr_array | None, vectors: Complexes
+    system: CoupledSystem,
+    body: str,
+    trace: csr_array | None,
+    vectors: Complexes,
+    *,
+    prescribed: float = 0.0,
 ) -> Complexes:
     """Displacements (m) of many vectors of unknowns at points of one body; collective.
 
@@ -28,6 +33,8 @@ def displacements(
         (n, num_scalar_dofs); None takes the scalar dofs themselves, this rank's share.
     vectors
         Unknowns, the rows of this rank, shape (n_local, k).
+    prescribed
+        Part of the displacements that supports prescribe which is added; none to small motions.
 
     Returns
     -------
@@ -43,7 +50,14 @@ def displacements(
         operator = free_operator(csr_array(kron(trace, eye_array(part.dim), format="csr")), part)
         u = _times(operator, own, part.comm)
         destroy(operator)
-    return u.reshape(len(u) // part.dim, part.dim, vectors.shape[1])
+    u = u.reshape(len(u) // part.dim, part.dim, vectors.shape[1])
+    if not prescribed or part.prescribed is None:
+        return u
+    if trace is None:
+        held = part.prescribed.array_r.reshape(-1, part.dim)
+    else:
+        held = trace @ gather(part.prescribed).reshape(-1, part.dim)
+    return u + prescribed * held[..., None]
 
 
 def _times(operator: Any, vectors: Complexes, comm: Any) -> Complexes:
@@ -67,13 +81,14 @@ def gathered_displacements(
     trace: csr_array | None,
     vectors: Complexes,
     *,
+    prescribed: float = 0.0,
     everywhere: bool = True,
 ) -> Complexes:
     """:func:`displacements` at points that are the same on every rank, or are those of rank 0.
 
     Parameters
     ----------
-    system, body, vectors
+    system, body, vectors, prescribed
         As there.
     trace
         Of all points, the same on every rank; or counted on rank 0 alone.
@@ -91,7 +106,7 @@ def gathered_displacements(
         count = trace.shape[0]
         rows = local_rows(count, comm) if everywhere else (0, 0 if comm.rank else count)
         trace = trace[slice(*rows)]
-    u = displacements(system, body, trace, vectors)
+    u = displacements(system, body, trace, vectors, prescribed=prescribed)
     if everywhere:
         return np.concatenate(comm.allgather(u))
     parts = comm.gather(u)

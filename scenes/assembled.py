@@ -14,7 +14,7 @@ from cea.timing import StageTimer
 from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.run import RunOptions, coupled, run_modes, skipped_by, with_warnings
-from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 
@@ -160,7 +160,8 @@ class AssembledScene:
         """Parameters that make this scene another; None where others differ, or forms would."""
         values = _parameters_changed(self.scene, scene)
         if scene.slides_steadily and (
-            _of_steady_state(scene.analysis) != _of_steady_state(self.scene.analysis)
+            scene.analysis.load_steps != self.scene.analysis.load_steps
+            or scene.stiffened_by_stress != self.scene.stiffened_by_stress
             or not all(name.endswith(".rho") for name in values or ())
         ):
             return None  # another state of steady sliding
@@ -211,12 +212,6 @@ def _parameters_changed(old: Scene, new: Scene) -> dict[str, float] | None:
             return None
         values |= {f"contacts.{name}.{key}": value for key, value in found.items()}
     return values
-
-
-def _of_steady_state(analysis: Analysis) -> tuple[Any, ...]:
-    """What a state of steady sliding, and what is made of it, depend on in an analysis."""
-    stiffens = analysis.kind == "cea" and analysis.geometric_stiffness
-    return analysis.load_steps, stiffens
 
 
 def _of_body(old: BodySpec, new: BodySpec) -> dict[str, float] | None:

@@ -86,6 +86,8 @@ def _of_bodies(result: ModesResult | StaticResult) -> dict[str, Any]:
     }
     if result.system.steady is not None:
         data["steady_sliding"] = steady_data(result.system.steady)
+    if result.reactions:
+        data["reactions"] = {name: force.tolist() for name, force in result.reactions.items()}
     return data
 
 

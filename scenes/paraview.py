@@ -171,11 +171,17 @@ def _gaps(result: ModesResult | StaticResult, contact: Contact, modes: list[int]
     """Gaps (m) at all points of a contact, (points, solutions), on every rank."""
     interface = contact.interface
     if isinstance(result, ModesResult):
-        vectors = result.modes.vectors[:, modes]
+        vectors, prescribed = result.modes.vectors[:, modes], 0.0
     else:
-        vectors = result.displacement.array[:, None].astype(complex)
-    jump = displacements(result.system, contact.half.a, interface.trace_a, vectors)
-    jump -= displacements(result.system, contact.half.b, interface.trace_b, vectors)
+        vectors, prescribed = result.displacement.array[:, None].astype(complex), 1.0
+    jump, opposite = (
+        displacements(result.system, body, trace, vectors, prescribed=prescribed)
+        for body, trace in (
+            (contact.half.a, interface.trace_a),
+            (contact.half.b, interface.trace_b),
+        )
+    )
+    jump -= opposite
     gap = np.einsum("ijk,ij->ik", jump, interface.local_points.normal)
     return np.concatenate(interface.comm.allgather(gap))
 
@@ -189,7 +195,10 @@ def _pressure(
     if isinstance(result, StaticResult):
         if not contact.half.law.linear:
             return {}  # the contact pressure of the state stands there
-        return {"pressure": contact.pressure(result.displacement)}
+        pressure = contact.pressure(result.displacement)
+        if contact.prescribed is not None:
+            pressure = pressure + contact.half.stiffness * contact.prescribed
+        return {"pressure": pressure}
     if not np.isfinite(result.relative_stiffness(contact.pair)):
         return {}
     parts = result.modes.vector(solution.number - 1)

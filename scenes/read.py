@@ -82,6 +82,17 @@ class Scene(SceneSpec):
         """Whether a state of steady sliding is sought: a contact has a law of its closure."""
         return any(contact.c_n is not None for contact in self.contacts.values())
 
+    @property
+    def stiffened_by_stress(self) -> bool:
+        """Whether the stresses of steady sliding stiffen, or soften, small motions."""
+        return self.analysis.kind == "cea" and self.analysis.geometric_stiffness
+
+    @property
+    def prescribes(self) -> bool:
+        """Whether a support holds anything elsewhere than at zero."""
+        supports = [each.support() for body in self.bodies.values() for each in body.supports]
+        return any(support.prescribes for support in supports)
+
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "Scene":
         """The scene with fields changed, checked anew as a file is.
 

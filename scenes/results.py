@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from cea.eigen.modes import Modes
 from cea.errors import InputError
 from cea.system.contact_stresses import SideStress
 from cea.system.coupled import CoupledSystem
+from cea.system.held import support_reactions
 from cea.system.sliding_state import SteadySliding
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
@@ -71,6 +73,35 @@ class SceneResult:
         """The state of steady sliding; None where the stiffness of every contact is given."""
         return self.system.steady
 
+    @cached_property
+    def reactions(self) -> Mapping[str, Floats]:
+        """Forces (N) of supports on their bodies under the loads, (supports, dim); collective.
+
+        By body, the supports in the order of the scene (:mod:`cea.system.held`). Empty where no
+        support prescribes a displacement.
+        """
+        x = self._under_load()
+        if x is None or not self.scene.prescribes:
+            return {}
+        supports = {
+            name: [support.support() for support in body.supports]
+            for name, body in self.scene.bodies.items()
+        }
+        return support_reactions(self.system, supports, x)
+
+    def _under_load(self) -> Any | None:
+        """Free displacements under the loads, PETSc vector; None where loads change nothing."""
+        return None if self.steady is None else self.steady.displacement
+
+    def reaction_lines(self) -> list[str]:
+        """What supports bear, a line for each body; collective."""
+        return [
+            f"{name}, {self.scene.bodies[name].supports[number].surface}: support bears "
+            f"{', '.join(f'{part:.6g}' for part in force)} N"
+            for name, forces in self.reactions.items()
+            for number, force in enumerate(forces)
+        ]
+
     def steady_lines(self) -> list[str]:
         """What the contacts carry in steady sliding, a line for each half pass."""
         return [] if self.steady is None else steady_lines(steady_data(self.steady))
@@ -79,8 +110,8 @@ class SceneResult:
         """Matrices by name: K and M of the bodies, K_n and K_f of the contacts.
 
         Their rows are the free dofs of all ranks. K_f is zero without friction, M is left out of
-        static analyses. C is there where something damps, Y where a body rotates; a convective
-        stiffness is part of K. Modal damping would be full: W is there where modes of a body are
+        static analyses. C is there where something damps, Y where a body rotates; convective and
+        geometric stiffness are part of K. Modal damping would be full: W is there where modes of a body are
         damped, a column for each, and the damping is C + W W^T.
 
         Returns
@@ -136,6 +167,7 @@ class SceneResult:
         vectors: Complexes,
         *,
         everywhere: bool,
+        prescribed: float = 0.0,
     ) -> Complexes:
         body, _, name = place.partition(".")
         if body not in self.bodies:
@@ -148,7 +180,8 @@ class SceneResult:
             at = surfaces[name].trace(at)
         elif isinstance(at, SurfaceCoordinates):
             raise InputError("place", place, "a surface, body.surface, for coordinates on it")
-        return gathered_displacements(self.system, body, at, vectors, everywhere=everywhere)
+        options: Any = {"prescribed": prescribed, "everywhere": everywhere}
+        return gathered_displacements(self.system, body, at, vectors, **options)
 
 
 @dataclass(frozen=True)
@@ -269,6 +302,9 @@ class StaticResult(SceneResult):
     displacement: Any
     stresses: Mapping[str, Mapping[str, SideStress]]
 
+    def _under_load(self) -> Any:
+        return self.displacement
+
     @property
     def analysis(self) -> StaticAnalysis:
         """The analysis of the scene."""
@@ -284,7 +320,8 @@ class StaticResult(SceneResult):
     ) -> Floats:
         """Displacements (m) at points, shape (n, dim), as in :meth:`ModesResult.mode_shapes`."""
         vectors = self.displacement.array[:, None].astype(complex)
-        return self._displacements(place, at, vectors, everywhere=everywhere)[..., 0].real
+        options: Any = {"everywhere": everywhere, "prescribed": 1.0}
+        return self._displacements(place, at, vectors, **options)[..., 0].real
 
     def table(self) -> list[dict[str, Any]]:
         """A row for each side of each contact: extremes and oscillation of sigma_n (N/m^2)."""

@@ -159,7 +159,9 @@ def coupled(
     if scene.slides_steadily:
         steps = scene.analysis.load_steps
         steady = steady_sliding(system, timer, steps=steps or 1, history=steps is not None)
-        system = system.linearised(steady)
+        with timer("assembly"):
+            stiffens = scene.stiffened_by_stress
+            system = system.linearised(steady, geometric_stiffness=stiffens)
     return system, interfaces, timer
 
 
@@ -178,6 +180,8 @@ def skipped_by(scene: Scene) -> dict[str, str]:
         skipped["convective stiffness"] = "not asked for: of the order of rho Omega^2"
     if not any(contact.mu for contact in scene.contacts.values()):
         skipped["friction"] = "mu = 0: no slip operator, symmetric solver"
+    if scene.slides_steadily and not scene.stiffened_by_stress:
+        skipped["geometric stiffness"] = "not asked for: of the order of sigma / E"
     if not scene.contacts:
         skipped["search"] = "no contacts"
     if scene.analysis.kind == "static":

@@ -6,7 +6,7 @@ On every rank the unknowns are the free dofs of the first body, then those of th
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf, log10
 from typing import Any
@@ -60,6 +60,9 @@ class CoupledSystem:
         How half passes slide, by name, where that damps; none in static scenes.
     steady
         The state of steady sliding that contacts were linearised about; None where none was sought.
+    prestress
+        Geometric stiffness of the stresses of that state by body, PETSc AIJ (N/m); empty where it
+        was not asked for.
     """
 
     bodies: Mapping[str, Body]
@@ -73,6 +76,7 @@ class CoupledSystem:
     motions: Mapping[str, Motion]
     sliding: Mapping[str, Sliding]
     steady: SteadySliding | None = None
+    prestress: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def size(self) -> int:
@@ -155,8 +159,19 @@ class CoupledSystem:
             leave_out=leave_out,
         )
 
-    def linearised(self, steady: SteadySliding) -> "CoupledSystem":
-        """The system of small motions about a state of steady sliding."""
+    def linearised(
+        self, steady: SteadySliding, *, geometric_stiffness: bool = False
+    ) -> "CoupledSystem":
+        """The system of small motions about a state of steady sliding.
+
+        Parameters
+        ----------
+        steady
+            The state.
+        geometric_stiffness
+            Whether its stresses stiffen, or soften, the bodies; the forces of contacts and loads
+            keep their directions.
+        """
         contacts = [
             replace(
                 contact,
@@ -167,16 +182,28 @@ class CoupledSystem:
             for contact in self.contacts
         ]
         digits = penalty_digits(contacts, self.stiffness_diagonal)
+        prestress = {}
+        if geometric_stiffness:
+            prestress = {
+                name: body.geometric_stiffness(self.displacement(steady.displacement, name))
+                for name, body in self.bodies.items()
+            }
         return replace(
-            self, contacts=with_forms(contacts, digits), penalty_digits=digits, steady=steady
+            self,
+            contacts=with_forms(contacts, digits),
+            penalty_digits=digits,
+            steady=steady,
+            prestress=prestress,
         )
 
     def _body_terms(self) -> Iterator[Term]:
-        """K, M, C and Y of each body."""
+        """K, M, C and Y of each body, and what its prestress makes, whatever the parameters."""
         for name, body in self.bodies.items():
             path, motion = f"bodies.{name}", self.motions.get(name, STILL)
             embedded = partial(self._embedded, name)
             yield from body_terms(path, body, motion, embedded, with_mass=self.with_mass)
+            if name in self.prestress:
+                yield Term("stiffness", embedded(self.prestress[name]), Coefficient.of({}))
 
     @cached_property
     def _modal_terms(self) -> tuple[LowRankTerm, ...]:
