@@ -32,8 +32,6 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
             yield from fault_of(check_density, body.material, f"bodies.{name}.material")
     known = sorted(f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces)
     yield from contact_checks(scene, known)
-    if scene.analysis.kind == "static" and scene.output.pictures:
-        yield InputError("output.pictures", scene.output.pictures, "0 in a static analysis")
     for i, load in enumerate(scene.loads):
         yield from _load_checks(scene, f"loads.{i}", load, known)
     yield from steady_checks(scene)

@@ -13,20 +13,20 @@ from cea.body import Complexes, Floats
 from cea.contact.operators import Contact
 from cea.files import folder_whole
 from cea.matrices import destroy
-from cea.system.sliding_state import SteadySliding
+from cea.system.sliding_state import ContactState
 from scenes.arrays import displacements
 from scenes.results import ModesResult, StaticResult
 from scenes.vtu import Entry, cell_grid, in_space, point_grid, write_collection, write_grid
 
 
 @dataclass(frozen=True)
-class _Solution:
+class Solution:
     """A displacement to be written.
 
     Parameters
     ----------
     number
-        Number of the mode, from 1; 0 of a static displacement.
+        Number of the mode or the load step, from 1; 0 of a static displacement.
     name
         Beginning of the names of its files.
     ends
@@ -77,8 +77,8 @@ def write_paraview(result: ModesResult | StaticResult, count: int, out: Path) ->
     is_root = next(iter(bodies.values())).comm.rank == 0
     modes = _chosen(result, count) if isinstance(result, ModesResult) else []
     solutions = _solutions(result, modes)
-    volumes = _Collection(out, "modes" if isinstance(result, ModesResult) else "displacement")
-    surfaces = _Collection(out, "contacts")
+    volumes = Collection(out, "modes" if isinstance(result, ModesResult) else "displacement")
+    surfaces = Collection(out, "contacts")
     cells = {name: body.volume_cells() for name, body in bodies.items()}
     u = {
         name: result.mode_shapes(name, cells[name].values, modes, everywhere=False)
@@ -87,8 +87,9 @@ def write_paraview(result: ModesResult | StaticResult, count: int, out: Path) ->
         for name in bodies
     }
     gaps = {contact.name: _gaps(result, contact, modes) for contact in contacts}
+    steady = result.steady.contacts if result.steady is not None else {}
     body_grids = {name: cell_grid(cells[name]) for name in bodies} if is_root else {}
-    point_grids = {c.name: _contact_grid(c, result.steady) for c in contacts} if is_root else {}
+    point_grids = {c.name: contact_grid(c, steady) for c in contacts} if is_root else {}
     collections = [volumes, surfaces] if contacts else [volumes]
     with ExitStack() as stack:
         if is_root:
@@ -109,7 +110,7 @@ def write_paraview(result: ModesResult | StaticResult, count: int, out: Path) ->
     return [collection.file for collection in collections]
 
 
-class _Collection:
+class Collection:
     """A ``.pvd`` file and the folder of its grids, of the same name."""
 
     def __init__(self, out: Path, name: str) -> None:
@@ -118,15 +119,19 @@ class _Collection:
         self.part = self.folder  # where its grids are written until it is whole
         self.entries: list[Entry] = []
 
-    def add(self, grids: Mapping[str, Any], solution: _Solution) -> None:
-        """Write the grids of a solution, each a part; on other ranks there are none."""
+    def add(self, grids: Mapping[str, Any], solution: Solution, time: float | None = None) -> None:
+        """Write the grids of a solution, each a part; on other ranks there are none.
+
+        Time is by default its number.
+        """
         for part, (name, grid) in enumerate(grids.items()):
             for fact, value in solution.facts.items():
                 grid.field_data[fact] = [value]
             # Names of bodies and contacts are free text.
             file = self.folder / f"{solution.name}_{quote(name, safe=' ,')}.vtu"
             write_grid(grid, self.part / file.name)
-            self.entries.append(Entry(solution.number, part, file))
+            shown = solution.number if time is None else time
+            self.entries.append(Entry(shown, part, file))
 
 
 def _chosen(result: ModesResult, count: int) -> list[int]:
@@ -135,12 +140,12 @@ def _chosen(result: ModesResult, count: int) -> list[int]:
     return sorted(list(dict.fromkeys(every))[:count])
 
 
-def _solutions(result: ModesResult | StaticResult, modes: list[int]) -> list[_Solution]:
+def _solutions(result: ModesResult | StaticResult, modes: list[int]) -> list[Solution]:
     """Some modes, or the static displacement."""
     if isinstance(result, StaticResult):
-        return [_Solution(0, "static", ("",), {})]
+        return [Solution(0, "static", ("",), {})]
     return [
-        _Solution(
+        Solution(
             mode + 1,
             f"mode_{mode + 1}",
             ("_real", "_imag"),
@@ -154,13 +159,22 @@ def _solutions(result: ModesResult | StaticResult, modes: list[int]) -> list[_So
     ]
 
 
-def _contact_grid(contact: Contact, steady: SteadySliding | None) -> Any:
+def contact_grid(contact: Contact, states: Mapping[str, ContactState]) -> Any:
+    """Points of a contact with what it carries in steady sliding, if anything is known of that.
+
+    Parameters
+    ----------
+    contact
+        The contact.
+    states
+        States of half passes by name.
+    """
     points = contact.interface.points
     grid = point_grid(points.x)
     grid.point_data["normal"] = in_space(points.normal)
     grid.point_data["weight"] = points.weight
-    if steady is not None and contact.name in steady.contacts:
-        state = steady.contacts[contact.name]
+    if contact.name in states:
+        state = states[contact.name]
         grid.point_data["contact pressure"] = state.pressure
         grid.point_data["closure"] = state.closure
         grid.point_data["contact stiffness"] = state.stiffness
@@ -187,7 +201,7 @@ def _gaps(result: ModesResult | StaticResult, contact: Contact, modes: list[int]
 
 
 def _pressure(
-    result: ModesResult | StaticResult, contact: Contact, solution: _Solution
+    result: ModesResult | StaticResult, contact: Contact, solution: Solution
 ) -> dict[str, Floats]:
     """Pressure (N/m^2) at all points of a contact that has one, on every rank."""
     if not contact.has_pressure:

@@ -14,6 +14,9 @@ def steady_checks(scene: SceneSpec) -> Iterable[InputError]:
     if any(contact.c_n is not None for contact in scene.contacts.values()):
         return
     yield from needs_no_steady_state(scene.analysis, _NEEDS)
+    if scene.analysis.kind == "static" and scene.output.pictures:
+        allowed = "0 in a static analysis of which no contact has c_n"
+        yield InputError("output.pictures", scene.output.pictures, allowed)
     for name, body in scene.bodies.items() if scene.analysis.kind == "cea" else ():
         for i, support in enumerate(body.supports):
             if support.value is not None:

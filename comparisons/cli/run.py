@@ -151,16 +151,22 @@ def _draw(
 
     files = {}
     output = result.scene.output
-    if output.pictures and isinstance(result, ModesResult):
-        from scenes.pictures import draw_modes
+    if output.pictures:
+        from comparisons.kit.contact_pictures import draw_contacts
 
         work.stage("pictures")
-        pictures = draw_modes(result, output.pictures, folder, animated=True)
+        pictures = draw_contacts(result, folder)
+        if isinstance(result, ModesResult):
+            from scenes.pictures import draw_modes
+
+            pictures += draw_modes(result, output.pictures, folder, animated=True)
         files["pictures"] = [file.name for file in pictures]
     if output.paraview:
         from scenes.paraview import write_paraview
+        from scenes.paraview_steps import write_load_steps
 
         work.stage("files for ParaView")
         collections = write_paraview(result, output.paraview, folder)
+        collections += write_load_steps(result, folder)
         files["paraview"] = [file.name for file in collections]
     return files

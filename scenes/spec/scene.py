@@ -18,10 +18,11 @@ class OutputSpec:
     Parameters
     ----------
     pictures
-        Modes to draw and animate, the most unstable first.
+        Modes to draw and animate, the most unstable first; with c_n what the contacts carry is
+        drawn too, of a static analysis that alone.
     paraview
         Modes to write for ParaView, the most unstable first; of a static analysis, whether to
-        write its displacement.
+        write its displacement; with load steps those too.
     """
 
     pictures: Annotated[int, Field(ge=0)] = 0
