@@ -1,0 +1,260 @@
+"""Displacements that supports prescribe: exact fields, reactions, contacts they reach, refusals."""
+
+import numpy as np
+import pytest
+from blocks import ROTATED, two_blocks
+from pressed import pressed_blocks
+
+from cea.errors import InputError
+from scenes import read_scene, run_scene
+from scenes.read import SceneError
+
+E, NU, STRETCH = 2.0, 0.3, 1e-3
+SIZE = (1.0, 0.8, 0.5)
+CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
+GPTS = {"method": "gpts", "points": 3}
+
+
+def held(value, *, dim=3):
+    """Supports that stretch a box along x, and leave it free to shrink across."""
+    planes = [{"surface": f"{axis}_min", "components": [axis]} for axis in "xyz"[:dim]]
+    return [*planes, {"surface": "x_max", "components": ["x"], "value": value}]
+
+
+def box(backend, supports, *, dim=3, degree=2, cell=None, nu=NU, **body):
+    """A static scene of one box with its corner at the origin."""
+    elements = [3, 2, 2][:dim]
+    geometry = {"shape": "box" if dim == 3 else "rectangle", "size": list(SIZE[:dim])}
+    mesh = {
+        "fe": {"cell": cell or CELLS[dim][0], "degree": degree, "elements": elements},
+        "iga": {"degree": [degree] * dim, "elements": elements},
+    }
+    material = {"E": E, "nu": nu, "rho": 1.0}
+    sections = {"backend": backend, "geometry": geometry, "material": material, "mesh": mesh}
+    return {
+        "name": "box",
+        "bodies": {"box": sections | {"supports": supports} | body},
+        "analysis": {"kind": "static"},
+    }
+
+
+def solved(data):
+    """The result, points all over its first body, and the displacements there."""
+    result = run_scene(read_scene(data))
+    name = next(iter(result.bodies))
+    sample = result.bodies[name].volume_sample(2)
+    return result, sample.points, result.displacements(name, sample.values)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("degree", [1, 3])
+@pytest.mark.parametrize("divided", [False, True])
+def test_a_stretched_box_is_exact(backend, dim, degree, divided):
+    if divided and backend == "iga":
+        pytest.skip("splines have boxes alone")
+    data = box(backend, held(STRETCH, dim=dim), dim=dim, degree=degree, cell=CELLS[dim][divided])
+    result, x, u = solved(data)
+    across = -NU if dim == 3 else -NU / (1 - NU)
+    rates = np.array([1.0, across, across])[:dim]
+    assert u == pytest.approx(STRETCH * rates * x, abs=1e-13 * STRETCH)
+    modulus = E if dim == 3 else E / (1 - NU**2)
+    force = modulus * STRETCH * np.prod(SIZE[1:dim])
+    pulled = [force * sign for sign in (-1, 1)]
+    assert result.reactions["box"][[0, -1], 0] == pytest.approx(pulled, rel=1e-12)
+    assert np.abs(result.reactions["box"].sum(axis=0)).max() <= 1e-12 * force
+
+
+def test_each_component_has_its_own_value(backend):
+    """In the order in which they are named; for x, y, z where none is."""
+    value = [2e-3, -1e-3, 4e-3]
+    bottom, top = {"surface": "z_min"}, {"surface": "z_max", "value": value}
+    _, x, u = solved(box(backend, [bottom, top]))
+    at_top = x[:, 2] > SIZE[2] * (1 - 1e-12)
+    assert at_top.sum() >= 35
+    assert u[at_top] == pytest.approx(np.tile(value, (at_top.sum(), 1)), abs=1e-15 * 4e-3)
+    named = top | {"components": ["z", "x", "y"], "value": [value[2], *value[:2]]}
+    assert solved(box(backend, [bottom, named]))[2] == pytest.approx(u, abs=1e-16)
+
+
+@pytest.mark.parametrize("value", [1e-12, 1e-3, 0.1])
+def test_rollers_press_along_oblique_normals(backend, value):
+    """A turned box between rollers: the displacement along its own axis is linear."""
+    rollers = [{"surface": f"{axis}_min", "components": ["normal"]} for axis in "xyz"]
+    pressed = {"surface": "x_max", "components": ["normal"], "value": value}
+    turned = box(backend, [*rollers, pressed], placement=ROTATED)
+    plain = box(backend, [*rollers, pressed])
+    _, x, u = solved(plain)
+    assert u == pytest.approx(value * x * [1.0, -NU, -NU], abs=1e-12 * value)
+    result, _, v = solved(turned)
+    assert np.linalg.norm(v, axis=1) == pytest.approx(np.linalg.norm(u, axis=1), abs=1e-11 * value)
+    force = result.reactions["box"].sum(axis=0)
+    assert np.abs(force).max() <= 1e-10 * E * value
+
+
+def ring(backend, elements, degree):
+    """A ring in plane strain whose rims are moved along the radius, inwards and outwards."""
+    rims = {"inner": -1e-3, "outer": 2e-3}
+    return {
+        "name": "ring",
+        "bodies": {
+            "ring": {
+                "backend": backend,
+                "geometry": {"shape": "ring", "inner_radius": 0.5, "outer_radius": 1.0},
+                "material": {"E": E, "nu": NU, "rho": 1.0},
+                "supports": [
+                    {"surface": rim, "components": ["radial"], "value": value}
+                    for rim, value in rims.items()
+                ],
+                # What little holds a rotation moves nothing along the radius.
+                "springs": [{"surface": "inner", "stiffness": [1e-9, 1e-9]}],
+                "mesh": {
+                    "fe": {"cell": "quadrilateral", "degree": degree, "elements": elements},
+                    "iga": {"degree": [degree, degree], "elements": elements},
+                },
+            }
+        },
+        "analysis": {"kind": "static"},
+    }
+
+
+def ring_error(backend, elements, degree):
+    _, x, u = solved(ring(backend, elements, degree))
+    radius = np.linalg.norm(x, axis=1)
+    # u_r = A r + B / r with u_r(1/2) = -1e-3 and u_r(1) = 2e-3 (Lame)
+    A, B = np.linalg.solve([[0.5, 2.0], [1.0, 1.0]], [-1e-3, 2e-3])
+    along = np.einsum("ij,ij->i", u, x) / radius
+    return np.abs(along - A * radius - B / radius).max() / 2e-3
+
+
+def test_rims_moved_along_the_radius_converge_to_lame(backend):
+    coarse, fine = (ring_error(backend, [n, 6 * n], 3) for n in (2, 4))
+    assert fine < 1e-4
+    assert coarse / fine > 2**3
+
+
+def test_values_may_be_zero(backend):
+    """A value of zero is no value, to the last bit."""
+    loads = {"loads": [{"surface": "box.x_max", "force": [1e-3, 0.0, 0.0]}]}
+    supports = held(None)[:-1]
+    u = solved(box(backend, supports) | loads)[2]
+    zero = [support | {"value": 0.0} for support in supports]
+    result, _, v = solved(box(backend, zero) | loads)
+    assert np.array_equal(u, v)
+    assert not result.reactions
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+def test_supports_that_reach_a_contact_close_it(backend, form):
+    """Moving the walls of one block by as much as the ground of the other changes no force."""
+    found = []
+    for mover, value in (("upper", -1e-3), ("lower", 1e-3)):
+        data = two_blocks(backend, GPTS, mu=0.2, held=True)
+        data["contacts"]["interface"]["form"] = form
+        data["analysis"] = {"kind": "static", "samples": 5}
+        walls = [{"surface": side, "components": ["z"]} for side in ("x_min", "z_max")]
+        data["bodies"]["upper"]["supports"] = [{"surface": "y_min", "components": ["x", "y"]}]
+        data["bodies"]["upper"]["supports"] += [{"surface": "x_min", "components": ["x"]}, *walls]
+        for support in data["bodies"][mover]["supports"]:
+            if "components" not in support:
+                support["value"] = [0.0, 0.0, value]
+            elif support["components"] == ["z"]:
+                support["value"] = value
+        result = run_scene(read_scene(data))
+        found.append((result.stresses["interface"]["a"].sigma_n, result.reactions))
+        for name, sign in (("upper", -1), ("lower", 1)):
+            assert sign * result.reactions[name].sum(axis=0)[2] > 1e-5
+    assert found[1][0] == pytest.approx(found[0][0], abs=1e-10 * np.abs(found[0][0]).max())
+    for name in ("upper", "lower"):
+        same = found[0][1][name]
+        assert found[1][1][name] == pytest.approx(same, abs=1e-10 * np.abs(same).max())
+
+
+def test_supports_bear_what_a_contact_with_a_law_does(backend, formulation):
+    """Although one of them reaches it."""
+    data = pressed_blocks(backend, formulation, kind="static", c_n=1e3, m_n=2.5, mu=0.3)
+    data["bodies"]["upper"]["supports"] = [
+        {"surface": "z_max", "value": [0.0, 0.0, -1e-3]},
+        {"surface": "x_min", "components": ["z"], "value": -1e-3},
+    ]
+    data["loads"] = []
+    result = run_scene(read_scene(data))
+    state = result.steady.contacts["interface"]
+    assert state.closed_area > 0
+    forces = result.reactions["upper"].sum(axis=0)
+    assert forces == pytest.approx(-state.force_on_a, abs=1e-10 * state.normal_force)
+    assert result.reactions["lower"].sum(axis=0) == pytest.approx(
+        state.force_on_a, abs=1e-10 * state.normal_force
+    )
+
+
+def test_small_motions_are_held_at_zero(backend):
+    """Where all of a contact is closed and m_n = 1, how it was closed changes no mode."""
+    modes = []
+    for value in (-1e-3, -2e-3):
+        data = pressed_blocks(backend, GPTS, c_n=10.0, mu=0.1) | {"loads": []}
+        data["bodies"]["upper"]["supports"] = [{"surface": "z_max", "value": [0.0, 0.0, value]}]
+        data["analysis"]["max_frequency"] = 1.0
+        result = run_scene(read_scene(data))
+        assert result.steady.contacts["interface"].closed_fraction == 1.0
+        modes.append(result.eigenvalues)
+    assert len(modes[0])
+    assert modes[1] == pytest.approx(modes[0], rel=1e-10)
+
+
+def test_values_that_contradict_each_other_are_refused(backend):
+    supports = [*held(STRETCH), {"surface": "y_max", "components": ["x"], "value": 0.0}]
+    with pytest.raises(InputError, match=r"supports\.value"):
+        run_scene(read_scene(box(backend, supports)))
+
+
+@pytest.mark.parametrize(
+    ("support", "field"),
+    [
+        ({"value": [1.0, 2.0]}, "value"),
+        ({"components": ["x"], "value": [1.0, 2.0]}, "value"),
+        ({"components": ["x", "x"], "value": [1.0, 2.0]}, "components"),
+        ({"components": ["x"], "value": "much"}, "value"),
+        ({"components": ["x"], "value": float("nan")}, "value"),
+        (
+            {
+                "components": ["radial", "circumferential"],
+                "axis": [0.0, 0.0, 1.0],
+                "value": [1.0, 0.0],
+            },
+            "value",
+        ),
+    ],
+)
+def test_what_is_no_value_is_refused(backend, support, field):
+    with pytest.raises(SceneError) as refused:
+        read_scene(box(backend, [*held(STRETCH), {"surface": "y_max"} | support]))
+    assert any(f.field.startswith("bodies.box.supports.4") for f in refused.value.faults)
+    assert any(field in f.field for f in refused.value.faults)
+
+
+@pytest.mark.parametrize(
+    "contact",
+    [
+        {"formulation": {"method": "mortar"}},
+        {"form": "saddle", "P": float("inf")},
+        {"formulation": GPTS | {"lumped": True}},
+    ],
+)
+def test_contacts_that_know_no_forces_at_points_refuse_values_that_reach_them(backend, contact):
+    data = two_blocks(backend, GPTS, mu=0.0, held=True)
+    data["contacts"]["interface"] |= contact
+    data["analysis"] = {"kind": "static", "samples": 5}
+    data["bodies"]["upper"]["supports"][0]["value"] = [0.0, 0.0, -1e-3]
+    run_scene(read_scene(data))
+    data["bodies"]["upper"]["supports"] += [
+        {"surface": "x_min", "components": ["z"], "value": -1e-3}
+    ]
+    with pytest.raises(InputError, match=r"contacts\.interface"):
+        run_scene(read_scene(data))
+
+
+def test_without_steady_sliding_values_mean_nothing_to_modes(backend):
+    data = two_blocks(backend, GPTS, held=True)
+    data["bodies"]["upper"]["supports"][0]["value"] = 1e-3
+    with pytest.raises(SceneError, match=r"bodies\.upper\.supports\.0\.value"):
+        read_scene(data)

@@ -1,0 +1,163 @@
+"""Geometric stiffness of a prestress: exact waves and buckling, rotations, scenes that have it."""
+
+import numpy as np
+import pytest
+from motions import control_points, dense
+from pressed import pressed_blocks
+from scipy.linalg import eigh
+
+from cea.material import IsotropicMaterial
+from scenes import assemble, read_scene, run_scene
+from scenes.build import build_body
+from scenes.plain import as_data
+from scenes.read import SceneError
+from scenes.run import skipped_by
+
+STEEL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
+MU = STEEL.lame[1]
+HEIGHT = 1.0
+ROTATED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0}
+GPTS = {"method": "gpts", "points": 3}
+BOTH_WAYS = [("x_min", "y"), ("x_max", "y"), ("y_min", "xy"), ("y_max", "xy")]
+
+
+def slab(backend, dim, supports=(), placement=None):
+    """A box of which the faces hold some components."""
+    elements = [1, 5, 1][:dim]
+    mesh = {
+        "fe": {"cell": {2: "quadrilateral", 3: "hexahedron"}[dim], "elements": elements},
+        "iga": {"degree": [3] * dim, "elements": elements},
+    }
+    mesh["fe"]["degree"] = 3
+    data = {
+        "backend": backend,
+        "geometry": {
+            "shape": {2: "rectangle", 3: "box"}[dim],
+            "size": [0.7, HEIGHT, 0.5][:dim],
+        },
+        "material": {"E": STEEL.E, "nu": STEEL.nu, "rho": STEEL.rho},
+        "supports": [{"surface": face, "components": list(held)} for face, held in supports],
+        "placement": placement or {},
+        "mesh": mesh,
+    }
+    scene = {"name": "slab", "bodies": {"slab": data}, "analysis": {"kind": "static"}}
+    return build_body("slab", read_scene(scene).bodies["slab"])
+
+
+def stretch(dim, stress):
+    """Gradient of the displacement of a uniform tension along y (N/m^2)."""
+    across = -STEEL.nu if dim == 3 else -STEEL.nu / (1 - STEEL.nu)
+    rate = stress / STEEL.E if dim == 3 else stress * (1 - STEEL.nu**2) / STEEL.E
+    return rate * np.diag([across, 1.0, across][:dim])
+
+
+def geometric(body, gradient):
+    """K_geo of a body whose displacement has a uniform gradient."""
+    return dense(body.geometric_stiffness((control_points(body) @ gradient.T).ravel()))
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("stress", [0.3, -0.3, -MU])
+def test_thickness_shear_waves_of_a_stretched_slab(backend, dim, stress):
+    """u_x = sin(k y) where faces hold u_y: rho omega^2 = (mu + sigma) k^2, 0 at sigma = -mu."""
+    body = slab(backend, dim, BOTH_WAYS + [("z_min", "z"), ("z_max", "z")][: 2 * (dim - 2)])
+    stiffness = dense(body.stiffness()) + geometric(body, stretch(dim, stress))
+    found = eigh(stiffness, dense(body.mass()), eigvals_only=True)
+    exact = (MU + stress) * (np.pi / HEIGHT) ** 2 / STEEL.rho
+    scale = MU * (np.pi / HEIGHT) ** 2 / STEEL.rho
+    assert np.abs(found - exact).min() < 1e-5 * scale * abs(1 + stress / MU) + 1e-12 * scale
+
+
+def test_it_is_symmetric_and_turns_with_the_body(backend):
+    """To the last bit; the spectrum of a free body is that of the same body turned."""
+    spectra = []
+    for placement in (None, ROTATED):
+        body = slab(backend, 3, placement=placement)
+        turn = np.eye(3)
+        if placement is not None:
+            from meshes.placement import Placement
+
+            turn = Placement(tuple(placement["axis"]), placement["angle"]).rotation
+        K_geo = geometric(body, turn @ stretch(3, 0.2) @ turn.T)
+        assert np.array_equal(K_geo, K_geo.T)
+        spectra.append(eigh(K_geo + dense(body.stiffness()), dense(body.mass()), eigvals_only=True))
+    assert spectra[1] == pytest.approx(spectra[0], abs=1e-11 * spectra[0].max())
+
+
+def test_rigid_motions(backend):
+    """A rotation stresses nothing; one of a stressed body costs V W sigma W, a translation none."""
+    body = slab(backend, 3)
+    spin = np.array([[0.0, -0.3, 0.1], [0.3, 0.0, 0.2], [-0.1, -0.2, 0.0]])
+    size = np.abs(geometric(body, stretch(3, 0.2))).max()
+    as_large = np.abs(geometric(body, stretch(3, 0.3 * STEEL.E))).max()
+    assert np.abs(geometric(body, spin)).max() <= 1e-12 * as_large
+    K_geo, stress = geometric(body, stretch(3, 0.2)), np.diag([0.0, 0.2, 0.0])
+    x = control_points(body)
+    turned, moved = (x @ spin.T).ravel(), np.tile([1.0, -2.0, 0.5], len(x))
+    energy = 0.7 * HEIGHT * 0.5 * np.trace(spin @ stress @ spin.T)
+    assert turned @ K_geo @ turned == pytest.approx(energy, rel=1e-12)
+    assert np.abs(K_geo @ moved).max() <= 1e-13 * size
+
+
+def test_it_equals_a_sum_over_points(backend):
+    """Of any stress, by finite differences of the energy of a slab sampled without the backend."""
+    body = slab(backend, 2)
+    rng = np.random.default_rng(4)
+    first, second = (rng.standard_normal((2, 2)) for _ in range(2))
+    gradient = rng.standard_normal((2, 2))
+    K_geo, x = geometric(body, gradient), control_points(body)
+    u, v = (x @ first.T).ravel(), (x @ second.T).ravel()
+    exact = 0.7 * HEIGHT * np.sum(STEEL.stress(gradient) * (first.T @ second))
+    assert u @ K_geo @ v == pytest.approx(exact, rel=1e-11)
+
+
+def column(backend, pressure, **analysis):
+    """Two layers between rollers, pressed by a load: stresses are uniform, and known."""
+    data = pressed_blocks(backend, GPTS, c_n=1e4, mu=0.0, pressure=pressure)
+    walls = [("x_min", "x"), ("x_max", "x"), ("y_min", "y"), ("y_max", "y")]
+    lower = data["bodies"]["lower"]
+    lower["geometry"] = {"shape": "box", "size": [0.5, 0.6, 0.4], "origin": [0.2, 0.3, 0.0]}
+    for name, ground in (("upper", "z_max"), ("lower", "z_min")):
+        body = data["bodies"][name]
+        body["supports"] = [{"surface": face, "components": [axis]} for face, axis in walls]
+        mesh = {"degree": 3, "elements": [1, 1, 2]}
+        body["mesh"] = {"fe": mesh | {"cell": "hexahedron"}, "iga": mesh | {"degree": [3, 3, 3]}}
+        if name == "lower":
+            body["supports"].append({"surface": ground, "components": ["z"]})
+    data["analysis"] |= {"max_frequency": 0.55} | analysis
+    return data
+
+
+def test_waves_along_a_pressed_column(backend):
+    """Along its axis two layers are rods of the modulus lambda + 2 mu - pressure."""
+    pressure = 0.05
+    result = run_scene(read_scene(column(backend, pressure, geometric_stiffness=True)))
+    modulus = sum(STEEL.lame) + MU - pressure
+    height, layer = 0.7, pressure / 1e4  # the layer of the contact is next to rigid
+    assert layer < 1e-5
+    frequency = np.sqrt(modulus / STEEL.rho) / (4 * height)
+    assert np.abs(result.frequencies - frequency).min() < 2e-4 * frequency
+    plain = run_scene(read_scene(column(backend, pressure)))
+    assert np.abs(plain.frequencies - frequency).min() > 5e-3 * frequency
+
+
+def test_off_it_changes_nothing_and_is_told(backend):
+    scene = read_scene(column(backend, 0.05))
+    assert "geometric stiffness" in skipped_by(scene)
+    assert "geometric_stiffness" not in as_data(scene)["analysis"]
+    stiffened = scene.change("analysis.geometric_stiffness", True)
+    assert "geometric stiffness" not in skipped_by(stiffened)
+    assembled = assemble(scene)
+    swept = assembled.modes({"analysis.geometric_stiffness": True})
+    assert swept.eigenvalues == pytest.approx(run_scene(stiffened).eigenvalues, rel=1e-9)
+    assert abs(swept.eigenvalues[0]) < (1 - 1e-3) * abs(assembled.modes().eigenvalues[0])
+    stiffer = swept.matrices()["K"] - assembled.modes().matrices()["K"]
+    assert abs(stiffer - stiffer.T).max() == 0.0
+    assert abs(stiffer).max() > 0
+
+
+def test_without_a_steady_state_it_is_refused(backend):
+    data = pressed_blocks(backend, GPTS, p=10.0)
+    data["analysis"]["geometric_stiffness"] = True
+    with pytest.raises(SceneError, match=r"analysis\.geometric_stiffness = True: left out"):
+        read_scene(data)
