@@ -8,9 +8,11 @@ from cea.body import Body
 from cea.damping import ModalDamping
 from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.thresholds import Threshold, flutter_threshold
+from cea.eigen.thresholds import Threshold, ThresholdDriver, flutter_threshold
 from cea.errors import InputError
+from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
+from scenes.following import FollowingDriver, kept_state_warning, moves_the_state
 from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.run import RunOptions, coupled, run_modes, skipped_by, with_warnings
@@ -111,7 +113,13 @@ class AssembledScene:
         return with_warnings(result)
 
     def threshold(
-        self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
+        self,
+        parameter: str,
+        real: float,
+        flutter: float,
+        *,
+        frequency: float | None = None,
+        follow_steady_state: bool = False,
     ) -> Threshold:
         """Value of a parameter at which a pair of modes begins to flutter, or ceases to.
 
@@ -130,25 +138,59 @@ class AssembledScene:
         frequency
             The growing mode nearest to it (Hz) is followed; None follows the fastest. With damping
             or rotation it is left out.
+        follow_steady_state
+            Whether the state of steady sliding is sought anew at every value on the way, where it
+            depends on the parameter; otherwise it is kept, and the threshold warns of it.
 
         Raises
         ------
         InputError
-            When there is no such parameter, or the values do not enclose a threshold.
+            When there is no such parameter, or the values do not enclose a threshold; when a state
+            is to be followed that does not depend on the parameter.
         ConvergenceError
-            When the pair is lost on the way.
+            When the pair is lost on the way, or there is no state of steady sliding.
         """
+        names = [name for name in self._driver.pencil.parameters if _is_one_of(name, parameter)]
+        names = names or [self._driver.pencil.parameter(parameter).name]
+        depends = self.scene.slides_steadily and any(map(moves_the_state, names))
+        if not follow_steady_state:
+            found = self._threshold(self._driver, names, real, flutter, frequency)
+            told = (kept_state_warning(parameter),) if depends else ()
+            return replace(found, warnings=(*found.warnings, *told))
+        if not depends:
+            allowed = "left out where no state of steady sliding depends on the parameter"
+            raise InputError("follow_steady_state", True, allowed)
+        driver = FollowingDriver(
+            self._driver.pencil, names, lambda value: self._system_at(names, value)
+        )
+        try:
+            return self._threshold(driver, names, real, flutter, frequency)
+        finally:
+            driver.free()
+
+    def _threshold(
+        self,
+        driver: ThresholdDriver,
+        names: Sequence[str],
+        real: float,
+        flutter: float,
+        frequency: float | None,
+    ) -> Threshold:
         assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
         top = self.scene.analysis.max_frequency
-        names = [name for name in self._driver.pencil.parameters if _is_one_of(name, parameter)]
-        names = names or [parameter]
         if self._quadratic(names, real, flutter):
             if frequency is not None:
                 raise InputError("frequency", frequency, "left out with damping or rotation")
-            return growth_threshold(self._driver, names, real, flutter, max_frequency=top)
+            return growth_threshold(driver, names, real, flutter, max_frequency=top)
         return flutter_threshold(
-            self._driver, names, real, flutter, max_frequency=top, frequency=frequency
+            driver, names, real, flutter, max_frequency=top, frequency=frequency
         )
+
+    def _system_at(self, names: Sequence[str], value: float) -> CoupledSystem:
+        """The system about the state of steady sliding that it has at a value of parameters."""
+        changed = self.scene.change(dict.fromkeys(names, value))
+        options: RunOptions = {"leave_out": False, **self._reusable(changed)}
+        return coupled(changed, **options)[0]
 
     def _quadratic(self, names: Sequence[str], *values: float) -> bool:
         """Whether velocities count at some values of parameters."""

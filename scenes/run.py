@@ -19,7 +19,7 @@ from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
 from scenes.spec.analysis import ComplexEigenvalueAnalysis, StaticAnalysis
-from scenes.steady import steady_warnings
+from scenes.steady import kept_state_warnings, steady_warnings
 from scenes.unused import unused_input
 from scenes.warnings import scene_warnings, short_modes
 
@@ -129,6 +129,7 @@ def with_warnings(result: ModesResult) -> ModesResult:
     with result.timer("post-processing"):
         found = scene_warnings(result.scene, result.system.contacts)
         found += steady_warnings(result.scene, result.system)
+        found += tuple(kept_state_warnings(result.steady, result.modes))
         found += short_modes(result.scene, result.bodies, result.mode_shapes, len(result.modes))
     return replace(result, warnings=(*result.modes.warnings, *found))
 

@@ -7,11 +7,13 @@ import numpy as np
 
 from cea.contact.laws import NormalCompliance
 from cea.contact.operators import Contact
+from cea.eigen.modes import Modes
 from cea.matrices import destroy
 from cea.petsc import Vec
 from cea.system.coupled import CoupledSystem
 from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
 from cea.warned import ResultWarning
+from scenes.following import kept_state_warning, moves_the_state
 from scenes.read import Scene
 
 _LEFT = 1e-6
@@ -94,6 +96,13 @@ def steady_warnings(scene: Scene, system: CoupledSystem) -> tuple[ResultWarning,
             found += _open(contact, state)
             found += _undecided(contact, state, _NOISE * steady.uncertainty * largest)
     return tuple(found)
+
+
+def kept_state_warnings(steady: SteadySliding | None, modes: Modes) -> Iterator[ResultWarning]:
+    """What sensitivities must be read with: modes with left vectors were asked for them."""
+    moving = [name for name in modes.pencil.parameters if moves_the_state(name)]
+    if steady is not None and modes.left is not None and moving:
+        yield kept_state_warning(", ".join(moving))
 
 
 def _loads_without_effect(scene: Scene) -> Iterator[ResultWarning]:

@@ -11,13 +11,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from cea.body import Complexes, Floats
-from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.thresholds import Threshold, names_of
+from cea.eigen.thresholds import Threshold, ThresholdDriver, names_of
 from cea.errors import ConvergenceError, InputError
 
 
 def growth_threshold(
-    driver: KrylovSchur,
+    driver: ThresholdDriver,
     parameter: str | Sequence[str],
     stable: float,
     unstable: float,

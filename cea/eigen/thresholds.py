@@ -14,8 +14,9 @@ With damping modes need not coalesce to flutter, and hardly ever do: there the g
 mode passes through zero (:mod:`cea.eigen.growth_thresholds`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +24,11 @@ from scipy.optimize import brentq
 
 from cea.body import Floats
 from cea.eigen.blocks import all_inner, times
-from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
+from cea.eigen.pencil import Pencil
 from cea.errors import ConvergenceError, InputError
+from cea.petsc import Mat
+from cea.warned import ResultWarning
 
 _NOT_A_PAIR = 1e-6
 """Imaginary part of a discriminant, relative to its modulus, beyond which two eigenvalues are
@@ -56,6 +59,8 @@ class Threshold:
         Their common lambda (1/s).
     solves, factorisations
         Eigenvalue problems solved and matrices factorised on the way.
+    warnings
+        What the value must be read with.
     """
 
     parameter: str
@@ -63,6 +68,7 @@ class Threshold:
     eigenvalue: complex
     solves: int
     factorisations: int
+    warnings: tuple[ResultWarning, ...] = ()
 
     @property
     def frequency(self) -> float:
@@ -70,8 +76,43 @@ class Threshold:
         return self.eigenvalue.imag / (2 * np.pi)
 
 
+class ThresholdDriver(Protocol):
+    """What solves a pencil at values of a parameter."""
+
+    @property
+    def pencil(self) -> Pencil:
+        """The pencil."""
+        ...
+
+    @property
+    def solves(self) -> int:
+        """Eigenvalue problems solved."""
+        ...
+
+    @property
+    def factorisations(self) -> int:
+        """Matrices factorised for them."""
+        ...
+
+    def solve(self, max_frequency: float, changes: Mapping[str, float], /) -> Modes:
+        """All modes up to a frequency (Hz)."""
+        ...
+
+    def nearest(self, kappa: float, count: int, changes: Mapping[str, float], /) -> Modes:
+        """So many modes nearest to kappa (1/s^2)."""
+        ...
+
+    def quadratic(self, changes: Mapping[str, float], /) -> bool:
+        """Whether the pencil is damped or rotates."""
+        ...
+
+    def mass(self, values: Mapping[str, float], /) -> Mat:
+        """M, PETSc AIJ (kg)."""
+        ...
+
+
 def flutter_threshold(
-    driver: KrylovSchur,
+    driver: ThresholdDriver,
     parameter: str | Sequence[str],
     real: float,
     flutter: float,
@@ -140,7 +181,7 @@ def flutter_threshold(
     )
 
 
-def names_of(driver: KrylovSchur, parameter: str | Sequence[str]) -> tuple[str, ...]:
+def names_of(driver: ThresholdDriver, parameter: str | Sequence[str]) -> tuple[str, ...]:
     """Names of the parameters that a threshold is sought in, all of them known to a pencil.
 
     Raises
@@ -161,7 +202,7 @@ class _Follower:
     near where it was; where it is not found there, among all modes.
     """
 
-    def __init__(self, driver: KrylovSchur, names: tuple[str, ...], max_frequency: float) -> None:
+    def __init__(self, driver: ThresholdDriver, names: tuple[str, ...], max_frequency: float) -> None:
         self._driver = driver
         self._names, self._told = names, ", ".join(names)
         self._max_frequency = max_frequency

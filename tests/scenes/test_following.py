@@ -1,0 +1,69 @@
+"""Thresholds and derivatives of scenes whose state of steady sliding moves with a parameter."""
+
+import numpy as np
+import pytest
+from pressed import pressed_blocks
+
+from cea.errors import InputError
+from scenes import assemble, read_scene, run_modes
+
+MU = "contacts.interface.mu"
+GPTS = {"method": "gpts", "points": 3}
+LAWS = {
+    "fe": {"c_n": 1e4, "m_n": 2.0},
+    "iga": {"c_n": 1e2, "m_n": 2.0, "added_gap": "0.05*(x-0.45)**2"},
+}
+"""With which a pair of modes begins to flutter between mu = 0.2 and 0.4."""
+
+
+def scene_of(backend, **contact):
+    data = pressed_blocks(backend, GPTS, mu=0.3, **(contact or LAWS[backend]))
+    data["bodies"]["upper"]["mesh"]["fe"]["degree"] = 1
+    data["analysis"]["max_frequency"] = 1.2
+    return read_scene(data)
+
+
+def kinds(found):
+    return [warning.kind for warning in found.warnings]
+
+
+def test_a_threshold_follows_the_state(backend):
+    """Scenes solved anew on either side of it flutter, or do not; where it is kept they do not."""
+    scene = scene_of(backend)
+    assembled = assemble(scene)
+    kept = assembled.threshold(MU, 0.01, 0.4)
+    followed = assembled.threshold(MU, 0.2, 0.4, follow_steady_state=True)
+    assert "steady-state-kept" in kinds(kept)
+    assert "steady-state-kept" not in kinds(followed)
+    assert abs(kept.value - followed.value) > 1e-4 * followed.value
+
+    def growth(mu):
+        result = run_modes(scene.change(MU, mu))
+        near = np.abs(result.frequencies / followed.frequency - 1) < 0.01
+        return float(result.growth_rates[near].max())
+
+    step = 1e-5 * followed.value
+    below, above = growth(followed.value - step), growth(followed.value + step)
+    assert below < 1e-6
+    # beside the threshold growth is the root of a linear function of mu
+    assert above > 1e-5
+    assert growth(followed.value + 4 * step) == pytest.approx(2 * above, rel=1e-2)
+
+
+def test_what_moves_no_state_is_neither_warned_of_nor_followed(backend):
+    assembled = assemble(scene_of(backend))
+    with pytest.raises(InputError, match="follow_steady_state"):
+        assembled.threshold("bodies.upper.material.rho", 1.0, 2.0, follow_steady_state=True)
+    known = assemble(scene_of(backend, p=10.0))
+    with pytest.raises(InputError, match="follow_steady_state"):
+        known.threshold(MU, 0.2, 0.4, follow_steady_state=True)
+    with pytest.raises(InputError, match="parameter"):
+        assembled.threshold("contacts.interface.size", 0.2, 0.4, follow_steady_state=True)
+
+
+def test_sensitivities_of_a_kept_state_are_warned_of(backend):
+    scene = scene_of(backend).change("analysis.max_frequency", 0.3)
+    assert "steady-state-kept" in kinds(run_modes(scene, left=True))
+    assert "steady-state-kept" not in kinds(run_modes(scene))
+    known = scene_of(backend, p=10.0).change("analysis.max_frequency", 0.3)
+    assert "steady-state-kept" not in kinds(run_modes(known, left=True))
