@@ -14,6 +14,7 @@ from cea.body import Floats
 from cea.contact.operators import Contact
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
+from cea.petsc import MPI
 from cea.system.coupled import CoupledSystem
 from cea.system.sliding_newton import (
     Iteration,
@@ -36,6 +37,8 @@ _SOFTNESSES = tuple(10.0**power for power in range(12, -1, -2))
 """By what laws are divided in turn where the law itself does not converge."""
 _OVERLAP = 1e-9
 """Overlap of the sides, relative to the mesh size, that rounding and facets may make."""
+_RESOLVED = 1e-6
+"""Rounding of displacements, in parts of the pressure it makes, up to which states are found."""
 FREE = (
     "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
     "bodies"
@@ -245,6 +248,9 @@ class _Path:
             f"no state of steady sliding was found at {factor:.3g} of the load: the residual is "
             f"{run.state.relative:.1e} of the forces"
         )
+        stiff = self._too_stiff(factor)
+        if stiff is not None:
+            return f"{reason}; {stiff}"
         if any(self._problem.frictional):
             smooth = SlidingProblem(self._problem.system, friction=False)
             without = SlidingNewton(smooth, self._springs, self._timer)
@@ -252,6 +258,25 @@ class _Path:
                 reason += "; without friction there is one: friction is too large"
             smooth.free()
         return reason
+
+    def _too_stiff(self, factor: float) -> str | None:
+        """Whether rounding of displacements comes to too much of a pressure, and what would not."""
+        problem = self._problem
+        largest = float(np.abs(self._start(factor)[0]).max(initial=0.0))
+        rounding = np.finfo(float).eps * problem.comm.allreduce(largest, MPI.MAX)
+        for number, contact in enumerate(problem.contacts):
+            law = problem.law(number)
+            pressure = factor * problem.load / problem.areas[number]
+            slope = float(law.slope(np.array(law.closure(pressure))))
+            part = slope * rounding / pressure
+            if part > _RESOLVED:
+                allowed = law.c * (_RESOLVED / part) ** law.m
+                return (
+                    f"contacts.{contact.pair} is so stiff that rounding of displacements comes to "
+                    f"{part:.1e} of its pressure: c_n = {law.c:.3g}, about {allowed:.1g} or less "
+                    "is allowed; or P or p in its place, in the saddle form up to infinity"
+                )
+        return None
 
     def _pulls(self, factor: float) -> bool:
         """Whether springs that hold the sides together are in tension, taken together."""
