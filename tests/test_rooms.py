@@ -41,7 +41,7 @@ APPLICATIONS = sorted(
 SOLVERS = {"petsc4py", "slepc4py", "mpi4py", "dolfinx_solver"}
 DRAWING = {
     *("scenes.drawing", "scenes.decimation", "scenes.pictures", "scenes.paraview", "scenes.vtu"),
-    *("scenes.scene_picture", "scenes.paraview_steps", "scenes.contact_pictures"),
+    *("scenes.scene_picture", "scenes.paraview_steps"),
     "comparisons.agreement.file_pictures",
 }
 """Modules that need pyvista; all others import them in the functions that draw."""

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cea.body import Floats
+from cea.contact.operators import Contact
 from cea.petsc import Vec
 from cea.warned import ResultWarning
 
@@ -187,3 +188,26 @@ class SteadySliding:
     def iterations(self) -> int:
         """Steps of Newton's method, over all parts of the load."""
         return sum(len(step.lengths) for step in self.path)
+
+
+def contact_state(contact: Contact, closure: Floats) -> ContactState:
+    """What a half pass carries at closures of all its points (m), shape (n,)."""
+    half, points = contact.half, contact.interface.points
+    pressure = half.law.pressure(closure)
+    weighted = points.weight * pressure
+    force = -(weighted @ points.normal)
+    friction = 0.0
+    if half.friction is not None and half.friction.acts:
+        rubbing = weighted * half.friction.mu
+        friction = float(rubbing.sum())
+        force = force + rubbing @ half.friction.direction.at(points.x, points.normal)
+    return ContactState(
+        closure=closure,
+        pressure=pressure,
+        stiffness=half.law.slope(closure),
+        normal_force=float(weighted.sum()),
+        friction_force=friction,
+        force_on_a=force,
+        closed_area=float(points.weight[closure > 0].sum()),
+        area=float(points.weight.sum()),
+    )

@@ -8,13 +8,9 @@ about the state meet the contact stiffness p = m_n c_n (u_n - g_n)_+^(m_n - 1).
 from collections.abc import Sequence
 from itertools import pairwise
 
-import numpy as np
-
 from cea.body import Floats
-from cea.contact.operators import Contact
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
-from cea.petsc import MPI
 from cea.system.coupled import CoupledSystem
 from cea.system.sliding_newton import (
     Iteration,
@@ -23,7 +19,14 @@ from cea.system.sliding_newton import (
     solved_regularly,
 )
 from cea.system.sliding_problem import SlidingProblem, State, free_tangent
-from cea.system.sliding_state import ContactState, LoadStep, SteadySliding, StepState
+from cea.system.sliding_slopes import OPENS, closed_slopes, too_stiff
+from cea.system.sliding_state import (
+    ContactState,
+    LoadStep,
+    SteadySliding,
+    StepState,
+    contact_state,
+)
 from cea.system.uniqueness import uniqueness_at
 from cea.timing import StageTimer
 
@@ -35,16 +38,11 @@ _GROWS = 2.0
 """By how much a step is longer than the one before."""
 _SOFTNESSES = tuple(10.0**power for power in range(12, -1, -2))
 """By what laws are divided in turn where the law itself does not converge."""
-_OVERLAP = 1e-9
-"""Overlap of the sides, relative to the mesh size, that rounding and facets may make."""
-_RESOLVED = 1e-6
-"""Rounding of displacements, in parts of the pressure it makes, up to which states are found."""
 FREE = (
     "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
     "bodies"
 )
 LEAVE_FREE = "the points that are closed leave a rigid motion free: the tangent is singular"
-OPENS = "the load opens the contact: no point is closed"
 
 
 _TOGETHER = 1e-9
@@ -89,7 +87,7 @@ def steady_sliding(
     timer = timer or StageTimer()
     problem = SlidingProblem(system)
     try:
-        return _Path(problem, timer, history=history).solve(targets)
+        return _Path(problem, timer, targets, history=history).solve()
     finally:
         problem.free()
 
@@ -113,25 +111,39 @@ def check_steps(steps: int | Sequence[float], field: str) -> tuple[float, ...]:
 
 
 class _Path:
-    """The way from no load to the whole of it."""
+    """The way from no load to the whole of it, in steps to given parts."""
 
-    def __init__(self, problem: SlidingProblem, timer: StageTimer, *, history: bool) -> None:
+    def __init__(
+        self,
+        problem: SlidingProblem,
+        timer: StageTimer,
+        targets: Sequence[float],
+        *,
+        history: bool,
+    ) -> None:
         self._problem = problem
         self._timer = timer
+        self._targets = targets
         self._history = history
-        self._springs = _closed_slopes(problem)
-        self._newton = SlidingNewton(problem, self._springs, timer)
+        self._set_springs(targets[0])
+
+    def _set_springs(self, factor: float) -> None:
+        """Take springs as stiff as closed contacts under a part of the load."""
+        self._springs = closed_slopes(self._problem, factor)
+        self._newton = SlidingNewton(self._problem, self._springs, self._timer)
         self._starts: dict[float, tuple[Floats, Floats]] = {}
 
-    def solve(self, targets: Sequence[float]) -> SteadySliding:
-        """Put the load on in steps to given parts of it, or in more where it takes them."""
-        first = targets[0]
+    def solve(self) -> SteadySliding:
+        """Put the load on in steps, or in more where it takes them."""
+        first = self._targets[0]
         if self._pulls(first) and not self._newton.is_held():
             start = self._problem.state(*self._start(first), first)
             raise ConvergenceError(OPENS, best=start)
         path: list[LoadStep] = []
         state: State | None = None
-        for begin, end in pairwise((0.0, *targets)):
+        for begin, end in pairwise((0.0, *self._targets)):
+            if begin:
+                self._set_springs(end)
             state = self._step(state, begin, end, path)
         assert state is not None
         return self._result(state, path)
@@ -236,7 +248,7 @@ class _Path:
 
     def _contact_states(self, state: State) -> dict[str, ContactState]:
         return {
-            contact.name: _contact_state(contact, closure)
+            contact.name: contact_state(contact, closure)
             for contact, closure in zip(self._problem.contacts, state.closures, strict=True)
         }
 
@@ -248,7 +260,7 @@ class _Path:
             f"no state of steady sliding was found at {factor:.3g} of the load: the residual is "
             f"{run.state.relative:.1e} of the forces"
         )
-        stiff = self._too_stiff(factor)
+        stiff = too_stiff(self._problem, factor, self._start(factor)[0])
         if stiff is not None:
             return f"{reason}; {stiff}"
         if any(self._problem.frictional):
@@ -258,25 +270,6 @@ class _Path:
                 reason += "; without friction there is one: friction is too large"
             smooth.free()
         return reason
-
-    def _too_stiff(self, factor: float) -> str | None:
-        """Whether rounding of displacements comes to too much of a pressure, and what would not."""
-        problem = self._problem
-        largest = float(np.abs(self._start(factor)[0]).max(initial=0.0))
-        rounding = np.finfo(float).eps * problem.comm.allreduce(largest, MPI.MAX)
-        for number, contact in enumerate(problem.contacts):
-            law = problem.law(number)
-            pressure = factor * problem.load / problem.areas[number]
-            slope = float(law.slope(np.array(law.closure(pressure))))
-            part = slope * rounding / pressure
-            if part > _RESOLVED:
-                allowed = law.c * (_RESOLVED / part) ** law.m
-                return (
-                    f"contacts.{contact.pair} is so stiff that rounding of displacements comes to "
-                    f"{part:.1e} of its pressure: c_n = {law.c:.3g}, about {allowed:.1g} or less "
-                    "is allowed; or P or p in its place, in the saddle form up to infinity"
-                )
-        return None
 
     def _pulls(self, factor: float) -> bool:
         """Whether springs that hold the sides together are in tension, taken together."""
@@ -296,41 +289,3 @@ class _Path:
 def path_parities(path: Sequence[LoadStep]) -> dict[float, int | None]:
     """Parity of negative eigenvalues of the tangent by part of the load."""
     return {step.factor: step.parity for step in path}
-
-
-def _closed_slopes(problem: SlidingProblem) -> list[Floats]:
-    """Secant slope of each contact where the whole load presses all of it evenly (N/m^3)."""
-    slopes = []
-    for number, (nearest, area) in enumerate(zip(problem.nearest, problem.areas, strict=True)):
-        law, overlap = problem.law(number), -nearest
-        interface = problem.contacts[number].interface
-        size = min(interface.a.mesh_size, interface.b.mesh_size)
-        closure = max(law.closure(problem.load / area), overlap if overlap > _OVERLAP * size else 0)
-        if not closure > 0:
-            raise ConvergenceError(f"{OPENS}; nothing presses the sides together", best=None)
-        pressure = float(law.pressure(np.array(closure)))
-        points = len(problem.contacts[number].interface.points)
-        slopes.append(np.full(points, pressure / closure))
-    return slopes
-
-
-def _contact_state(contact: Contact, closure: Floats) -> ContactState:
-    half, points = contact.half, contact.interface.points
-    pressure = half.law.pressure(closure)
-    weighted = points.weight * pressure
-    force = -(weighted @ points.normal)
-    friction = 0.0
-    if half.friction is not None and half.friction.acts:
-        rubbing = weighted * half.friction.mu
-        friction = float(rubbing.sum())
-        force = force + rubbing @ half.friction.direction.at(points.x, points.normal)
-    return ContactState(
-        closure=closure,
-        pressure=pressure,
-        stiffness=half.law.slope(closure),
-        normal_force=float(weighted.sum()),
-        friction_force=friction,
-        force_on_a=force,
-        closed_area=float(points.weight[closure > 0].sum()),
-        area=float(points.weight.sum()),
-    )

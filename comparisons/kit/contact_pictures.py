@@ -1,24 +1,21 @@
 """Pictures of steady sliding: pressure, closed zone and stiffness p(x) of each contact."""
 
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 from cea.body import Floats
 from cea.contact.operators import Contact
-from cea.files import write_whole
 from cea.system.sliding_state import ContactState
+from comparisons.kit.plots import AXIS, BLUE, GREY, save
 from scenes.results import ModesResult, StaticResult
 
-_DPI = 150
-_OPEN, _CLOSED = "#D9D9D9", "#0072B2"
+_OPEN = "#D9D9D9"
 _FLAT = 0.5
 """Length of the mean unit normal from which a contact is seen along it."""
 _LINE = 1e-6
@@ -54,7 +51,7 @@ def draw_contacts(result: ModesResult | StaticResult, out: Path) -> list[Path]:
         name = quote(contact.name, safe=" ,")
         files.append(out / f"contact_{result.scene.backends}_{name}.png")
         if result.comm.rank == 0:
-            write_whole(_png(draw_contact(contact, states[contact.name])), files[-1])
+            save(draw_contact(contact, states[contact.name]), files[-1])
     return files
 
 
@@ -64,7 +61,6 @@ def draw_contact(contact: Contact, state: ContactState) -> Figure:
     in_plane = points.x.shape[1] == 2
     size = (7.0, 6.0) if in_plane else (12.0, 4.2)
     figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
     panels = figure.subplots(3, 1, sharex=True) if in_plane else figure.subplots(1, 3)
     fields = (
         ("contact pressure (N/m$^2$)", state.pressure, "viridis"),
@@ -89,11 +85,11 @@ def _along(axes: Any, contact: Contact, values: Floats, title: str, colours: str
     axis = int(np.argmax(np.ptp(x, axis=0)))
     order = np.argsort(x[:, axis], kind="stable")
     place, shown = x[order, axis], values[order]
-    axes.plot(place, shown, ".-", color=_CLOSED, linewidth=0.8, markersize=4)
+    axes.plot(place, shown, ".-", color=BLUE, linewidth=0.8, markersize=4)
     if colours is None:
         is_open = shown <= 0
-        axes.plot(place[is_open], shown[is_open], ".", color="#8A8A8A", label="open")
-        axes.axhline(0.0, color="#444444", linewidth=0.7)
+        axes.plot(place[is_open], shown[is_open], ".", color=GREY, label="open")
+        axes.axhline(0.0, color=AXIS, linewidth=0.7)
         axes.legend(loc="best", frameon=False)
     axes.set_ylabel(title)
     axes.set_xlabel(f"{'xy'[axis]} (m)")
@@ -123,7 +119,7 @@ def _seen(axes: Any, contact: Contact, values: Floats, title: str, colours: str 
     centre = points.x[:, across]
     if colours is None:
         values = (values > 0).astype(float)
-    look = ListedColormap([_OPEN, _CLOSED]) if colours is None else colours
+    look = ListedColormap([_OPEN, BLUE]) if colours is None else colours
     drawn: dict[str, Any] = {"cmap": look, "vmin": 0.0, "vmax": float(values.max()) or 1.0}
     net = _neighbours(centre, np.sqrt(points.weight))
     if net is not None:
@@ -166,9 +162,3 @@ def _across(x: Floats, normal: Floats) -> list[int]:
     mean = np.abs(normal.mean(axis=0))
     thin = np.argmax(mean) if np.linalg.norm(mean) > _FLAT else np.argmin(np.ptp(x, axis=0))
     return [axis for axis in range(3) if axis != thin]
-
-
-def _png(figure: Figure) -> bytes:
-    stream = BytesIO()
-    figure.savefig(stream, format="png", dpi=_DPI)
-    return stream.getvalue()
