@@ -48,12 +48,12 @@ class ProjectedConstraints:
     rows
         Coefficients, shape (rows, dim * num_scalar_dofs); they touch anchored dofs only.
     right
-        c of C u = c, shape (rows,).
+        c of C u = c, shape (rows,), where anchors have values; None of zero.
     """
 
     anchor: Directions
     rows: csr_array
-    right: Floats
+    right: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -224,7 +224,8 @@ def constrain(
         if every.value is not None:
             values = np.zeros(dim * len(dofs)) if values is None else values
             size = np.abs(every.value).max() or 1.0  # coefficients are dropped below a size
-            rest = csr_array((C @ values - projected.right[solved])[:, None] / size)
+            right = 0.0 if projected.right is None else projected.right[solved]
+            rest = csr_array((C @ values - right)[:, None] / size)
             amounts = _elimination(C @ dependent, rest, field)
             values = values + size * (dependent @ amounts).toarray()[:, 0]
     free.data[np.abs(free.data) < _NEGLIGIBLE] = 0.0

@@ -114,6 +114,34 @@ def test_free_space_is_the_null_space_of_all_constraints():
     np.testing.assert_allclose(np.abs(edge[:, 0]), np.abs(null_space(d[2:4])[:, 0]), atol=1e-14)
 
 
+@pytest.mark.parametrize("size", [1e-12, 1.0])
+def test_prescribed_values_are_met_by_all_constraints(size):
+    """Oblique directions, two of them alike, and projected rows, of values however small."""
+    rng = np.random.default_rng(7)
+    n, wanted = 6, size * rng.normal(size=(6, 3))
+    d = rng.normal(size=(4, 3))
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    dofs = np.array([0, 0, 0, 3, 5])
+    directions = np.array([d[0], d[1], d[0], d[2], d[3]])
+    values = np.einsum("ij,ij->i", directions, wanted[dofs])
+    held = Directions(dofs, directions, values)
+    anchors = Directions(np.array([1, 3, 4]), d[[0, 0, 1]], np.full(3, size))
+    rows = np.zeros((3, n, 3))
+    for k, (dof, direction) in enumerate(zip(anchors.dof, anchors.direction, strict=True)):
+        rows[k, [1, 3, 4]] = 0.1 * rng.random((3, 3))
+        rows[k, dof] += direction
+    matrix, right = csr_array(rows.reshape(3, -1)), size * rng.normal(size=3)
+    constraints = constrain(n, held, ProjectedConstraints(anchors, matrix, right))
+    Z = constraints.expansion(0, n, MPI.COMM_SELF)
+    u = constraints.prescribed_displacement(0, n, Z).array.reshape(n, 3)
+    assert np.einsum("ij,ij->i", directions, u[dofs]) == pytest.approx(values, abs=1e-13 * size)
+    assert matrix @ u.ravel() == pytest.approx(right, abs=1e-12 * size)
+    assert np.abs(matrix @ csr(Z)).max() < 1e-12
+    values[2] += 1e-3 * size
+    with pytest.raises(InputError, match=r"supports\.value"):
+        constrain(n, Directions(dofs, directions, values))
+
+
 def test_rows_that_cannot_be_solved_for_their_anchors_are_refused():
     x = np.eye(3)[0]
     anchors = Directions(np.array([0, 1]), np.array([x, x]))
