@@ -111,8 +111,8 @@ class SceneResult:
 
         Their rows are the free dofs of all ranks. K_f is zero without friction, M is left out of
         static analyses. C is there where something damps, Y where a body rotates; convective and
-        geometric stiffness are part of K. Modal damping would be full: W is there where modes of a body are
-        damped, a column for each, and the damping is C + W W^T.
+        geometric stiffness are part of K. Modal damping would be full: W is there where modes of a
+        body are damped, a column for each, and the damping is C + W W^T.
 
         Returns
         -------

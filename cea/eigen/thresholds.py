@@ -202,7 +202,9 @@ class _Follower:
     near where it was; where it is not found there, among all modes.
     """
 
-    def __init__(self, driver: ThresholdDriver, names: tuple[str, ...], max_frequency: float) -> None:
+    def __init__(
+        self, driver: ThresholdDriver, names: tuple[str, ...], max_frequency: float
+    ) -> None:
         self._driver = driver
         self._names, self._told = names, ", ".join(names)
         self._max_frequency = max_frequency
