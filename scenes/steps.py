@@ -26,6 +26,10 @@ def needed_by(scene: Scene) -> dict[str, str]:
         steps["newton"] = (
             f"steady sliding under the loads: {', '.join(laws)} has a law of its closure"
         )
+        if scene.analysis.load_steps is not None:
+            steps["load steps"] = f"of the loads: {scene.analysis.load_steps}"
+        if scene.stiffened_by_stress:
+            steps["geometric stiffness"] = f"K_geo of {', '.join(bodies)}: asked for"
     if scene.analysis.kind == "cea":
         steps |= _of_velocities(scene)
     steps |= _solve(scene)

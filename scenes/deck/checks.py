@@ -86,6 +86,9 @@ def _body_faults(field: str, body: BodySpec) -> Iterable[InputError]:
         if "normal" in support.components:
             allowed = "x, y, z, or radial, circumferential, axial, for a deck"
             yield InputError(f"{field}.supports.{i}.components", ["normal"], allowed)
+        if support.value is not None:
+            allowed = "left out for a deck: supports hold at zero"
+            yield InputError(f"{field}.supports.{i}.value", support.value, allowed)
 
 
 def _element_faults(field: str, body: BodySpec, fe: FeMesh) -> Iterator[InputError]:

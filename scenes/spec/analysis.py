@@ -34,7 +34,8 @@ class StaticAnalysis:
     samples
         Points along each side of a contact at which its normal stress is reported.
     load_steps
-        As for modes.
+        With c_n, number of equal steps in which loads and prescribed displacements are put on; or
+        the part of them at the end of each step, rising to 1.
     """
 
     kind: Literal["static"]
