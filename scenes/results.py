@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,6 @@ from cea.eigen.modes import Modes
 from cea.errors import InputError
 from cea.system.contact_stresses import SideStress
 from cea.system.coupled import CoupledSystem
-from cea.system.held import support_reactions
 from cea.system.sliding_state import SteadySliding
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
@@ -49,6 +47,9 @@ class SceneResult:
         What the scene did not need, with the reason.
     warnings
         What the result must be read with, warnings of the modes themselves included.
+    reactions
+        Forces (N) of each support on its body under the loads, by body, shape (supports, dim), in
+        the order of the scene; empty where no support prescribes a displacement.
     """
 
     scene: Scene
@@ -57,6 +58,7 @@ class SceneResult:
     timer: StageTimer
     skipped: Mapping[str, str]
     warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
+    reactions: Mapping[str, Floats] = field(default_factory=dict, kw_only=True)
 
     @property
     def dofs(self) -> int:
@@ -73,38 +75,15 @@ class SceneResult:
         """The state of steady sliding; None where the stiffness of every contact is given."""
         return self.system.steady
 
-    @cached_property
-    def reactions(self) -> Mapping[str, Floats]:
-        """Forces (N) of supports on their bodies under the loads, (supports, dim); collective.
-
-        By body, the supports in the order of the scene (:mod:`cea.system.held`). Empty where no
-        support prescribes a displacement.
-        """
-        x = self._under_load()
-        if x is None or not self.scene.prescribes:
-            return {}
-        supports = {
-            name: [support.support() for support in body.supports]
-            for name, body in self.scene.bodies.items()
-        }
-        return support_reactions(self.system, supports, x)
-
-    def _under_load(self) -> Any | None:
-        """Free displacements under the loads, PETSc vector; None where loads change nothing."""
-        return None if self.steady is None else self.steady.displacement
-
-    def reaction_lines(self) -> list[str]:
-        """What supports bear, a line for each body; collective."""
-        return [
+    def steady_lines(self) -> list[str]:
+        """What the contacts carry in steady sliding, and supports that prescribe, in lines."""
+        contacts = [] if self.steady is None else steady_lines(steady_data(self.steady))
+        return contacts + [
             f"{name}, {self.scene.bodies[name].supports[number].surface}: support bears "
             f"{', '.join(f'{part:.6g}' for part in force)} N"
             for name, forces in self.reactions.items()
             for number, force in enumerate(forces)
         ]
-
-    def steady_lines(self) -> list[str]:
-        """What the contacts carry in steady sliding, a line for each half pass."""
-        return [] if self.steady is None else steady_lines(steady_data(self.steady))
 
     def matrices(self) -> dict[str, csr_array]:
         """Matrices by name: K and M of the bodies, K_n and K_f of the contacts.
@@ -301,9 +280,6 @@ class StaticResult(SceneResult):
 
     displacement: Any
     stresses: Mapping[str, Mapping[str, SideStress]]
-
-    def _under_load(self) -> Any:
-        return self.displacement
 
     @property
     def analysis(self) -> StaticAnalysis:

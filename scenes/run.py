@@ -4,13 +4,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TypedDict, Unpack
 
-from cea.body import Body
+from cea.body import Body, Floats
 from cea.contact.interface import Interface
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.static import solve_static
 from cea.errors import InputError
+from cea.petsc import Vec
 from cea.system.contact_stresses import contact_stresses
 from cea.system.coupled import CoupledSystem
+from cea.system.held import support_reactions
 from cea.system.steady_sliding import steady_sliding
 from cea.timing import StageTimer
 from scenes.body_meshes import filled_in
@@ -119,8 +121,17 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
             for name in scene.contacts
         }
         warnings = scene_warnings(scene, system.contacts) + steady_warnings(scene, system)
+        reactions = _reactions(scene, system, x)
     return StaticResult(
-        scene, system, interfaces, timer, skipped_by(scene), x, stresses, warnings=warnings
+        scene,
+        system,
+        interfaces,
+        timer,
+        skipped_by(scene),
+        x,
+        stresses,
+        warnings=warnings,
+        reactions=reactions,
     )
 
 
@@ -131,7 +142,21 @@ def with_warnings(result: ModesResult) -> ModesResult:
         found += steady_warnings(result.scene, result.system)
         found += tuple(kept_state_warnings(result.steady, result.modes))
         found += short_modes(result.scene, result.bodies, result.mode_shapes, len(result.modes))
-    return replace(result, warnings=(*result.modes.warnings, *found))
+        reactions = {}
+        if result.steady is not None:
+            reactions = _reactions(result.scene, result.system, result.steady.displacement)
+    return replace(result, warnings=(*result.modes.warnings, *found), reactions=reactions)
+
+
+def _reactions(scene: Scene, system: CoupledSystem, x: Vec) -> dict[str, Floats]:
+    """What supports bear under the loads, where one of them prescribes a displacement."""
+    if not scene.prescribes:
+        return {}
+    supports = {
+        name: [support.support() for support in body.supports]
+        for name, body in scene.bodies.items()
+    }
+    return support_reactions(system, supports, x)
 
 
 def coupled(
@@ -181,7 +206,8 @@ def skipped_by(scene: Scene) -> dict[str, str]:
         skipped["convective stiffness"] = "not asked for: of the order of rho Omega^2"
     if not any(contact.mu for contact in scene.contacts.values()):
         skipped["friction"] = "mu = 0: no slip operator, symmetric solver"
-    if scene.slides_steadily and not scene.stiffened_by_stress:
+    of_modes = scene.analysis.kind == "cea"
+    if of_modes and scene.slides_steadily and not scene.stiffened_by_stress:
         skipped["geometric stiffness"] = "not asked for: of the order of sigma / E"
     if not scene.contacts:
         skipped["search"] = "no contacts"
