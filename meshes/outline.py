@@ -11,7 +11,19 @@ from cea.errors import InputError
 from cea.mesh import Mesh, reference_nodes
 from meshes.gmsh_model import gmsh_session, read_gmsh
 from meshes.nodes import simplex_changes
-from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
+from meshes.shapes import (
+    Annulus,
+    Box,
+    Disc,
+    Hub,
+    Rectangle,
+    Ring,
+    RingSector,
+    Sector,
+    Shape,
+    VentilatedDisc,
+)
+from meshes.ventilated_disc_model import build_ventilated_disc, refine
 
 
 def outline_mesh(shape: Shape, order: int, size: float) -> Mesh:
@@ -35,17 +47,27 @@ def outline_mesh(shape: Shape, order: int, size: float) -> Mesh:
     """
     with gmsh_session():
         gmsh.model.add(shape.shape)
-        surfaces = _revolved_hub(shape) if isinstance(shape, Hub) else _extruded(shape)
+        surfaces = _built(shape, size)
         _generate(len(shape.directions), order, size)
         _name(len(shape.directions), surfaces)
         mesh = read_gmsh(gmsh.model)
     return _through_lobatto_points(shape, mesh) if order > 2 else mesh
 
 
+def _built(shape: Shape, size: float) -> dict[str, list[int]]:
+    """A shape in the current model; entities of each surface."""
+    if isinstance(shape, VentilatedDisc):
+        surfaces = build_ventilated_disc(shape)
+        refine(shape, size)
+        return surfaces
+    return _revolved_hub(shape) if isinstance(shape, Hub) else _extruded(shape)
+
+
 def _generate(dim: int, order: int, size: float) -> None:
     """Mesh the current model."""
-    for option in ("MeshSizeMin", "MeshSizeMax"):
-        gmsh.option.setNumber(f"Mesh.{option}", size)
+    finer = len(gmsh.model.mesh.field.list()) > 0
+    gmsh.option.setNumber("Mesh.MeshSizeMin", 0.0 if finer else size)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", size)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
     gmsh.model.mesh.generate(dim)
     if order > 1:

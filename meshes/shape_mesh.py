@@ -13,6 +13,7 @@ from meshes.patches import Patches
 from meshes.placement import Placement
 from meshes.shapes import Shape
 from meshes.structured import structured_mesh
+from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 
 _IN_PLACE = Placement()
 
@@ -72,7 +73,12 @@ def _check(shape: Shape, cell: Cell, order: int, breaks: Breaks | None, size: fl
     require(not isinstance(shape, Patches), "shape", shape.shape, "a shape that can be meshed")
     fitting = [name for name, dim in DIMENSION.items() if dim == len(shape.directions)]
     require(cell in fitting, "cell", cell, f"{' or '.join(fitting)} for shape = {shape.shape!r}")
-    require(1 <= order <= MAX_ORDER, "order", order, f"1 to {MAX_ORDER}")
+    highest = MAX_ORDER
+    if isinstance(shape, VentilatedDisc):
+        require(cell == "tetrahedron", "cell", cell, f"tetrahedron for shape = {shape.shape!r}")
+        require(breaks is None, "breaks", breaks, f"None for shape = {shape.shape!r}: size instead")
+        highest = MAX_CURVED
+    require(1 <= order <= highest, "order", order, f"1 to {highest}")
     if cell in SIMPLICES:
         if breaks is None:
             allowed = "a positive length (m), or breaks of a structured mesh"

@@ -11,6 +11,7 @@ from meshes.nurbs_file import NurbsFile
 from meshes.patches import Patches
 from meshes.plane_shapes import Rectangle, Ring, RingSector
 from meshes.solid_shapes import Annulus, Box, Disc, Hub, Sector
+from meshes.ventilated_disc import VentilatedDisc
 
 Shape = (
     Box
@@ -18,6 +19,7 @@ Shape = (
     | Sector
     | Hub
     | Disc
+    | VentilatedDisc
     | Rectangle
     | Ring
     | RingSector
@@ -41,4 +43,5 @@ __all__ = [
     "RingSector",
     "Sector",
     "Shape",
+    "VentilatedDisc",
 ]

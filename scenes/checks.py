@@ -11,6 +11,7 @@ from cea.rotation import Rotation
 from cea.suggestions import did_you_mean
 from meshes.breaks import check_breaks
 from meshes.mesh_file import MeshFile
+from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.contact_checks import contact_checks, fault_of, unknown_surface
 from scenes.limits import MAX_ELEMENTS, limit_checks
 from scenes.sizes import size_checks
@@ -68,6 +69,9 @@ def _mesh_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     if body.geometry.shape in ("patches", "nurbs_file") and body.backend == "fe":
         yield InputError(f"{place}.backend", "fe", "'iga' for a geometry of patches")
     fe, iga = body.mesh.fe, body.mesh.iga
+    if isinstance(body.geometry, VentilatedDisc):
+        yield from _unstructured_checks(place, body)
+        return
     if fe is not None and fe.cell not in _CELLS[dim]:
         yield InputError(f"{place}.mesh.fe.cell", fe.cell, " or ".join(_CELLS[dim]))
     numbers: dict[str, tuple[int, ...] | None] = {}
@@ -98,6 +102,25 @@ def _file_checks(place: str, body: BodySpec) -> Iterable[InputError]:
         if getattr(mesh, name) is not None:
             allowed = "left out: cells are those of the file; mesh.degree may be given"
             yield InputError(f"{place}.mesh.{name}", getattr(mesh, name), allowed)
+
+
+def _unstructured_checks(place: str, body: BodySpec) -> Iterable[InputError]:
+    """Meshes other than unstructured tetrahedra, which alone fit some shapes."""
+    shape, fe = body.geometry.shape, body.mesh.fe
+    if body.backend == "iga":
+        yield InputError(f"{place}.backend", "iga", f"'fe' for shape = {shape!r}")
+    if fe is None:
+        return
+    if fe.cell != "tetrahedron":
+        yield InputError(f"{place}.mesh.fe.cell", fe.cell, f"tetrahedron for shape = {shape!r}")
+    elif fe.size is None:
+        yield InputError(f"{place}.mesh.fe.elements", fe.elements, "left out, size given instead")
+    if (fe.geometry_degree or fe.degree) > MAX_CURVED:
+        yield InputError(
+            f"{place}.mesh.fe.geometry_degree",
+            fe.geometry_degree,
+            f"1 to {MAX_CURVED} for shape = {shape!r}, whatever the degree of the elements",
+        )
 
 
 def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iterable[InputError]:

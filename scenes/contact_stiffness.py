@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from cea.contact.operators import Contact
 from cea.fields import Expression, evaluate
+from meshes.ventilated_disc import VentilatedDisc
 from scenes.read import Scene
 from scenes.spec.contact import ContactSpec
 
@@ -55,6 +56,8 @@ def _mean(spec: ContactSpec, halves: Sequence[Contact]) -> float:
 def _depth(scene: Scene, body: str, surface: str) -> float | None:
     """Extent (m) of a body across one of its surfaces; None where its shape does not say."""
     shape = scene.bodies[body].geometry
+    if isinstance(shape, VentilatedDisc):
+        return shape.depth(surface)
     if shape.shape in ("patches", "nurbs_file"):
         return None
     for direction, (low, high) in zip(shape.directions, shape.extent, strict=True):

@@ -10,7 +10,7 @@ from cea.mesh import SIMPLICES
 from meshes.mesh_file import MeshFile
 from meshes.nurbs_file import NurbsFile
 from meshes.patches import Patches
-from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
+from meshes.shapes import Annulus, Disc, Hub, Ring, Shape, VentilatedDisc
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh
 
@@ -111,6 +111,8 @@ def box_lengths(shape: Shape) -> list[float]:
     if isinstance(shape, Patches):
         points = np.concatenate([p.points.reshape(-1, len(p.degrees)) for p in shape.patches])
         return np.ptp(points, axis=0).tolist()
+    if isinstance(shape, VentilatedDisc):
+        return list(shape.lengths)
     spans = {n: high - low for n, (low, high) in zip(shape.directions, shape.extent, strict=True)}
     if "theta" in spans:
         low, high = shape.extent[0]
