@@ -33,21 +33,28 @@ class NormalLaw(Protocol):
 
 @dataclass(frozen=True)
 class LinearLaw:
-    """A pressure proportional to the penetration, tension too: contact known to be closed.
+    """A pressure proportional to the penetration, tension too: contact known where it is closed.
 
     Parameters
     ----------
     stiffness
-        Contact stiffness p (N/m^3), shape (n,) or one number; infinite everywhere, where the sides
-        are tied along the normal, or nowhere.
+        Contact stiffness p (N/m^3), shape (n,) or one number; zero where the sides have lifted off;
+        infinite everywhere, where the sides are tied along the normal, or nowhere.
+
+    Raises
+    ------
+    InputError
+        When it is negative or no number somewhere, zero everywhere, or infinite in parts.
     """
 
     stiffness: Floats | float
 
     def __post_init__(self) -> None:
         p = np.asarray(self.stiffness)
-        if not (p > 0).all():
-            raise InputError("p", float(p.min()), "positive (N/m^3)")
+        if not (p >= 0).all():
+            raise InputError("p", float(p.min()), "zero or positive (N/m^3)")
+        if p.size and not p.any():
+            raise InputError("p", 0.0, "positive (N/m^3) somewhere: else there is no contact")
         if np.isinf(p).any() and not np.isinf(p).all():
             raise InputError("p", float("inf"), "finite, or infinite everywhere")
 

@@ -6,18 +6,21 @@ M l = B x, where
     B_i = int psi_i g,   M_ij = int psi_i psi_j / p,   (B_k)_i = int mu psi_i [[u]].k,
 
 and K_n = B^T M^-1 B, K_f = B_k^T M^-1 B. B and M are sparse, K_n and K_f full on the whole
-interface: what is solved keeps l as unknowns (:mod:`cea.contact.saddle`).
+interface: what is solved keeps l as unknowns (:mod:`cea.contact.saddle`). Where p is zero the sides
+have lifted off: the integrals go over the rest of the interface, and traces that vanish there bear
+no multiplier.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import lapack, solve_triangular
-from scipy.sparse import csr_array, vstack
-from scipy.sparse.linalg import spsolve
+from scipy.sparse import csr_array, diags_array, vstack
+from scipy.sparse.linalg import splu, spsolve
 
-from cea.body import Floats
+from cea.body import Floats, Ints
 from cea.contact.interface import Interface
 from cea.matrices import (
     block_diagonal,
@@ -32,6 +35,8 @@ from cea.ranks import local_rows
 
 INDEPENDENT = 1e-15
 """Least pivot of M, scaled to a diagonal of ones, of a trace that is not a sum of others."""
+INDEPENDENT_CUT = 1e-13
+"""The same of traces that are cut by what is open: sparse factors do not find such dependences."""
 
 
 @dataclass(frozen=True)
@@ -43,21 +48,35 @@ class MortarProjection:
     interface
         Segment points and traces.
     traces
-        psi at the points, PETSc AIJ (points x m).
+        psi at the points, PETSc AIJ (points x m); zero at points that are left out.
     """
 
     interface: Interface
     traces: Any
 
     @classmethod
-    def of(cls, interface: Interface) -> "MortarProjection":
-        """The projection on all traces that some point sees."""
-        comm, seen = interface.comm, interface.trace_a.copy()
-        seen.eliminate_zeros()
-        touched = np.unique(np.concatenate(comm.allgather(np.unique(seen.indices))))
-        start, stop = local_rows(len(touched), comm)
-        columns = (stop - start, len(touched))
-        return cls(interface, distributed(csr_array(seen[:, touched]), columns, comm))
+    def of(cls, interface: Interface, closed: NDArray[np.bool_] | None = None) -> "MortarProjection":
+        """The projection on all traces that some point sees.
+
+        Parameters
+        ----------
+        interface
+            Segment points and traces.
+        closed
+            Which of all points count, shape (n,); None takes every one.
+        """
+        if closed is None or closed.all():
+            seen = interface.trace_a.copy()
+            seen.eliminate_zeros()
+            return cls(interface, _columns(seen, _seen_by_any(seen, interface.comm), interface))
+        seen, beyond = (_at(interface, points) for points in (closed, ~closed))
+        touched = _seen_by_any(seen, interface.comm)
+        every = cls(interface, _columns(seen, touched, interface))
+        cut = np.isin(touched, _seen_by_any(beyond, interface.comm))
+        gram = every.compliance(closed.astype(float))
+        kept = _independent(everywhere(gram), cut, interface.comm)
+        destroy(gram, every.traces)
+        return cls(interface, _columns(seen, touched[kept], interface))
 
     def integrals(self, jump: Any) -> Any:
         """Int psi_i of a jump given at the points, PETSc AIJ (points x free dofs)."""
@@ -72,9 +91,11 @@ class MortarProjection:
         Parameters
         ----------
         stiffness
-            Contact stiffness p at all points (N/m^3), or a part of it, shape (n,).
+            Contact stiffness p at all points (N/m^3), or a part of it, shape (n,); zero only at
+            points that are left out.
         """
-        share = self.interface.local_points.weight / stiffness[self.interface.rows]
+        own, area = stiffness[self.interface.rows], self.interface.local_points.weight
+        share = np.divide(area, own, out=np.zeros(len(own)), where=own > 0)
         weight = self._at_points(share)
         result = symmetric_product(self.traces, weight)
         destroy(weight)
@@ -100,6 +121,53 @@ class MortarProjection:
         vector = self.traces.createVecLeft()
         vector.array[:] = values
         return vector
+
+
+def _at(interface: Interface, points: NDArray[np.bool_]) -> csr_array:
+    """Traces of this rank at some of all points, none at the others."""
+    seen = interface.trace_a.copy()
+    seen.data = seen.data * np.repeat(points[interface.rows], np.diff(seen.indptr))
+    seen.eliminate_zeros()
+    return seen
+
+
+def _seen_by_any(seen: csr_array, comm: Any) -> Ints:
+    """Traces that a point of some rank sees, rising."""
+    return np.unique(np.concatenate(comm.allgather(np.unique(seen.indices))))
+
+
+def _columns(seen: csr_array, touched: Ints, interface: Interface) -> Any:
+    """Some traces as PETSc AIJ."""
+    start, stop = local_rows(len(touched), interface.comm)
+    columns = (stop - start, len(touched))
+    return distributed(csr_array(seen[:, touched]), columns, interface.comm)
+
+
+def _independent(gram: csr_array, cut: NDArray[np.bool_], comm: Any) -> Ints:
+    """Traces of which none is a sum of others at the points that count, the same on every rank.
+
+    Traces that are cut reach beyond those points, and there may be more of them than points that
+    see them; what they add to the others, the Schur complement, tells which are needed.
+
+    Parameters
+    ----------
+    gram
+        Integrals of products of traces over the points that count, (m, m), on every rank.
+    cut
+        Which of the traces are cut, (m,).
+    """
+    kept: Ints | None = None
+    if comm.rank == 0:
+        scale = diags_array(1 / np.sqrt(gram.diagonal()))
+        scaled = csr_array(scale @ gram @ scale)
+        added = scaled[cut][:, cut].toarray()
+        if not cut.all():
+            beside = scaled[~cut][:, cut].toarray()
+            added -= beside.T @ splu(scaled[~cut][:, ~cut].tocsc()).solve(beside)
+        _, order, rank, _ = lapack.dpstrf(added, tol=INDEPENDENT_CUT)
+        needed = np.flatnonzero(cut)[order[:rank] - 1]
+        kept = np.sort(np.concatenate([np.flatnonzero(~cut), needed]))
+    return np.asarray(comm.bcast(kept))
 
 
 def repeated(matrix: Any, times: int) -> Any:

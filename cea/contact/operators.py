@@ -81,9 +81,6 @@ class HalfPass:
         if tied and (self.form == "penalty" or self.coupling == "lumped"):
             allowed = "finite; or, in the saddle form, infinite everywhere"
             raise InputError("p", float("inf"), allowed)
-        if self.projected and self.law.linear and not (self.stiffness > 0).all():
-            allowed = "positive where the gap is projected: no contact is open"
-            raise InputError("p", float(self.stiffness.min()), allowed)
         if self.coupling == "bonded" and self.friction is not None and self.friction.acts:
             mu = float(np.max(self.friction.mu))
             raise InputError("mu", mu, "0 where both sides are bonded")
@@ -286,7 +283,11 @@ def assemble_contact(
     """
     interface, sides = half.interface, (half.a, half.b)
     points = interface.local_points
-    projection = MortarProjection.of(interface) if half.projected else None
+    projection = None
+    if half.projected:
+        # Of a linear law, open points have no part in the projection: their compliance is infinite.
+        closed = half.stiffness > 0 if half.law.linear else None
+        projection = MortarProjection.of(interface, closed)
 
     def operator(direction: Floats) -> Any:
         parts = dict(zip(sides, jump_along(interface, direction), strict=True))

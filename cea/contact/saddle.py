@@ -133,16 +133,18 @@ def _slip(half: Contact) -> Any:
 
 def _at_points(halves: Sequence[Contact]) -> ContactForces:
     """Forces at points, as few as there are independent gaps."""
-    gaps, slips = [], []
+    gaps, slips, places = [], [], []
     for half, share in zip(halves, _relative_stiffness(halves), strict=True):
         weight = half.weight(share)
-        root = diags_array(np.sqrt(weight.array_r))
+        closed = np.flatnonzero(weight.array_r)  # points that have lifted off bear no force
+        root = diags_array(np.sqrt(weight.array_r[closed]))
         destroy(weight)
         gap = local_part(half.gap)
-        gaps.append(csr_array(root @ gap))
+        gaps.append(csr_array(root @ gap[closed]))
         slip = local_part(half.slip) if half.slip is not None else csr_array(gap.shape)
-        slips.append(csr_array(root @ slip))
-    x = np.concatenate([half.interface.local_points.x for half in halves])
+        slips.append(csr_array(root @ slip[closed]))
+        places.append(half.interface.local_points.x[closed])
+    x = np.concatenate(places)
     template = halves[0].gap
     comm = halves[0].interface.comm
     gap, slip = (csr_array(vstack(parts)) for parts in (gaps, slips))

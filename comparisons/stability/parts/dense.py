@@ -146,7 +146,9 @@ def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
     """
     half, points = contact.half, contact.half.interface.points
     tied = np.isinf(half.stiffness).any()
-    compliance = np.full(len(points), points.weight.sum()) if tied else 1 / half.stiffness
+    closed = half.stiffness > 0  # points that have lifted off bear no force
+    compliance = np.zeros(len(points))
+    compliance[closed] = points.weight.sum() if tied else 1 / half.stiffness[closed]
     normal, copies = points.normal, 1
     if half.coupling == "bonded":
         copies = normal.shape[1]
@@ -160,12 +162,35 @@ def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
         slip = mu[:, None] * jump(system, contact, half.friction.direction.at(points.x, normal))
     if half.coupling in ("mortar", "bonded"):
         trace = half.interface.trace_a
+        if not closed.all():
+            return _projected(points.weight, compliance, trace.toarray(), gap, slip)
         psi = trace[:, np.unique(trace.indices)].toarray()
         project = block_diag(*[psi.T * points.weight] * copies)
         C = block_diag(*[(psi.T * (points.weight * compliance)) @ psi] * copies)
         return project @ gap, project @ slip, C
-    root = np.sqrt(points.weight)[:, None]
-    return root * gap, root * slip, np.diag(compliance)
+    root = np.sqrt(points.weight)[closed, None]
+    return root * gap[closed], root * slip[closed], np.diag(compliance[closed])
+
+
+def _projected(
+    weight: Floats, compliance: Floats, psi: Floats, gap: Floats, slip: Floats
+) -> Constraint:
+    """Projection on traces cut by what is open, which may depend on each other, by its range.
+
+    With U an orthonormal basis of sqrt(w c) psi at the closed points, K_n is the square of
+    U^T sqrt(w / c) G.
+    """
+    closed = compliance > 0
+    w, c = weight[closed], compliance[closed]
+    at_points = np.sqrt(w * c)[:, None] * psi[closed]
+    length = np.linalg.norm(at_points, axis=0)
+    U, s, _ = svd(at_points[:, length > 0] / length[length > 0], full_matrices=False)
+    rows = (U[:, s > _DEPENDENT * s[0]].T * np.sqrt(w / c)).T
+    copies = len(gap) // len(weight)
+    project = block_diag(*[rows.T] * copies)
+    every = np.tile(closed, copies)
+    slip = slip[np.tile(closed, len(slip) // len(weight))]
+    return project @ gap[every], project @ slip, np.eye(project.shape[0])
 
 
 def _tied(parts: list[Constraint]) -> Constraint:
