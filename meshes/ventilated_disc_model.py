@@ -10,6 +10,9 @@ from meshes.ventilated_disc import VentilatedDisc
 
 _AROUND = 12
 """Elements around each hole, at least."""
+_CORNER = 0.4
+"""Size of elements at the re-entrant corners of the hat, relative to that asked for: stresses are
+singular there, and all modes bend them."""
 _GROWTH = 0.3
 """Increase of the size of elements with the distance from what needs small ones."""
 _SAME = 1e-6
@@ -59,7 +62,8 @@ def refine(shape: VentilatedDisc, size: float) -> None:
     """Bound the sizes of elements of the current model where features need it.
 
     Elements are no longer than the wall of the hat is thick, and no fewer than twelve go round a
-    hole, whatever ``size`` (m); away from there they grow to it.
+    hole, whatever ``size`` (m); at the corners where the wall meets flange and plate they are a
+    part of ``size``. Away from there they grow to it.
     """
     field = gmsh.model.mesh.field
     middle = (shape.wall_inner + shape.wall_outer) / 2
@@ -69,6 +73,12 @@ def refine(shape: VentilatedDisc, size: float) -> None:
     for x, y in shape.hole_centres:
         distance = f"Fabs(Sqrt((x-({x!r}))^2+(y-({y!r}))^2)-{shape.hole_radius!r})"
         near.append(f"{around!r}+{_GROWTH}*{distance}")
+    for r, z in (
+        (shape.wall_outer, shape.ring_height),
+        (shape.wall_inner, shape.hub_bottom),
+    ):
+        distance = f"Sqrt((Sqrt(x*x+y*y)-{r!r})^2+(z-{z!r})^2)"
+        near.append(f"{_CORNER * size!r}+{_GROWTH}*{distance}")
     tags = []
     for formula in near:
         tags.append(field.add("MathEval"))
