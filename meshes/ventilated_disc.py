@@ -1,7 +1,7 @@
 """A ventilated brake disc: two rings joined by vanes, the lower one on a hat with a hub plate."""
 
 from dataclasses import dataclass
-from math import asin, cos, pi, radians, sin, sqrt
+from math import asin, cos, hypot, pi, radians, sin, sqrt
 from typing import ClassVar, Literal
 
 from cea.errors import require
@@ -133,14 +133,16 @@ class VentilatedDisc:
 
     @property
     def lengths(self) -> tuple[float, float, float]:
-        """Lengths (m) of a box of its volume that stands for it: of a plate of even thickness.
-
-        Along its middle from the bore to the rim, down the wall too; round about; and what the
-        volume leaves for the third.
-        """
-        along = self.outer_radius - self.bore + self.hub_bottom - self.ring_height
+        """Lengths (m) of a plate of its volume that stands for it: as thick as the lower ring."""
         around = pi * (self.outer_radius + self.wall_inner)
-        return along, around, self.volume / (along * around)
+        return self.volume / (around * self.ring_height), around, self.ring_height
+
+    def mean_size(self, size: float) -> float:
+        """Mean length (m) of elements where ``size`` is asked for, and less of it near the hat.
+
+        A fit to meshes of the disc with sizes from 5 to 20 mm, right to 3 per cent there.
+        """
+        return 1 / hypot(1 / size, 1 / (_COARSEST * (self.wall_outer - self.wall_inner)))
 
     def depth(self, surface: str) -> float | None:
         """Thickness (m) of the ring behind a face that pads slide on; None of other surfaces."""
@@ -153,6 +155,8 @@ class VentilatedDisc:
 
 MAX_CURVED = 2
 """Highest order of its curved cells."""
+_COARSEST = 1.52
+"""Mean length of elements where any is allowed, relative to the thickness of the wall."""
 _MOST = 200
 """Holes and vanes, so many at most."""
 

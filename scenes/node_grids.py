@@ -88,6 +88,8 @@ def elements_along(body: BodySpec, mesh: FeMesh, scale: float) -> list[float]:
     if mesh.elements is not None:
         return [max(1.0, scale * n) for n in mesh.elements]
     size = (mesh.size or inf) / max(scale, TINY)
+    if isinstance(body.geometry, VentilatedDisc):
+        size = body.geometry.mean_size(size)
     lengths = box_lengths(body.geometry)
     return [max(1.0, _PACKING[len(lengths)] * length / size) for length in lengths]
 

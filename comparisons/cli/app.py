@@ -9,6 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 import cea
+from comparisons.cli.brake import brake
 from comparisons.cli.doctor import doctor
 from comparisons.cli.exact import app as exact_app
 from comparisons.cli.export import export
@@ -55,7 +56,7 @@ app = typer.Typer(
 _COMMANDS = (
     *(run, solve, sweep, race, export),
     *(compare, figure, claims, formulations, accuracy, damping, stability, reference, peers),
-    doctor,
+    *(brake, doctor),
 )
 for _each in _COMMANDS:
     app.command()(_each)

@@ -1,0 +1,195 @@
+"""``ventilated_brake`` on meshes that become finer, and with contacts of other stiffness.
+
+Modes of each mesh are matched with those of the next by their shapes on the contact surfaces and by
+eigenvalue; the spread of a mode over the meshes says how far its frequency and its growth rate may
+be trusted. Contacts are mortar: no point rule on quadratic elements is usable at such a stiffness
+(:mod:`comparisons.accuracy`), and mortar does not lock where the contact is stiffer than its mesh.
+"""
+
+import resource
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from cea.eigen.mode_matching import ModeMatch
+from cea.errors import InputError
+from cea.petsc import MPI
+from comparisons.kit.progress import Progress
+from scenes.memory import estimated_memory
+from scenes.pictures import draw_modes
+from scenes.read import Scene, load_scene
+from scenes.results import ModesResult
+from scenes.run import run_modes
+from scenes.run_matching import match_runs
+from scenes.stored import record
+from scenes.variants import with_contact
+
+COMMAND = "brake"
+"""Command that a result is marked with."""
+
+SCENE = "ventilated_brake"
+
+_KILOBYTE = 1024
+"""Bytes of the unit in which the system tells the peak of a process."""
+
+
+@dataclass(frozen=True)
+class BrakeStudy:
+    """What is run.
+
+    Parameters
+    ----------
+    sizes
+        Target edge lengths of the tetrahedra (m), of disc and pads alike, falling.
+    stiffnesses
+        Contact stiffnesses p (N/m^3) that are run on the coarsest mesh.
+    overrides
+        Fields of the scene that differ, as ``--set`` takes them.
+    pictures
+        Pictures at most of unstable modes, on the finest mesh.
+
+    Raises
+    ------
+    InputError
+        When there is no size, or sizes do not fall.
+    """
+
+    sizes: tuple[float, ...] = (0.012, 0.0075, 0.005)
+    stiffnesses: tuple[float, ...] = (5e12, 5e13, 5e14)
+    overrides: tuple[str, ...] = ()
+    pictures: int = 4
+
+    def __post_init__(self) -> None:
+        falling = all(a > b > 0 for a, b in zip(self.sizes, self.sizes[1:], strict=False))
+        if not self.sizes or not falling or not self.sizes[0] > 0:
+            raise InputError("sizes", self.sizes, "one or more positive lengths (m), falling")
+
+
+def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> dict[str, Any]:
+    """Run every mesh, the stiffnesses on the coarsest, and draw what is unstable on the finest.
+
+    Parameters
+    ----------
+    study
+        What is run.
+    progress
+        Told what is being run.
+    out
+        Folder for pictures; rank 0 writes them.
+
+    Returns
+    -------
+    dict
+        Record: ``runs``, one for each mesh, with ``size`` (m), ``p`` (N/m^3), ``dofs``,
+        ``seconds``, ``timings``, ``memory`` (bytes) measured and estimated, the evidence of the
+        window, and ``modes``; ``matches`` of each mesh with the next; ``stiffnesses``, runs
+        likewise, of the coarsest; ``pictures``, names of files.
+    """
+    begun, runs, matches = perf_counter(), [], []
+    stiffnesses: list[dict[str, Any]] = []
+    coarser: ModesResult | None = None
+    pictures: list[Path] = []
+    for size in study.sizes:
+        scene = scene_of_size(size, study.overrides)
+        progress.step(f"size {size * 1e3:g} mm")
+        result = run_modes(scene, listener=progress.stage)
+        runs.append({"size": size, **_described(result)})
+        if coarser is None:
+            stiffnesses = list(_with_stiffnesses(result, study.stiffnesses, progress))
+        else:
+            progress.stage("matching")
+            matches.append(_plain(match_runs(coarser, result)))
+        coarser = result
+    if coarser is not None and coarser.unstable.any():
+        progress.step("pictures")
+        count = min(study.pictures, int(coarser.unstable.sum()))
+        pictures = draw_modes(coarser, count, out)
+    data = {
+        "runs": runs,
+        "matches": matches,
+        "stiffnesses": stiffnesses,
+        "pictures": [picture.name for picture in pictures],
+    }
+    warnings = [warning.plain() for warning in coarser.warnings] if coarser is not None else []
+    seconds = perf_counter() - begun
+    return record(COMMAND, data, inputs=asdict(study), seconds=seconds, warnings=warnings)
+
+
+def scene_of_size(size: float, overrides: Iterable[str] = ()) -> Scene:
+    """``ventilated_brake`` with tetrahedra of one target edge length (m) in disc and pads."""
+    scene = load_scene(Path(SCENE), list(overrides))
+    bodies = {}
+    for name, body in scene.bodies.items():
+        assert body.mesh.fe is not None
+        mesh = replace(body.mesh, fe=replace(body.mesh.fe, size=size))
+        bodies[name] = replace(body, mesh=mesh)
+    return replace(scene, bodies=bodies)
+
+
+def _with_stiffnesses(
+    result: ModesResult, stiffnesses: Iterable[float], progress: Progress
+) -> Iterator[dict[str, Any]]:
+    """Runs with other contact stiffnesses, on the bodies and contact points of one run."""
+    for p in stiffnesses:
+        again = result
+        if p != _stiffness(result.scene):
+            progress.step(f"p = {p:g} N/m^3")
+            again = run_modes(
+                with_contact(result.scene, p=p),
+                bodies=result.bodies,
+                interfaces=result.interfaces,
+                listener=progress.stage,
+            )
+        yield _described(again)
+
+
+def _stiffness(scene: Scene) -> float | str | None:
+    """Contact stiffness p of all contacts (N/m^3), a number or an expression."""
+    return next(iter(scene.contacts.values())).p
+
+
+def _described(result: ModesResult) -> dict[str, Any]:
+    """One run as plain data; collective."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _KILOBYTE
+    window = result.modes.window
+    return {
+        "p": _stiffness(result.scene),
+        "dofs": result.system.size,
+        "seconds": result.timer.total,
+        "timings": dict(result.timer.seconds),
+        "memory": {
+            "measured": result.comm.allreduce(peak, MPI.SUM),
+            "estimated": estimated_memory(result.scene).bytes,
+        },
+        "complete": window.complete,
+        "evidence": window.evidence,
+        "verdict": result.verdict,
+        "warnings": [warning.kind for warning in result.warnings],
+        "modes": [
+            {
+                "frequency": row["frequency"],
+                "growth": row["growth_rate"],
+                "uncertainty": row["uncertainty"],
+                "verdict": row["verdict"],
+            }
+            for row in result.table()
+        ],
+    }
+
+
+def _plain(match: ModeMatch) -> dict[str, Any]:
+    """Modes of two runs that stand for one another, as numbers from 0."""
+    return {
+        "groups": [
+            {
+                "first": group.first.tolist(),
+                "second": group.second.tolist(),
+                "assurance": group.assurance,
+            }
+            for group in match.groups
+        ],
+        "only_first": match.only_first.tolist(),
+        "only_second": match.only_second.tolist(),
+    }
