@@ -16,7 +16,7 @@ class VentilatedDisc:
     of the hat, which rises from the bottom of the flange to the top of the hub plate; the hub
     plate with its bore and round holes. The faces of the rings that pads slide on are flat.
 
-    Surfaces: bore; holes (all of them); lower_face (z = 0, of ring, flange and wall) and
+    Surfaces: bore; holes (all of them, if any); lower_face (z = 0, of ring, flange and wall) and
     upper_face (of the upper ring), on which pads slide; rim (the outer cylinder: of the rings, and
     the outer ends of the vanes); hub_top (of the plate and the wall).
 
@@ -63,9 +63,6 @@ class VentilatedDisc:
     shape: Literal["ventilated_disc"] = "ventilated_disc"
 
     directions: ClassVar[tuple[str, ...]] = ("r", "theta", "z")
-    surfaces: ClassVar[tuple[str, ...]] = (
-        "bore", "holes", "lower_face", "upper_face", "rim", "hub_top",
-    )  # fmt: skip
 
     def __post_init__(self) -> None:
         require(self.bore > 0, "bore", self.bore, "a positive length (m)")
@@ -98,6 +95,11 @@ class VentilatedDisc:
         widest = 2 * self.flange_outer * sin(pi / max(self.vanes, 2))
         allowed = f"positive and less than {widest:.6g} (m), where vanes meet each other"
         require(0 < self.vane_width < widest, "vane_width", self.vane_width, allowed)
+
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        """Names of its surfaces: holes only where there are any."""
+        return ("bore", *["holes"] * bool(self.holes), "lower_face", "upper_face", "rim", "hub_top")
 
     @property
     def extent(self) -> tuple[tuple[float, float], ...]:

@@ -17,12 +17,15 @@ _ZONES = {
 }
 """Closed parts that end inside of elements of either side."""
 
+_SLIVERS = ("one end lifted", "all but a corner lifted")
+
 
 @case("Contact that has lifted off in part: p is zero there", subject="contact stiffness")
 def lift_off() -> Iterator[Run]:
     """What is open takes part in nothing, whatever the formulation and its form."""
-    for p in (1.0, 1e4):
-        for word, field in _ZONES.items():
+    for p, zones in ((1.0, tuple(_ZONES)), (1e4, _SLIVERS)):
+        for word in zones:
+            field = _ZONES[word]
             for way in WAYS:
                 data = way.of(layers(p=field.format(p=p)))
                 row = f"{word}, p to {p:.0e}"

@@ -1,0 +1,110 @@
+"""Contacts of which a part has lifted off: p is zero there."""
+
+import numpy as np
+import pytest
+from blocks import assemble, two_blocks
+
+from cea.errors import InputError
+from cea.matrices import destroy
+from comparisons.stability.parts.dense import array
+
+FREE = "where(x < 0.37, 0, 3.0)"
+"""The closed part begins inside of elements of either side; side a reaches from 0.2 to 0.7."""
+CLOSED = 0.33 * 0.6
+"""Area of what is closed (m^2)."""
+
+
+def lifted(backend, formulation, field=FREE, **options):
+    data = two_blocks(backend, formulation, held=True, **options)
+    contact = data["contacts"]["interface"]
+    del contact["P"]
+    contact["p"] = field
+    return data
+
+
+def closure(system):
+    """Force on each unknown of upper (N) when it moves onto the other side by 1 m everywhere."""
+    (contact,) = system.contacts
+    motion = system.vector()
+    upper = system.bodies["upper"]
+    down = np.tile([0.0, 0.0, -1.0], upper.expansion.getSizes()[0][1] // 3)
+    full = upper.expansion.createVecLeft()
+    full.array[:] = down
+    part = motion.getSubVector(system.index_sets["upper"])
+    upper.expansion.multTranspose(full, part)
+    motion.restoreSubVector(system.index_sets["upper"], part)
+    return contact, motion
+
+
+def test_open_points_bear_no_force(backend, formulation):
+    """The pressure is zero where p is, and adds up to p times the closed area elsewhere."""
+    system = assemble(lifted(backend, formulation, mu=0.0))
+    contact, motion = closure(system)
+    points, p = contact.interface.points, contact.half.stiffness
+    open_points = p == 0
+    assert 0 < open_points.sum() < len(points)
+    pressure = contact.pressure(motion)
+    assert (pressure[open_points] == 0).all()
+    force = float(points.weight @ pressure)
+    assert force == pytest.approx(contact.P, rel=1e-12)
+    assert contact.P == pytest.approx(3.0 * CLOSED, rel=0.35)
+
+
+def test_friction_goes_with_the_pressure(backend, formulation):
+    """Forces along friction are mu times those along the normal, over what is closed."""
+    system = assemble(lifted(backend, formulation, mu=0.4))
+    contact, motion = closure(system)
+    forces = []
+    for matrix in (contact.stiffness, contact.friction):
+        force = system.vector()
+        matrix.mult(motion, force)
+        forces.append(sum(np.linalg.norm(resultant(system, force, "upper")[None], axis=1)))
+        destroy(force)
+    assert forces[1] == pytest.approx(0.4 * forces[0], rel=1e-9)
+
+
+def resultant(system, force, body):
+    """Sum of forces on the free dofs of a body, (3,): those on dofs that are held are not there."""
+    full = system.displacement(force, body)
+    return full.reshape(-1, 3).sum(axis=0)
+
+
+@pytest.mark.parametrize("method", ["segments", "mortar"])
+def test_both_forms_have_the_same_matrices(backend, method):
+    """Contact forces eliminated from the saddle form give K_n and K_f, of which open rows fell."""
+    results = []
+    for form in ("penalty", "saddle"):
+        data = lifted(backend, {"method": method}, mu=0.4)
+        data["contacts"]["interface"]["form"] = form
+        system = assemble(data)
+        pencil = system.pencil(eliminate=method == "mortar" and form == "penalty")
+        results.append((system, pencil))
+    (_, eliminated), (system, kept) = results
+    whole = eliminated.at()
+    penalty = array(whole.stiffness) + array(whole.unsymmetric)
+    forces = kept.forces[0]
+    J, R = array(forces.closure), array(forces.slip)
+    C = array(forces.compliance) / system.contacts[0].P
+    bodies = array(system.stiffness)
+    saddle = bodies + (J - R).T @ np.linalg.solve(C, J)
+    assert np.abs(penalty - saddle).max() <= 1e-9 * np.abs(penalty - bodies).max()
+
+
+@pytest.mark.parametrize(
+    ("field", "told"), [("x - 0.4", "zero or positive"), ("0*x", "positive .* somewhere")]
+)
+def test_negative_stiffness_and_none_at_all_are_refused(backend, field, told):
+    with pytest.raises(InputError, match=told) as caught:
+        assemble(lifted(backend, {"method": "segments"}, field))
+    assert caught.value.field == "contacts.interface.p"
+
+
+def test_mortar_keeps_no_force_that_is_a_sum_of_others(backend):
+    """Mortar forces are as many as traces that are independent over what is closed."""
+    closed = assemble(lifted(backend, {"method": "mortar"}, "3.0"))
+    part = assemble(lifted(backend, {"method": "mortar"}, "where(x < 0.68, 0, 3.0)"))
+    counts = [system.contacts[0].gap.getSize()[0] for system in (closed, part)]
+    assert 0 < counts[1] < counts[0]
+    gram = array(part.contacts[0].compliance(part.contacts[0].half.stiffness))
+    scale = 1 / np.sqrt(np.diag(gram))
+    assert np.linalg.eigvalsh(scale[:, None] * gram * scale).min() > 1e-15

@@ -1,0 +1,144 @@
+"""The study of the ventilated brake: meshes matched, stiffnesses, what is written; on few elements."""
+
+import pytest
+from typer.testing import CliRunner
+
+from cea.errors import InputError
+from comparisons.brake.page import read_brake, write_brake
+from comparisons.brake.study import SCENE, BrakeStudy, run_brake, scene_of_size
+from comparisons.brake.tables import (
+    damping_ratio,
+    modes_table,
+    runs_table,
+    stiffness_table,
+    unstable_modes,
+    unstable_table,
+)
+from comparisons.cli.app import app
+from comparisons.kit.progress import Progress
+from scenes.memory import estimated_memory
+from scenes.read import SceneError, load_scene
+
+BODIES = ("disc", "lower_pad", "upper_pad")
+ROUGH = BrakeStudy(
+    sizes=(0.03, 0.025),
+    stiffnesses=(5e13, 5e14),
+    overrides=tuple(f"bodies.{name}.mesh.fe.degree=1" for name in BODIES),
+    pictures=0,
+)
+"""Linear elements, of which 12,000 dofs hold all parts."""
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    """The study on rough meshes."""
+    progress = Progress(step=lambda _: None, stage=lambda _: None)
+    return run_brake(ROUGH, progress, tmp_path_factory.mktemp("brake"))
+
+
+def test_the_brake_is_what_its_scene_says():
+    scene = load_scene(SCENE)
+    assert {contact.p for contact in scene.contacts.values()} == {5e13}
+    assert {contact.mu for contact in scene.contacts.values()} == {0.3}
+    assert scene.analysis.max_frequency == 9000
+    directions = {contact.friction_direction_on_a for contact in scene.contacts.values()}
+    assert len(directions) == 1  # both pads are pushed the same way round
+    assert {b.mesh.fe.degree for b in scene.bodies.values()} == {2}
+
+
+def test_meshes_and_stiffnesses_are_all_run(result):
+    assert [run["size"] for run in result["runs"]] == [0.03, 0.025]
+    assert [run["p"] for run in result["stiffnesses"]] == [5e13, 5e14]
+    for run in (*result["runs"], *result["stiffnesses"]):
+        assert run["complete"]
+        assert len(run["modes"]) > 20
+        frequencies = [mode["frequency"] for mode in run["modes"]]
+        assert frequencies == sorted(frequencies)
+        assert frequencies[-1] <= 9000
+    same, stiffer = (run["modes"][0]["frequency"] for run in result["stiffnesses"])
+    assert same == result["runs"][0]["modes"][0]["frequency"] < stiffer
+    assert same == pytest.approx(992, rel=2e-2)
+
+
+def test_modes_are_followed_over_the_meshes(result):
+    table = modes_table(result)
+    names = [column.name for column in table.columns]
+    rows = [dict(zip(names, row, strict=True)) for row in table.rows]
+    numbers = [int(n) for row in rows for n in row["modes"].split(", ")]
+    assert sorted(numbers) == list(range(1, len(result["runs"][-1]["modes"]) + 1))
+    paired = [row for row in rows if row["frequency_30mm"] is not None]
+    assert len(paired) > 0.8 * len(rows)
+    assert all(row["spread"] < 0.03 for row in paired)
+    grows = [row for row in rows if row["verdict"] == "unstable"]
+    assert all(row["damping_ratio"] < 0 for row in grows)
+
+
+def test_partners_stay_one_row_whatever_they_were_before():
+    """Two modes that meet on the finer mesh: their mean is compared with the mean before."""
+    still = {"uncertainty": 0.0, "growth": 0.0, "verdict": "stable"}
+    grows = {"frequency": 101.0, "uncertainty": 0.0, "growth": 3.0, "verdict": "unstable"}
+    decays = grows | {"growth": -3.0, "verdict": "stable"}
+    runs = [
+        {"size": 0.2, "modes": [still | {"frequency": f} for f in (50.0, 100.0, 104.0)]},
+        {"size": 0.1, "modes": [still | {"frequency": 49.0}, decays, grows]},
+    ]
+    groups = [{"first": [i], "second": [i], "assurance": 1.0} for i in range(3)]
+    table = modes_table({"runs": runs, "matches": [{"groups": groups}]})
+    assert [row[0] for row in table.rows] == ["1", "2, 3"]
+    assert table.rows[1][1:4] == pytest.approx((102.0, 101.0, 1 / 101))
+    assert table.rows[1][4:6] == (0.0, 3.0)
+    assert table.rows[1][-1] == "unstable"
+
+
+def test_unstable_pairs_are_told_with_their_damping_ratio(result):
+    rows = unstable_table(result).rows
+    runs = [*result["runs"], result["stiffnesses"][1]]
+    assert len(rows) == sum(len(unstable_modes(run)) for run in runs)
+    assert rows, "the rough meshes have unstable pairs"
+    for row in rows:
+        assert row[3] > 1.0  # the threshold of the scene, 1/s
+        assert row[4] == pytest.approx(-row[3] / (6.283185307 * row[2]), rel=1e-3)
+    assert damping_ratio({"frequency": 100.0, "growth": 0.0}) == 0
+
+
+def test_the_result_is_written_and_drawn_anew(result, tmp_path):
+    figure = write_brake(result, tmp_path)
+    assert read_brake(tmp_path)["runs"] == result["runs"]
+    for make in (runs_table, modes_table, unstable_table, stiffness_table):
+        table = make(result)
+        assert (tmp_path / f"{table.name}.csv").read_text().count("\n") == len(table.rows) + 1
+    figure.unlink()
+    told = CliRunner().invoke(app, ["brake", "--redraw", "--out", str(tmp_path)])
+    assert told.exit_code == 0, told.output
+    assert figure.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("sizes", [(), (0.01, 0.02), (0.01, 0.01), (-0.01,)])
+def test_sizes_that_do_not_fall_are_refused(sizes):
+    with pytest.raises(InputError) as caught:
+        BrakeStudy(sizes)
+    assert caught.value.field == "sizes"
+
+
+def test_the_estimate_knows_how_fine_the_disc_is(result):
+    """Its dofs are those of the mesh, whatever the size: walls and holes bound that."""
+    for degree, size, dofs in ((1, 0.03, result["runs"][0]["dofs"]), (2, 0.0055, 483_000)):
+        scene = scene_of_size(size, [f"bodies.{name}.mesh.fe.degree={degree}" for name in BODIES])
+        assert estimated_memory(scene).dofs == pytest.approx(dofs, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("override", "field"),
+    [
+        ("bodies.disc.backend='iga'", "bodies.disc.backend"),
+        ("bodies.disc.mesh.fe={cell='hexahedron',elements=[2,8,2]}", "bodies.disc.mesh.fe.cell"),
+        ("bodies.disc.mesh.fe={cell='tetrahedron',elements=[2,8,2]}", "mesh.fe.elements"),
+        ("bodies.disc.mesh.fe.degree=3", "bodies.disc.mesh.fe.geometry_degree"),
+        ("bodies.disc.geometry.vanes=0", "vanes"),
+        ("bodies.disc.geometry.holes=0", "bodies.disc.supports.1.surface"),
+    ],
+)
+def test_discs_that_cannot_be_meshed_are_refused(override, field):
+    with pytest.raises(SceneError) as caught:
+        load_scene(SCENE, [override])
+    assert field in str(caught.value)

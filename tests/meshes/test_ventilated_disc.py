@@ -1,0 +1,137 @@
+"""The ventilated disc: volume and areas in closed form, names of surfaces, refusals."""
+
+from dataclasses import replace
+from math import asin, pi
+
+import gmsh
+import numpy as np
+import pytest
+from gmsh_models import gmsh_model
+
+from cea.errors import InputError
+from meshes.breaks import breaks_of
+from meshes.shape_mesh import shape_mesh
+from meshes.ventilated_disc import VentilatedDisc
+
+DISC = VentilatedDisc()
+OTHER = VentilatedDisc(
+    holes=4, hole_radius=0.006, hole_start=7.0, vanes=13, vane_width=0.02, vane_start=11.0,
+    upper_bottom=0.03, upper_top=0.042, hub_bottom=0.05, hub_top=0.058, ring_height=0.012,
+)  # fmt: skip
+ROUGH = 0.03
+"""Edge length (m) for meshes of which only the geometry matters."""
+
+
+def integrals():
+    """Volume of the current model and areas of its named surfaces, by quadrature."""
+    model = gmsh.model
+
+    def size(dim, tag):
+        total = 0.0
+        for kind in model.mesh.getElementTypes(dim, tag):
+            local, weights = model.mesh.getIntegrationPoints(kind, "Gauss6")
+            det = model.mesh.getJacobians(kind, local, tag)[1]
+            total += np.reshape(det, (-1, len(weights))).dot(weights).sum()
+        return float(total)
+
+    areas = {}
+    for dim, group in model.getPhysicalGroups(2):
+        entities = model.getEntitiesForPhysicalGroup(dim, group)
+        areas[model.getPhysicalName(dim, group)] = sum(size(2, tag) for tag in entities)
+    return sum(size(3, tag) for _, tag in model.getEntities(3)), areas
+
+
+def areas_of(disc):
+    """Areas of the named surfaces in closed form (m^2)."""
+    holes = disc.holes * pi * disc.hole_radius**2
+    outer, plate = disc.outer_radius, disc.hub_top - disc.hub_bottom
+    rings = disc.ring_height + disc.upper_top - disc.upper_bottom
+    ends = disc.vanes * 2 * outer * asin(disc.vane_width / 2 / outer)
+    return {
+        "bore": 2 * pi * disc.bore * plate,
+        "holes": disc.holes * 2 * pi * disc.hole_radius * plate,
+        "lower_face": pi * (outer**2 - disc.wall_inner**2),
+        "upper_face": pi * (outer**2 - disc.flange_outer**2),
+        "rim": 2 * pi * outer * rings + ends * (disc.upper_bottom - disc.ring_height),
+        "hub_top": pi * (disc.wall_outer**2 - disc.bore**2) - holes,
+    }
+
+
+@pytest.mark.parametrize("disc", [DISC, OTHER], ids=["as built", "another"])
+def test_volume_and_areas_are_those_in_closed_form(disc):
+    """Curved cells of second order miss circles by the fourth power of their length."""
+    with gmsh_model(shape_mesh(disc, "tetrahedron", 2, size=ROUGH)) as model:
+        volume, areas = integrals()
+        (cells,) = model.mesh.getElements(3)[1]
+        assert model.mesh.getElementQualities(cells, "minSJ").min() > 0
+    assert volume == pytest.approx(disc.volume, rel=1e-5)
+    # Twelve arcs of second order round a hole are too short by (2 pi / 12)^4 / 1440.
+    assert areas == pytest.approx(areas_of(disc), rel=6e-5)
+
+
+def test_the_volume_of_the_default_is_that_of_its_parts():
+    """The parts of the disc one by one, the vanes by quadrature: none lies inside another."""
+    width, inner, outer = DISC.vane_width, DISC.flange_outer, DISC.outer_radius
+    y = (np.arange(100_000) + 0.5) / 100_000 * width - width / 2
+    vane = np.mean(np.sqrt(outer**2 - y**2) - np.sqrt(inner**2 - y**2)) * width * 0.015
+    ring = pi * (0.175**2 - 0.125**2) * 0.010
+    flange = pi * (0.125**2 - 0.1125**2) * 0.010
+    wall = pi * (0.1125**2 - 0.105**2) * 0.075
+    plate = (pi * (0.105**2 - 0.04**2) - 5 * pi * 0.010**2) * 0.010
+    assert DISC.volume == pytest.approx(2 * ring + flange + wall + plate + 21 * vane, rel=1e-9)
+
+
+def test_the_upper_ring_is_held_by_the_vanes_alone():
+    """One solid; between the rings there is nothing but vanes inside the rings' radii."""
+    mesh = shape_mesh(DISC, "tetrahedron", 1, size=ROUGH)
+    middle = mesh.points[mesh.cells].mean(axis=1)
+    radius, angle = np.hypot(*middle[:, :2].T), np.arctan2(middle[:, 1], middle[:, 0])
+    gap = (middle[:, 2] > 0.0101) & (middle[:, 2] < 0.0249) & (radius > 0.113)
+    turn = 2 * pi / DISC.vanes
+    across = (angle[gap] - np.radians(DISC.vane_start) + turn / 2) % turn - turn / 2
+    assert (radius[gap] * np.abs(np.sin(across)) < DISC.vane_width / 2).all()
+    assert len(np.unique(np.round((angle[gap] - np.radians(DISC.vane_start) - across) / turn))) >= 21
+
+
+def test_a_disc_without_holes_has_none():
+    plain = replace(DISC, holes=0)
+    mesh = shape_mesh(plain, "tetrahedron", 1, size=ROUGH)
+    assert sorted(mesh.surfaces) == sorted(plain.surfaces)
+    assert set(DISC.surfaces) - set(plain.surfaces) == {"holes"}
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("bore", 0.0),
+        ("wall_inner", 0.03),
+        ("outer_radius", 0.12),
+        ("ring_height", -0.01),
+        ("upper_bottom", 0.01),
+        ("hub_top", 0.065),
+        ("holes", -1),
+        ("hole_radius", 0.031),
+        ("hole_circle", 0.2),
+        ("vanes", 0),
+        ("vane_width", 0.038),
+    ],
+)
+def test_what_cannot_be_built_is_refused(field, value):
+    with pytest.raises(InputError) as caught:
+        replace(DISC, **{field: value})
+    assert caught.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("field", "cell", "order", "mesh"),
+    [
+        ("cell", "hexahedron", 2, {"size": ROUGH}),
+        ("order", "tetrahedron", 3, {"size": ROUGH}),
+        ("size", "tetrahedron", 2, {}),
+        ("breaks", "tetrahedron", 2, {"breaks": breaks_of(DISC, (2, 8, 2))}),
+    ],
+)
+def test_meshes_it_has_not_are_refused(field, cell, order, mesh):
+    with pytest.raises(InputError) as caught:
+        shape_mesh(DISC, cell, order, **mesh)
+    assert caught.value.field == field
