@@ -1,6 +1,7 @@
 """A ventilated brake disc: two rings joined by vanes, the lower one on a hat with a hub plate."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import asin, cos, hypot, pi, radians, sin, sqrt
 from typing import ClassVar, Literal
 
@@ -75,7 +76,7 @@ class VentilatedDisc:
 
     def _rising(self, *names: str) -> None:
         """Refuse lengths that do not rise from field to field."""
-        for lower, name in zip(names, names[1:], strict=False):
+        for lower, name in pairwise(names):
             least, value = getattr(self, lower), getattr(self, name)
             require(value > least, name, value, f"more than {lower} = {least} (m)")
 

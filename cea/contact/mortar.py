@@ -55,7 +55,9 @@ class MortarProjection:
     traces: Any
 
     @classmethod
-    def of(cls, interface: Interface, closed: NDArray[np.bool_] | None = None) -> "MortarProjection":
+    def of(
+        cls, interface: Interface, closed: NDArray[np.bool_] | None = None
+    ) -> "MortarProjection":
         """The projection on all traces that some point sees.
 
         Parameters

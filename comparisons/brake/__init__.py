@@ -1,1 +1,1 @@
-"""The scene ``ventilated_brake`` on three meshes and with three contact stiffnesses: `cea brake`."""
+"""The scene ``ventilated_brake`` on several meshes, with several contact stiffnesses."""

@@ -2,8 +2,8 @@
 
 Modes of each mesh are matched with those of the next by their shapes on the contact surfaces and by
 eigenvalue; the spread of a mode over the meshes says how far its frequency and its growth rate may
-be trusted. Contacts are mortar: no point rule on quadratic elements is usable at such a stiffness
-(:mod:`comparisons.accuracy`), and mortar does not lock where the contact is stiffer than its mesh.
+be trusted. Contacts are mortar: Gauss points on quadratic elements are not usable at such a
+stiffness (:mod:`comparisons.accuracy`), and mortar does not lock where p is larger still.
 """
 
 import resource

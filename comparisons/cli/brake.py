@@ -19,7 +19,7 @@ def brake(
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/brake"),
 ) -> None:
-    """Run ventilated_brake on three meshes (or those of --size), and with other contact stiffness."""
+    """Run ventilated_brake on three meshes, or those of --size, and with other stiffnesses."""
     from comparisons.cli.extras import need
     from comparisons.cli.output import console, print_table
 
@@ -35,7 +35,9 @@ def brake(
             data = read_brake(out)
         else:
             check_writable(out / "result.json", "out")
-            study = BrakeStudy(tuple(size) if size else BrakeStudy.sizes, overrides=tuple(set_ or ()))
+            study = BrakeStudy(
+                tuple(size) if size else BrakeStudy.sizes, overrides=tuple(set_ or ())
+            )
             step = ""
 
             def begin(name: str) -> None:
@@ -47,6 +49,11 @@ def brake(
                 study, Progress(begin, lambda stage: status.update(f"{step}: {stage}")), out
             )
         figure = write_brake(data, out)
-    for make in (tables.runs_table, tables.modes_table, tables.unstable_table, tables.stiffness_table):
+    for make in (
+        tables.runs_table,
+        tables.modes_table,
+        tables.unstable_table,
+        tables.stiffness_table,
+    ):
         print_table(make(data))
     typer.echo(f"The figure to open: {figure}")

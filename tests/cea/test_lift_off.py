@@ -47,7 +47,8 @@ def test_open_points_bear_no_force(backend, formulation):
     assert (pressure[open_points] == 0).all()
     force = float(points.weight @ pressure)
     assert force == pytest.approx(contact.P, rel=1e-12)
-    assert contact.P == pytest.approx(3.0 * CLOSED, rel=0.35)
+    mean = contact.P / CLOSED
+    assert mean == pytest.approx(3.0, rel=0.35)
 
 
 def test_friction_goes_with_the_pressure(backend, formulation):

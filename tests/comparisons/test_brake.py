@@ -1,4 +1,4 @@
-"""The study of the ventilated brake: meshes matched, stiffnesses, what is written; on few elements."""
+"""The study of the ventilated brake on few elements: meshes matched, what is written."""
 
 import pytest
 from typer.testing import CliRunner

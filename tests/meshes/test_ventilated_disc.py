@@ -90,7 +90,9 @@ def test_the_upper_ring_is_held_by_the_vanes_alone():
     turn = 2 * pi / DISC.vanes
     across = (angle[gap] - np.radians(DISC.vane_start) + turn / 2) % turn - turn / 2
     assert (radius[gap] * np.abs(np.sin(across)) < DISC.vane_width / 2).all()
-    assert len(np.unique(np.round((angle[gap] - np.radians(DISC.vane_start) - across) / turn))) >= 21
+    assert (
+        len(np.unique(np.round((angle[gap] - np.radians(DISC.vane_start) - across) / turn))) >= 21
+    )
 
 
 def test_a_disc_without_holes_has_none():

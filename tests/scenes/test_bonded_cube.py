@@ -1,4 +1,4 @@
-"""A cube on rollers, cut in two and bonded with meshes that do not match: the order of the elements.
+"""A cube on rollers, cut in two and bonded, meshes that do not match: the order of the elements.
 
 A unit cube of which every face moves in its plane alone has the modes
 
@@ -101,19 +101,29 @@ def rate(errors, refined):
     return -np.polyfit(np.log(refined), np.log(errors), 1)[0]
 
 
-@pytest.mark.parametrize("sides", [("fe", "fe"), ("iga", "iga"), ("fe", "iga")])
+SIDES = [("fe", "fe"), ("iga", "iga"), ("fe", "iga"), ("iga", "fe")]
+
+
+@pytest.mark.parametrize("sides", SIDES[:3])
 def test_a_cube_cut_and_bonded_converges_to_the_uncut_one(sides):
-    """Two meshes: the error of the finer one is no larger than that of the uncut cube there."""
+    """Two meshes; the error of the finer one is no larger than that of the uncut cube there."""
     coarse, fine = (cut_error(sides, 2, refined) for refined in (1, 2))
-    print(coarse, fine, np.log2(coarse/fine), uncut_error(sides[0], 2, 2), uncut_error(sides[1],2,2))
-    assert fine < 2 * max(uncut_error(side, 2, 2) for side in sides)
-    assert np.log2(coarse / fine) == pytest.approx(4, abs=0.5)
+    assert fine <= max(uncut_error(side, 2, 2) for side in sides)
+    assert np.log2(coarse / fine) == pytest.approx(4, abs=0.4)
+
+
+FINE = {
+    1: {"fe": (2, 4, 8), "iga": (2, 4, 8)},
+    2: {"fe": (3, 4, 5), "iga": (4, 6, 8)},
+    3: {"fe": (2, 3, 4), "iga": (3, 4, 6)},
+}
+"""Refinements on which rates are those of theory, by degree: splines reach them later."""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sides", [("fe", "fe"), ("iga", "iga"), ("fe", "iga"), ("iga", "fe")])
-@pytest.mark.parametrize(("degree", "meshes"), [(1, (2, 4, 6)), (2, (2, 3, 4)), (3, (1, 2, 3))])
-def test_the_cut_cube_converges_at_the_order_of_its_elements(sides, degree, meshes):
+@pytest.mark.parametrize("sides", SIDES)
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_the_cut_cube_converges_at_the_order_of_its_elements(sides, degree):
+    meshes = max(FINE[degree][side] for side in sides)
     errors = [cut_error(sides, degree, refined) for refined in meshes]
-    print(errors, rate(errors, meshes), [np.log(a/b)/np.log(m/n) for a,b,m,n in zip(errors,errors[1:],meshes[1:],meshes)])
     assert rate(errors, meshes) == pytest.approx(2 * degree, abs=0.1)

@@ -38,7 +38,7 @@ def two_pads(upper: float | str, lower: float | str, joint: float) -> Scene:
     )
 
 
-_ROWS = {
+_ROWS: dict[str, tuple[float | str, float | str, float]] = {
     "both closed": (1.0, 1.0, 1e3),
     "below stiff by 1e6": (1.0, 1e6, 1e3),
     "above lifted in part": ("where(x < 0.95, 0, 3.0)", 1.0, 1e3),
