@@ -3,7 +3,7 @@
 Modes of each mesh are matched with those of the next by their shapes on the contact surfaces and by
 eigenvalue; the spread of a mode over the meshes says how far its frequency and its growth rate may
 be trusted. Contacts are mortar: Gauss points on quadratic elements are not usable at such a
-stiffness (:mod:`comparisons.accuracy`), and mortar does not lock where p is larger still.
+stiffness (``cea accuracy``), and mortar does not lock where p is larger still.
 """
 
 import resource
@@ -18,7 +18,6 @@ from cea.errors import InputError
 from cea.petsc import MPI
 from comparisons.kit.progress import Progress
 from scenes.memory import estimated_memory
-from scenes.pictures import draw_modes
 from scenes.read import Scene, load_scene
 from scenes.results import ModesResult
 from scenes.run import run_modes
@@ -102,7 +101,9 @@ def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> dict[str, Any
             progress.stage("matching")
             matches.append(_plain(match_runs(coarser, result)))
         coarser = result
-    if coarser is not None and coarser.unstable.any():
+    if study.pictures and coarser is not None and coarser.unstable.any():
+        from scenes.pictures import draw_modes  # brings in pyvista
+
         progress.step("pictures")
         count = min(study.pictures, int(coarser.unstable.sum()))
         pictures = draw_modes(coarser, count, out)
