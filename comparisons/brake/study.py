@@ -66,7 +66,7 @@ class BrakeStudy:
             raise InputError("sizes", self.sizes, "one or more positive lengths (m), falling")
 
 
-def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> dict[str, Any]:
+def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> Iterator[dict[str, Any]]:
     """Run every mesh, the stiffnesses on the coarsest, and draw what is unstable on the finest.
 
     Parameters
@@ -78,18 +78,20 @@ def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> dict[str, Any
     out
         Folder for pictures; rank 0 writes them.
 
-    Returns
-    -------
+    Yields
+    ------
     dict
-        Record: ``runs``, one for each mesh, with ``size`` (m), ``p`` (N/m^3), ``dofs``,
+        The record so far after each mesh, so that a finer one that ends in want of memory or time
+        leaves the others: ``runs``, one for each mesh, with ``size`` (m), ``p`` (N/m^3), ``dofs``,
         ``seconds``, ``timings``, ``memory`` (bytes) measured and estimated, the evidence of the
         window, and ``modes``; ``matches`` of each mesh with the next; ``stiffnesses``, runs
-        likewise, of the coarsest; ``pictures``, names of files.
+        likewise, of the coarsest; ``pictures``, names of files, with the last mesh.
     """
-    begun, runs, matches = perf_counter(), [], []
+    begun = perf_counter()
+    runs: list[dict[str, Any]] = []
+    matches: list[dict[str, Any]] = []
     stiffnesses: list[dict[str, Any]] = []
     coarser: ModesResult | None = None
-    pictures: list[Path] = []
     for size in study.sizes:
         scene = scene_of_size(size, study.overrides)
         progress.step(f"size {size * 1e3:g} mm")
@@ -100,22 +102,28 @@ def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> dict[str, Any
         else:
             progress.stage("matching")
             matches.append(_plain(match_runs(coarser, result)))
+        last = len(runs) == len(study.sizes)
+        data = {
+            "runs": list(runs),
+            "matches": list(matches),
+            "stiffnesses": stiffnesses,
+            "pictures": _draw(result, study.pictures, progress, out) if last else [],
+        }
+        seconds = perf_counter() - begun
+        told = [warning.plain() for warning in result.warnings]
+        yield record(COMMAND, data, inputs=asdict(study), seconds=seconds, warnings=told)
         coarser = result
-    if study.pictures and coarser is not None and coarser.unstable.any():
-        from scenes.pictures import draw_modes  # brings in pyvista
 
-        progress.step("pictures")
-        count = min(study.pictures, int(coarser.unstable.sum()))
-        pictures = draw_modes(coarser, count, out)
-    data = {
-        "runs": runs,
-        "matches": matches,
-        "stiffnesses": stiffnesses,
-        "pictures": [picture.name for picture in pictures],
-    }
-    warnings = [warning.plain() for warning in coarser.warnings] if coarser is not None else []
-    seconds = perf_counter() - begun
-    return record(COMMAND, data, inputs=asdict(study), seconds=seconds, warnings=warnings)
+
+def _draw(result: ModesResult, most: int, progress: Progress, out: Path) -> list[str]:
+    """Draw unstable modes, so many at most; names of the files."""
+    count = min(most, int(result.unstable.sum()))
+    if not count:
+        return []
+    from scenes.pictures import draw_modes  # brings in pyvista
+
+    progress.step("pictures")
+    return [picture.name for picture in draw_modes(result, count, out)]
 
 
 def scene_of_size(size: float, overrides: Iterable[str] = ()) -> Scene:

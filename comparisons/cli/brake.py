@@ -33,6 +33,7 @@ def brake(
     with console.status("brake") as status:
         if redraw:
             data = read_brake(out)
+            figure = write_brake(data, out)
         else:
             check_writable(out / "result.json", "out")
             study = BrakeStudy(
@@ -45,10 +46,9 @@ def brake(
                 step = name
                 console.print(f"· {name}")
 
-            data = run_brake(
-                study, Progress(begin, lambda stage: status.update(f"{step}: {stage}")), out
-            )
-        figure = write_brake(data, out)
+            progress = Progress(begin, lambda stage: status.update(f"{step}: {stage}"))
+            for data in run_brake(study, progress, out):
+                figure = write_brake(data, out)
     for make in (
         tables.runs_table,
         tables.modes_table,

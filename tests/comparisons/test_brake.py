@@ -33,7 +33,9 @@ ROUGH = BrakeStudy(
 def result(tmp_path_factory):
     """The study on rough meshes."""
     progress = Progress(step=lambda _: None, stage=lambda _: None)
-    return run_brake(ROUGH, progress, tmp_path_factory.mktemp("brake"))
+    *before, last = run_brake(ROUGH, progress, tmp_path_factory.mktemp("brake"))
+    assert [len(data["runs"]) for data in before] == [1]  # what is done is told mesh by mesh
+    return last
 
 
 def test_the_brake_is_what_its_scene_says():
