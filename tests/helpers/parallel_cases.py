@@ -87,6 +87,20 @@ def tied_twice():
     return data | {"contacts": {"interface": first, "again": first}}
 
 
+def lifted_off():
+    """Eigenvalues of contacts of which all but a sliver has lifted off on some ranks."""
+    found = {}
+    for backend in ("fe", "iga"):
+        for name in ("gpts", "segments", "mortar"):
+            changes = FORMULATIONS[name] | {"form": "saddle"}
+            data = blocks(backend, {})
+            contact = data["contacts"]["interface"]
+            del contact["P"]
+            contact |= changes | {"p": "where(x < 0.55, 0, 300.0)"}
+            found[f"{backend} {name}"] = eigenvalues(run_modes(read_scene(data)))
+    return found
+
+
 def saddle():
     """Eigenvalues and derivatives where some ranks have contact forces and no displacements."""
     modes = run_modes(read_scene(few_columns()), left=True).modes

@@ -101,6 +101,16 @@ def test_forces_on_ranks_without_displacements(ranks):
 
 
 @pytest.mark.parametrize("ranks", [2, 3])
+def test_contacts_lifted_off_in_part(ranks):
+    """Ranks without a closed point take part too."""
+    found, expected = cases(ranks, "lifted_off"), cases(1, "lifted_off")
+    assert found.keys() == expected.keys()
+    for name, values in expected.items():
+        assert len(values["im"]) > 3, name
+        assert_same_eigenvalues(found[name], values)
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
 def test_every_formulation(ranks):
     """Displacements of the patch test and eigenvalues of the disc and pad, on coarse meshes."""
     found, expected = cases(ranks, "formulations"), cases(1, "formulations")
