@@ -286,8 +286,8 @@ def assemble_contact(
     projection = None
     if half.projected:
         # Of a linear law, open points have no part in the projection: their compliance is infinite.
-        closed = half.stiffness > 0 if half.law.linear else None
-        projection = MortarProjection.of(interface, closed)
+        bearing = half.stiffness > 0 if half.law.linear else None
+        projection = MortarProjection.of(interface, bearing)
 
     def operator(direction: Floats) -> Any:
         parts = dict(zip(sides, jump_along(interface, direction), strict=True))
