@@ -96,8 +96,7 @@ class Formula:
         functions: set[ast.expr] = set()
         for node in ast.walk(self._tree):
             if isinstance(node, ast.operator) and type(node) not in _OPERATORS:
-                power = " (a power is **)" if isinstance(node, ast.BitXor) else ""
-                raise ValueError(f"{type(node).__name__} is not among + - * / **{power}")
+                raise ValueError(f"{type(node).__name__} is not among + - * / **")
             if isinstance(node, ast.Compare | ast.Invert):
                 raise ValueError(f"{type(node).__name__} is no arithmetic of single numbers")
             if isinstance(node, ast.Call):

@@ -60,7 +60,7 @@ def test_names_are_those_of_the_parameters():
         ("[a]", "List"),
         ("lambda: a", "Lambda"),
         ("a if b else a", "IfExp"),
-        ("a^2", "a power is **"),
+        ("a^2", "a power is written **"),
         ("a < b", "Compare"),
         ("~a", "Invert"),
         ("a // b", "FloorDiv"),

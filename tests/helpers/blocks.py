@@ -1,9 +1,13 @@
 """Small scenes of two blocks, as dictionaries and assembled."""
 
+from pydantic import TypeAdapter
+
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import read_scene
+from scenes.read import Scene, checked, read_scene
 
+SECTIONS = TypeAdapter(Scene)
+"""Reads sections that are each right by themselves."""
 ROTATED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
 
 
@@ -55,9 +59,13 @@ def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.
     }
 
 
-def assemble(data, **options):
-    """Coupled system of a scene given as a dictionary."""
-    scene, timer = read_scene(data), StageTimer()
+def assemble(data, *, together=True, **options):
+    """Coupled system of a scene given as a dictionary.
+
+    Where its sections need not fit ``together``, contacts may be there that scenes are refused for:
+    the same one twice, or one between sides that are held.
+    """
+    scene, timer = read_scene(data) if together else checked(SECTIONS, data), StageTimer()
     bodies = build_bodies(scene, timer)
     interfaces = build_interfaces(scene, bodies, timer)
     return build_system(scene, bodies, interfaces, timer, **options)
