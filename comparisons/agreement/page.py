@@ -143,7 +143,7 @@ def _first(data: dict[str, Any], shapes: Shapes) -> str:
 def _unstable_keys(data: dict[str, Any], shapes: Shapes) -> list[str]:
     """Modes that the rows of the table of unstable modes show, nothing where they have no shape."""
     keys = [
-        f"{i}/{mode['mode'] + 1}"
+        f"{i}/{mode['mode']}"
         for i, run in enumerate(data["disc_pad"]["runs"])
         for mode in run["unstable"]
     ]

@@ -122,23 +122,23 @@ def stability(data: Data) -> Plot:
 def _modes(i: int, run: Data, size: float) -> dict[str, Any]:
     unstable = {mode["mode"] for mode in run["unstable"]}
     symbol, colour = _SYMBOLS[run["backend"]], COLOURS[run["method"]]
-    values = run["eigenvalues"]
+    values = list(enumerate(run["eigenvalues"], start=1))
     return {
         "type": "scatter",
         "mode": "markers",
         "name": literal(run_label(run)),
-        "x": [value["im"] / tau for value in values],
-        "y": [value["re"] for value in values],
-        "customdata": [f"{i}/{j + 1}" for j in range(len(values))],
+        "x": [value["im"] / tau for _, value in values],
+        "y": [value["re"] for _, value in values],
+        "customdata": [f"{i}/{j}" for j, _ in values],
         "text": [
-            f"mode {j + 1}{', unstable' if j in unstable else ''}<br>"
+            f"mode {j}{', unstable' if j in unstable else ''}<br>"
             f"{number(value['im'] / tau, 6)} Hz<br>growth {growth(value['re'])} 1/s<br>"
             f"residual {number(value['residual'], 2)}, condition {number(value['condition'])}"
-            for j, value in enumerate(values)
+            for j, value in values
         ],
         "hovertemplate": "%{text}<extra>%{fullData.name}</extra>",
         "marker": {
-            "symbol": [symbol if j in unstable else f"{symbol}-open" for j in range(len(values))],
+            "symbol": [symbol if j in unstable else f"{symbol}-open" for j, _ in values],
             "size": size,
             "color": colour,
             "line": {"width": 1.4, "color": colour},

@@ -221,7 +221,7 @@ def test_the_page_draws_every_eigenvalue(page, data):
         assert trace["y"] == [value["re"] for value in run["eigenvalues"]]
         count = len(run["eigenvalues"])
         assert trace["customdata"] == [f"{i}/{j + 1}" for j in range(count)]
-        filled = [j for j in range(count) if "open" not in trace["marker"]["symbol"][j]]
+        filled = [j + 1 for j in range(count) if "open" not in trace["marker"]["symbol"][j]]
         assert filled == [mode["mode"] for mode in run["unstable"]]
 
 

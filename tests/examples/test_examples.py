@@ -46,11 +46,11 @@ def test_own_scene():
     assert own_scene.lowest_frequency() == pytest.approx(0.13398734709299248, rel=SAME)
 
 
-def test_own_mesh(capsys):
+def test_own_mesh(tmp_path):
     """The mesh is unstructured: its program may place nodes anew from version to version."""
-    lowest = own_mesh.frequencies()[0]
-    assert lowest == pytest.approx(1731.759, rel=1e-3)
-    assert "in millimetres: 3 of 16 modes" in capsys.readouterr().out
+    result = own_mesh.brake(tmp_path)
+    assert result.frequencies.min() == pytest.approx(1731.759, rel=1e-3)
+    assert "in millimetres: 3 of 16 modes" in str(result)
 
 
 def test_mixed_bodies():

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from catalogue import MESHED
 
 import scenes
 from cea.contact.formulations import Greville
-from scenes import SceneError, load_scene, read_scene, scene_names
+from scenes import SceneError, load_scene, read_scene
 from scenes.read import SCENES, plain_data
 
 MU = "contacts.pad_disc.mu"
@@ -60,8 +61,7 @@ def test_a_path_is_told_by_its_ending_or_by_a_separator(tmp_path, monkeypatch):
         assert load_scene(path).name == "mine"
 
 
-@pytest.mark.parametrize("name", scene_names())
-@pytest.mark.parametrize("backend", ["fe", "iga"])
+@pytest.mark.parametrize(("name", "backend"), MESHED)
 def test_a_scene_is_its_plain_data(name, backend):
     scene = load_scene(name, backend=backend)
     assert read_scene(plain_data(scene)) == scene

@@ -33,7 +33,9 @@ def tangent_parity(backend, mu):
     bodies = build_bodies(scene, timer)
     system = build_system(scene, bodies, build_interfaces(scene, bodies, timer), timer)
     problem = SlidingProblem(system)
-    tangent = problem.tangent(problem.slopes([np.full_like(gap, 0.1) for gap in problem.gaps]))
+    tangent = problem.tangent(
+        problem.slopes([np.full_like(gap, 0.1) for gap in problem.gaps_at(1.0)])
+    )
     found, _ = uniqueness_at(tangent, *problem.zero(), {1.0: None})
     free_tangent(tangent)
     problem.free()

@@ -173,7 +173,7 @@ from comparisons.agreement import page
 
 write, writers = page._write, []
 page._write = lambda *arguments: (writers.append(MPI.COMM_WORLD.rank), write(*arguments))
-report = page.write_report(small_comparison(), {}, Path(sys.argv[1]))
+report = page.write_report(small_comparison(), [], Path(sys.argv[1]))
 there = all(MPI.COMM_WORLD.allgather(report.exists()))
 writers = MPI.COMM_WORLD.allreduce(writers)
 if MPI.COMM_WORLD.rank == 0:

@@ -60,8 +60,11 @@ def test_most_unstable_modes_are_drawn_first(result):
 
 
 def test_modes_are_drawn_and_put_on_the_page(result, backend, tmp_path):
-    unstable = with_growth(result, [0.0, 0.7])
-    page = write_report(small_comparison(), {backend: unstable}, tmp_path)
+    data, unstable = small_comparison(), with_growth(result, [0.0, 0.7])
+    runs = data["disc_pad"]["runs"]
+    kind = (backend, "gpts")
+    data["disc_pad"]["runs"] = [run for run in runs if (run["backend"], run["method"]) == kind]
+    page = write_report(data, [unstable], tmp_path)
     (name,) = json.loads((tmp_path / "result.json").read_text())["pictures"]
     assert name == f"mode_{backend}_2.png"
     assert name in page.read_text(encoding="utf-8")

@@ -3,15 +3,15 @@
 from pathlib import Path
 
 import pytest
+from catalogue import MESHED
 
-from scenes.read import SCENES, SceneError, load_scene, plain_data, read_scene
+from scenes.read import SceneError, load_scene, plain_data, read_scene
 
 MU = "contacts.pad_disc.mu"
 
 
-@pytest.mark.parametrize("name", sorted(p.stem for p in SCENES.glob("*.toml")))
-@pytest.mark.parametrize("backend", ["fe", "iga"])
-def test_every_scene_reads_on_both_backends(name, backend):
+@pytest.mark.parametrize(("name", "backend"), MESHED)
+def test_every_scene_reads_on_the_backends_it_has_meshes_for(name, backend):
     scene = load_scene(Path(name), backend=backend)
     assert scene.name == name
     assert {body.backend for body in scene.bodies.values()} == {backend}

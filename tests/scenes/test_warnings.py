@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from catalogue import MESHED
 
 from comparisons.accuracy.problems import problem
 from scenes.describe import save_result
-from scenes.read import load_scene, read_scene, scene_names
+from scenes.read import load_scene, read_scene
 from scenes.run import coupled, run_modes, run_scene
 from scenes.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
 
@@ -37,7 +38,7 @@ def blocks(backend, **changes):
     return scene.change(mesh | contact)
 
 
-@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize(("name", "backend"), MESHED)
 def test_scenes_of_the_catalogue_are_free_of_warnings(name, backend):
     assert told(load_scene(name, backend=backend)) == {}
 
@@ -48,7 +49,7 @@ def test_modes_of_the_catalogue_are_free_of_warnings(name, backend):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize(("name", "backend"), MESHED)
 def test_results_of_the_catalogue_are_free_of_warnings(name, backend):
     assert run_scene(load_scene(name, backend=backend)).warnings == ()
 
