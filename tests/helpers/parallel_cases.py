@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 import numpy as np
-from blocks import block, two_blocks
+from blocks import SECTIONS, block, two_blocks
 
 from cea.errors import InputError
 from cea.petsc import MPI
@@ -16,7 +16,7 @@ from cea.ranks import agreed
 from cea.timing import StageTimer
 from scenes.build import build_bodies
 from scenes.describe import describe
-from scenes.read import SCENES, load_scene, read_scene
+from scenes.read import SCENES, checked, load_scene, read_scene
 from scenes.results import ModesResult
 from scenes.run import run_modes, run_scene
 
@@ -105,7 +105,7 @@ def saddle():
     """Eigenvalues and derivatives where some ranks have contact forces and no displacements."""
     modes = run_modes(read_scene(few_columns()), left=True).modes
     slopes = modes.sensitivity("contacts.interface.mu")
-    tied = run_modes(read_scene(tied_twice())).modes
+    tied = run_modes(checked(SECTIONS, tied_twice())).modes
     return {
         "im": modes.eigenvalues.imag.tolist(),
         "slopes": np.abs(slopes).tolist(),
