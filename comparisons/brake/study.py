@@ -55,7 +55,7 @@ class BrakeStudy:
         When there is no size, or sizes do not fall.
     """
 
-    sizes: tuple[float, ...] = (0.012, 0.0075, 0.005)
+    sizes: tuple[float, ...] = (0.012, 0.0075, 0.006)
     stiffnesses: tuple[float, ...] = (5e12, 5e13, 5e14)
     overrides: tuple[str, ...] = ()
     pictures: int = 4
