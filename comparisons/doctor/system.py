@@ -15,7 +15,7 @@ from comparisons.doctor.finding import Finding
 _RANKS = 2
 _PATIENCE = 60.0
 """Seconds that a program may take."""
-_COUNT = "from cea.petsc import MPI; print('ranks', MPI.COMM_WORLD.size, flush=True)"
+_COUNT = "import sys; from cea.petsc import MPI; sys.stdout.write(f'of {MPI.COMM_WORLD.size};')"
 _LITTLE = 2e9
 """Bytes of memory below which even the scenes of the project do not all run."""
 
@@ -72,7 +72,7 @@ def launcher(*, launched: bool) -> Finding:
         mend = "python -m pip install --force-reinstall mpich"
         return Finding("mpiexec", f"no {right}", mend)
     told = _run([str(right), "-n", str(_RANKS), sys.executable, "-c", _COUNT]) or ""
-    if told.split() != ["ranks", str(_RANKS)] * _RANKS:
+    if told.count(f"of {_RANKS};") != _RANKS:
         mend = f"python -m pip install --force-reinstall mpich; then try: {right} -n 2 hostname"
         return Finding("mpiexec", f"{right} does not start {_RANKS} ranks of one program", mend)
     other = shutil.which("mpiexec")
