@@ -20,7 +20,8 @@ REQUIRE_PYTHON = @test -n "$(BASE_PYTHON)" || { echo >&2 "No Python 3.12 or newe
 
 BIN := .venv/bin
 # The tests of a file, and at last all those on several ranks, keep to one worker: tests/conftest.py.
-PARALLEL := --numprocesses auto --dist loadgroup --no-loadscope-reorder
+# A worker that dies ends the run: another in its place would wait for ranks that never come.
+PARALLEL := --numprocesses auto --dist loadgroup --no-loadscope-reorder --max-worker-restart=0
 INSTALLED := .venv/.installed
 
 # Rank-parallel runs and parallel tests share the cores; threads on top only slow them down.

@@ -9,6 +9,10 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
+from cea.signals import ignore_closed_pipes
+
+ignore_closed_pipes()
+
 Mat = PETSc.Mat
 """A distributed matrix."""
 Vec = PETSc.Vec

@@ -9,6 +9,7 @@ import numpy as np
 
 from cea.errors import InputError, require
 from cea.mesh import Cell, Ints, Mesh, node_order
+from cea.signals import ignore_closed_pipes
 
 _CELLS: dict[str, Cell] = {
     "Triangle": "triangle",
@@ -31,6 +32,7 @@ def gmsh_session() -> Iterator[None]:
     if gmsh.isInitialized():
         raise RuntimeError("gmsh is in use already: end it before the next mesh")
     gmsh.initialize(readConfigFiles=False, interruptible=False)
+    ignore_closed_pipes()
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)
