@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.blocks import image_of
 from cea.eigen.krylov_run import KrylovRun
 from cea.eigen.shifted import Shifted

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.errors import ConvergenceError, InputError
 from comparisons.stability.catalogue import runs_of
 from comparisons.stability.parts.answers import Answer, ModesAnswer

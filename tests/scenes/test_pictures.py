@@ -12,7 +12,7 @@ from PIL import Image
 from report_data import small_comparison
 from scipy.sparse import eye_array
 
-from cea.body import VolumeSample
+from cea.volume import VolumeSample
 from comparisons.agreement.file_pictures import draw_files
 from comparisons.agreement.page import write_report
 from scenes.drawing import Drawing, largest_deflection
