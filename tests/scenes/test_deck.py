@@ -373,7 +373,7 @@ def test_numbers_of_modes_are_bounded(modes, tmp_path):
 
 def test_the_command_names_what_it_wrote_or_what_is_wrong(tmp_path, monkeypatch, capsys):
     mesh = 'mesh.fe={cell="hexahedron", degree=1, elements=[3, 16, 1]}'
-    command = [BIN / "cea", "export", "disc", "--out", str(tmp_path), "--set", f"bodies.disc.{mesh}"]
+    command = ["cea", "export", "disc", "--out", str(tmp_path), "--set", f"bodies.disc.{mesh}"]
     for more, code in ((["--backend", "fe", "--modes", "7"], 0), ([], 1)):
         monkeypatch.setattr(sys, "argv", [*command, *more])
         with pytest.raises(SystemExit) as end:
@@ -398,8 +398,8 @@ def test_ranks_write_the_deck_once(written, tmp_path):
         for field in ('cell="tetrahedron"', "degree=2", "geometry_degree=1"):
             overrides += ["--set", f"bodies.{name}.mesh.fe.{field}"]
         overrides += ["--set", f"bodies.{name}.mesh.fe.through={{}}"]
-    command = [BIN / "cea", "export", "disc_pad", "--backend", "fe", *overrides, "--out", str(tmp_path)]
-    done = mpiexec(2, *command)
+    command = [BIN / "cea", "export", "disc_pad", "--backend", "fe", *overrides]
+    done = mpiexec(2, *command, "--out", str(tmp_path))
     assert done.returncode == 0, done.stderr
     assert len(done.stdout.splitlines()) == 3
     assert (tmp_path / model.name).read_bytes() == model.read_bytes()
