@@ -22,7 +22,8 @@ from comparisons.brake.tables import (
 from comparisons.cli.app import app, main
 from comparisons.kit.progress import Progress
 from scenes.memory import estimated_memory
-from scenes.read import SceneError, load_scene
+from scenes.read import load_scene
+from scenes.scene_error import SceneError
 
 BODIES = ("disc", "lower_pad", "upper_pad")
 ROUGH = BrakeStudy(

@@ -11,8 +11,9 @@ from comparisons.stability.parts.dense_damped import damped_eigenvalues
 from scenes.assembled import AssembledScene
 from scenes.describe import save_result
 from scenes.opened import open_result
-from scenes.read import SceneError, read_scene
+from scenes.read import read_scene
 from scenes.run import run_modes
+from scenes.scene_error import SceneError
 
 GPTS = {"method": "gpts", "points": 3}
 

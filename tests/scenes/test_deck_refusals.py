@@ -5,7 +5,7 @@ from deck_scenes import P2, SLIDING, alone, body, in_contact
 
 from scenes import read_scene
 from scenes.deck.write import write_deck
-from scenes.read import SceneError
+from scenes.scene_error import SceneError
 
 REFUSED = {
     "NURBS": ({"bodies.pad.backend": "iga"}, "bodies.pad.backend = 'iga'"),

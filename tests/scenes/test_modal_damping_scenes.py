@@ -13,8 +13,9 @@ from scenes.assembled import AssembledScene
 from scenes.describe import save_result
 from scenes.opened import open_result
 from scenes.plain import as_data
-from scenes.read import SceneError, load_scene, read_scene
+from scenes.read import load_scene, read_scene
 from scenes.run import run_modes
+from scenes.scene_error import SceneError
 
 RATIO = "bodies.disc.damping.modal.ratio"
 
