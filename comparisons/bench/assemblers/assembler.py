@@ -1,0 +1,60 @@
+"""What every program offers that assembles the body."""
+
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from cea.body import Floats
+from comparisons.bench.annulus import Discretisation
+
+
+class Assembler(Protocol):
+    """A program with the body laid out in it: its space is made, its matrices are not."""
+
+    def stiffness(self) -> Any:
+        """Elastic stiffness of the free body, in the program's own form, made anew."""
+
+    def mass(self) -> Any:
+        """Its mass, in the program's own form, made anew; some give that of one component."""
+
+    def compressed(self, matrix: Any) -> csr_array:
+        """A matrix of its own in compressed rows."""
+
+    def motions(self) -> Floats:
+        """Coefficients of the six rigid motions, shape (n, 6), as :func:`rigid_motions`."""
+
+
+class Program(Protocol):
+    """Lays the body out."""
+
+    def __call__(self, discretisation: Discretisation) -> Assembler:
+        """The body so divided."""
+
+
+def rigid_motions(
+    points: Floats, layout: Literal["interleaved", "blocked"] = "interleaved"
+) -> Floats:
+    """The rigid motions by their values at points.
+
+    Parameters
+    ----------
+    points
+        The points, shape (n, 3).
+    layout
+        Whether the three components of a point follow each other, or all points of a component.
+
+    Returns
+    -------
+    ndarray
+        Three translations, then three rotations about the axes, shape (3 n, 6).
+    """
+    motions = np.zeros((len(points), 3, 6))
+    motions[:, [0, 1, 2], [0, 1, 2]] = 1.0
+    x, y, z = points.T
+    motions[:, 1, 3], motions[:, 2, 3] = -z, y
+    motions[:, 2, 4], motions[:, 0, 4] = -x, z
+    motions[:, 0, 5], motions[:, 1, 5] = -y, x
+    if layout == "blocked":
+        motions = motions.transpose(1, 0, 2)
+    return motions.reshape(-1, 6)
