@@ -16,6 +16,10 @@ from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Sector
 
 Cell = Literal["hexahedron", "tetrahedron"]
+Family = Literal["NURBS", "Q", "P"]
+"""NURBS of highest continuity, Lagrange hexahedra, Lagrange tetrahedra."""
+Boxes = tuple[int, int, int]
+"""Elements along radius, angle and height; tetrahedra are such boxes divided into six."""
 
 INNER, OUTER, HEIGHT = 1.0, 2.0, 0.5
 """Radii and height (m)."""
@@ -33,16 +37,16 @@ class Discretisation:
     Parameters
     ----------
     family
-        ``Q`` and ``P``, Lagrange hexahedra and tetrahedra; ``NURBS``, of highest continuity.
+        Kind of functions.
     degree
         Degree of the functions.
     boxes
-        Elements along radius, angle and height; tetrahedra are boxes divided into six.
+        Elements along each direction.
     """
 
-    family: Literal["Q", "P", "NURBS"]
+    family: Family
     degree: int
-    boxes: tuple[int, int, int]
+    boxes: Boxes
 
     def __post_init__(self) -> None:
         if any(count < 1 for count in self.boxes):
@@ -50,8 +54,8 @@ class Discretisation:
 
     @property
     def name(self) -> str:
-        """Short name, as ``Q2``."""
-        return f"{self.family}{self.degree}" if self.family != "NURBS" else f"NURBS {self.degree}"
+        """Short name, as ``Q2``, ``NURBS3``."""
+        return f"{self.family}{self.degree}"
 
     @property
     def elements(self) -> int:

@@ -8,7 +8,7 @@ from cea.body import Floats
 from cea.matrices import local_part
 from cea.petsc import MPI  # ahead of dolfinx
 from comparisons.bench.annulus import MATERIAL, Discretisation
-from comparisons.bench.assemblers.assembler import rigid_motions
+from comparisons.bench.assembly.programs.assembler import rigid_motions
 
 import basix.ufl  # isort: skip
 import numpy as np  # isort: skip

@@ -22,7 +22,7 @@ def checked(K: csr_array, M: csr_array, motions: Floats) -> dict[str, Any]:
     K, M
         Stiffness and mass of the free body.
     motions
-        Coefficients of its rigid motions (:func:`~comparisons.bench.assemblers.assembler.\
+        Coefficients of its rigid motions (:func:`~comparisons.bench.assembly.programs.assembler.\
 rigid_motions`), shape (n, 6).
 
     Returns

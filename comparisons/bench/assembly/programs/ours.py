@@ -8,7 +8,7 @@ from scipy.sparse.linalg import spsolve
 from cea.body import Body, Floats
 from cea.matrices import local_part
 from comparisons.bench.annulus import MATERIAL, Discretisation, ring
-from comparisons.bench.assemblers.assembler import rigid_motions
+from comparisons.bench.assembly.programs.assembler import rigid_motions
 from scenes.build import build_body
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec

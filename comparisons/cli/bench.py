@@ -1,0 +1,77 @@
+"""The commands ``cea bench``: what solving, assembling and more ranks cost."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from comparisons.bench.report import Report
+    from comparisons.kit.progress import Progress
+
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    help="Time and memory beside other programs and methods, on this machine.",
+)
+
+_REDRAW = "Draw the result in --out anew, run nothing."
+_OUT = "Folder of the result."
+
+
+@app.command()
+def assembly(
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--only", help="Functions, as Q2, P3 or NURBS4; may be repeated."),
+    ] = None,
+    program: Annotated[
+        list[str] | None,
+        typer.Option("--program", help="Name of a program; may be repeated."),
+    ] = None,
+    boxes: Annotated[
+        tuple[int, int, int], typer.Option(help="Elements along radius, angle and height.")
+    ] = (16, 16, 8),
+    repeats: Annotated[int, typer.Option(help="Rounds; medians count.")] = 3,
+    seconds: Annotated[float, typer.Option(help="Longest time for one assembly (s).")] = 120.0,
+    redraw: Annotated[bool, typer.Option("--redraw", help=_REDRAW)] = False,
+    out: Annotated[Path, typer.Option(help=_OUT)] = Path("results/bench/assembly"),
+) -> None:
+    """Assemble a quarter ring by this program, plain dolfinx and every program of the extra bench."""
+    from comparisons.cli.extras import need
+
+    need("pictures")
+    from comparisons.bench.assembly.page import REPORT
+    from comparisons.bench.assembly.study import AssemblyStudy, run_assembly
+
+    def run(progress: "Progress") -> dict[str, Any]:
+        study = AssemblyStudy(
+            tuple(only or ()), tuple(program or ()), boxes, repeats=repeats, seconds=seconds
+        )
+        return run_assembly(study, progress)
+
+    _shown(REPORT, run, out, redraw=redraw)
+
+
+def _shown(
+    report: "Report", run: "Callable[[Progress], dict[str, Any]]", out: Path, *, redraw: bool
+) -> None:
+    """Run a study or read what it left, write its page and print its tables."""
+    from cea.files import check_writable
+    from comparisons.cli.output import console, print_table
+    from comparisons.kit.progress import Progress
+
+    if redraw:
+        data = report.read(out)
+    else:
+        check_writable(out / "result.json", "out")
+        with console.status(report.command) as status:
+            data = run(Progress(lambda name: console.print(f"· {name}"), status.update))
+    page = report.write(data, out)
+    for make in report.tables:
+        if (table := make(data)).rows:
+            print_table(table)
+    typer.echo(report.summary(data))
+    typer.echo(f"The page to open: {page}")
