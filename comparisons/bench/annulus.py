@@ -26,6 +26,8 @@ INNER, OUTER, HEIGHT = 1.0, 2.0, 0.5
 MATERIAL = IsotropicMaterial(E=1.0, nu=0.3, rho=1.0)
 EXACT_VOLUME = pi / 4 * (OUTER**2 - INNER**2) * HEIGHT
 """Volume of the ring itself (m^3); that of cells with straight edges is smaller."""
+AROUND = (0, 4, 6, 2, 1, 5, 7, 3)
+"""Corners of a hexahedron of :class:`cea.mesh.Mesh` around its bottom, then around its top."""
 WEDGES = 6
 """Tetrahedra that a box is divided into."""
 

@@ -63,6 +63,10 @@ ENTRANTS = (
     Entrant(OURS, "ours", DEGREES),
     Entrant(PLAIN, "plain_dolfinx", _LAGRANGE),
     Entrant("dolfinx, mass of vectors", "dolfinx_of_vectors", _LAGRANGE),
+    Entrant("NGSolve", "ngsolve_forms", _LAGRANGE, "ngsolve"),
+    Entrant("MFEM", "mfem_forms", _LAGRANGE, "mfem"),
+    Entrant("scikit-fem", "scikit_fem", {"Q": (1, 2), "P": (1, 2)}, "skfem"),
+    Entrant("Nutils", "nutils_integrals", {"NURBS": (2, 3, 4), "Q": (1, 2, 3, 4)}, "nutils"),
 )
 """Every program; the first two come with this one."""
 

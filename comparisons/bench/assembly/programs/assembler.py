@@ -1,5 +1,6 @@
 """What every program offers that assembles the body."""
 
+from collections.abc import Callable
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -58,3 +59,16 @@ def rigid_motions(
     if layout == "blocked":
         motions = motions.transpose(1, 0, 2)
     return motions.reshape(-1, 6)
+
+
+def motion_fields() -> list[Callable[[Floats], Floats]]:
+    """The rigid motions as functions of points, shape (3, ...), of the same shape."""
+
+    def translation(component: int) -> Callable[[Floats], Floats]:
+        return lambda x: np.stack([np.full(x[0].shape, float(i == component)) for i in range(3)])
+
+    def rotation(axis: int) -> Callable[[Floats], Floats]:
+        spin = np.eye(3)[axis]
+        return lambda x: np.cross(spin, x, axisb=0, axisc=0)
+
+    return [*map(translation, range(3)), *map(rotation, range(3))]

@@ -9,7 +9,11 @@ from typing import Any
 
 from comparisons.bench.annulus import Discretisation
 from comparisons.bench.assembly.programs.assembler import Program
-from comparisons.bench.assembly.programs.checks import checked, lowest_eigenvalues, of_every_component
+from comparisons.bench.assembly.programs.checks import (
+    checked,
+    lowest_eigenvalues,
+    of_every_component,
+)
 
 _BYTES = 12
 """Bytes of an entry of a compressed matrix: a double and the number of its column."""

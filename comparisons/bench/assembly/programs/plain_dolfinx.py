@@ -31,9 +31,7 @@ class PlainDolfinx:
         mesh = create_mesh(MPI.COMM_SELF, given.cells[:, order], element, given.points)
         degree = discretisation.degree
         self._vectors = functionspace(mesh, ("Lagrange", degree, (3,)))
-        self._of_mass = (
-            self._vectors if vector_mass else functionspace(mesh, ("Lagrange", degree))
-        )
+        self._of_mass = self._vectors if vector_mass else functionspace(mesh, ("Lagrange", degree))
         self._degrees = discretisation.stiffness_quadrature, discretisation.mass_quadrature
 
     def stiffness(self) -> Any:
