@@ -39,7 +39,7 @@ def assembly(
     redraw: Annotated[bool, typer.Option("--redraw", help=_REDRAW)] = False,
     out: Annotated[Path, typer.Option(help=_OUT)] = Path("results/bench/assembly"),
 ) -> None:
-    """Assemble a quarter ring by this program, plain dolfinx and every program of the extra bench."""
+    """Assemble a quarter ring by this program, dolfinx alone and the programs of the extra bench."""
     from comparisons.cli.extras import need
 
     need("pictures")
@@ -53,6 +53,31 @@ def assembly(
         return run_assembly(study, progress)
 
     _shown(REPORT, run, out, redraw=redraw)
+
+
+@app.command()
+def solve(
+    size: Annotated[str, typer.Option(help="Mesh: tiny, small, medium or large.")] = "medium",
+    ranks: Annotated[int, typer.Option(help="Ranks of each method.")] = 1,
+    repeats: Annotated[int, typer.Option(help="Runs of each by turns; medians count.")] = 1,
+    seconds: Annotated[float, typer.Option(help="Longest time of a run (s).")] = 900.0,
+    memory: Annotated[float, typer.Option(help="Most memory of a method (10^9 bytes).")] = 8.0,
+    redraw: Annotated[bool, typer.Option("--redraw", help=_REDRAW)] = False,
+    out: Annotated[Path, typer.Option(help=_OUT)] = Path("results/bench/solve"),
+) -> None:
+    """Solve disc_pad by this driver, SLEPc alone, scipy, and projection on real modes."""
+    from comparisons.cli.extras import need
+
+    need("pictures")
+    from comparisons.bench.solve.page import REPORT
+    from comparisons.bench.solve.study import SolveStudy, run_solve
+
+    _shown(
+        REPORT,
+        lambda progress: run_solve(SolveStudy(size, ranks, repeats, seconds, memory), progress),
+        out,
+        redraw=redraw,
+    )
 
 
 def _shown(

@@ -91,9 +91,9 @@ def run_assembly(study: AssemblyStudy, progress: Progress) -> dict[str, Any]:
     -------
     dict
         The record: ``runs``, each with what was assembled, by what ``program``, ``dofs`` and
-        ``elements``, processor seconds of ``stiffness`` and ``mass`` and those of an element of the
-        ``yardstick`` in each round, ``peak`` and ``finished`` memory (bytes), ``check``, and ``failed``, the reason or
-        ""; ``left_out``, programs that are not installed.
+        ``elements``, processor seconds of ``stiffness`` and ``mass`` and those of an element of
+        the ``yardstick`` in each round, ``peak`` and ``finished`` memory (bytes), ``check``, and
+        ``failed``, the reason or ""; ``left_out``, programs that are not installed.
 
     Raises
     ------

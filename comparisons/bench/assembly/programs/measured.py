@@ -3,10 +3,10 @@
 import gc
 from collections.abc import Callable
 from importlib import import_module
-from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
+from comparisons.bench import memory
 from comparisons.bench.annulus import Discretisation
 from comparisons.bench.assembly.programs.assembler import Program
 from comparisons.bench.assembly.programs.checks import (
@@ -56,12 +56,13 @@ def timed(program: Program, discretisation: Discretisation) -> dict[str, float]:
     """
     assembler = program(discretisation)
     gc.collect()
-    before, clock, begun = _peak_forgotten(), perf_counter(), process_time()
+    memory.forget_largest()
+    before, clock, begun = memory.held(), perf_counter(), process_time()
     K = assembler.stiffness()
     between = process_time()
     M = assembler.mass()
     end, clock = process_time(), perf_counter() - clock
-    peak = _memory("VmHWM") - before
+    peak = memory.largest() - before
     entries = [assembler.compressed(matrix) for matrix in (K, M)]
     return {
         "stiffness": between - begun,
@@ -80,15 +81,3 @@ def check(program: Program, discretisation: Discretisation, modes: int) -> dict[
     M = of_every_component(assembler.compressed(assembler.mass()), K.shape[0])
     found = checked(K, M, assembler.motions())
     return found | {"eigenvalues": lowest_eigenvalues(K, M, modes)}
-
-
-def _peak_forgotten() -> int:
-    """Memory held now (bytes); from here on the largest is counted anew."""
-    Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
-    return _memory("VmRSS")
-
-
-def _memory(field: str) -> int:
-    """A field of the status of this process, bytes."""
-    lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
-    return 1024 * next(int(line.split()[1]) for line in lines if line.startswith(f"{field}:"))

@@ -1,4 +1,4 @@
-"""This program: both backends, through the bodies that scenes are made of."""
+"""What scenes are made of: both backends, through their bodies."""
 
 from typing import Any
 

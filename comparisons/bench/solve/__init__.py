@@ -1,0 +1,1 @@
+"""This eigenvalue driver beside others on the same matrices: `cea bench solve`."""

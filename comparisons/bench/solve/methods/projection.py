@@ -1,0 +1,33 @@
+"""Projection on real modes: those without friction, of the bodies in contact.
+
+What most programs of industry do: the pencil with friction is projected on the lowest modes of its
+symmetric part and solved densely.
+"""
+
+import numpy as np
+from scipy.linalg import eig
+
+from cea.body import Floats
+from cea.matrices import dense, destroy
+from cea.petsc import PETSc
+from comparisons.bench.solve.methods.method import Answer
+from comparisons.bench.solve.methods.slepc_krylov_schur import symmetric_modes
+from comparisons.bench.solve.problem import Problem
+
+
+def solve(problem: Problem, count: int) -> Answer:
+    """Every eigenvalue of the pencil projected on so many modes."""
+    modes = symmetric_modes(problem, count)
+    basis = np.asfortranarray(modes.vectors[:, :count].real)  # some more may have converged
+    K, M = (_projected(m, basis) for m in (problem.unsymmetric(), problem.mass))
+    kappa, vectors = eig(K, M)
+    return Answer(kappa, basis @ vectors, f"on {basis.shape[1]} real modes")
+
+
+def _projected(matrix: PETSc.Mat, basis: Floats) -> Floats:
+    """Products of a basis, the rows of this rank, with its image."""
+    right = dense(basis, matrix.getSizes()[0], matrix.comm)
+    image = matrix.matMult(right)
+    product: Floats = matrix.comm.tompi4py().allreduce(basis.T @ image.getDenseArray())
+    destroy(right, image)
+    return product
