@@ -39,7 +39,7 @@ def assembly(
     redraw: Annotated[bool, typer.Option("--redraw", help=_REDRAW)] = False,
     out: Annotated[Path, typer.Option(help=_OUT)] = Path("results/bench/assembly"),
 ) -> None:
-    """Assemble a quarter ring by this program, dolfinx alone and the programs of the extra bench."""
+    """Assemble a quarter ring by this program, by dolfinx alone and by those of the extra bench."""
     from comparisons.cli.extras import need
 
     need("pictures")

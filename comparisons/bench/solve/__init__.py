@@ -1,1 +1,1 @@
-"""This eigenvalue driver beside others on the same matrices: `cea bench solve`."""
+"""The eigenvalue driver beside other methods on the same matrices: `cea bench solve`."""
