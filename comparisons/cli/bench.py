@@ -80,6 +80,31 @@ def solve(
     )
 
 
+@app.command()
+def scaling(
+    size: Annotated[str, typer.Option(help="Row of meshes: tiny, medium or large.")] = "medium",
+    ranks: Annotated[
+        list[int] | None, typer.Option("--ranks", help="Number of ranks; may be repeated.")
+    ] = None,
+    repeats: Annotated[int, typer.Option(help="Runs of each by turns; medians count.")] = 1,
+    seconds: Annotated[float, typer.Option(help="Longest time of a run (s).")] = 900.0,
+    redraw: Annotated[bool, typer.Option("--redraw", help=_REDRAW)] = False,
+    out: Annotated[Path, typer.Option(help=_OUT)] = Path("results/bench/scaling"),
+) -> None:
+    """Run disc_pad on 1 and 2 ranks, or those of --ranks, on finer meshes, of higher degrees."""
+    from comparisons.cli.extras import need
+
+    need("pictures")
+    from comparisons.bench.scaling.page import REPORT
+    from comparisons.bench.scaling.study import ScalingStudy, run_scaling
+
+    def run(progress: "Progress") -> dict[str, Any]:
+        counts = tuple(ranks) if ranks else ScalingStudy.ranks
+        return run_scaling(ScalingStudy(size, counts, repeats, seconds=seconds), progress)
+
+    _shown(REPORT, run, out, redraw=redraw)
+
+
 def _shown(
     report: "Report", run: "Callable[[Progress], dict[str, Any]]", out: Path, *, redraw: bool
 ) -> None:

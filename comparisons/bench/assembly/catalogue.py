@@ -17,7 +17,7 @@ DEGREES: Mapping[Family, tuple[int, ...]] = {
     "P": (1, 2, 3, 4),
 }
 """Degrees of each family."""
-YARDSTICK = ("Q", 2)
+YARDSTICK: tuple[Family, int] = ("Q", 2)
 """What every other is measured by: plain dolfinx, assembled in each round beside the others."""
 
 

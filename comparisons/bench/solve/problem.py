@@ -81,7 +81,7 @@ class Problem:
     @classmethod
     def read(cls, folder: Path, wanted: int | None) -> "Problem":
         """Matrices that :func:`write_matrices` wrote; collective."""
-        parts = []
+        parts = list[Any]()
         for name in _NAMES:
             viewer: Any = PETSc.Viewer().createBinary(str(folder / name), "r")
             parts.append(PETSc.Mat().load(viewer))
@@ -89,7 +89,8 @@ class Problem:
         for symmetric in parts[:2]:
             symmetric.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         top = (2 * np.pi * MAX_FREQUENCY) ** 2
-        return cls(*parts, top=top, wanted=wanted)
+        S, M, F = parts
+        return cls(S, M, F, top, wanted)
 
     @property
     def shift(self) -> float:

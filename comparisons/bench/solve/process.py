@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import image_of
 from cea.matrices import destroy
 from cea.petsc import MPI, PETSc

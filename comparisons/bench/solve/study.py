@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from comparisons.bench.launch import asked

@@ -1,12 +1,10 @@
 """What every program offers that assembles the body."""
 
-from collections.abc import Callable
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
-import numpy as np
 from scipy.sparse import csr_array
 
-from cea.body import Floats
+from cea.arrays import Floats
 from comparisons.bench.annulus import Discretisation
 
 
@@ -23,7 +21,7 @@ class Assembler(Protocol):
         """A matrix of its own in compressed rows."""
 
     def motions(self) -> Floats:
-        """Coefficients of the six rigid motions, shape (n, 6), as :func:`rigid_motions`."""
+        """Coefficients of the six rigid motions (:mod:`comparisons.bench.rigid`), shape (n, 6)."""
 
 
 class Program(Protocol):
@@ -31,44 +29,3 @@ class Program(Protocol):
 
     def __call__(self, discretisation: Discretisation) -> Assembler:
         """The body so divided."""
-
-
-def rigid_motions(
-    points: Floats, layout: Literal["interleaved", "blocked"] = "interleaved"
-) -> Floats:
-    """The rigid motions by their values at points.
-
-    Parameters
-    ----------
-    points
-        The points, shape (n, 3).
-    layout
-        Whether the three components of a point follow each other, or all points of a component.
-
-    Returns
-    -------
-    ndarray
-        Three translations, then three rotations about the axes, shape (3 n, 6).
-    """
-    motions = np.zeros((len(points), 3, 6))
-    motions[:, [0, 1, 2], [0, 1, 2]] = 1.0
-    x, y, z = points.T
-    motions[:, 1, 3], motions[:, 2, 3] = -z, y
-    motions[:, 2, 4], motions[:, 0, 4] = -x, z
-    motions[:, 0, 5], motions[:, 1, 5] = -y, x
-    if layout == "blocked":
-        motions = motions.transpose(1, 0, 2)
-    return motions.reshape(-1, 6)
-
-
-def motion_fields() -> list[Callable[[Floats], Floats]]:
-    """The rigid motions as functions of points, shape (3, ...), of the same shape."""
-
-    def translation(component: int) -> Callable[[Floats], Floats]:
-        return lambda x: np.stack([np.full(x[0].shape, float(i == component)) for i in range(3)])
-
-    def rotation(axis: int) -> Callable[[Floats], Floats]:
-        spin = np.eye(3)[axis]
-        return lambda x: np.cross(spin, x, axisb=0, axisc=0)
-
-    return [*map(translation, range(3)), *map(rotation, range(3))]

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, kron
 from scipy.sparse.linalg import eigsh
 
-from cea.body import Floats
+from cea.arrays import Floats
 
 _RIGID = 6
 """Rigid motions in space."""

@@ -41,7 +41,8 @@ def _answer(
         What the question takes.
     """
     program: Program = import_module(module).lay_out
-    return {"time": timed, "check": check}[question](program, discretisation, *arguments)
+    answers_of: dict[str, Answer] = {"time": timed, "check": check}
+    return answers_of[question](program, discretisation, *arguments)
 
 
 def timed(program: Program, discretisation: Discretisation) -> dict[str, float]:

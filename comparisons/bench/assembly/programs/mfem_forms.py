@@ -6,9 +6,9 @@ import mfem.ser as mfem
 import numpy as np
 from scipy.sparse import csr_array
 
-from cea.body import Floats
+from cea.arrays import Floats
 from comparisons.bench.annulus import AROUND, MATERIAL, Discretisation
-from comparisons.bench.assembly.programs.assembler import rigid_motions
+from comparisons.bench.rigid import rigid_motions
 
 
 class Mfem:

@@ -7,7 +7,7 @@ import ngsolve as ng
 import numpy as np
 from scipy.sparse import csr_array
 
-from cea.body import Floats
+from cea.arrays import Floats
 from comparisons.bench.annulus import AROUND, MATERIAL, Discretisation
 
 

@@ -8,7 +8,7 @@ from nutils import function, mesh
 from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
-from cea.body import Floats
+from cea.arrays import Floats
 from comparisons.bench.annulus import HEIGHT, INNER, MATERIAL, OUTER, Discretisation
 
 

@@ -5,10 +5,11 @@ from typing import Any
 from scipy.sparse import csc_array, csr_array
 from scipy.sparse.linalg import spsolve
 
-from cea.body import Body, Floats
+from cea.arrays import Floats
+from cea.body import Body
 from cea.matrices import local_part
 from comparisons.bench.annulus import MATERIAL, Discretisation, ring
-from comparisons.bench.assembly.programs.assembler import rigid_motions
+from comparisons.bench.rigid import rigid_motions
 from scenes.build import build_body
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec

@@ -4,11 +4,11 @@ from typing import Any
 
 from scipy.sparse import csr_array
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.matrices import local_part
 from cea.petsc import MPI  # ahead of dolfinx
 from comparisons.bench.annulus import MATERIAL, Discretisation
-from comparisons.bench.assembly.programs.assembler import rigid_motions
+from comparisons.bench.rigid import rigid_motions
 
 import basix.ufl  # isort: skip
 import numpy as np  # isort: skip

@@ -7,9 +7,9 @@ import skfem
 from scipy.sparse import csr_array
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
-from cea.body import Floats
+from cea.arrays import Floats
 from comparisons.bench.annulus import MATERIAL, Discretisation
-from comparisons.bench.assembly.programs.assembler import motion_fields
+from comparisons.bench.rigid import motion_fields
 
 _CORNERS = [0, 1, 2, 4, 3, 5, 6, 7]
 """Corners of its hexahedron among those of :class:`cea.mesh.Mesh`."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,13 @@ What most programs of industry do: the pencil with friction is projected on the 
 symmetric part and solved densely.
 """
 
+from typing import Any
+
 import numpy as np
 from scipy.linalg import eig
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.matrices import dense, destroy
-from cea.petsc import PETSc
 from comparisons.bench.solve.methods.method import Answer
 from comparisons.bench.solve.methods.slepc_krylov_schur import symmetric_modes
 from comparisons.bench.solve.problem import Problem
@@ -24,7 +25,7 @@ def solve(problem: Problem, count: int) -> Answer:
     return Answer(kappa, basis @ vectors, f"on {basis.shape[1]} real modes")
 
 
-def _projected(matrix: PETSc.Mat, basis: Floats) -> Floats:
+def _projected(matrix: Any, basis: Floats) -> Floats:
     """Products of a basis, the rows of this rank, with its image."""
     right = dense(basis, matrix.getSizes()[0], matrix.comm)
     image = matrix.matMult(right)
