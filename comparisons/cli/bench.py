@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Iterator
 
     from comparisons.bench.report import Report
     from comparisons.kit.progress import Progress
@@ -46,7 +46,7 @@ def assembly(
     from comparisons.bench.assembly.page import REPORT
     from comparisons.bench.assembly.study import AssemblyStudy, run_assembly
 
-    def run(progress: "Progress") -> dict[str, Any]:
+    def run(progress: "Progress") -> "Iterator[dict[str, Any]]":
         study = AssemblyStudy(
             tuple(only or ()), tuple(program or ()), boxes, repeats=repeats, seconds=seconds
         )
@@ -74,7 +74,7 @@ def solve(
 
     _shown(
         REPORT,
-        lambda progress: run_solve(SolveStudy(size, ranks, repeats, seconds, memory), progress),
+        lambda progress: [run_solve(SolveStudy(size, ranks, repeats, seconds, memory), progress)],
         out,
         redraw=redraw,
     )
@@ -98,28 +98,33 @@ def scaling(
     from comparisons.bench.scaling.page import REPORT
     from comparisons.bench.scaling.study import ScalingStudy, run_scaling
 
-    def run(progress: "Progress") -> dict[str, Any]:
+    def run(progress: "Progress") -> "list[dict[str, Any]]":
         counts = tuple(ranks) if ranks else ScalingStudy.ranks
-        return run_scaling(ScalingStudy(size, counts, repeats, seconds=seconds), progress)
+        return [run_scaling(ScalingStudy(size, counts, repeats, seconds=seconds), progress)]
 
     _shown(REPORT, run, out, redraw=redraw)
 
 
 def _shown(
-    report: "Report", run: "Callable[[Progress], dict[str, Any]]", out: Path, *, redraw: bool
+    report: "Report",
+    run: "Callable[[Progress], Iterable[dict[str, Any]]]",
+    out: Path,
+    *,
+    redraw: bool,
 ) -> None:
-    """Run a study or read what it left, write its page and print its tables."""
+    """Run a study, which gives its record as it grows, or read it; show it."""
     from cea.files import check_writable
     from comparisons.cli.output import console, print_table
     from comparisons.kit.progress import Progress
 
     if redraw:
         data = report.read(out)
+        page = report.write(data, out)
     else:
         check_writable(out / "result.json", "out")
         with console.status(report.command) as status:
-            data = run(Progress(lambda name: console.print(f"· {name}"), status.update))
-    page = report.write(data, out)
+            for data in run(Progress(lambda name: console.print(f"· {name}"), status.update)):
+                page = report.write(data, out)
     for make in report.tables:
         if (table := make(data)).rows:
             print_table(table)

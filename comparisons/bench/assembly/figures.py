@@ -49,14 +49,10 @@ def _against_degree(data: Data, value: Callable[[Data], float], title: str) -> F
     for axes, family in zip(plots, families, strict=False):
         for program, colour in zip(programs, _COLOURS, strict=False):
             own = [r for r in runs if r["family"] == family and r["program"] == program]
-            axes.semilogy(
-                [run["degree"] for run in own],
-                list(map(value, own)),
-                "o-",
-                color=colour,
-                markersize=4,
-                label=program if own else None,
-            )
+            points = [(run["degree"], value(run)) for run in own if value(run) > 0]
+            if points:
+                line = zip(*points, strict=True)
+                axes.semilogy(*line, "o-", color=colour, markersize=4, label=program)
         axes.set_title(_FAMILIES[family])
         axes.set_xlabel("degree")
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))

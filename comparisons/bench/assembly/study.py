@@ -84,16 +84,17 @@ class AssemblyStudy:
         return [each for each in ENTRANTS if not self.programs or each.name in self.programs]
 
 
-def run_assembly(study: AssemblyStudy, progress: Progress) -> dict[str, Any]:
+def run_assembly(study: AssemblyStudy, progress: Progress) -> Iterator[dict[str, Any]]:
     """Run every program on every discretisation it knows.
 
-    Returns
-    -------
+    Yields
+    ------
     dict
-        The record: ``runs``, each with what was assembled, by what ``program``, ``dofs`` and
-        ``elements``, processor seconds of ``stiffness`` and ``mass`` and those of an element of
-        the ``yardstick`` in each round, ``peak`` and ``finished`` memory (bytes), ``check``, and
-        ``failed``, the reason or ""; ``left_out``, programs that are not installed.
+        The record so far after each discretisation, so that what was measured outlives a study
+        that is cut short: ``runs``, each with what was assembled, by what ``program``, ``dofs``
+        and ``elements``, processor seconds of ``stiffness`` and ``mass`` and those of an element
+        of the ``yardstick`` in each round, ``peak`` and ``finished`` memory (bytes), ``check``,
+        and ``failed``, the reason or ""; ``left_out``, programs that are not installed.
 
     Raises
     ------
@@ -103,18 +104,14 @@ def run_assembly(study: AssemblyStudy, progress: Progress) -> dict[str, Any]:
     if MPI.COMM_WORLD.size > 1:
         raise InputError("ranks", MPI.COMM_WORLD.size, "1: every program runs on one")
     begun, runs = perf_counter(), list[dict[str, Any]]()
+    missing = [each for each in study.entrants if not each.installed]
+    left_out = [{"program": each.name, "needs": each.needs} for each in missing]
+    inputs = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(study).items()}
     for discretisation in discretisations(study.only, study.boxes, study.boxes_of_degree_4):
         progress.step(discretisation.name)
         runs += _of_one(study, discretisation, progress)
-    missing = [each for each in study.entrants if not each.installed]
-    left_out = [{"program": each.name, "needs": each.needs} for each in missing]
-    inputs = asdict(study)
-    return record(
-        COMMAND,
-        {"runs": runs, "left_out": left_out},
-        inputs={k: list(v) if isinstance(v, tuple) else v for k, v in inputs.items()},
-        seconds=perf_counter() - begun,
-    )
+        data = {"runs": list(runs), "left_out": left_out}
+        yield record(COMMAND, data, inputs=inputs, seconds=perf_counter() - begun)
 
 
 def _of_one(

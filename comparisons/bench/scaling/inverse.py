@@ -51,6 +51,7 @@ def answer(question: dict[str, Any]) -> dict[str, Any]:
         ``whole``, processor seconds of the eigenvalues; ``solves``; ``kappa``, eigenvalues (1/s^2)
         as pairs; ``memory`` over that of the matrices (bytes); ``failed``, the reason or "".
     """
+    PETSc.Log.begin()
     system, _, _ = coupled(scene_of(question["case"]))
     matrices = system.pencil().at()
     shift = question["shift"]
@@ -180,7 +181,6 @@ def _applications() -> int:
 
 def main(file: Path) -> None:
     """Answer the question that a file holds."""
-    PETSc.Log.begin()
     found = answer(read_record(file))
     if MPI.COMM_WORLD.rank == 0:
         write_record(found, file)

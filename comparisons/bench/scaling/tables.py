@@ -16,6 +16,7 @@ from comparisons.bench.scaling.model import (
     stage,
     total,
 )
+from comparisons.bench.scaling.study import told
 from comparisons.kit.numbers import number, shown
 from comparisons.kit.tables import Column, Data, Table
 
@@ -144,7 +145,7 @@ def inverses_table(data: Data) -> Table:
                 inverse.get("whole"),
                 inverse["memory"] / _MEGA if "memory" in inverse else None,
                 apart,
-                inverse["failed"] or "found",
+                inverse["failed"] or ("found" if values else "systems solved"),
             )
         )
     return Table(
@@ -188,8 +189,6 @@ def needs_table(data: Data) -> Table:
 
 def left_out_table(data: Data) -> Table:
     """Runs that came to no end, and what was not tried."""
-    from comparisons.bench.scaling.study import told
-
     return Table(
         "left_out",
         "What came to no end, or was not tried.",

@@ -19,7 +19,7 @@ from cea.matrices import destroy
 from cea.petsc import MPI, PETSc
 from comparisons.bench import memory
 from comparisons.bench.solve.methods.method import Answer
-from comparisons.bench.solve.problem import Problem
+from comparisons.bench.solve.methods.problem import Problem
 from scenes.stored import read_record, write_record
 
 _LU_RUNS = 2

@@ -19,7 +19,7 @@ from cea.arrays import Complexes
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from comparisons.bench.launch import asked
-from comparisons.bench.solve.problem import SIZES, scene_of_size, write_matrices
+from comparisons.bench.solve.methods.problem import SIZES, scene_of_size, write_matrices
 from comparisons.kit.progress import Progress
 from scenes.stored import record
 
@@ -68,7 +68,7 @@ class SolveStudy:
     Parameters
     ----------
     size
-        Name of the mesh (:data:`~comparisons.bench.solve.problem.SIZES`).
+        Name of the mesh (:data:`~comparisons.bench.solve.methods.problem.SIZES`).
     ranks
         Ranks of each method; what runs on one alone is left out on more.
     repeats

@@ -12,8 +12,8 @@ from scipy.linalg import eig
 from cea.arrays import Floats
 from cea.matrices import dense, destroy
 from comparisons.bench.solve.methods.method import Answer
+from comparisons.bench.solve.methods.problem import Problem
 from comparisons.bench.solve.methods.slepc_krylov_schur import symmetric_modes
-from comparisons.bench.solve.problem import Problem
 
 
 def solve(problem: Problem, count: int) -> Answer:

@@ -5,7 +5,7 @@ from scipy.sparse.linalg import eigs
 
 from cea.matrices import local_part
 from comparisons.bench.solve.methods.method import Answer
-from comparisons.bench.solve.problem import Problem
+from comparisons.bench.solve.methods.problem import Problem
 
 
 def solve(problem: Problem) -> Answer:

@@ -6,7 +6,7 @@ import numpy as np
 
 from cea.petsc import PETSc, SLEPc
 from comparisons.bench.solve.methods.method import Answer
-from comparisons.bench.solve.problem import Problem
+from comparisons.bench.solve.methods.problem import Problem
 
 TOLERANCE = 1e-12
 
