@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from comparisons.bench.assembly.tables import ran, seconds
 from comparisons.kit.plots import (
@@ -55,7 +54,7 @@ def _against_degree(data: Data, value: Callable[[Data], float], title: str) -> F
                 axes.semilogy(*line, "o-", color=colour, markersize=4, label=program)
         axes.set_title(_FAMILIES[family])
         axes.set_xlabel("degree")
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.set_xticks(sorted({run["degree"] for run in runs if run["family"] == family}))
     plots[0].set_ylabel(title)
     handles = {
         label: line
