@@ -61,7 +61,7 @@ def solve(
     ranks: Annotated[int, typer.Option(help="Ranks of each method.")] = 1,
     repeats: Annotated[int, typer.Option(help="Runs of each by turns; medians count.")] = 1,
     seconds: Annotated[float, typer.Option(help="Longest time of a run (s).")] = 900.0,
-    memory: Annotated[float, typer.Option(help="Most memory of a method (10^9 bytes).")] = 8.0,
+    memory: Annotated[float, typer.Option(help="Most memory of each rank (10^9 bytes).")] = 8.0,
     redraw: Annotated[bool, typer.Option("--redraw", help=_REDRAW)] = False,
     out: Annotated[Path, typer.Option(help=_OUT)] = Path("results/bench/solve"),
 ) -> None:

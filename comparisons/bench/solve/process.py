@@ -1,7 +1,7 @@
 """One method in a process of its own: ``python -m comparisons.bench.solve.process FILE``.
 
 The file holds the question: ``method``, ``modes`` where it projects, ``folder`` of the matrices,
-``wanted`` and ``memory``, the most it may take; the answer takes its place. Under a launcher of
+``wanted`` and ``memory``, the most a rank may take; the answer takes its place. Under a launcher of
 ranks all of them work on it.
 """
 
@@ -44,7 +44,7 @@ def answer(question: dict[str, Any]) -> dict[str, Any]:
         what PETSc did; ``stages`` and ``claims`` of the method.
     """
     comm = MPI.COMM_WORLD
-    memory.limit(question["memory"] // comm.size)
+    memory.limit(question["memory"])
     PETSc.Log.begin()
     problem = Problem.read(Path(question["folder"]), question["wanted"])
     module = import_module(f"comparisons.bench.solve.methods.{question['method']}")

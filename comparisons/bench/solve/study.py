@@ -76,7 +76,7 @@ class SolveStudy:
     seconds
         Longest time for a run by the clock.
     memory
-        Most memory of a method (10^9 bytes), as addresses: what asks for more fails.
+        Most memory of each rank (10^9 bytes), as addresses: what asks for more fails.
     """
 
     size: str = "medium"
@@ -153,7 +153,7 @@ def _run(method: Method, study: SolveStudy, folder: Path, wanted: int | None) ->
         "modes": method.modes,
         "folder": str(folder),
         "wanted": wanted,
-        "memory": int(study.memory * _GIGA) * study.ranks,
+        "memory": int(study.memory * _GIGA),
     }
     return asked(_PROCESS, question, folder, ranks=study.ranks, seconds=study.seconds)
 
