@@ -12,8 +12,9 @@ from cea.contact.interface import jump_along
 from cea.contact.lumping import lumped_matrices
 from cea.contact.mortar import MortarProjection
 from cea.contact.operators import Contact
-from cea.matrices import destroy, gather, one_below_the_other, system_operator
+from cea.matrices import destroy, gather, one_below_the_other
 from cea.ranks import agreed
+from cea.unknowns import system_operator
 
 
 def assemble_contact(

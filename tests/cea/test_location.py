@@ -35,7 +35,7 @@ class Grid:
         cell = np.stack(np.unravel_index(element, self.shape), axis=1)
         return self.low + (cell + xi) * self.step
 
-    def candidates(self, x, reach):
+    def candidates(self, x, direction, reach):
         """The element of the foot and its neighbours."""
         cell = np.floor((self.foot(x) - self.low) / self.step).astype(int)
         points, elements = [], []

@@ -277,7 +277,7 @@ class EveryPair:
     def __getattr__(self, name):
         return getattr(self._surface, name)
 
-    def candidates(self, x, reach):
+    def candidates(self, x, direction, reach):
         """Every point with every facet."""
         point = np.repeat(np.arange(len(x)), self._count)
         element = np.tile(np.arange(self._count), len(x))
