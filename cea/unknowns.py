@@ -98,7 +98,8 @@ def _rows(matrix: Any, rows: Ints) -> csr_array:
     columns = matrix.getSize()[1]
     if matrix.comm.size == 1:
         return csr_array(local_part(matrix)[rows])
-    chosen = PETSc.IS().createGeneral(rows.astype(PETSc.IntType), comm=PETSc.COMM_SELF)
+    numbers: Any = rows.astype(PETSc.IntType)
+    chosen = PETSc.IS().createGeneral(numbers, comm=PETSc.COMM_SELF)
     every = PETSc.IS().createStride(columns, comm=PETSc.COMM_SELF)
     (part,) = matrix.createSubMatrices(chosen, every)
     result = local_part(part)

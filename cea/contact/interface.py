@@ -32,8 +32,6 @@ the chords of two sides the normals differ by the sum of both angles.
 """
 _FACING = -0.5
 """Largest cosine between the normals of two surfaces that face each other."""
-_ROUNDING = 1e-15
-"""Component of directions, relative to the largest, that is rounding."""
 
 
 @dataclass(frozen=True)
@@ -183,7 +181,7 @@ def pair(
 def jump_along(interface: Interface, direction: Floats) -> tuple[csr_array, csr_array]:
     """Parts on a and b of the jump along a direction, the rows of this rank's points.
 
-    Components that are nothing but rounding at every point are left out.
+    Components that are zero at every point have no entries.
 
     Parameters
     ----------
@@ -197,8 +195,7 @@ def jump_along(interface: Interface, direction: Floats) -> tuple[csr_array, csr_
     tuple
         Operators on full dofs, shape (n_local, dim * num_scalar_dofs) each.
     """
-    size = np.abs(direction).max(axis=0, initial=0.0)
-    acting = np.flatnonzero(size > _ROUNDING * size.max())
+    acting = np.flatnonzero(direction.any(axis=0))
     sides = (interface.trace_a, direction), (interface.trace_b, -direction)
     on_a, on_b = (along(trace, vectors, acting) for trace, vectors in sides)
     return on_a, on_b
