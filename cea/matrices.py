@@ -46,7 +46,7 @@ def product(left: Any, right: Any, factor: Any) -> Any:
     """L^T diag(factor) R."""
     scaled = right.copy()
     scaled.diagonalScale(L=factor)
-    result = left.transposeMatMult(scaled)
+    result = _alone(left.transposeMatMult(scaled))
     destroy(scaled)
     return result
 
@@ -61,11 +61,18 @@ def symmetric_product(gap: Any, weight: Any) -> Any:
     root.sqrtabs()
     scaled = gap.copy()
     scaled.diagonalScale(L=root)
-    result = scaled.transposeMatMult(scaled)
+    result = _alone(scaled.transposeMatMult(scaled))
     if result.comm.size > 1:
         symmetrised(result)
     result.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     destroy(root, scaled)
+    return result
+
+
+def _alone(product: Any) -> Any:
+    """A product without its factors and their transposes, which PETSc keeps beside it."""
+    result = product.copy()
+    destroy(product)
     return result
 
 
