@@ -32,6 +32,14 @@ the chords of two sides the normals differ by the sum of both angles.
 """
 _FACING = -0.5
 """Largest cosine between the normals of two surfaces that face each other."""
+_ROUNDING = 1e-15
+"""Component of directions, relative to the largest, that is rounding."""
+_MANY_POINTS = 200_000
+"""Points from which entries of rounding are left out.
+
+They cost up to nine times the memory and the time. But they keep the components of a node together
+when a matrix is factorised, which has been seen to round ten times less, and few points are cheap.
+"""
 
 
 @dataclass(frozen=True)
@@ -181,7 +189,8 @@ def pair(
 def jump_along(interface: Interface, direction: Floats) -> tuple[csr_array, csr_array]:
     """Parts on a and b of the jump along a direction, the rows of this rank's points.
 
-    Components that are zero at every point have no entries.
+    Components that are zero at every point have no entries; of very many points, nor have those
+    that are nothing but rounding.
 
     Parameters
     ----------
@@ -195,7 +204,9 @@ def jump_along(interface: Interface, direction: Floats) -> tuple[csr_array, csr_
     tuple
         Operators on full dofs, shape (n_local, dim * num_scalar_dofs) each.
     """
-    acting = np.flatnonzero(direction.any(axis=0))
+    size = np.abs(direction).max(axis=0, initial=0.0)
+    rounding = _ROUNDING * size.max() if len(interface.points) > _MANY_POINTS else 0.0
+    acting = np.flatnonzero(size > rounding)
     sides = (interface.trace_a, direction), (interface.trace_b, -direction)
     on_a, on_b = (along(trace, vectors, acting) for trace, vectors in sides)
     return on_a, on_b
