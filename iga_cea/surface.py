@@ -22,7 +22,7 @@ from iga_cea.splines import gauss_rule
 _AREA_POINTS = 12
 """Gauss points per span for the area: a quarter circle in one span needs ten for 1e-14."""
 
-_TRIED_POINTS = (4, 6)
+_TRIED_POINTS = (3, 4)
 """Gauss points per span that are enough, of fine spans, if they give the same area."""
 
 _SAME_AREA = 1e-14

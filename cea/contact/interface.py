@@ -134,7 +134,8 @@ def pair(
     if reach is None:
         reach = default_reach(a, b)
     check_point_weights(points.weight, field)
-    points = points[points.weight > 0]
+    if not points.weight.all():
+        points = points[points.weight > 0]
     start, stop = local_rows(len(points), comm)
     with agreed(comm):
         opposite = b.locate(points.x[start:stop], points.normal[start:stop], reach)
@@ -152,7 +153,8 @@ def pair(
         sides=f"{a.name} on {b.name}",
         reach=f"{reach:.3g} m",
     )
-    points, opposite = points[found], _select(opposite, found[start:stop])
+    if not found.all():
+        points, opposite = points[found], _select(opposite, found[start:stop])
     rows = slice(*(int(found[:end].sum()) for end in (start, stop)))
     with agreed(comm):
         cosine = np.einsum("ij,ij->i", points.normal[rows], b.normal(opposite.at))
