@@ -142,5 +142,6 @@ def _coupled(patch: Patch, functions: Ints) -> np.ndarray:
     pairs = np.ones((len(functions), 1), dtype=bool)
     for axis, number in enumerate(np.unravel_index(functions, patch.shape)):
         along = Line.of(patch, axis).coupled[number]
-        pairs = (pairs[:, :, None] & along[:, None]).reshape(len(functions), -1)
+        both = pairs.shape[1] * along.shape[1]
+        pairs = (pairs[:, :, None] & along[:, None]).reshape(len(functions), both)
     return pairs
