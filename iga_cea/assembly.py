@@ -6,7 +6,7 @@ With the gradients grad N_a = sum_k D_k N_a grad xi_k, isotropic elasticity
 
 (Hughes, The Finite Element Method, sec. 2.7) has the coefficients
 
-    C_kl[ij] = lambda E[ij] + mu E[ji] + mu delta_ij tr E,    E = |J| grad xi_k (x) grad xi_l.
+    C_km[ij] = lambda E[ij] + mu E[ji] + mu delta_ij tr E,    E = |J| grad xi_k (x) grad xi_m.
 """
 
 from itertools import combinations_with_replacement
@@ -60,15 +60,15 @@ def stiffness(
 
     def coefficients(metric: Metric) -> Coefficients:
         found: Coefficients = {}
-        for k, l in combinations_with_replacement(sorted(metric.gradients), 2):  # noqa: E741
+        for k, m in combinations_with_replacement(sorted(metric.gradients), 2):
             scaled = metric.gradients[k] * metric.measure
-            E = scaled[:, None] * metric.gradients[l]
+            E = scaled[:, None] * metric.gradients[m]
             C = lam * E + mu * E.swapaxes(0, 1)
             trace = mu * np.trace(E)
             for i in range(dim):
                 C[i, i] += trace
-            found[k, l] = C.reshape(dim * dim, *trace.shape)
-            found[l, k] = C.swapaxes(0, 1).reshape(dim * dim, *trace.shape)
+            found[k, m] = C.reshape(dim * dim, *trace.shape)
+            found[m, k] = C.swapaxes(0, 1).reshape(dim * dim, *trace.shape)
         return found
 
     data = entries(multipatch, pattern, Form(dim, coefficients), comm)

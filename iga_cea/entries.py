@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats, Ints
+from cea.ranks import agreed
 from iga_cea.metric import Map, factors_of, lines_of
 from iga_cea.multipatch import Multipatch
 from iga_cea.pattern import Pattern
@@ -47,8 +48,9 @@ def entries(
     n = form.components
     # One more place takes the entries of partners that do not exist.
     data = np.zeros((n * len(pattern.columns) + 1, n))
-    for number in range(len(multipatch.patches)):
-        _add_patch(data, multipatch, pattern, form, number)
+    with agreed(comm):
+        for number in range(len(multipatch.patches)):
+            _add_patch(data, multipatch, pattern, form, number)
     flat = data[:-1].reshape(-1)
     _mirror(flat, pattern, n, sign)
     if comm.size > 1:
@@ -105,49 +107,56 @@ def _weights(weights: Floats, lines: Any, here: Any) -> Floats:
     return (weights[here].reshape(-1, 1) * own)[:, None, :, None]
 
 
-def _positions(pattern: Pattern, at: Ints, n: int) -> tuple[Ints, Ints]:
-    """Place of the first component of scalar entries, and the step to the next row's."""
-    row = pattern.row_of(at)
-    return n * at + n * (n - 1) * pattern.starts[row], n * pattern.counts[row]
+def _tuples(pattern: Pattern, at: Ints, row: Ints, n: int) -> Ints:
+    """Tuples of columns that scalar entries have in the first of their rows.
+
+    In the next row they are as many further as the row has entries.
+    """
+    return at + (n - 1) * pattern.starts[row]
 
 
 def _mirror(data: Floats, pattern: Pattern, n: int, sign: int) -> None:
     """Entries below the diagonal from those above."""
+    tuples, rows = data.reshape(-1, n), pattern.row
     above, below = pattern.mirrored
-    start, step = _positions(pattern, above, n)
-    start_below, step_below = _positions(pattern, below, n)
+    source, step = _tuples(pattern, above, rows[above], n), pattern.counts[rows[above]]
+    target, jump = _tuples(pattern, below, rows[below], n), pattern.counts[rows[below]]
     for a in range(n):
+        values = tuples[source + a * step]
+        if sign < 0:
+            values = -values
         for b in range(n):
-            data[start_below + b * step_below + a] = sign * data[start + a * step + b]
-    diagonal = np.flatnonzero(pattern.columns == pattern.first + pattern.row_of(slice(None)))
-    start, step = _positions(pattern, diagonal, n)
+            tuples[target + b * jump, a] = values[:, b]
+    diagonal = np.flatnonzero(pattern.columns == pattern.first + rows)
+    at, step = _tuples(pattern, diagonal, rows[diagonal], n), pattern.counts
     for a in range(n):
-        for b in range(a, n):
-            if a == b and sign < 0:
-                data[start + a * step + a] = 0.0
-            elif a < b:
-                data[start + b * step + a] = sign * data[start + a * step + b]
+        if sign < 0:
+            tuples[at + a * step, a] = 0.0
+        for b in range(a + 1, n):
+            tuples[at + b * step, a] = sign * tuples[at + a * step, b]
 
 
 def _exchange(
     data: Floats, multipatch: Multipatch, pattern: Pattern, n: int, sign: int, comm: Any
 ) -> None:
     """Entries whose column is a lower rank's from that rank."""
-    ranges = multipatch.dof_ranges
-    components = np.arange(n)
-    send = []
-    for rank in range(comm.size):
-        low, high = ranges[rank : rank + 2] if rank > comm.rank else (0, 0)
-        there = np.flatnonzero((pattern.columns >= low) & (pattern.columns < high))
-        # The other rank's order: by its rows, which are columns here.
-        there = there[np.argsort(pattern.columns[there], kind="stable")]
-        start, step = _positions(pattern, there, n)
-        at = start[:, None, None] + components[:, None] + step[:, None, None] * components
-        send.append(sign * data[at])
+    tuples, rows, ranges = data.reshape(-1, n), pattern.row, multipatch.dof_ranges
+
+    def places(low: int, high: int, *, by_columns: bool) -> Ints:
+        """Tuples of entries with columns in a range, (entries, rows of them)."""
+        at = np.flatnonzero((pattern.columns >= low) & (pattern.columns < high))
+        if by_columns:
+            at = at[np.argsort(pattern.columns[at], kind="stable")]
+        step = pattern.counts[rows[at]]
+        return _tuples(pattern, at, rows[at], n)[:, None] + step[:, None] * np.arange(n)
+
+    # In the order of the rank that gets them, by its rows, which are columns here.
+    send = [
+        sign * tuples[places(*ranges[rank : rank + 2], by_columns=True)].swapaxes(1, 2)
+        if rank > comm.rank
+        else None
+        for rank in range(comm.size)
+    ]
     for rank, values in enumerate(comm.alltoall(send)):
-        if rank < comm.rank:
-            low, high = ranges[rank : rank + 2]
-            here = np.flatnonzero((pattern.columns >= low) & (pattern.columns < high))
-            start, step = _positions(pattern, here, n)
-            at = start[:, None, None] + step[:, None, None] * components[:, None] + components
-            data[at] = values
+        if values is not None:
+            tuples[places(*ranges[rank : rank + 2], by_columns=False)] = values

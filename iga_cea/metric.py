@@ -142,7 +142,8 @@ class Map:
             tangents = [t[:-1] / W - x * r for t, r in zip(tangents, rates, strict=True)]
         dim = self._dim
         measure, inverse = self._inverse([t[:dim] for t in tangents])
-        field_gradient = sum(t[dim:, None] * g for t, g in zip(tangents, inverse, strict=True))
+        rates_of_field = [t[dim:, None] * g for t, g in zip(tangents, inverse, strict=True)]
+        field_gradient = np.sum(rates_of_field, axis=0)
         gradients = dict(enumerate(inverse))
         if not self._rational:
             measure /= W**2

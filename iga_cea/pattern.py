@@ -98,17 +98,19 @@ class Pattern:
         n = self.last - self.first
         square = csr_array((entries, columns, before[self.starts]), shape=(n, n))
         mirror = square.tocsc().data  # the pattern is symmetric
-        above = columns > self.row_of(entries)
+        above = columns > self.row[entries]
         return entries[above], mirror[above]
 
-    def row_of(self, entries: Ints) -> Ints:
-        """Row of entries."""
-        return np.repeat(np.arange(len(self.counts)), self.counts)[entries]
+    @property
+    def row(self) -> Ints:
+        """Row of each entry."""
+        return np.repeat(np.arange(len(self.counts)), self.counts)
 
     def boxes(self, patch: int) -> Iterator[Box]:
         """Boxes of functions that make up the rows of a patch which are this rank's."""
         rows = self.rows[patch]
-        yield from boxes_of(rows.reshape(*rows.shape, *(1,) * (3 - rows.ndim)) >= 0)
+        for box in boxes_of(rows.reshape(*rows.shape, *(1,) * (3 - rows.ndim)) >= 0):
+            yield box[0], box[1], box[2]
 
 
 def boxes_of(mask: np.ndarray) -> Iterator[tuple[slice, ...]]:

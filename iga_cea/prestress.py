@@ -57,8 +57,8 @@ def geometric_stiffness(
         stress = np.moveaxis(material.stress(slope), (-2, -1), (0, 1)) * metric.measure
         pulled = {k: np.einsum("ab...,b...->a...", stress, g) for k, g in metric.gradients.items()}
         return {
-            (k, l): np.sum(metric.gradients[k] * pulled[l], axis=0)[None]
-            for k, l in product(pulled, repeat=2)
+            (k, m): np.sum(metric.gradients[k] * pulled[m], axis=0)[None]
+            for k, m in product(pulled, repeat=2)
         }
 
     form = Form(1, coefficients, displacement)

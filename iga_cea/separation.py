@@ -18,7 +18,7 @@ from scipy.linalg import qr, solve_triangular
 from cea.arrays import Floats, Ints
 
 Coefficients = dict[tuple[int, int], Floats]
-"""For derivatives k of a function and l of its partner, (components, n1, n2, n3)."""
+"""For derivatives k of a function and m of its partner, (components, n1, n2, n3)."""
 
 Kind = tuple[int, int]
 """Whether the function and its partner are differentiated along the first parameter, 0 or 1."""
@@ -27,7 +27,7 @@ _RANK = 1e-12
 """Pivot taken for zero, relative to the largest."""
 
 _ROUNDING = 16 * np.finfo(float).eps
-"""Difference allowed for each span along the longest parameter, whose slopes are inexact so much."""
+"""Difference allowed, for each span along the longest parameter: so inexact are its slopes."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class Separation:
     factors: Floats
 
 
-def kind_of(k: int, l: int) -> Kind:  # noqa: E741
+def kind_of(k: int, m: int) -> Kind:
     """Kind of a pair of derivatives."""
-    return int(k == 0), int(l == 0)
+    return int(k == 0), int(m == 0)
 
 
 def separate(sample: Coefficients, most: int) -> dict[Kind, Separation] | None:
@@ -63,6 +63,7 @@ def separate(sample: Coefficients, most: int) -> dict[Kind, Separation] | None:
     """
     found: dict[Kind, Separation] = {}
     size = _sizes(sample).max(axis=(1, 2))
+    size[size == 0] = 1.0
     for kind in sorted({kind_of(*pair) for pair in sample}):
         if kind == (1, 0):
             found[kind] = found[0, 1]  # the same coefficients, transposed
@@ -111,14 +112,14 @@ def holds(
     """
     for points, layer in layers:
         allowed = spans * _ROUNDING * _sizes(layer)
-        for (k, l), exact in layer.items():  # noqa: E741
-            if k > l:
+        for (k, m), exact in layer.items():
+            if k > m:
                 continue  # the transpose of another
-            U = separations[kind_of(k, l)].factors[points]
-            rows = skeleton((k, l))
-            given = np.einsum("qr,crx->cqx", U, rows.reshape(*rows.shape[:2], -1), optimize=True)
-            difference = np.abs(given.reshape(exact.shape) - exact)
-            if not np.all(difference.max(axis=0) <= allowed):
+            U = separations[kind_of(k, m)].factors[points]
+            rows = skeleton((k, m))
+            difference = (U @ rows.reshape(*rows.shape[:2], -1)).reshape(exact.shape)
+            difference -= exact
+            if not np.all(np.abs(difference, out=difference).max(axis=0) <= allowed):
                 return False
     return True
 

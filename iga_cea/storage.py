@@ -65,7 +65,7 @@ def component_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None
     indices = np.empty(dim * len(columns), dtype=PETSc.IntType)
     values = np.empty(dim * len(columns))
     for component, at in _places(pattern, dim):
-        indices[at] = columns + PETSc.IntType(component)
+        indices[at] = columns + component
         values[at] = data
     return _matrix(pattern, values, indices, dim, kept, comm)
 
@@ -111,8 +111,8 @@ def _matrix(
         indptr, indices, data = _compressed(indptr, indices, data, own, kept)
         block = 1
     local = len(indptr) - 1
-    csr = (indptr.astype(PETSc.IntType), indices, data)
-    size = ((local, None), (local, None))
+    csr: Any = (indptr.astype(PETSc.IntType), indices, data)
+    size: Any = ((local, None), (local, None))
     return PETSc.Mat().createAIJWithArrays(size, csr, bsize=block, comm=comm)
 
 

@@ -1,6 +1,6 @@
 """Bilinear forms on a patch by sum factorisation: matrix rows of a box of functions.
 
-    A[i a, j b] = sum_kl int C_kl[ab] D_k N_i D_l N_j dxi,    i = i1 i2 i3,  D_0 .. D_2 slopes,
+    A[i a, j b] = sum_km int C_km[ab] D_k N_i D_m N_j dxi,    i = i1 i2 i3,  D_0 .. D_2 slopes,
 
 is contracted one parameter at a time, the third first (Antolin, Buffa, Calabro, Martinelli &
 Sangalli, Efficient matrix computation for tensor-product isogeometric analysis, 2015); each time
@@ -37,7 +37,7 @@ class Form:
     components
         Components of each function: 1, or dim.
     coefficients
-        C_kl times the Jacobian from the metric, those of l, k the transposes of those of k, l up to
+        C_km times the Jacobian from the metric, those of m, k the transposes of those of k, m up to
         a sign that is the same for all.
     field
         Coefficients of the field that goes with the metric, one row for each scalar dof.
@@ -145,6 +145,7 @@ class _Box:
     def _separated(
         self, found: dict[Kind, Separation], skeleton: Coefficients
     ) -> Iterator[tuple[int, Floats]]:
+        """Rows from few points that stand for all."""
         line, functions = self._lines[0], self._box[0]
         across = self._across(skeleton)
         kinds = sorted(across)
@@ -157,16 +158,18 @@ class _Box:
             yield functions.start + i, _rows(pairs, held, self._form.components)
 
     def _moving(self) -> Iterator[tuple[int, Floats]]:
+        """Rows from the points of one window, span s of which is kept at s modulo its length."""
         line, functions = self._lines[0], self._box[0]
         starts, done = line.starts, self._spans[0].start
         layers = self._layers()
-        held, kinds = None, []
+        kinds: list[Kind] = []
+        held: Floats = np.empty(0)
         along: Floats = np.empty(0)
         for i in range(functions.start, functions.stop):
             while done < starts[i] + line.window:
                 span, coefficients = next(layers)
                 across = self._across(coefficients)
-                if held is None:
+                if not kinds:
                     kinds = sorted(across)
                     shape = (len(kinds), line.window, *across[kinds[0]].shape)
                     held = np.empty(shape)
@@ -175,7 +178,6 @@ class _Box:
                 for k, kind in enumerate(kinds):
                     held[k, span % line.window] = across[kind]
                 done += 1
-            # The spans of the window lie in turned order.
             pairs = np.roll(along[i - functions.start], starts[i] % line.window, axis=2)
             flat = held.reshape(-1, *held.shape[3:])
             yield i, _rows(pairs.reshape(len(pairs), -1), flat, self._form.components)
@@ -187,10 +189,10 @@ class _Box:
         windows = _windows(line, functions, self._spans[2].start)
         count, offsets = len(windows), line.offsets
         third: dict[tuple[int, int], Floats] = {}
-        for (k, l), c in coefficients.items():  # noqa: E741
-            products = line.pairs(int(k == 2), int(l == 2), functions)
+        for (k, m), c in coefficients.items():
+            products = line.pairs(int(k == 2), int(m == 2), functions)
             _, r, points, _ = c.shape
-            left = (3 if k == 2 else k), (3 if l == 2 else l)
+            left = (3 if k == 2 else k), (3 if m == 2 else m)
             if left not in third:
                 third[left] = np.zeros((r, points, count, n, offsets, n))
             flat = np.ascontiguousarray(c).reshape(n * n * r * points, -1)
@@ -201,9 +203,9 @@ class _Box:
         line, functions = self._lines[1], self._box[1]
         windows = _windows(line, functions, self._spans[1].start)
         parts: dict[Kind, list[tuple[Floats, Floats]]] = {}
-        for (k, l), t in third.items():  # noqa: E741
-            products = line.pairs(int(k == 1), int(l == 1), functions)
-            parts.setdefault(kind_of(k, l), []).append((products, t.reshape(*t.shape[:2], -1)))
+        for (k, m), t in third.items():
+            products = line.pairs(int(k == 1), int(m == 1), functions)
+            parts.setdefault(kind_of(k, m), []).append((products, t.reshape(*t.shape[:2], -1)))
         second: dict[Kind, Floats] = {}
         for kind, pieces in parts.items():
             r = len(pieces[0][1])

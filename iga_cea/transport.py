@@ -23,7 +23,7 @@ from iga_cea.metric import VALUE, Metric
 from iga_cea.multipatch import Multipatch
 from iga_cea.pattern import Pattern
 from iga_cea.separation import Coefficients
-from iga_cea.storage import Kept, combined, block_matrix, component_matrix
+from iga_cea.storage import Kept, block_matrix, combined, component_matrix
 from iga_cea.sum_factorisation import Form
 
 
@@ -96,7 +96,7 @@ class _ScalarMatrices:
         self._origin = np.asarray(rotation.origin[: multipatch.dim])
 
     def mass(self) -> Floats:
-        """m."""
+        """M."""
 
         def coefficients(metric: Metric) -> Coefficients:
             return {(VALUE, VALUE): self._rho * metric.measure[None]}
@@ -104,7 +104,7 @@ class _ScalarMatrices:
         return entries(*self._space, Form(1, coefficients), self._comm)
 
     def transport(self) -> Floats:
-        """A."""
+        """The transport A."""
 
         def coefficients(metric: Metric) -> Coefficients:
             found: Coefficients = {}
@@ -117,13 +117,13 @@ class _ScalarMatrices:
         return entries(*self._space, Form(1, coefficients), self._comm, sign=-1)
 
     def square(self) -> Floats:
-        """B."""
+        """The square B."""
 
         def coefficients(metric: Metric) -> Coefficients:
             speeds, weight = self._speeds(metric), self._rho * metric.measure
             return {
-                (k, l): (weight * (speeds[k] * speeds[l]))[None]
-                for k, l in product(speeds, repeat=2)
+                (k, m): (weight * (speeds[k] * speeds[m]))[None]
+                for k, m in product(speeds, repeat=2)
             }
 
         return entries(*self._space, Form(1, coefficients), self._comm)
