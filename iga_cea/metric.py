@@ -97,7 +97,9 @@ class Map:
         name: str,
     ) -> None:
         self._dim, self._rational, self._name = patch.dim, rational, name
-        net = patch.control_points
+        # Far from the origin slopes would lose digits.
+        self._centre = patch.control_points.reshape(-1, patch.dim).mean(axis=0)
+        net = patch.control_points - self._centre
         if field is not None:
             net = np.concatenate([net, field], axis=-1)
         if not rational:
@@ -148,7 +150,8 @@ class Map:
         if not self._rational:
             measure /= W**2
             gradients[VALUE] = -sum(r * g for r, g in zip(rates, inverse, strict=True))
-        return Metric(measure, gradients, x[:dim], field_gradient)
+        x = x[:dim] + self._centre[:, None, None, None]
+        return Metric(measure, gradients, x, field_gradient)
 
     def _inverse(self, tangents: list[Floats]) -> tuple[Floats, list[Floats]]:
         """Jacobian, and gradients of the parameters."""

@@ -26,8 +26,8 @@ Kind = tuple[int, int]
 _RANK = 1e-12
 """Pivot taken for zero, relative to the largest."""
 
-_ROUNDING = 16 * np.finfo(float).eps
-"""Difference allowed, for each span along the longest parameter: so inexact are its slopes."""
+_ROUNDING = 6 * np.finfo(float).eps
+"""Difference allowed, times the degree and spans along a parameter: so inexact are slopes."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def holds(
     separations: dict[Kind, Separation],
     skeleton: Callable[[tuple[int, int]], Floats],
     layers: Iterator[tuple[slice, Coefficients]],
-    spans: int,
+    steepness: int,
 ) -> bool:
     """Whether separations give back the coefficients at every point.
 
@@ -107,11 +107,11 @@ def holds(
         Coefficients of a pair of derivatives at the rows of its kind.
     layers
         Points of the first parameter in turn, and the coefficients there.
-    spans
-        Spans along the longest parameter.
+    steepness
+        Largest product of degree and spans of a parameter.
     """
     for points, layer in layers:
-        allowed = spans * _ROUNDING * _sizes(layer)
+        allowed = steepness * _ROUNDING * _sizes(layer)
         for (k, m), exact in layer.items():
             if k > m:
                 continue  # the transpose of another

@@ -139,8 +139,8 @@ class _Box:
             (slice((s - spans.start) * line.points, (s - spans.start + 1) * line.points), c)
             for s, c in self._layers()
         )
-        longest = max(other.spans for other in self._lines)
-        return (found, skeleton) if holds(found, skeleton.__getitem__, layers, longest) else None
+        steepness = max(other.degree * other.spans for other in self._lines)
+        return (found, skeleton) if holds(found, skeleton.__getitem__, layers, steepness) else None
 
     def _separated(
         self, found: dict[Kind, Separation], skeleton: Coefficients
