@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, kron, vstack
+from scipy.sparse import csr_array, vstack
 
 from cea.arrays import Floats
 from cea.checks import check_density
@@ -33,6 +33,7 @@ from iga_cea.inputs import check_faces, check_patches, checked_continuity, check
 from iga_cea.multipatch import End, Multipatch, join
 from iga_cea.patch import PatchGeometry, outward, refine, subdivided, tensor_cells
 from iga_cea.pattern import Pattern
+from iga_cea.springs import foundation
 from iga_cea.storage import Kept
 from iga_cea.supports import face_constraints
 from iga_cea.surface import NurbsSurface
@@ -312,23 +313,9 @@ class NurbsBody:
         destroy(volumes, uniform)
 
     def _foundation(self, spring: Spring) -> Any:
-        """Matrix of a spring, all dofs: int k_c N_a N_b on the diagonal of components."""
-        surface = self.surfaces[spring.surface]
-        points = surface.gauss_points(max(self.degree) + 1)
-        scaled = diags_array(np.sqrt(points.weight)) @ surface.trace(points.at)
-        scalar = csr_array(scaled.T @ scaled)
-        whole = csr_array(kron(scalar, diags_array(np.asarray(spring.stiffness)), format="csr"))
-        rows = whole[self._owned]
-        owned = rows.shape[0]
-        return PETSc.Mat().createAIJ(
-            size=((owned, whole.shape[0]), (owned, whole.shape[1])),
-            csr=(
-                rows.indptr.astype(PETSc.IntType),
-                rows.indices.astype(PETSc.IntType),
-                rows.data,
-            ),
-            comm=self.comm,
-        )
+        """Matrix of a spring, all dofs."""
+        points = max(self.degree) + 1
+        return foundation(self.surfaces[spring.surface], spring, points, self._owned, self.comm)
 
     @cached_property
     def _kept(self) -> Kept | None:

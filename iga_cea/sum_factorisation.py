@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Floats
-from iga_cea.chunks import BUDGET
+from iga_cea.chunks import chunks
 from iga_cea.lines import Line
 from iga_cea.metric import Map, Metric
 from iga_cea.separation import Coefficients, Kind, Separation, holds, kind_of, separate
@@ -74,14 +74,26 @@ def slabs(
         the row, offsets, components of the column).
     """
     columns = form.components**2 * np.prod([line.offsets for line in lines[1:]])
-    rows = box[2].stop - box[2].start
-    of_each = 8 * columns * rows * 4 * lines[0].window * lines[0].points
-    step = max(1, int(BUDGET / of_each))
-    for start in range(box[1].start, box[1].stop, step):
-        part = slice(start, min(start + step, box[1].stop))
-        work = _Box(patch_map, lines, form, (box[0], part, box[2]))
-        for i, slab in work.slabs():
-            yield i, part, slab
+    of_window = 4 * lines[0].window * lines[0].points
+    of_each = 8 * columns * (box[2].stop - box[2].start) * of_window
+    # Few points take about a fourth of the memory of a window, or less.
+    for wide in _cut(box[1], of_each / 4):
+        work = _Box(patch_map, lines, form, (box[0], wide, box[2]))
+        few = work.separable()
+        if few is not None:
+            for i, slab in work.separated(*few):
+                yield i, wide, slab
+            continue
+        for part in _cut(wide, of_each):
+            work = _Box(patch_map, lines, form, (box[0], part, box[2]))
+            for i, slab in work.moving():
+                yield i, part, slab
+
+
+def _cut(whole: slice, bytes_each: float) -> Iterator[slice]:
+    """Functions in chunks of bounded memory."""
+    for part in chunks(whole.stop - whole.start, bytes_each):
+        yield slice(whole.start + part.start, whole.start + part.stop)
 
 
 class _Box:
@@ -101,11 +113,6 @@ class _Box:
             [_matrices(line, spans) for line, spans in zip(lines[1:], self._spans[1:], strict=True)]
         )
 
-    def slabs(self) -> Iterator[tuple[int, Floats]]:
-        """Each i1 with its rows."""
-        few = self._separable()
-        yield from self._moving() if few is None else self._separated(*few)
-
     def _layers(self) -> Iterator[tuple[int, Coefficients]]:
         """Coefficients at the points of each span of the first parameter in turn."""
         line = self._lines[0]
@@ -115,7 +122,7 @@ class _Box:
             metric = self._map.at(line.tables[0, span], line.tables[1, span], functions)
             yield span, self._form.coefficients(metric)
 
-    def _separable(self) -> tuple[dict[Kind, Separation], Coefficients] | None:
+    def separable(self) -> tuple[dict[Kind, Separation], Coefficients] | None:
         """Separations, and the coefficients at all their rows; None where there are none."""
         line, spans = self._lines[0], self._spans[0]
         values, slopes = _matrices(line, spans)
@@ -142,7 +149,7 @@ class _Box:
         steepness = max(other.degree * other.spans for other in self._lines)
         return (found, skeleton) if holds(found, skeleton.__getitem__, layers, steepness) else None
 
-    def _separated(
+    def separated(
         self, found: dict[Kind, Separation], skeleton: Coefficients
     ) -> Iterator[tuple[int, Floats]]:
         """Rows from few points that stand for all."""
@@ -157,7 +164,7 @@ class _Box:
         for i, pairs in enumerate(along):
             yield functions.start + i, _rows(pairs, held, self._form.components)
 
-    def _moving(self) -> Iterator[tuple[int, Floats]]:
+    def moving(self) -> Iterator[tuple[int, Floats]]:
         """Rows from the points of one window, span s of which is kept at s modulo its length."""
         line, functions = self._lines[0], self._box[0]
         starts, done = line.starts, self._spans[0].start
