@@ -1,6 +1,6 @@
 """Elastic body on Lagrange elements of dolfinx."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, Self
 
@@ -12,7 +12,7 @@ from cea.arrays import Floats
 from cea.checks import check_density, check_jacobians
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.matrices import antisymmetrised, symmetrised
+from cea.matrices import antisymmetrised, destroy, symmetrised
 from cea.mesh import Mesh
 from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
@@ -29,6 +29,7 @@ from cea.supports.boundary import (
 from cea.supports.constraints import Constraints
 from cea.supports.prescribed import add_prescribed
 from cea.volume import VolumeCells, VolumeSample
+from fe_cea.assembly import Assembly
 from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute
 from fe_cea.facets import gather_facets
@@ -37,10 +38,8 @@ from fe_cea.forms import (
     convective_form,
     geometric_form,
     gyroscopic_form,
-    mass_form,
     pressure_form,
     spring_form,
-    stiffness_form,
     traction_form,
 )
 from fe_cea.sampling import cell_jacobians, sample_volume
@@ -240,9 +239,10 @@ class FEBody:
 
     @cached_property
     def _stiffness(self) -> Any:
-        return self._assembled(
-            stiffness_form(self._space, self._material, self._tagged_springs, self._facet_tags)
-        )
+        stiffness = self._free(lambda held: self._assembly.stiffness(self._material.lame, held))
+        if (springs := self.spring_stiffness()) is not None:
+            stiffness.axpy(1.0, springs, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+        return stiffness
 
     def spring_stiffness(self) -> Any | None:
         """What springs are of the stiffness, PETSc AIJ (free x free), N/m; None without any."""
@@ -271,8 +271,29 @@ class FEBody:
 
     @cached_property
     def _mass(self) -> Any:
-        form = mass_form(self._space, self._density, self._mass_quadrature)
-        return self._assembled(form, with_zeros=False)
+        rho, degree = self._density, self._mass_quadrature
+        return self._free(lambda held: self._assembly.mass(rho, held, degree))
+
+    @cached_property
+    def _assembly(self) -> Assembly:
+        return Assembly(self._space)
+
+    def _free(self, assembled: Callable[[Constraints | None], Any]) -> Any:
+        """Matrix (free x free) of a symmetric integral, symmetric to the last bit.
+
+        Parameters
+        ----------
+        assembled
+            Gives the matrix without what some supports hold, or that of all dofs for None.
+        """
+        held = self._constraints
+        if held.selects:
+            free = assembled(held)
+            return symmetrised(free) if self.comm.size > 1 else free
+        full = assembled(None)
+        free = held.restrict(full, self.expansion)
+        destroy(full)
+        return symmetrised(free)
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
@@ -317,9 +338,14 @@ class FEBody:
 
     def full_stiffness(self) -> Any:
         """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
-        form = stiffness_form(self._space, self._material, self._tagged_springs, self._facet_tags)
-        full = assemble_matrix(form)
-        full.assemble()
+        full = self._assembly.stiffness(self._material.lame)
+        if self._springs:
+            springs = assemble_matrix(
+                spring_form(self._space, self._tagged_springs, self._facet_tags)
+            )
+            springs.assemble()
+            full.axpy(1.0, springs, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+            destroy(springs)
         return full
 
     def load(self) -> Any:

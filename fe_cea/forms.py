@@ -15,6 +15,7 @@ from cea.arrays import Floats
 from cea.material import IsotropicMaterial
 from cea.rotation import Rotation
 from cea.supports.boundary import Pressure, Spring
+from fe_cea.quadrature import geometric_degree, mass_degree, pressure_degree, transport_degree
 
 JIT_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 
@@ -22,65 +23,6 @@ JIT_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 def compiled(expression: Any) -> Form:
     """Compile a UFL form for this machine."""
     return form(expression, jit_options=dict(JIT_OPTIONS))
-
-
-def _order(V: Any) -> int:
-    """Polynomial order that quadrature must resolve: of the space or of the geometry."""
-    mesh = V.mesh
-    return max(V.ufl_element().basix_element.degree, mesh.geometry.cmaps[0].degree)
-
-
-def _is_simplex(V: Any) -> bool:
-    return V.mesh.basix_cell().name in ("interval", "triangle", "tetrahedron")
-
-
-def stiffness_degree(V: Any) -> int:
-    """Quadrature degree of the stiffness, exact on affine cells.
-
-    Products of gradients have degree 2 (q - 1) on simplices; on tensor cells they keep degree 2 q
-    along one direction.
-    """
-    q = _order(V)
-    return 2 * (q - 1) if _is_simplex(V) else 2 * q
-
-
-def mass_degree(V: Any) -> int:
-    """Quadrature degree of products of basis functions, exact on affine cells and facets."""
-    return 2 * _order(V)
-
-
-def pressure_degree(V: Any) -> int:
-    """Quadrature degree of pressures, exact: the normal times the area element is a polynomial.
-
-    Of geometry of degree g, one tangent contributes g - 1 along each direction; the other, in
-    space, g - 1 on triangles and g on squares.
-    """
-    mesh = V.mesh
-    q, g = V.ufl_element().basix_element.degree, mesh.geometry.cmaps[0].degree
-    second = {2: 0, 3: g - 1 if _is_simplex(V) else g}[mesh.geometry.dim]
-    return q + g - 1 + second
-
-
-def stiffness_form(
-    V: Any, material: IsotropicMaterial, springs: Iterable[tuple[Spring, int]], facet_tags: Any
-) -> Form:
-    """Elastic stiffness with springs, N/m.
-
-    Parameters
-    ----------
-    V
-        Vector Lagrange space (dolfinx).
-    material
-        Material.
-    springs
-        Springs with the facet tags of their surfaces.
-    facet_tags
-        Facet tags (dolfinx).
-    """
-    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
-    dx = ufl.dx(metadata={"quadrature_degree": stiffness_degree(V)})
-    a = ufl.inner(_stress(u, V, material), ufl.sym(ufl.grad(v))) * dx
-    return compiled(sum(_spring_integrals(V, springs, facet_tags), a))
 
 
 def _stress(u: Any, V: Any, material: IsotropicMaterial) -> Any:
@@ -108,12 +50,6 @@ def geometric_form(displacement: Any, material: IsotropicMaterial) -> Form:
     return compiled(ufl.inner(ufl.grad(u) * stress, ufl.grad(v)) * dx)
 
 
-def geometric_degree(V: Any) -> int:
-    """Quadrature degree of products of three gradients, exact on affine cells."""
-    q = _order(V)
-    return 3 * (q - 1) if _is_simplex(V) else 3 * q
-
-
 def spring_form(V: Any, springs: Iterable[tuple[Spring, int]], facet_tags: Any) -> Form:
     """What springs, each with the facet tag of its surface, are of the stiffness, N/m."""
     first, *others = _spring_integrals(V, springs, facet_tags)
@@ -128,19 +64,6 @@ def _spring_integrals(
     for spring, tag in springs:
         k = Constant(V.mesh, np.asarray(spring.stiffness, dtype=default_scalar_type))
         yield sum(k[i] * u[i] * v[i] for i in range(V.mesh.geometry.dim)) * ds(tag)
-
-
-def mass_form(V: Any, rho: float, degree: int | None = None) -> Form:
-    """Consistent mass of density ``rho`` (kg/m^3) by a quadrature of a degree, by default exact."""
-    density = Constant(V.mesh, default_scalar_type(rho))
-    u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
-    dx = ufl.dx(metadata={"quadrature_degree": mass_degree(V) if degree is None else degree})
-    return compiled(density * ufl.inner(u, v) * dx)
-
-
-def transport_degree(V: Any) -> int:
-    """Quadrature degree of a function times the derivative of another along the rotation."""
-    return mass_degree(V) + 1
 
 
 def gyroscopic_form(V: Any, rho: float, rotation: Rotation) -> Form:

@@ -107,6 +107,29 @@ class Constraints:
         """Number of the first free unknown at each scalar dof, or of the next one."""
         return _first_free(self.dim, self.dofs, self.removed, dofs)
 
+    def numbers(self, dofs: Ints) -> Ints:
+        """Free unknown of each component of scalar dofs, -1 where held; supports must select.
+
+        Parameters
+        ----------
+        dofs
+            Scalar dofs, shape (n,), any order.
+
+        Returns
+        -------
+        ndarray
+            Shape (n, dim).
+        """
+        found = self.first_free(dofs)[:, None] + np.arange(self.dim)
+        if not self.any:
+            return found
+        at_held = np.full(len(self.dofs) * self.dim, -1, dtype=np.int64)
+        at_held[np.diff(self.rows.indptr) > 0] = self.rows.indices
+        place = np.minimum(np.searchsorted(self.dofs, dofs), len(self.dofs) - 1)
+        held = self.dofs[place] == dofs
+        found[held] = at_held.reshape(-1, self.dim)[place[held]]
+        return found
+
     def expansion(self, first: int, last: int, comm: Any) -> Any:
         """Z, PETSc AIJ (full x free).
 
