@@ -118,7 +118,7 @@ class Constraints:
         Returns
         -------
         ndarray
-            Shape (n, dim).
+            Rising along each row, but for those held, shape (n, dim).
         """
         found = self.first_free(dofs)[:, None] + np.arange(self.dim)
         if not self.any:
