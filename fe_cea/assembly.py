@@ -8,7 +8,6 @@ Element matrices are symmetric to the last bit, and an entry and its mirror imag
 numbers in the same order. On several ranks the order of what comes from others is not known.
 """
 
-from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
@@ -35,7 +34,7 @@ class Assembly:
         self._space = V
         self._dim = V.mesh.geometry.dim
         cells = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
-        self._cells = V.dofmap.list[:cells]
+        self._elements = ElementMatrices(V, V.dofmap.list[:cells])
 
     def stiffness(self, lame: tuple[float, float], held: Constraints | None = None) -> Any:
         """Elastic stiffness (N/m), PETSc AIJ, symmetric.
@@ -50,10 +49,10 @@ class Assembly:
         elements, dim = self._elements, self._dim
         rule = elements.rule(stiffness_degree(self._space))
         matrix = self._empty(held, coupled=True)
-        component = np.arange(dim, dtype=np.int32)[:, None]
-        for cells in self._chunks(dim):
-            dofs = (dim * self._cells[cells, None, :] + component).reshape(-1, dim * elements.size)
-            _add(matrix, dofs, elements.stiffness(cells, rule, lame))
+        component = np.arange(dim, dtype=np.int32)
+        for cells in elements.chunks(dim):
+            dofs = dim * elements.dofs[cells, :, None] + component
+            _add(matrix, dofs.reshape(len(dofs), -1), elements.stiffness(cells, rule, lame))
         matrix.assemble()
         return matrix
 
@@ -74,24 +73,16 @@ class Assembly:
         elements, dim = self._elements, self._dim
         rule = elements.rule(mass_degree(self._space) if degree is None else degree)
         matrix = self._empty(held, coupled=False)
-        for cells in self._chunks(1):
+        for cells in elements.chunks(1):
             masses = elements.mass(cells, rule, density)
             for component in range(dim):
-                _add(matrix, dim * self._cells[cells] + component, masses)
+                _add(matrix, dim * elements.dofs[cells] + component, masses)
         matrix.assemble()
         return matrix
 
     @cached_property
     def _graph(self) -> NodeGraph:
         return NodeGraph(self._space)
-
-    @cached_property
-    def _elements(self) -> ElementMatrices:
-        return ElementMatrices(self._space)
-
-    def _chunks(self, components: int) -> Iterator[slice]:
-        count, step = len(self._cells), self._elements.chunk(components)
-        return (slice(i, min(i + step, count)) for i in range(0, count, step))
 
     def _empty(self, held: Constraints | None, *, coupled: bool) -> Any:
         numbers = self._every if held is None else held.numbers

@@ -7,16 +7,19 @@ symmetric product over the points of a quadrature,
     K_(ai)(bj) = lambda G_(ai)(bj) + mu G_(bi)(aj) + mu delta_ab sum_c G_(ci)(cj)
 
 (T. J. R. Hughes, The Finite Element Method, 2000, sec. 2.8 and 3.10), and the mass is the same
-scalar matrix int phi_i phi_j of every component. Dofs of a cell stand component after component.
+scalar matrix int phi_i phi_j of every component. The functions of a cell are taken by rising
+number, and their components one after another: so PETSc finds their places fastest.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import basix
 import numpy as np
 
-from cea.body import Floats
+from cea.body import Floats, Ints
 from fe_cea.facets import geometry_element
 
 _CHUNK_BYTES = 2**20
@@ -52,9 +55,11 @@ class ElementMatrices:
     ----------
     V
         Lagrange space (dolfinx), scalar or blocked.
+    dofs
+        Scalar dofs of each cell, (cells, functions).
     """
 
-    def __init__(self, V: Any) -> None:
+    def __init__(self, V: Any, dofs: Ints) -> None:
         mesh = V.mesh
         self._element = V.ufl_element().basix_element
         self._geometry = geometry_element(mesh)
@@ -62,6 +67,9 @@ class ElementMatrices:
         self._dim = mesh.geometry.dim
         self._nodes = mesh.geometry.dofmaps[0]
         self._x = mesh.geometry.x
+        self._order = np.argsort(dofs, axis=1)
+        self.dofs = np.take_along_axis(dofs, self._order, axis=1)
+        """Scalar dofs of each cell, rising, (cells, functions)."""
         n = self.size
         self._pair = np.empty((n, n), dtype=np.intp)
         upper = np.triu_indices(n)
@@ -72,9 +80,10 @@ class ElementMatrices:
         """Basis functions of a cell."""
         return int(self._element.dim)
 
-    def chunk(self, components: int) -> int:
-        """Cells to do at a time, whose matrices have so many components on either side."""
-        return max(1, _CHUNK_BYTES // (8 * (components * self.size) ** 2))
+    def chunks(self, components: int) -> Iterator[slice]:
+        """Cells to do at a time, whose matrices have so many components of each function."""
+        step = max(1, _CHUNK_BYTES // (8 * (components * self.size) ** 2))
+        return (slice(i, min(i + step, len(self.dofs))) for i in range(0, len(self.dofs), step))
 
     def rule(self, degree: int) -> _Rule:
         """Quadrature of a degree, and what is tabulated there."""
@@ -90,7 +99,7 @@ class ElementMatrices:
         )
 
     def stiffness(self, cells: slice, rule: _Rule, lame: tuple[float, float]) -> Floats:
-        """Elastic stiffness of cells (N/m), (cells, dim * functions, dim * functions), symmetric.
+        """Elastic stiffness of cells (N/m), (cells, functions * dim, functions * dim), symmetric.
 
         Parameters
         ----------
@@ -103,19 +112,20 @@ class ElementMatrices:
         """
         lam, mu = lame
         dim, n = self._dim, self.size
-        gradients = self._weighted_gradients(cells, rule)
+        gradients = self._weighted_gradients(cells, rule).reshape(-1, n * dim, len(rule.weights))
         # The product of a matrix with its transpose is symmetric to the last bit.
-        G = np.matmul(gradients.transpose(1, 2, 0), gradients.transpose(1, 0, 2))
-        K = (lam * G).reshape(-1, dim, n, dim, n)
+        G = np.matmul(gradients, gradients.swapaxes(1, 2))
+        K = (lam * G).reshape(-1, n, dim, n, dim)
         G = np.multiply(G, mu, out=G).reshape(K.shape)
-        K += G.swapaxes(1, 3)
-        trace = sum(G[:, c, :, c, :] for c in range(dim))
-        for c in range(dim):
-            K[:, c, :, c, :] += trace
-        return K.reshape(-1, dim * n, dim * n)
+        trace = sum(G[:, :, c, :, c] for c in range(dim))
+        for a, b in product(range(dim), repeat=2):
+            K[:, :, a, :, b] += G[:, :, b, :, a]
+            if a == b:
+                K[:, :, a, :, a] += trace
+        return K.reshape(-1, n * dim, n * dim)
 
     def _weighted_gradients(self, cells: slice, rule: _Rule) -> Floats:
-        """Gradients times roots of weights, (points, cells, dim * functions)."""
+        """Gradients times roots of weights, (cells, functions, dim, points)."""
         J = self._jacobians(cells, rule)
         cofactors = _cofactors(J)
         det = (J[0] * cofactors[0]).sum(axis=0)
@@ -123,7 +133,8 @@ class ElementMatrices:
         dim, _, points, count = J.shape
         inverse = np.ascontiguousarray(cofactors.transpose(2, 3, 0, 1))
         gradients = inverse.reshape(points, count * dim, dim) @ rule.slopes
-        return gradients.reshape(points, count, -1)
+        by_cell = gradients.reshape(points, count, dim, -1).transpose(1, 3, 2, 0)
+        return by_cell[np.arange(count)[:, None], self._order[cells]]
 
     def _jacobians(self, cells: slice, rule: _Rule) -> Floats:
         """Derivatives dx_i / dX_c, (dim, dim, points, cells)."""
@@ -145,7 +156,9 @@ class ElementMatrices:
         J = self._jacobians(cells, rule)
         det = (J[0] * _cofactors(J)[0]).sum(axis=0)
         pairs = (density * rule.weights[:, None] * np.abs(det)).T @ rule.products
-        return pairs[:, self._pair]
+        order = self._order[cells]
+        place = self._pair[order[:, :, None], order[:, None, :]]
+        return np.take_along_axis(pairs, place.reshape(len(pairs), -1), axis=1).reshape(place.shape)
 
 
 def _cofactors(J: Floats) -> Floats:
