@@ -34,7 +34,8 @@ class Assembly:
         self._space = V
         self._dim = V.mesh.geometry.dim
         cells = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
-        self._elements = ElementMatrices(V, V.dofmap.list[:cells])
+        self._cells = V.dofmap.list[:cells]
+        self._elements = ElementMatrices(V, self._cells)
 
     def stiffness(self, lame: tuple[float, float], held: Constraints | None = None) -> Any:
         """Elastic stiffness (N/m), PETSc AIJ, symmetric.
@@ -50,7 +51,7 @@ class Assembly:
         rule = elements.rule(stiffness_degree(self._space))
         matrix = self._empty(held, coupled=True)
         component = np.arange(dim, dtype=np.int32)
-        for cells in elements.chunks(dim):
+        for cells in elements.chunks():
             dofs = dim * elements.dofs[cells, :, None] + component
             _add(matrix, dofs.reshape(len(dofs), -1), elements.stiffness(cells, rule, lame))
         matrix.assemble()
@@ -73,10 +74,10 @@ class Assembly:
         elements, dim = self._elements, self._dim
         rule = elements.rule(mass_degree(self._space) if degree is None else degree)
         matrix = self._empty(held, coupled=False)
-        for cells in elements.chunks(1):
+        for cells in elements.chunks():
             masses = elements.mass(cells, rule, density)
             for component in range(dim):
-                _add(matrix, dim * elements.dofs[cells] + component, masses)
+                _add(matrix, dim * self._cells[cells] + component, masses)
         matrix.assemble()
         return matrix
 

@@ -8,7 +8,8 @@ symmetric product over the points of a quadrature,
 
 (T. J. R. Hughes, The Finite Element Method, 2000, sec. 2.8 and 3.10), and the mass is the same
 scalar matrix int phi_i phi_j of every component. The functions of a cell are taken by rising
-number, and their components one after another: so PETSc finds their places fastest.
+number in the stiffness, and their components one after another: so PETSc finds their places
+fastest.
 """
 
 from collections.abc import Iterator
@@ -23,7 +24,7 @@ from cea.body import Floats, Ints
 from fe_cea.facets import geometry_element
 
 _CHUNK_BYTES = 2**20
-"""Size of the matrices of the cells done at a time: they stay in the cache."""
+"""Size of the stiffness of the cells done at a time: it stays in the cache."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class ElementMatrices:
         self._x = mesh.geometry.x
         self._order = np.argsort(dofs, axis=1)
         self.dofs = np.take_along_axis(dofs, self._order, axis=1)
-        """Scalar dofs of each cell, rising, (cells, functions)."""
+        """Scalar dofs of each cell, rising as PETSc likes them, (cells, functions)."""
         n = self.size
         self._pair = np.empty((n, n), dtype=np.intp)
         upper = np.triu_indices(n)
@@ -80,9 +81,9 @@ class ElementMatrices:
         """Basis functions of a cell."""
         return int(self._element.dim)
 
-    def chunks(self, components: int) -> Iterator[slice]:
-        """Cells to do at a time, whose matrices have so many components of each function."""
-        step = max(1, _CHUNK_BYTES // (8 * (components * self.size) ** 2))
+    def chunks(self) -> Iterator[slice]:
+        """Cells to do at a time."""
+        step = max(1, _CHUNK_BYTES // (8 * (self._dim * self.size) ** 2))
         return (slice(i, min(i + step, len(self.dofs))) for i in range(0, len(self.dofs), step))
 
     def rule(self, degree: int) -> _Rule:
@@ -110,19 +111,17 @@ class ElementMatrices:
         lame
             Lame parameters (lambda, mu) (N/m^2).
         """
-        lam, mu = lame
-        dim, n = self._dim, self.size
-        gradients = self._weighted_gradients(cells, rule).reshape(-1, n * dim, len(rule.weights))
+        gradients = self._weighted_gradients(cells, rule)
+        count, n, dim, points = gradients.shape
+        gradients = gradients.reshape(count, n * dim, points)
+        if points == 1:  # matrices so small that long loops must run over the cells
+            each = np.ascontiguousarray(gradients[:, :, 0].T)
+            K = _isotropic((each[:, None] * each).reshape(n, dim, n, dim, count), lame)
+            return np.ascontiguousarray(K.reshape(n * dim, n * dim, count).transpose(2, 0, 1))
         # The product of a matrix with its transpose is symmetric to the last bit.
-        G = np.matmul(gradients, gradients.swapaxes(1, 2))
-        K = (lam * G).reshape(-1, n, dim, n, dim)
-        G = np.multiply(G, mu, out=G).reshape(K.shape)
-        trace = sum(G[:, :, c, :, c] for c in range(dim))
-        for a, b in product(range(dim), repeat=2):
-            K[:, :, a, :, b] += G[:, :, b, :, a]
-            if a == b:
-                K[:, :, a, :, a] += trace
-        return K.reshape(-1, n * dim, n * dim)
+        G = np.matmul(gradients, gradients.swapaxes(1, 2)).reshape(count, n, dim, n, dim)
+        K = _isotropic(np.moveaxis(G, 0, -1), lame)
+        return np.moveaxis(K, -1, 0).reshape(count, n * dim, n * dim)
 
     def _weighted_gradients(self, cells: slice, rule: _Rule) -> Floats:
         """Gradients times roots of weights, (cells, functions, dim, points)."""
@@ -156,9 +155,21 @@ class ElementMatrices:
         J = self._jacobians(cells, rule)
         det = (J[0] * _cofactors(J)[0]).sum(axis=0)
         pairs = (density * rule.weights[:, None] * np.abs(det)).T @ rule.products
-        order = self._order[cells]
-        place = self._pair[order[:, :, None], order[:, None, :]]
-        return np.take_along_axis(pairs, place.reshape(len(pairs), -1), axis=1).reshape(place.shape)
+        return pairs[:, self._pair]
+
+
+def _isotropic(G: Floats, lame: tuple[float, float]) -> Floats:
+    """K from G, which is overwritten, both (functions, dim, functions, dim, cells)."""
+    lam, mu = lame
+    dim = G.shape[1]
+    K = lam * G
+    G *= mu
+    trace = sum(G[:, c, :, c] for c in range(dim))
+    for a, b in product(range(dim), repeat=2):
+        K[:, a, :, b] += G[:, b, :, a]
+        if a == b:
+            K[:, a, :, a] += trace
+    return K
 
 
 def _cofactors(J: Floats) -> Floats:
