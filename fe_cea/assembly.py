@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.petsc import PETSc
 from cea.supports.constraints import Constraints
 from fe_cea.element_matrices import ElementMatrices

@@ -1,18 +1,17 @@
 """Elastic body on Lagrange elements of dolfinx."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, Self
 
 from dolfinx.fem import Function, functionspace
-from dolfinx.fem.petsc import assemble_matrix, assemble_vector
-from scipy.sparse import csr_array
+from dolfinx.fem.petsc import assemble_matrix
 
 from cea.arrays import Floats
 from cea.checks import check_density, check_jacobians
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.matrices import antisymmetrised, destroy, symmetrised
+from cea.matrices import destroy
 from cea.mesh import Mesh
 from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
@@ -23,8 +22,6 @@ from cea.supports.boundary import (
     Spring,
     Support,
     check_boundary,
-    on_surfaces,
-    through_body,
 )
 from cea.supports.constraints import Constraints
 from cea.supports.prescribed import add_prescribed
@@ -34,14 +31,13 @@ from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute
 from fe_cea.facets import gather_facets
 from fe_cea.forms import (
-    body_force_form,
     convective_form,
     geometric_form,
     gyroscopic_form,
-    pressure_form,
     spring_form,
-    traction_form,
 )
+from fe_cea.loads import Loads
+from fe_cea.restriction import Restriction
 from fe_cea.sampling import cell_jacobians, sample_volume
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
@@ -102,8 +98,7 @@ class FEBody:
         self._material = material
         self._supports = tuple(supports)
         self._springs = tuple(springs)
-        self._pressures = tuple(pressures)
-        self._forces = tuple(forces)
+        self._loads = Loads(tuple(pressures), tuple(forces), facet_tags, self._surface_tags)
         if type(degree) is not int or not 1 <= degree <= 4:
             raise InputError(f"bodies.{name}.degree", degree, "1 to 4")
         if mass_quadrature is not None and mass_quadrature < 0:
@@ -239,8 +234,9 @@ class FEBody:
 
     @cached_property
     def _stiffness(self) -> Any:
-        stiffness = self._free(lambda held: self._assembly.stiffness(self._material.lame, held))
-        if (springs := self.spring_stiffness()) is not None:
+        lame, springs = self._material.lame, self.spring_stiffness()
+        stiffness = self._restriction.of_free(lambda held: self._assembly.stiffness(lame, held))
+        if springs is not None:
             stiffness.axpy(1.0, springs, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
         return stiffness
 
@@ -252,12 +248,12 @@ class FEBody:
     def _spring_stiffness(self) -> Any | None:
         if not self._springs:
             return None
-        form = spring_form(self._space, self._tagged_springs, self._facet_tags)
-        return self._assembled(form, with_zeros=False)
+        return self._restriction.symmetric(self._spring_form, with_zeros=False)
 
     @property
-    def _tagged_springs(self) -> list[tuple[Spring, int]]:
-        return [(spring, self._surface_tags[spring.surface]) for spring in self._springs]
+    def _spring_form(self) -> Any:
+        tagged = [(spring, self._surface_tags[spring.surface]) for spring in self._springs]
+        return spring_form(self._space, tagged, self._facet_tags)
 
     def mass(self) -> Any:
         """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
@@ -272,59 +268,29 @@ class FEBody:
     @cached_property
     def _mass(self) -> Any:
         rho, degree = self._density, self._mass_quadrature
-        return self._free(lambda held: self._assembly.mass(rho, held, degree))
+        return self._restriction.of_free(lambda held: self._assembly.mass(rho, held, degree))
 
     @cached_property
     def _assembly(self) -> Assembly:
         return Assembly(self._space)
 
-    def _free(self, assembled: Callable[[Constraints | None], Any]) -> Any:
-        """Matrix (free x free) of a symmetric integral, symmetric to the last bit.
-
-        Parameters
-        ----------
-        assembled
-            Gives the matrix without what some supports hold, or that of all dofs for None.
-        """
-        held = self._constraints
-        if held.selects:
-            free = assembled(held)
-            return symmetrised(free) if self.comm.size > 1 else free
-        full = assembled(None)
-        free = held.restrict(full, self.expansion)
-        destroy(full)
-        return symmetrised(free)
+    @cached_property
+    def _restriction(self) -> Restriction:
+        return Restriction(self._constraints, self.expansion)
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
         form = gyroscopic_form(self._space, self._density, rotation)
-        return antisymmetrised(self._restricted(form, with_zeros=False))
+        return self._restriction.skew(form)
 
     def convective_stiffness(self, rotation: Rotation) -> Any:
         """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
-        return self._assembled(
-            convective_form(self._space, self._density, rotation), with_zeros=False
-        )
+        form = convective_form(self._space, self._density, rotation)
+        return self._restriction.symmetric(form, with_zeros=False)
 
     @property
     def _density(self) -> float:
         return check_density(self._material, f"bodies.{self._name}.material")
-
-    def _assembled(self, form: Any, *, with_zeros: bool = True) -> Any:
-        """Matrix (free x free) of a symmetric form, symmetric to the last bit."""
-        # Element matrices, and products with a turned frame, are symmetric up to rounding only.
-        return symmetrised(self._restricted(form, with_zeros=with_zeros))
-
-    def _restricted(self, form: Any, *, with_zeros: bool) -> Any:
-        """Matrix (free x free) of a form."""
-        full = assemble_matrix(form)
-        full.assemble()
-        if not with_zeros:  # ahead of all that copies it
-            full = _without_zeros(full, self.comm)
-        free = self._constraints.restrict(full, self.expansion)
-        if free is not full:
-            full.destroy()
-        return free
 
     @property
     def prescribed(self) -> Any | None:
@@ -340,9 +306,7 @@ class FEBody:
         """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
         full = self._assembly.stiffness(self._material.lame)
         if self._springs:
-            springs = assemble_matrix(
-                spring_form(self._space, self._tagged_springs, self._facet_tags)
-            )
+            springs = assemble_matrix(self._spring_form)
             springs.assemble()
             full.axpy(1.0, springs, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
             destroy(springs)
@@ -355,7 +319,7 @@ class FEBody:
     @cached_property
     def _load(self) -> Any:
         free = self.expansion.createVecRight()
-        for full in self._full_loads():
+        for full in self._loads.vectors(self._space, self.surfaces):
             self.expansion.multTransposeAdd(full, free, free)
         add_prescribed(free, self)
         return free
@@ -363,16 +327,9 @@ class FEBody:
     def full_load(self) -> Any:
         """Forces on all dofs, without those of prescribed displacements, PETSc vector (full), N."""
         every = self.expansion.createVecLeft()
-        for full in self._full_loads():
+        for full in self._loads.vectors(self._space, self.surfaces):
             every.array[:] += full.array_r
         return every
-
-    def _full_loads(self) -> Iterator[Any]:
-        """Forces on all dofs whose sum is the load, PETSc vectors."""
-        for form in self._load_forms():
-            full = assemble_vector(form)
-            full.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-            yield full
 
     def geometric_stiffness(self, displacement: Floats) -> Any:
         """Stiffness that stresses of a displacement make, PETSc AIJ (free x free), N/m."""
@@ -381,18 +338,7 @@ class FEBody:
         mine = slice(self.dim * first, self.dim * last)
         u.x.array[: self.dim * (last - first)] = displacement[mine]
         u.x.scatter_forward()
-        return self._assembled(geometric_form(u, self._material))
-
-    def _load_forms(self) -> Iterator[Any]:
-        """Linear forms whose sum is the load."""
-        if self._pressures:
-            pressures = [(p, self._surface_tags[p.surface]) for p in self._pressures]
-            yield pressure_form(self._space, pressures, self._facet_tags)
-        for name, value in on_surfaces(self._forces):
-            traction = value / self.surfaces[name].area
-            yield traction_form(self._space, traction, self._surface_tags[name], self._facet_tags)
-        if (through := through_body(self._forces)) is not None:
-            yield body_force_form(self._space, through)
+        return self._restriction.symmetric(geometric_form(u, self._material))
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
         """Sample of the whole body, each cell divided so many times a direction; on every rank.
@@ -410,13 +356,3 @@ class FEBody:
         Complete on every rank.
         """
         return lagrange_cells(self._space)
-
-
-def _without_zeros(matrix: Any, comm: Any) -> Any:
-    """AIJ matrix without stored zeros, two thirds of a mass matrix in 3D; the given one goes."""
-    sizes = matrix.getSizes()
-    indptr, indices, values = matrix.getValuesCSR()
-    matrix.destroy()
-    rows = csr_array((values, indices, indptr), shape=(len(indptr) - 1, sizes[1][1]))
-    rows.eliminate_zeros()
-    return PETSc.Mat().createAIJ(sizes, csr=(rows.indptr, rows.indices, rows.data), comm=comm)

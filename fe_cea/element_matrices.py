@@ -20,7 +20,7 @@ from typing import Any
 import basix
 import numpy as np
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from fe_cea.facets import geometry_element
 
 _CHUNK_BYTES = 2**20

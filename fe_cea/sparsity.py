@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from cea.body import Ints
+from cea.arrays import Ints
 from cea.matrices import destroy, distributed
 from cea.petsc import PETSc
 
