@@ -4,38 +4,24 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, Self
 
-from dolfinx.fem import Function, functionspace
-from dolfinx.fem.petsc import assemble_matrix
+from dolfinx.fem import functionspace
 
 from cea.arrays import Floats
-from cea.checks import check_density, check_jacobians
-from cea.errors import InputError
+from cea.checks import check_jacobians
 from cea.material import IsotropicMaterial
-from cea.matrices import destroy
 from cea.mesh import Mesh
-from cea.petsc import MPI, PETSc
+from cea.petsc import MPI
 from cea.ranks import agreed
 from cea.rotation import Rotation
-from cea.supports.boundary import (
-    Force,
-    Pressure,
-    Spring,
-    Support,
-    check_boundary,
-)
+from cea.supports.boundary import Force, Pressure, Spring, Support, check_boundary
 from cea.supports.constraints import Constraints
 from cea.supports.prescribed import add_prescribed
 from cea.volume import VolumeCells, VolumeSample
-from fe_cea.assembly import Assembly
 from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute
+from fe_cea.elasticity import Elasticity
 from fe_cea.facets import gather_facets
-from fe_cea.forms import (
-    convective_form,
-    geometric_form,
-    gyroscopic_form,
-    spring_form,
-)
+from fe_cea.inputs import check_degrees, check_tags
 from fe_cea.loads import Loads
 from fe_cea.restriction import Restriction
 from fe_cea.sampling import cell_jacobians, sample_volume
@@ -99,14 +85,11 @@ class FEBody:
         self._supports = tuple(supports)
         self._springs = tuple(springs)
         self._loads = Loads(tuple(pressures), tuple(forces), facet_tags, self._surface_tags)
-        if type(degree) is not int or not 1 <= degree <= 4:
-            raise InputError(f"bodies.{name}.degree", degree, "1 to 4")
-        if mass_quadrature is not None and mass_quadrature < 0:
-            raise InputError(f"bodies.{name}.mass_quadrature", mass_quadrature, "0 or more")
-        self._mass_quadrature = mass_quadrature
         field = f"bodies.{name}"
+        check_degrees(degree, mass_quadrature, field)
+        self._mass_quadrature = mass_quadrature
         check_boundary(supports, springs, pressures, forces, surface_tags, self.dim, field)
-        self._check_tags()
+        check_tags(facet_tags, surface_tags, self.comm, field)
         with agreed(self.comm):
             check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
         self._space = functionspace(mesh, ("Lagrange", degree, (mesh.geometry.dim,)))
@@ -169,12 +152,6 @@ class FEBody:
             mass_quadrature=mass_quadrature,
         )
 
-    def _check_tags(self) -> None:
-        for surface, tag in self._surface_tags.items():
-            if self.comm.allreduce(len(self._facet_tags.find(tag))) == 0:
-                field = f"bodies.{self._name}.surfaces.{surface}"
-                raise InputError(field, tag, "the tag of some facets")
-
     @property
     def name(self) -> str:
         """Name of the body."""
@@ -230,30 +207,11 @@ class FEBody:
 
     def stiffness(self) -> Any:
         """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
-        return self._stiffness
-
-    @cached_property
-    def _stiffness(self) -> Any:
-        lame, springs = self._material.lame, self.spring_stiffness()
-        stiffness = self._restriction.of_free(lambda held: self._assembly.stiffness(lame, held))
-        if springs is not None:
-            stiffness.axpy(1.0, springs, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
-        return stiffness
+        return self._elasticity.stiffness
 
     def spring_stiffness(self) -> Any | None:
         """What springs are of the stiffness, PETSc AIJ (free x free), N/m; None without any."""
-        return self._spring_stiffness
-
-    @cached_property
-    def _spring_stiffness(self) -> Any | None:
-        if not self._springs:
-            return None
-        return self._restriction.symmetric(self._spring_form, with_zeros=False)
-
-    @property
-    def _spring_form(self) -> Any:
-        tagged = [(spring, self._surface_tags[spring.surface]) for spring in self._springs]
-        return spring_form(self._space, tagged, self._facet_tags)
+        return self._elasticity.springs
 
     def mass(self) -> Any:
         """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
@@ -263,34 +221,27 @@ class FEBody:
         InputError
             When the material has no density.
         """
-        return self._mass
+        return self._elasticity.mass
 
     @cached_property
-    def _mass(self) -> Any:
-        rho, degree = self._density, self._mass_quadrature
-        return self._restriction.of_free(lambda held: self._assembly.mass(rho, held, degree))
-
-    @cached_property
-    def _assembly(self) -> Assembly:
-        return Assembly(self._space)
-
-    @cached_property
-    def _restriction(self) -> Restriction:
-        return Restriction(self._constraints, self.expansion)
+    def _elasticity(self) -> Elasticity:
+        return Elasticity(
+            self._space,
+            Restriction(self._constraints, self.expansion),
+            self._material,
+            [(spring, self._surface_tags[spring.surface]) for spring in self._springs],
+            self._facet_tags,
+            self._mass_quadrature,
+            f"bodies.{self._name}",
+        )
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
-        form = gyroscopic_form(self._space, self._density, rotation)
-        return self._restriction.skew(form)
+        return self._elasticity.gyroscopic(rotation)
 
     def convective_stiffness(self, rotation: Rotation) -> Any:
         """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
-        form = convective_form(self._space, self._density, rotation)
-        return self._restriction.symmetric(form, with_zeros=False)
-
-    @property
-    def _density(self) -> float:
-        return check_density(self._material, f"bodies.{self._name}.material")
+        return self._elasticity.convective(rotation)
 
     @property
     def prescribed(self) -> Any | None:
@@ -304,13 +255,7 @@ class FEBody:
 
     def full_stiffness(self) -> Any:
         """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
-        full = self._assembly.stiffness(self._material.lame)
-        if self._springs:
-            springs = assemble_matrix(self._spring_form)
-            springs.assemble()
-            full.axpy(1.0, springs, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
-            destroy(springs)
-        return full
+        return self._elasticity.full_stiffness()
 
     def load(self) -> Any:
         """Forces of loads and of prescribed displacements, PETSc vector (free), N."""
@@ -333,12 +278,7 @@ class FEBody:
 
     def geometric_stiffness(self, displacement: Floats) -> Any:
         """Stiffness that stresses of a displacement make, PETSc AIJ (free x free), N/m."""
-        u = Function(self._space)
-        first, last = self._space.dofmap.index_map.local_range
-        mine = slice(self.dim * first, self.dim * last)
-        u.x.array[: self.dim * (last - first)] = displacement[mine]
-        u.x.scatter_forward()
-        return self._restriction.symmetric(geometric_form(u, self._material))
+        return self._elasticity.geometric(displacement)
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
         """Sample of the whole body, each cell divided so many times a direction; on every rank.
