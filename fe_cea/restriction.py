@@ -36,8 +36,7 @@ class Restriction:
             symmetric to the last bit.
         """
         if self._held.selects:
-            free = assembled(self._held)
-            return symmetrised(free) if self._expansion.comm.size > 1 else free
+            return _symmetrised_over_ranks(assembled(self._held))
         full = assembled(None)
         free = self._held.restrict(full, self._expansion)
         destroy(full)
@@ -61,6 +60,20 @@ class Restriction:
         if free is not full:
             full.destroy()
         return free
+
+
+def _symmetrised_over_ranks(matrix: Any) -> Any:
+    """Mean, in place, of a matrix and its transpose, which has entries at the same places.
+
+    One rank adds the same numbers in the same order to an entry and to its mirror image; what
+    others send comes in any order.
+    """
+    if matrix.comm.size > 1:
+        transpose = matrix.transpose(PETSc.Mat())
+        matrix.axpy(1.0, transpose, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        matrix.scale(0.5)
+        destroy(transpose)
+    return matrix
 
 
 def _without_zeros(matrix: Any) -> Any:
