@@ -8,8 +8,8 @@ from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.material import IsotropicMaterial
-from cea.matrices import gather
-from cea.petsc import MPI
+from cea.matrices import gather, largest_row
+from cea.petsc import MPI, PETSc
 from cea.ranks import made_on_first
 from cea.supports.boundary import Pressure, Spring, Support
 from cea.system.coupling import couple
@@ -70,7 +70,15 @@ def numbers(cell):
         "cells": len(corners),
         "second moments": (corners**2).mean(axis=(0, 1)).tolist(),
         "squares": float((moved**2).sum()),
+        "asymmetry": [asymmetry(body.stiffness()), asymmetry(body.mass())],
     }
+
+
+def asymmetry(matrix):
+    """Largest row of a matrix less its transpose: zero on any number of ranks."""
+    difference = matrix.transpose(PETSc.Mat())
+    difference.axpy(-1.0, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    return largest_row(difference)
 
 
 def contact():
