@@ -135,8 +135,10 @@ class ReducedSpectrum:
     def worst(self) -> float:
         """Largest error of a cluster's mean in the window, of lambda relative to its speed.
 
-        It is what the basis makes; rounding is left aside.
+        It is what the basis makes; rounding is left aside. Infinite where there is no basis.
         """
+        if not len(self.right):
+            return np.inf
         window = self.window
         return float((window.certificate.reduction / (2 * window.speeds**2)).max(initial=0.0))
 
@@ -165,6 +167,8 @@ def reduced_spectrum(
     rounding
         What rounding does to eigenvalues of condition one (1/s^2).
     """
+    if not len(mass.square):
+        return _nothing(settings)
     root = np.linalg.cholesky(mass.square)
     factors = lu_factor(stiffness.square + settings.shift * mass.square)
     theta, left, right = eig(root.T @ lu_solve(factors, root), left=True, right=True)
@@ -179,3 +183,10 @@ def reduced_spectrum(
     outside = settings.outside(kappa)
     certificate = certify(kappa, right, left, stiffness, mass, outside, rounding)
     return ReducedSpectrum(kappa, right, left, certificate, settings)
+
+
+def _nothing(settings: Settings) -> ReducedSpectrum:
+    """What a basis without vectors knows."""
+    none, vectors = np.empty(0), np.empty((0, 0), dtype=complex)
+    certificate = Certificate(none, none, none, np.empty(0, dtype=np.int64), none)
+    return ReducedSpectrum(none.astype(complex), vectors, vectors, certificate, settings)
