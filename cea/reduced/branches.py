@@ -18,28 +18,31 @@ _TOGETHER = 1e-2
 
 
 class Branches:
-    """Numbers of branches from one spectrum to the next."""
+    """Numbers of branches from one spectrum to the next.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    first
+        The first number that is free.
+    """
+
+    def __init__(self, first: int = 0) -> None:
         self._last: ReducedSpectrum | None = None
         self._before: Complexes = np.empty(0, dtype=complex)
         self._numbers: Ints = np.empty(0, dtype=np.int64)
-        self._next = 0
+        self._next = first
 
-    def follow(self, found: ReducedSpectrum, *, aside: bool = False) -> Ints:
-        """Numbers of the branches of eigenvalues at the next values, shape (n,).
+    @property
+    def next(self) -> int:
+        """The next number that is free."""
+        return self._next
 
-        Parameters
-        ----------
-        found
-            The spectrum there.
-        aside
-            Whether the step leads aside from those before: nothing is then foreseen from them.
-        """
+    def follow(self, found: ReducedSpectrum) -> Ints:
+        """Numbers of the branches of eigenvalues at the next values, shape (n,)."""
         n = len(found)
         numbers, before = np.full(n, -1, dtype=np.int64), np.full(n, np.nan + 0j)
         if self._last is not None and len(self._last) and n:
-            for i, j in zip(*assign(self._cost(found, aside=aside), 1.0 + _NEAR), strict=True):
+            for i, j in zip(*assign(self._cost(found), 1.0 + _NEAR), strict=True):
                 numbers[j], before[j] = self._numbers[i], self._last.eigenvalues[i]
         fresh = np.flatnonzero(numbers < 0)
         numbers[fresh] = self._next + np.arange(len(fresh))
@@ -52,10 +55,10 @@ class Branches:
         self._last, self._numbers = found, numbers
         self._before = np.full(len(found), np.nan + 0j)
 
-    def _cost(self, found: ReducedSpectrum, *, aside: bool) -> Floats:
+    def _cost(self, found: ReducedSpectrum) -> Floats:
         assert self._last is not None
         last, next_ = self._last.eigenvalues, found.eigenvalues
-        straight = np.isnan(self._before) | aside
+        straight = np.isnan(self._before)
         foreseen = np.where(straight, last, 2 * last - np.where(straight, last, self._before))
         groups = group(last, _TOGETHER), group(next_, _TOGETHER)
         likeness = np.maximum(

@@ -122,7 +122,7 @@ def certify(
     errors = reduction + conditions * rounding
     means, clusters = errors.copy(), np.arange(len(kappa))
     distance = np.abs(kappa[:, None] - kappa)
-    near = distance <= _TOUCH * np.maximum(errors[:, None], errors)
+    near = distance <= _TOUCH * np.minimum(errors[:, None], errors)
     for number, members in enumerate(connected(near)):
         clusters[members] = number
         if len(members) > 1:

@@ -5,7 +5,7 @@ bound that was passed raises the factor that all bounds are made with.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -154,10 +154,22 @@ class Enrichment:
                 self.model.raise_safety(2 * tested * self.model.small.settings.safety)
         grown = self.model.take(modes)
         rounding = self.model.small.roundings[-1][0]
-        self.keep(Snapshot(point, grown, rounding, tested, modes.window.complete))
-        nothing = np.empty((0, 0))
-        self.snapshots.append(Snapshot(point, nothing, rounding, tested, modes.window.complete))
+        taken = Snapshot(point, grown, rounding, tested, modes.window.complete)
+        self.keep(taken)
+        self.snapshots.append(replace(taken, grown=np.empty((0, 0))))
         return tested
+
+    def restore(self, snapshot: Snapshot, safety: float) -> None:
+        """Take over a snapshot that was stored, and the factor that bounds had by then.
+
+        Raises
+        ------
+        ValueError
+            When it is none of this model.
+        """
+        self.model.restore(snapshot.grown, snapshot.rounding, snapshot.point)
+        self.model.raise_safety(max(safety, self.model.small.settings.safety))
+        self.snapshots.append(replace(snapshot, grown=np.empty((0, 0))))
 
     def confirm(self, points: Sequence[Point]) -> bool:
         """Test the model at points by full solves; whether it stood them all."""

@@ -75,11 +75,7 @@ class Pieces:
         self._made: list[Any] = []
         self._fixed = pencil.values()
         self._free = frozenset(pencil.parameter(name).name for name in free)
-        if pencil.damped:
-            raise InputError(
-                "pencil", "with damping or rotation", "without: its reduced model is not linear"
-            )
-        self.tied = tuple(f for f in pencil.forces if self._is_tied(f))
+        self.tied = check_pencil(pencil, self._free)
         self.all = (*self._of_terms(pencil), *self._of_forces(pencil))
 
     def of(self, role: str) -> list[Piece]:
@@ -149,18 +145,40 @@ class Pieces:
 
             yield Piece("stiffness", _friction(forces), rubs, is_rubbed)
 
-    def _is_tied(self, forces: ForcesOfContact) -> bool:
-        """Whether a contact is a constraint; one that rubs as well has no elimination."""
-        if forces.inverse_stiffness.names & self._free:
-            return False
-        tied = forces.is_tied(self._fixed)
-        if tied and forces.slip is not None:
-            raise InputError("P", np.inf, "finite in a map of parameters, where there is friction")
-        return tied
-
     def _kept[T](self, made: T) -> T:
         self._made.append(made)
         return made
+
+
+def check_pencil(pencil: Pencil, free: Iterable[str]) -> tuple[ForcesOfContact, ...]:
+    """Refuse a pencil that has no reduced model; else the contacts that tie their sides.
+
+    Parameters
+    ----------
+    pencil
+        The pencil.
+    free
+        Names of the parameters that vary.
+
+    Raises
+    ------
+    InputError
+        When there is damping or rotation, or sides that are tied rub: their forces are not to be
+        eliminated.
+    """
+    if pencil.damped:
+        raise InputError(
+            "pencil", "with damping or rotation", "without: its reduced model is not linear"
+        )
+    values, free = pencil.values(), frozenset(free)
+    tied = tuple(
+        forces
+        for forces in pencil.forces
+        if not forces.inverse_stiffness.names & free and forces.is_tied(values)
+    )
+    if any(forces.slip is not None for forces in tied):
+        raise InputError("P", np.inf, "finite in a map of parameters, where there is friction")
+    return tied
 
 
 class _Rectangle:

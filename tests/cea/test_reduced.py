@@ -113,7 +113,7 @@ def test_no_bound_is_passed_wherever_the_basis_is_poor(seed):
     assert told > 60
 
 
-@pytest.mark.parametrize("seed", [1, 3])
+@pytest.mark.parametrize("seed", [3, 4])
 def test_near_a_coalescence_members_and_means_keep_their_bounds(seed):
     pencil, matrices = random_pencil(seed)
     built = enrichment(pencil, {FRICTION: (0.0, 1.0)}, 5.0 / (2 * np.pi))
