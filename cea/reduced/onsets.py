@@ -82,7 +82,7 @@ def onset(
     error = 4 * float(found.certificate.errors[members].max()) ** 2 / abs(slope)
     mean = found.kappa[members].mean()
     root = complex(upper_root(np.array([mean]))[0])
-    return Onset(value, error, root, slope, begins=flutters > still)
+    return Onset(value, float(error), root, float(slope), begins=bool(flutters > still))
 
 
 def span_of(vector: Floats) -> Floats:

@@ -31,7 +31,7 @@ def sweep(
     checks: Annotated[int, typer.Option(help="Full solves at random values that test a map.")] = 2,
     confirm: Annotated[int, typer.Option(help="Thresholds of a map that full solves confirm.")] = 3,
     redraw: Annotated[
-        bool, typer.Option("--redraw", help="Draw a sweep of full solves in --out anew.")
+        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/sweep"),
 ) -> None:
@@ -57,7 +57,7 @@ def sweep(
     if full:
         _each_in_full(scene, asked, overrides, data, "--full", out)
         return
-    need("maps")
+    need_maps()
     from comparisons.sweep.map_study import AskedMap
     from comparisons.sweep.mapped import NoMapError
 
@@ -128,16 +128,64 @@ def _each_in_full(
 
 
 def _draw_anew(scene: str, axes: "list[Axis]", out: Path) -> None:
-    """Draw a sweep of full solves from its record."""
+    """Draw a sweep from its record."""
     from cea.petsc import MPI
     from comparisons.cli.redraw import refuse_another
+    from comparisons.sweep.map_page import write_result
+    from comparisons.sweep.netcdf import read_map
     from comparisons.sweep.page import read_sweep, write_sweep
     from scenes.out_folder import new_folder
 
-    found = read_sweep(out)
-    axis = axes[0]
-    asked = {"scene": scene, "field": axis.name, "start": axis.first, "stop": axis.last}
+    found, rows = read_sweep(out), None
+    asked: dict[str, Any] = {"scene": scene, "axes": [dict(axis.plain()) for axis in axes]}
+    if "axes" in found:
+        need_maps()
+        rows = read_map(found, out / "sweep.nc")
+    else:
+        axis = axes[0]
+        asked = {"scene": scene, "field": axis.name, "start": axis.first, "stop": axis.last}
     refuse_another(asked, found["inputs"])
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        picture = new.final(write_sweep(found, new.part))
+        written = write_sweep(found, new.part) if rows is None else None
+        picture = new.final(written or write_result(found, rows or [], new.part))
     typer.echo(f"The picture to open: {picture}")
+
+
+def threshold(
+    scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
+    axes: Annotated[
+        list[str],
+        typer.Argument(help="What varies, the field of the thresholds first, as in cea sweep."),
+    ],
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", help="Override of another field.")
+    ] = None,
+    data: Annotated[
+        str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/threshold"),
+) -> None:
+    """Find where flutter begins and ends along a field: a sweep whose thresholds are all confirmed.
+
+    Each is sought by root finding on the discriminant of its pair, and solved in full once there.
+    """
+    from comparisons.sweep.axes import read_axis
+    from scenes.out_folder import check_out
+
+    need_maps()
+    asked = tuple(read_axis(axis) for axis in axes)
+    check_out(out)
+    from comparisons.sweep.map_study import AskedMap
+
+    _map(AskedMap(scene, asked, tuple(set_ or ()), data, confirm=_EVERY), out)
+
+
+_EVERY = 10_000
+"""More thresholds than a map has."""
+
+
+def need_maps() -> None:
+    """Refuse to begin without what maps need."""
+    from comparisons.cli.extras import need
+
+    need("pictures", "maps")

@@ -264,6 +264,7 @@ class _Run:
                 "value": each.value,
                 "error": each.error,
                 "frequency": each.eigenvalue.imag / (2 * np.pi),
+                "slope": each.slope,
                 "begins": each.begins,
             }
             for others, row in zip(scene.rows(), rows, strict=True)

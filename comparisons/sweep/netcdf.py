@@ -2,11 +2,13 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from cea.reduced.onsets import Onset
 from comparisons.sweep.rows import Row
 
 ENGINE = "h5netcdf"
@@ -61,3 +63,41 @@ def write_map(rows: Sequence[Row], axes: Sequence[Mapping[str, Any]], file: Path
     part = file.with_suffix(f".{os.getpid()}.part")
     xarray.Dataset(data, coordinates).to_netcdf(part, engine=ENGINE)
     part.replace(file)
+
+
+def read_map(data: Mapping[str, Any], file: Path) -> list[Row]:
+    """Rows of a map that was written, its thresholds from its record.
+
+    Parameters
+    ----------
+    data
+        The record.
+    file
+        The file.
+    """
+    import xarray
+
+    first, *others = data["axes"]
+    with xarray.open_dataset(file, engine=ENGINE) as opened:
+        get = {name: np.array(opened[name]) for name in _VARIABLES}
+    count = len(first["values"])
+    flat = {
+        name: each.reshape(count, -1, *each.shape[len(data["axes"]) :])
+        for name, each in get.items()
+    }
+    places = list(product(*(axis["values"] for axis in others)))
+    names = [axis["name"] for axis in others]
+    onsets: dict[tuple[float, ...], list[Onset]] = {place: [] for place in places}
+    for each in data["onsets"]:
+        found = Onset(
+            value=each["value"],
+            error=each["error"],
+            eigenvalue=2j * np.pi * each["frequency"],
+            slope=each["slope"],
+            begins=each["begins"],
+        )
+        onsets[tuple(each[name] for name in names)].append(found)
+    return [
+        Row(**{name: each[:, i] for name, each in flat.items()}, onsets=tuple(onsets[place]))
+        for i, place in enumerate(places)
+    ]
