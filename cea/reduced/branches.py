@@ -6,7 +6,7 @@ subspace of both is followed then, and the eigenvalues within it by where they w
 
 import numpy as np
 
-from cea.body import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign, group
 from cea.eigen.mode_matching import subspace_assurance
 from cea.reduced.spectrum import ReducedSpectrum

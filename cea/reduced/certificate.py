@@ -16,7 +16,7 @@ from typing import Protocol
 
 import numpy as np
 
-from cea.body import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import connected
 
 _TOUCH = 10.0

@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError

@@ -22,7 +22,7 @@ from itertools import product
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
 from cea.reduced.norm import EnergyNorm

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.blocks import column_blocks, image_of
 from cea.eigen.multipliers import AllForces, ForcesOfContact
 from cea.eigen.pencil import Matrices, Pencil

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.reduced.spectrum import ReducedSpectrum, upper_root
 
 _LEAST_PART = 0.5

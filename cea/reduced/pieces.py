@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.blocks import image_of
 from cea.eigen.factorisation import Mumps
 from cea.eigen.multipliers import ForcesOfContact

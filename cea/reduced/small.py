@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.reduced.pieces import Values
 from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.modes import Modes
 from cea.reduced.norm import EnergyNorm
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.reduced.norm import EnergyNorm
 
 _RESOLVED = 1e-6

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 
-from cea.body import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.modes import uncertainties_of
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Certificate, certify

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.eigen.spectrum import RELATIVE_GROWTH
 from cea.reduced.branches import Branches
 from cea.reduced.onsets import Onset, PairLostError, onset, span_of
