@@ -106,7 +106,7 @@ class Enrichment:
         return self.model.small.at(self.model.pencil.values(point))
 
     def cover(self, points: Sequence[Point]) -> float:
-        """Solve where bounds are worst until all are small, or there are solves enough.
+        """Solve where bounds are worst until all are small, there are solves enough, or none helps.
 
         Bounds hardly rise as a basis grows: those that were small stay, and of the others the
         largest is computed anew until it is known to be the largest.
@@ -129,7 +129,10 @@ class Enrichment:
             elif len(waiting) == 1 or fresh >= waiting[1][0]:
                 if len(self.snapshots) >= self.most:
                     return fresh
+                size = self.model.size
                 self.solve(points[waiting[0][1]], fresh)
+                if size == self.model.size:
+                    return fresh
                 del waiting[0]
         return 0.0
 

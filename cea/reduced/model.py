@@ -149,6 +149,8 @@ class ReducedModel:
 
     def _extend(self, before: int) -> None:
         """Project the pieces on vectors of the basis from a number on."""
+        if before == self._basis.size:
+            return
         grown = [
             self._grown(piece, small, before)
             for piece, small in zip(self._pieces.all, self.small.pieces, strict=True)

@@ -197,7 +197,10 @@ class _Run:
             points = [point for point in points if point not in failed]
             if not points or len(self._basis.snapshots) >= self._asked.most:
                 return [rows[number] for number in range(len(others))]
+            size = self._model.size
             self._basis.cover(points)
+            if size == self._model.size:
+                return [rows[number] for number in range(len(others))]
             for number in {number for _, number, _ in open_}:
                 del rows[number]
 
