@@ -55,7 +55,7 @@ def maps():
         if backend not in made:
             pencil = blocks_pencil(backend)
             built = enrichment(pencil, {MU: (0.0, 1.0), P: (0.1, 1e5)}, TOP)
-            left = built.cover(grid(mu=np.linspace(0, 1, 4), P=np.geomspace(0.1, 1e5, 7)))
+            left = built.cover(grid(mu=np.linspace(0, 1, 3), P=np.geomspace(0.1, 1e5, 7)))
             assert left <= built.tolerance
             made[backend] = built
         return made[backend]
@@ -67,7 +67,7 @@ def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
     built = maps(backend)
     assert len(built.snapshots) < 12
     full = KrylovSchur(built.model.pencil)
-    for mu, decade in zip(RNG.uniform(0, 1, 5), RNG.uniform(-1, 5, 5), strict=True):
+    for mu, decade in zip(RNG.uniform(0, 1, 4), RNG.uniform(-1, 5, 4), strict=True):
         point = {MU: mu, P: 10**decade}
         modes = full.solve(MARGIN * TOP, point)
         found = built.at(point)
@@ -95,7 +95,7 @@ def test_rows_on_a_local_basis_are_those_of_the_whole_basis(maps, backend, monke
         assert found.right.shape[0] == small.size
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 def test_no_bound_is_passed_wherever_the_basis_is_poor(seed):
     """From bases that know far too little to such as know all: dense eigenvalues are the judge."""
     pencil, matrices = random_pencil(seed)
@@ -111,7 +111,7 @@ def test_no_bound_is_passed_wherever_the_basis_is_poor(seed):
             certain = found.certificate.errors < 0.02 * found.speeds**2
             assert (difference <= found.certificate.errors + 1e-11)[certain].all()
             told += certain.sum()
-    assert told > 60
+    assert told > 45
 
 
 @pytest.mark.parametrize("seed", [3, 4])
@@ -183,9 +183,9 @@ def test_two_contacts_each_with_its_friction(backend):
         assert largest_ratio(built.at(point), modes) <= 1
 
 
-@pytest.mark.parametrize("method", ["gpts", "mortar"])
-def test_forces_as_unknowns_are_eliminated(backend, method):
+def test_forces_as_unknowns_are_eliminated(backend):
     """The saddle form has the eigenvalues that it has in full."""
+    method = {"fe": "mortar", "iga": "gpts"}[backend]
     pencil = blocks_pencil(backend, method=method, form="saddle")
     assert pencil.forces
     built = enrichment(pencil, {MU: (0.0, 0.8), P: (1.0, 1e6)}, TOP)
@@ -232,7 +232,7 @@ def test_an_onset_of_flutter_is_that_of_full_solves(backend):
 def test_branches_go_straight_through_crossings(maps, backend):
     """Along P without friction branches that cross keep their vectors."""
     small, pencil = maps(backend).model.small, maps(backend).model.pencil
-    line = [pencil.values({MU: 0.0, P: p}) for p in np.geomspace(0.1, 1e5, 121)]
+    line = [pencil.values({MU: 0.0, P: p}) for p in np.geomspace(0.1, 1e5, 81)]
     branches, last, overlaps = Branches(), None, []
     for values in line:
         found = small.at(values)

@@ -180,6 +180,20 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     assert not third.parent.exists()
 
 
+def test_the_command_threshold_confirms_what_it_finds(tmp_path, monkeypatch, capsys):
+    chosen = (*overrides("iga"), "contacts.interface.p=0.25")
+    settings = [part for each in chosen for part in ("--set", each)]
+    out = str(tmp_path / "out")
+    command = ["cea", "threshold", "blocks", "mu=0:1.2:13", *settings, "--out", out]
+    monkeypatch.setattr(sys, "argv", command)
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert not end.value.code, capsys.readouterr().err
+    found = json.loads((tmp_path / "out" / "result.json").read_text())["onsets"]
+    assert found
+    assert all(abs(each["full_solve_differs"]) < 1e-8 for each in found)
+
+
 def test_one_axis_gives_branches_and_a_root_locus(tmp_path):
     data, rows, store = run_map(asked("iga", "mu=0:2:11", checks=0, confirm=0), tmp_path / "out")
     picture = write_result(data, rows, tmp_path / "out")

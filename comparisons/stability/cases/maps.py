@@ -18,8 +18,8 @@ _FRICTIONS = (0.0, 0.5, 1.0)
 def maps() -> Iterator[Run]:
     """Between full solves over eight decades of P all is as dense solves say.
 
-    Where a contact is 1e11 times as stiff as its bodies, forces eliminated lose their digits, and the
-    bounds say so.
+    Where a contact is 1e11 times as stiff as its bodies, forces eliminated lose their digits, and
+    the bounds say so.
     """
     decades = {_MU: _FRICTIONS, _P: tuple(np.geomspace(1e-3, 1e5, 9).tolist())}
     for P, mu in ((0.02, 0.3), (7.0, 0.83), (3e3, 0.61)):
