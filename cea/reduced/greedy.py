@@ -129,9 +129,9 @@ class Enrichment:
             elif len(waiting) == 1 or fresh >= waiting[1][0]:
                 if len(self.snapshots) >= self.most:
                     return fresh
-                size = self.model.size
+                known = self.model.size, len(self.failed)
                 self.solve(points[waiting[0][1]], fresh)
-                if size == self.model.size:
+                if known == (self.model.size, len(self.failed)):
                     return fresh
                 del waiting[0]
         return 0.0

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from cea.eigen.krylov_schur import KrylovSchur
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
+from cea.ranks import agreed
 from cea.reduced.branches import Branches
 from cea.reduced.greedy import TOLERANCE, Enrichment, Snapshot
 from cea.reduced.model import ReducedModel
 from comparisons.sweep.axes import Axis
-from comparisons.sweep.confirmed import confirmed
+from comparisons.sweep.map_record import Spent, Timed, confirm_some, record_of, warnings_of
 from comparisons.sweep.mapped import Mapped, mapped
 from comparisons.sweep.rows import Row, map_row
 from comparisons.sweep.store import Store
@@ -118,17 +118,17 @@ def run_map(
     """
     begun = perf_counter()
     scene = mapped(asked.scene, asked.axes, asked.overrides, asked.data)
-    size = scene.pencil.terms[0].matrix.getSize()[0]
-    store = Store(out, asked.plain() | {"unknowns": size}, MPI.COMM_WORLD)
+    store = Store(out, asked.plain() | {"pencil": scene.fingerprint()}, MPI.COMM_WORLD)
     run = _Run(asked, scene, store, progress)
     try:
         run.fill()
         rows = run.rows()
         data = run.told(rows)
+        confirm_some(data, scene, rows, asked.confirm, progress)
     finally:
         run.free()
     seconds = perf_counter() - begun
-    warnings = run.warnings(data)
+    warnings = warnings_of(data, asked.tolerance)
     told = record(COMMAND, data, inputs=asked.plain(), seconds=seconds, warnings=warnings)
     return told, rows, store
 
@@ -141,7 +141,7 @@ class _Run:
     ) -> None:
         self._asked, self._scene, self._store, self._progress = asked, scene, store, progress
         self._model = ReducedModel(scene.pencil, scene.box, scene.max_frequency)
-        self._full = _Timed(scene.driver)
+        self._full = Timed(scene.driver)
         self._basis = Enrichment(
             self._model,
             self._full,
@@ -210,24 +210,25 @@ class _Run:
         starts = self._starts(others)
         missing = [number for number in range(len(others)) if number not in rows]
         made: dict[int, Row] = {}
-        for number in missing[comm.rank :: comm.size]:
-            row = self._store.row(number)
-            if row is None or row.worst.max(initial=0.0) > self._asked.tolerance:
-                self._progress(f"row {number + 1} of {len(others)}")
-                before = process_time()
-                row = map_row(
-                    self._model.small,
-                    self._scene,
-                    others[number],
-                    starts[number],
-                    _LOCAL * self._asked.tolerance,
-                )
-                spent, values = self._online
-                self._online = spent + process_time() - before, values + len(row.worst)
-                self._store.keep_row(number, row)
-            made[number] = row
+        with agreed(comm):
+            for number in missing[comm.rank :: comm.size]:
+                made[number] = self._row(number, others, starts[number])
         for part in comm.allgather(made):
             rows.update(part)
+
+    def _row(self, number: int, others: Sequence[tuple[float, ...]], start: tuple[Any, int]) -> Row:
+        """A row that was stored and is certified, or a new one."""
+        row = self._store.row(number)
+        if row is not None and row.worst.max(initial=0.0) <= self._asked.tolerance:
+            return row
+        self._progress(f"row {number + 1} of {len(others)}")
+        before = process_time()
+        tolerance = _LOCAL * self._asked.tolerance
+        row = map_row(self._model.small, self._scene, others[number], start, tolerance)
+        spent, values = self._online
+        self._online = spent + process_time() - before, values + len(row.worst)
+        self._store.keep_row(number, row)
+        return row
 
     def _starts(self, others: Sequence[tuple[float, ...]]) -> list[tuple[Any, int]]:
         """Branches at the first value of each row, and a number that no other row begins at."""
@@ -258,107 +259,12 @@ class _Run:
 
     def told(self, rows: Sequence[Row]) -> dict[str, Any]:
         """What the map is, without its values."""
-        axes = self._asked.axes
-        scene, basis = self._scene, self._basis
-        full = process_time() - self._begun
-        onsets = [
-            {
-                **{axis.name: value for axis, value in zip(axes[1:], others, strict=True)},
-                "value": each.value,
-                "error": each.error,
-                "frequency": each.eigenvalue.imag / (2 * np.pi),
-                "slope": each.slope,
-                "begins": each.begins,
-            }
-            for others, row in zip(scene.rows(), rows, strict=True)
-            for each in row.onsets
-        ]
-        places = [
-            (onset, others)
-            for others, row in zip(scene.rows(), rows, strict=True)
-            for onset in row.onsets
-        ]
-        for number in _spread(len(places), self._asked.confirm):
-            self._progress(f"threshold {number + 1} of {len(places)}, solved in full")
-            onset, others = places[number]
-            point = scene.point((onset.value, *others))
-            onsets[number]["full_solve_differs"] = confirmed(scene.driver, point, onset)
-        worst = np.concatenate([row.worst for row in rows])
-        spent, values = self._online
-        return {
-            "axes": [{"name": axis.name, "values": axis.values} for axis in axes],
-            "parameters": [list(each) for each in scene.names],
-            "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
-            "max_frequency": scene.max_frequency,
-            "basis": self._model.size,
-            "snapshots": [
-                {
-                    "point": dict(each.point),
-                    "tested": each.tested,
-                    "complete": bool(each.complete),
-                }
-                for each in basis.snapshots
-            ],
-            "stored_before": self._kept,
-            "failed": [{"point": dict(point), "reason": why} for point, why in basis.failed],
-            "values": len(worst),
-            "certified": int((worst <= self._asked.tolerance).sum()),
-            "worst": float(worst.max(initial=0.0)),
-            "onsets": onsets,
-            "processor_seconds": {
-                "full_solves": self._full.seconds,
-                "basis": max(full - self._full.seconds - spent, 0.0),
-                "values": spent,
-                "a_value": spent / values if values else 0.0,
-            },
-        }
-
-    def warnings(self, data: dict[str, Any]) -> list[dict[str, Any]]:
-        """What the map must be read with."""
-        found: list[tuple[str, str]] = []
-        if data["certified"] < data["values"]:
-            left = data["values"] - data["certified"]
-            found.append(
-                (
-                    "not-certified",
-                    f"{left} of {data['values']} values are not certified to "
-                    f"{self._asked.tolerance:g}: their bounds say how far they may be off",
-                )
-            )
-        if data["failed"]:
-            found.append(("no-answer", f"{len(data['failed'])} full solves gave no answer"))
-        incomplete = sum(not each["complete"] for each in data["snapshots"])
-        if incomplete:
-            found.append(
-                (
-                    "window-not-complete",
-                    f"the windows of {incomplete} of {len(data['snapshots'])} full solves were not "
-                    "shown to be complete",
-                )
-            )
-        return [{"kind": kind, "message": message, "data": {}} for kind, message in found]
+        (spent, values), full = self._online, self._full.seconds
+        basis = max(process_time() - self._begun - full - spent, 0.0)
+        took = Spent(full, basis, spent, values, self._kept)
+        return record_of(self._scene, self._basis, rows, took)
 
     def free(self) -> None:
         """Free factors."""
         self._model.free()
         self._scene.driver.free()
-
-
-class _Timed:
-    """A driver whose processor time is counted."""
-
-    def __init__(self, driver: KrylovSchur) -> None:
-        self._driver, self.seconds = driver, 0.0
-
-    def solve(self, max_frequency: float, changes: Any, /, *, left: bool = False) -> Any:
-        """All modes up to a frequency (Hz)."""
-        before = process_time()
-        try:
-            return self._driver.solve(max_frequency, changes, left=left)
-        finally:
-            self.seconds += process_time() - before
-
-
-def _spread(count: int, chosen: int) -> list[int]:
-    """Some numbers below a count, far apart."""
-    return np.unique(np.linspace(0, count - 1, min(chosen, count)).round()).astype(int).tolist()

@@ -19,7 +19,15 @@ from scenes.swept import no_two_alike, parameters_meant
 
 
 class NoMapError(InputError):
-    """A scene that has no reduced model over some axes; it may be solved in full at each value."""
+    """A scene that has no reduced model over some axes; it may be solved in full at each value.
+
+    Attributes
+    ----------
+    paths
+        What the first axis means, where that is known.
+    """
+
+    paths: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -56,6 +64,14 @@ class Mapped:
         """Least and greatest value of every parameter that varies."""
         pairs = zip(self.axes, self.names, strict=True)
         return {name: axis.ends for axis, names in pairs for name in names}
+
+    def fingerprint(self) -> list[str]:
+        """What tells its pencil from others: parameters, and norms of matrices to ten digits."""
+        parameters = [f"{each.name} {each.value!r}" for each in self.pencil.parameters.values()]
+        matrices = [term.matrix for term in self.pencil.terms]
+        matrices += [forces.closure for forces in self.pencil.forces]
+        norms = [f"{matrix.getSize()} {matrix.norm():.10e}" for matrix in matrices]
+        return [*parameters, *norms, f"{self.max_frequency!r}"]
 
     def point(self, values: Sequence[float]) -> dict[str, float]:
         """Parameters at a value of each axis."""
@@ -95,7 +111,8 @@ def mapped(
     moved = [each for each in names if first.depends_on_state(each)]
     if moved:
         first.free()
-        raise NoMapError("axis", moved[0][0], "no parameter that moves a state of steady sliding")
+        allowed = "no parameter that moves a state of steady sliding"
+        raise _no_map(InputError("axis", moved[0][0], allowed), names)
     stiffest = {
         name: axis.ends[1]
         for axis, each in zip(axes, names, strict=True)
@@ -122,11 +139,12 @@ def mapped(
 def _names(
     pencil: Pencil, axes: Sequence[Axis], bonded: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
+    names: tuple[tuple[str, ...], ...] = ()
     try:
         names = tuple(tuple(parameters_meant(pencil, axis.name, bonded)) for axis in axes)
         check_pencil(pencil, [name for each in names for name in each])
     except InputError as error:
-        raise NoMapError(error.field, error.value, error.allowed) from error
+        raise _no_map(error, names) from error
     no_two_alike(names, [axis.name for axis in axes])
     for axis, each in zip(axes, names, strict=True):
         for name in each:
@@ -137,3 +155,9 @@ def _names(
 
 def _of(contact: str) -> str:
     return f"contacts.{contact}.P"
+
+
+def _no_map(error: InputError, names: Sequence[tuple[str, ...]]) -> NoMapError:
+    told = NoMapError(error.field, error.value, error.allowed)
+    told.paths = names[0] if names else ()
+    return told

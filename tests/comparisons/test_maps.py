@@ -18,6 +18,8 @@ from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.pencil import Pencil
 from cea.eigen.thresholds import flutter_threshold
 from cea.errors import InputError
+from cea.petsc import MPI
+from cea.reduced.greedy import Snapshot
 from comparisons.cli.app import main
 from comparisons.sweep.axes import Axis, read_axis
 from comparisons.sweep.map_page import write_result
@@ -25,12 +27,17 @@ from comparisons.sweep.map_study import AskedMap, run_map
 from comparisons.sweep.map_tables import modes_table, onsets_table, summary_table, values_table
 from comparisons.sweep.mapped import NoMapError, mapped
 from comparisons.sweep.netcdf import read_map
+from comparisons.sweep.store import Store
 from scenes.swept import parameters_meant
 
 MESHES = {
     "fe": {"upper": [8, 2], "lower": [5, 3]},
     "iga": {"upper": [10, 2], "lower": [7, 3]},
 }
+COARSE_PAD = (
+    "bodies.pad.mesh.iga.elements=[3,6,2]",
+    "bodies.disc.mesh.iga.elements=[5,32,1]",
+)
 MU, P = "contacts.interface.mu", "contacts.interface.P"
 RNG = np.random.default_rng(5)
 
@@ -239,12 +246,47 @@ def test_axes_that_are_none_are_refused(changes, told):
 def test_axes_that_are_no_parameters_are_refused_or_solved_in_full():
     with pytest.raises(NoMapError, match="one of"):
         mapped("blocks", [read_axis("analysis.max_frequency=0.1:0.3:3")], (), None)
-    with pytest.raises(NoMapError, match="damping"):
-        mapped("disc_pad_damped", [read_axis("mu=0:1:3")], (), None)
+    with pytest.raises(NoMapError, match="damping") as refused:
+        mapped("disc_pad_damped", [read_axis("mu=0:1:3")], COARSE_PAD, None)
+    assert refused.value.paths == ("contacts.pad_disc.mu",)
     with pytest.raises(InputError, match="other parameters than mu"):
         mapped("blocks", [read_axis("mu=0:1:3"), read_axis(f"{MU}=0:1:3")], (), None)
     with pytest.raises(InputError, match="zero or positive"):
         mapped("blocks", [read_axis("mu=-1:1:3")], (), None)
+
+
+def test_a_field_without_a_map_is_solved_in_full(tmp_path, monkeypatch, capsys):
+    settings = ["--set", "analysis.max_frequency=0.3", "--out", str(tmp_path / "out")]
+    axis = "contacts.interface.p=1:2:2"
+    monkeypatch.setattr(sys, "argv", ["cea", "sweep", "blocks", axis, *settings])
+    with pytest.raises(SystemExit) as end:
+        main()
+    told = capsys.readouterr()
+    assert not end.value.code, told.err
+    assert "Solved in full at each value: parameter = 'contacts.interface.p'" in told.out
+
+
+def test_another_scene_does_not_go_on_from_what_one_left(tmp_path):
+    """The same words and another number in the scene: nothing of before is used."""
+    soft, stiff = (
+        mapped(
+            "blocks",
+            [read_axis("mu=0:1:3")],
+            (*overrides("iga"), f"bodies.lower.material.E={E}"),
+            None,
+        )
+        for E in (1.0, 1.5)
+    )
+    assert soft.fingerprint() != stiff.fingerprint()
+    stores = []
+    for scene in (soft, soft, stiff):
+        store = Store(tmp_path / "out", {"pencil": scene.fingerprint()}, MPI.COMM_WORLD)
+        stores.append(len(store.snapshots()))
+        snapshot = Snapshot({MU: 0.5}, np.zeros((3, 1)), 0.0, None, complete=True)
+        store.keep(snapshot, 2.0)
+    assert stores == [0, 1, 0]
+    for scene in (soft, stiff):
+        scene.driver.free()
 
 
 def test_short_names_mean_every_contact_and_body():
