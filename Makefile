@@ -43,7 +43,7 @@ $(INSTALLED): pyproject.toml constraints.txt
 	$(REQUIRE_PYTHON)
 	@$(BASE_PYTHON) setup/check_system.py
 	$(BASE_PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[pictures,exact,meshes,dev]'
+	$(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt -e '.[pictures,exact,maps,meshes,dev]'
 	@touch $@
 
 compare: $(INSTALLED)

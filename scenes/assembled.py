@@ -17,6 +17,7 @@ from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.run import RunOptions, coupled, run_modes, skipped_by, with_warnings
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.swept import parameters_meant
 
 
 class AssembledScene:
@@ -65,6 +66,21 @@ class AssembledScene:
     def bodies(self) -> Mapping[str, Body]:
         """Its bodies by name."""
         return self._system.bodies
+
+    @property
+    def driver(self) -> KrylovSchur:
+        """What solves its pencil."""
+        return self._driver
+
+    @property
+    def bonded(self) -> list[str]:
+        """Contacts that cannot slide."""
+        contacts = self.scene.contacts.items()
+        return [name for name, each in contacts if each.formulation.coupling == "bonded"]
+
+    def depends_on_state(self, names: Sequence[str]) -> bool:
+        """Whether parameters move a state of steady sliding that the pencil is linearised about."""
+        return self.scene.slides_steadily and any(map(moves_the_state, names))
 
     def modes(
         self,
@@ -148,9 +164,8 @@ class AssembledScene:
         ConvergenceError
             When the pair is lost on the way, or there is no state of steady sliding.
         """
-        names = [name for name in self._driver.pencil.parameters if _is_one_of(name, parameter)]
-        names = names or [self._driver.pencil.parameter(parameter).name]
-        depends = self.scene.slides_steadily and any(map(moves_the_state, names))
+        names = parameters_meant(self._driver.pencil, parameter)
+        depends = self.depends_on_state(names)
         if not follow_steady_state:
             found = self._threshold(self._driver, names, real, flutter, frequency)
             told = (kept_state_warning(parameter),) if depends else ()
@@ -205,10 +220,14 @@ class AssembledScene:
             or not all(name.endswith(".rho") for name in values or ())
         ):
             return None  # another state of steady sliding
-        left_open = [name for name, contact in scene.contacts.items() if contact.form is None]
-        if values is not None and self._system.keeps_forms(left_open, values):
+        if values is not None and self.keeps_forms(scene, values):
             return values
         return None
+
+    def keeps_forms(self, scene: Scene, values: Mapping[str, float]) -> bool:
+        """Whether contacts whose form a scene leaves open keep theirs at some parameters."""
+        left_open = [name for name, contact in scene.contacts.items() if contact.form is None]
+        return self._system.keeps_forms(left_open, values)
 
     def _reusable(self, scene: Scene) -> RunOptions:
         """What a changed scene shares with this one."""
@@ -221,14 +240,6 @@ class AssembledScene:
     def free(self) -> None:
         """Free factors kept between solves."""
         self._driver.free()
-
-
-def _is_one_of(name: str, pattern: str) -> bool:
-    """Whether a path is one that another means, in which asterisks stand for names."""
-    parts, meant = name.split("."), pattern.split(".")
-    return len(parts) == len(meant) and all(
-        one in (part, "*") for part, one in zip(parts, meant, strict=True)
-    )
 
 
 def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:

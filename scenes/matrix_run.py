@@ -122,6 +122,11 @@ class AssembledMatrices:
         self._driver = KrylovSchur(self._pencil)
         self._checked: tuple[float, ...] | None = None
 
+    @property
+    def driver(self) -> KrylovSchur:
+        """What solves its pencil."""
+        return self._driver
+
     def modes(
         self,
         changes: Mapping[str, Any] | None = None,

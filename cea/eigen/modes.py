@@ -114,7 +114,7 @@ def modes_of(
         eigenvalues=eigenvalues[order],
         residuals=pairs.residuals[order],
         conditions=conditions[order],
-        growth_uncertainties=_uncertainties(eigenvalues, errors)[order],
+        growth_uncertainties=uncertainties_of(eigenvalues, errors)[order],
         vectors=pairs.vectors[:, order],
         forces=pairs.forces[:, order],
         left=left[order] if left is not None else None,
@@ -123,7 +123,7 @@ def modes_of(
         pencil=pencil,
         values=values,
     )
-    refuse_what_is_lost(modes, eigenvalues, _uncertainties(eigenvalues, errors))
+    refuse_what_is_lost(modes, eigenvalues, uncertainties_of(eigenvalues, errors))
     return replace(modes, warnings=warnings_of(modes))
 
 
@@ -141,7 +141,7 @@ def refuse_what_is_lost(modes: Modes, eigenvalues: Complexes, uncertainties: Flo
         )
 
 
-def _uncertainties(eigenvalues: Complexes, errors: Floats) -> Floats:
+def uncertainties_of(eigenvalues: Complexes, errors: Floats) -> Floats:
     """Errors of lambda (1/s) that errors of lambda^2 make: their half relative, or their root."""
     sizes = np.maximum(np.abs(eigenvalues), np.sqrt(errors))
     return errors / np.maximum(2 * sizes - np.sqrt(errors), np.finfo(float).tiny)

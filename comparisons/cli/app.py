@@ -29,7 +29,7 @@ from comparisons.cli.studies import (
     reference,
     stability,
 )
-from comparisons.cli.sweep import sweep
+from comparisons.cli.sweep import sweep, threshold
 
 
 class _LightGroup(TyperGroup):
@@ -55,7 +55,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 _COMMANDS = (
-    *(run, solve, sweep, race, export),
+    *(run, solve, sweep, threshold, race, export),
     *(compare, figure, claims, formulations, accuracy, damping, stability, reference, peers),
     *(brake, doctor),
 )

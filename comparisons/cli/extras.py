@@ -2,7 +2,11 @@
 
 from importlib.util import find_spec
 
-_MODULES = {"pictures": ("matplotlib", "PIL", "plotly", "pyvista"), "exact": ("flint",)}
+_MODULES = {
+    "pictures": ("matplotlib", "PIL", "plotly", "pyvista"),
+    "maps": ("h5netcdf", "xarray"),
+    "exact": ("flint",),
+}
 """Modules that each extra of `pyproject.toml` brings."""
 
 
@@ -16,7 +20,7 @@ def need(*extras: str) -> None:
     Parameters
     ----------
     extras
-        Names of extras: ``pictures`` or ``exact``.
+        Names of extras: ``pictures``, ``maps`` or ``exact``.
 
     Raises
     ------

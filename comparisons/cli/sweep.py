@@ -1,53 +1,194 @@
-"""The command ``cea sweep``: one scene along one of its fields."""
+"""The commands ``cea sweep`` and ``cea threshold``: one scene along its fields."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from comparisons.sweep.axes import Axis
 
 
 def sweep(
     scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
-    field: Annotated[str, typer.Argument(help="Field that is changed, e.g. parameters.Omega.")],
-    start: Annotated[float, typer.Argument(help="Its first value.")],
-    stop: Annotated[float, typer.Argument(help="Its last value.")],
-    points: Annotated[int, typer.Option(help="Number of values.")] = 13,
+    axes: Annotated[
+        list[str],
+        typer.Argument(help="What varies: field=first:last:count, or ...:last:log:count."),
+    ],
     set_: Annotated[
         list[str] | None, typer.Option("--set", help="Override of another field.")
     ] = None,
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
+    full: Annotated[
+        bool, typer.Option("--full", help="Solve each value in full; one field only.")
+    ] = False,
+    tolerance: Annotated[
+        float, typer.Option(help="Error of lambda, relative, up to which a value is certified.")
+    ] = 1e-8,
+    solves: Annotated[int, typer.Option(help="Most full solves of a map.")] = 150,
+    checks: Annotated[int, typer.Option(help="Full solves at random values that test a map.")] = 2,
+    confirm: Annotated[int, typer.Option(help="Thresholds of a map that full solves confirm.")] = 3,
     redraw: Annotated[
         bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/sweep"),
 ) -> None:
-    """Follow the modes of a scene along a field, and draw those that become unstable."""
+    """Follow the modes of a scene along its fields: what grows where, and from where on.
+
+    Parameters of an undamped scene (mu and P of contacts, E and rho of bodies) are swept by a
+    basis of a few full solves with a bound for every value, one other field by a full solve at
+    each value.
+    """
     from comparisons.cli.extras import need
-    from comparisons.cli.output import print_table
-    from comparisons.cli.progress import working
-    from comparisons.cli.redraw import refuse_another, refuse_with_redraw
+    from comparisons.cli.redraw import refuse_with_redraw
+    from comparisons.sweep.axes import read_axis
+    from scenes.out_folder import check_out
 
     need("pictures")
+    refuse_with_redraw(redraw, {"set": set_, "data": data})
+    asked = [read_axis(axis) for axis in axes]
+    if redraw:
+        _draw_anew(scene, asked, out)
+        return
+    check_out(out)
+    overrides = tuple(set_ or ())
+    if full:
+        _each_in_full(scene, asked, overrides, data, "--full", out)
+        return
+    need_maps()
+    from comparisons.sweep.map_study import AskedMap
+    from comparisons.sweep.mapped import NoMapError
+
+    map_ = AskedMap(scene, tuple(asked), overrides, data, tolerance, solves, checks, confirm)
+    try:
+        _map(map_, out)
+    except NoMapError as error:
+        if len(asked) > 1:
+            raise
+        if len(error.paths) == 1:  # a short name
+            asked = [replace(asked[0], name=error.paths[0])]
+        _each_in_full(scene, asked, overrides, data, str(error), out)
+
+
+def _map(asked: Any, out: Path) -> None:
+    """Make a map and tell of it."""
     from cea.petsc import MPI
-    from comparisons.sweep.page import read_sweep, write_sweep
+    from comparisons.cli.output import print_table
+    from comparisons.cli.progress import working
+    from comparisons.sweep.map_page import write_result
+    from comparisons.sweep.map_study import run_map
+    from comparisons.sweep.map_tables import onsets_table, summary_table
+    from scenes.out_folder import new_folder
+
+    with working("map") as work:
+        found, rows, store = run_map(asked, out, work.stage)
+    with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
+        picture = new.final(write_result(found, rows, new.part))
+    store.discard()
+    print_table(summary_table(found))
+    print_table(onsets_table(found))
+    for warning in found["warnings"]:
+        typer.echo(f"warning: {warning['message']}")
+    typer.echo(f"Every value: {out / 'sweep.nc'}")
+    typer.echo(f"The picture to open: {picture}")
+
+
+def _each_in_full(
+    scene: str,
+    axes: "list[Axis]",
+    overrides: tuple[str, ...],
+    data: str | None,
+    why: str,
+    out: Path,
+) -> None:
+    """Solve at each value of one field, and tell of it."""
+    from cea.errors import InputError
+    from cea.petsc import MPI
+    from comparisons.cli.output import print_table
+    from comparisons.cli.progress import working
+    from comparisons.sweep.page import write_sweep
     from comparisons.sweep.study import Sweep, run_sweep
     from comparisons.sweep.tables import unstable_table, values_table
-    from scenes.out_folder import check_out, new_folder
+    from scenes.out_folder import new_folder
 
-    refuse_with_redraw(redraw, {"set": set_, "data": data})
-    if redraw:
-        found = read_sweep(out)
-        asked_for = {"scene": scene, "field": field, "start": start, "stop": stop}
-        refuse_another(asked_for, found["inputs"])
-    else:
-        asked = Sweep(scene, field, start, stop, points, tuple(set_ or ()), data)
-        check_out(out)
-        with working("sweep", steps=points) as work:
-            found = run_sweep(asked, work.step)
+    if len(axes) > 1:
+        raise InputError("axis", axes[1].name, "one field only with --full")
+    axis = axes[0]
+    if axis.logarithmic:
+        raise InputError("axis", axis.name, "evenly spaced where each value is solved in full")
+    asked = Sweep(scene, axis.name, axis.first, axis.last, axis.count, overrides, data)
+    with working("sweep", steps=axis.count) as work:
+        found = run_sweep(asked, work.step)
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
         picture = new.final(write_sweep(found, new.part))
     print_table(values_table(found))
     print_table(unstable_table(found))
+    typer.echo(f"Solved in full at each value: {why}")
     typer.echo(f"The picture to open: {picture}")
+
+
+def _draw_anew(scene: str, axes: "list[Axis]", out: Path) -> None:
+    """Draw a sweep from its record."""
+    from cea.petsc import MPI
+    from comparisons.cli.redraw import refuse_another
+    from comparisons.sweep.map_page import write_result
+    from comparisons.sweep.netcdf import read_map
+    from comparisons.sweep.page import read_sweep, write_sweep
+    from scenes.out_folder import new_folder
+
+    found, rows = read_sweep(out), None
+    asked: dict[str, Any] = {"scene": scene, "axes": [dict(axis.plain()) for axis in axes]}
+    if "axes" in found:
+        need_maps()
+        rows = read_map(found, out / "sweep.nc")
+    else:
+        axis = axes[0]
+        asked = {"scene": scene, "field": axis.name, "start": axis.first, "stop": axis.last}
+    refuse_another(asked, found["inputs"])
+    with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
+        written = write_sweep(found, new.part) if rows is None else None
+        picture = new.final(written or write_result(found, rows or [], new.part))
+    typer.echo(f"The picture to open: {picture}")
+
+
+def threshold(
+    scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
+    axes: Annotated[
+        list[str],
+        typer.Argument(help="What varies, the field of the thresholds first, as in cea sweep."),
+    ],
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", help="Override of another field.")
+    ] = None,
+    data: Annotated[
+        str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/threshold"),
+) -> None:
+    """Find where flutter begins and ends along a field: a sweep whose thresholds are all confirmed.
+
+    Each is sought by root finding on the discriminant of its pair, and solved in full once there.
+    """
+    from comparisons.sweep.axes import read_axis
+    from scenes.out_folder import check_out
+
+    need_maps()
+    asked = tuple(read_axis(axis) for axis in axes)
+    check_out(out)
+    from comparisons.sweep.map_study import AskedMap
+
+    _map(AskedMap(scene, asked, tuple(set_ or ()), data, confirm=_EVERY), out)
+
+
+_EVERY = 10_000
+"""More thresholds than a map has."""
+
+
+def need_maps() -> None:
+    """Refuse to begin without what maps need."""
+    from comparisons.cli.extras import need
+
+    need("pictures", "maps")

@@ -108,7 +108,9 @@ def test_run_takes_a_scene_with_its_folder_and_settings(folder, tmp_path):
         (["run", "tu_berlin", "--data", "x", "--set", "damping.DG=Omega^2"], "damping.DG", "**"),
         (["run", "tu_berlin", "--data", "x", "--backend", "fe"], "backend", "no bodies"),
         (["run", "disc", "--data", "x"], "data", "reads no matrices"),
-        (["sweep", "disc", "bodies.disc.material.E", "1", "1"], "stop", "another value"),
+        (["sweep", "disc", "bodies.disc.material.E=1:1:3"], "bodies.disc.material.E",
+         "another last value"),
+        (["sweep", "disc", "bodies.disc.material.E", "1", "3"], "axis", "first:last:count"),
         (["race", "disc"], "files", "required"),
     ],
 )  # fmt: skip
@@ -140,7 +142,9 @@ def test_what_a_sweep_leaves_behind_is_drawn_anew(swept, tmp_path, monkeypatch, 
         rows = list(csv.DictReader(stream))
     assert len(rows) == sum(len(point["modes"]) for point in swept["points"])
     picture.unlink()
-    asked = [str(swept["inputs"][name]) for name in ("scene", "field", "start", "stop")]
+    given = swept["inputs"]
+    axis = "{field}={start}:{stop}:{points}".format(**given)
+    asked = [given["scene"], axis]
     options = ["--redraw", "--out", str(tmp_path)]
     monkeypatch.setattr(sys, "argv", ["cea", "sweep", *asked, *options])
     with pytest.raises(SystemExit) as end:
@@ -149,8 +153,8 @@ def test_what_a_sweep_leaves_behind_is_drawn_anew(swept, tmp_path, monkeypatch, 
     assert picture.exists()
     capsys.readouterr()
     for arguments, field in (
-        ([*asked[:1], "parameters.mu", *asked[2:]], "field"),
-        ([*asked[:3], "17.5"], "stop"),
+        ([asked[0], axis.replace("parameters.v", "parameters.mu")], "field"),
+        ([asked[0], axis.replace(":3.0:", ":17.5:")], "stop"),
         ([*asked, "--data", "x"], "data"),
     ):
         monkeypatch.setattr(sys, "argv", ["cea", "sweep", *arguments, *options])

@@ -1,0 +1,1 @@
+"""Parameter maps: a pencil projected on few vectors, with a bound for every eigenvalue."""

@@ -1,0 +1,221 @@
+"""A basis enriched where its bounds are worst, until they are small over a whole map.
+
+Each full solve is, before the basis takes it in, a test of what the reduced model says there. A
+bound that was passed raises the factor that all bounds are made with.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.modes import Modes
+from cea.errors import ConvergenceError
+from cea.reduced.model import ReducedModel
+from cea.reduced.spectrum import MARGIN, ReducedSpectrum
+
+Point = Mapping[str, float]
+"""Values of the parameters that vary."""
+
+TOLERANCE = 1e-8
+"""Error of lambda relative to its speed up to which a value counts as certified."""
+_MEANINGFUL = 1e-3
+"""The same up to which a reduced model is tested by a full solve."""
+_REACH = 0.5
+"""Distance of a partner, relative to a speed, beyond which a mode is missing."""
+
+
+class FullDriver(Protocol):
+    """What solves the pencil itself."""
+
+    def solve(self, max_frequency: float, changes: Point, /, *, left: bool = False) -> Modes:
+        """All modes up to a frequency (Hz)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A full solve that a basis took in.
+
+    Parameters
+    ----------
+    point
+        Where.
+    grown
+        What the basis grew by, the rows of this rank, shape (n_local, new).
+    rounding
+        What rounding does to eigenvalues of condition one (1/s^2).
+    tested
+        Largest error of the reduced model relative to its bound, and infinite where a mode was
+        missing; None where the bounds were too large to tell.
+    complete
+        Whether the window of the full solve was shown to be complete.
+    """
+
+    point: Point
+    grown: Floats
+    rounding: float
+    tested: float | None
+    complete: bool
+
+
+@dataclass
+class Enrichment:
+    """Greedy enrichment of a reduced model.
+
+    Parameters
+    ----------
+    model
+        The model.
+    driver
+        What solves the pencil itself.
+    max_frequency
+        Upper end of the window (Hz).
+    tolerance
+        Error of lambda, relative to its speed, to be reached.
+    most
+        Most full solves.
+    keep
+        Called with each snapshot once it is taken in.
+    tell
+        Called with each point that is solved, and the worst bound there.
+
+    Attributes
+    ----------
+    snapshots
+        What was taken in, without the vectors.
+    failed
+        Points whose full solve gave no answer, and why.
+    """
+
+    model: ReducedModel
+    driver: FullDriver
+    max_frequency: float
+    tolerance: float = TOLERANCE
+    most: int = 100
+    keep: Callable[[Snapshot], None] = lambda _: None
+    tell: Callable[[Point, float], None] = lambda point, worst: None
+    snapshots: list[Snapshot] = field(default_factory=list)
+    failed: list[tuple[Point, str]] = field(default_factory=list)
+
+    def at(self, point: Point) -> ReducedSpectrum:
+        """The reduced model at a point."""
+        return self.model.small.at(self.model.pencil.values(point))
+
+    def cover(self, points: Sequence[Point]) -> float:
+        """Solve where bounds are worst until all are small, there are solves enough, or none helps.
+
+        Bounds hardly rise as a basis grows: those that were small stay, and of the others the
+        largest is computed anew until it is known to be the largest.
+
+        Returns
+        -------
+        float
+            The worst bound left.
+        """
+        waiting = [(np.inf, number) for number in range(len(points))]
+        if not self.snapshots and waiting:
+            waiting.remove((np.inf, len(points) // 2))
+            self.solve(points[len(points) // 2], np.inf)
+        while waiting:
+            waiting.sort(key=lambda each: -each[0])
+            fresh = self._worst(points[waiting[0][1]])
+            waiting[0] = (fresh, waiting[0][1])
+            if fresh <= self.tolerance:
+                del waiting[0]
+            elif len(waiting) == 1 or fresh >= waiting[1][0]:
+                if len(self.snapshots) >= self.most:
+                    return fresh
+                known = self.model.size, len(self.failed)
+                self.solve(points[waiting[0][1]], fresh)
+                if known == (self.model.size, len(self.failed)):
+                    return fresh
+                del waiting[0]
+        return 0.0
+
+    def solve(self, point: Point, worst: float) -> float | None:
+        """Solve in full, test the reduced model, take the modes in.
+
+        Returns
+        -------
+        float or None
+            The test, as :class:`Snapshot` has it.
+        """
+        self.tell(point, worst)
+        try:
+            modes = self.driver.solve(MARGIN * self.max_frequency, point, left=True)
+        except ConvergenceError as error:
+            self.failed.append((point, str(error)))
+            return None
+        tested = None
+        if worst <= _MEANINGFUL:
+            tested = self.model.norm.comm.bcast(largest_ratio(self.at(point), modes))
+            if 1 < tested < np.inf:
+                self.model.raise_safety(2 * tested * self.model.small.settings.safety)
+        grown = self.model.take(modes)
+        rounding = self.model.small.roundings[-1][0]
+        taken = Snapshot(point, grown, rounding, tested, modes.window.complete)
+        self.keep(taken)
+        self.snapshots.append(replace(taken, grown=np.empty((0, 0))))
+        return tested
+
+    def restore(self, snapshot: Snapshot, safety: float) -> None:
+        """Take over a snapshot that was stored, and the factor that bounds had by then.
+
+        Raises
+        ------
+        ValueError
+            When it is none of this model.
+        """
+        self.model.restore(snapshot.grown, snapshot.rounding, snapshot.point)
+        self.model.raise_safety(max(safety, self.model.small.settings.safety))
+        self.snapshots.append(replace(snapshot, grown=np.empty((0, 0))))
+
+    def confirm(self, points: Sequence[Point]) -> bool:
+        """Test the model at points by full solves; whether it stood them all."""
+        stood = True
+        for point in points:
+            tested = self.solve(point, self._worst(point))
+            stood = stood and (tested is None or tested <= 1)
+        return stood
+
+    def _worst(self, point: Point) -> float:
+        """The worst bound at a point, the same on every rank."""
+        return float(self.model.norm.comm.bcast(self.at(point).worst))
+
+
+def largest_ratio(found: ReducedSpectrum, modes: Modes) -> float:
+    """Largest error of eigenvalues of a window relative to their bounds; infinite if one misses.
+
+    Clusters are compared by their means. Both lists reach beyond the window, so that nothing hangs
+    on which side of its end an eigenvalue lies.
+
+    Parameters
+    ----------
+    found
+        What the reduced model says.
+    modes
+        The modes there.
+    """
+    kappa = -(modes.eigenvalues**2)
+    distance = np.abs(kappa[:, None] - found.kappa) / modes.speeds[:, None] ** 2
+    rows, columns = assign(distance, _REACH)
+    end = found.settings.end
+    alone = np.setdiff1d(np.arange(len(kappa)), rows)
+    extra = np.setdiff1d(np.arange(len(found)), columns)
+    if (modes.eigenvalues.imag[alone] <= end).any() or (found.eigenvalues.imag[extra] <= end).any():
+        return np.inf
+    ratio, bounds = 0.0, found.certificate
+    for number in np.unique(bounds.clusters[columns]):
+        members = bounds.clusters[columns] == number
+        mine, theirs = columns[members], rows[members]
+        if found.eigenvalues.imag[mine].min() > end:
+            continue
+        error = abs((found.kappa[mine] - kappa[theirs]).mean())
+        doubt = modes.growth_uncertainties[theirs] if members.sum() == 1 else 0.0
+        known = float((2 * modes.speeds[theirs] * doubt).max(initial=0.0))
+        ratio = max(ratio, error / (bounds.means[mine].max() + known))
+    return float(ratio)

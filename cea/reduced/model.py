@@ -1,0 +1,199 @@
+"""The reduced model: every piece of a pencil projected on a basis, and what its residuals need.
+
+With a real X-orthonormal basis V of right and left eigenvectors at some parameters (Galerkin: both
+are tested with the same space, so that errors of eigenvalues are products of residuals),
+
+    K_r(t) = sum_j c_j(t) V^T K_j V,    M_r(t) = sum_j c_j(t) V^T M_j V.
+
+A residual (K(t) - kappa M(t)) V y is a sum of the same kind of A_j V y. With an X-orthonormal basis
+Q of X^-1 A_j V for all pieces its norm in X^-1 is the length of sum_j c_j(t) (Q^T A_j V) y: nothing
+of the size of the pencil is touched, and no squares are subtracted, which would halve the digits
+(A. Buhr, C. Engwer, M. Ohlberger, S. Rave, A numerically stable a posteriori error estimator for
+reduced basis approximations of elliptic equations, 2014).
+
+Where a stiffness varies over decades, as that of a contact, its forces on each eigenvector add the
+static displacements they cause, X^-1 c_j(t) A_j v: with them the basis can close a gap without
+bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)).
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.eigen.modes import Modes
+from cea.eigen.pencil import Pencil
+from cea.reduced.norm import EnergyNorm
+from cea.reduced.pieces import Piece, Pieces, Values
+from cea.reduced.small import SmallPencil, SmallPiece
+from cea.reduced.snapshots import real_vectors, rounding_of
+from cea.reduced.span import Span
+from cea.reduced.spectrum import Settings
+
+BASIS = 1e-6
+"""Part of an eigenvector, in the energy norm, that a basis leaves out; errors go by its square."""
+RESIDUAL = 1e-12
+"""Part of the images of the basis that the basis of residuals leaves out."""
+_STIFFER = 10.0
+"""Ratio of coefficients over the map from which on a stiffness adds static displacements."""
+
+
+class ReducedModel:
+    """A pencil on a basis that grows.
+
+    Parameters
+    ----------
+    pencil
+        The pencil, undamped.
+    box
+        Least and greatest value of every parameter that varies.
+    max_frequency
+        Upper end of the window (Hz).
+
+    Attributes
+    ----------
+    pencil
+        The pencil.
+    small
+        The pencil on the basis.
+
+    Raises
+    ------
+    InputError
+        When the pencil has no reduced model (:class:`cea.reduced.pieces.Pieces`).
+    """
+
+    def __init__(
+        self, pencil: Pencil, box: Mapping[str, tuple[float, float]], max_frequency: float
+    ) -> None:
+        self.pencil = pencil
+        self._pieces = Pieces(pencil, box)
+        least = pencil.values({name: ends[0] for name, ends in box.items()})
+        self.norm = EnergyNorm(pencil, least, self._pieces.tied, max_frequency)
+        self._basis, self._residuals = Span(self.norm, BASIS), Span(self.norm, RESIDUAL)
+        corners = [
+            pencil.values(dict(zip(box, corner, strict=True))) for corner in product(*box.values())
+        ]
+        self._stiff = [piece for piece in self._pieces.all if _varies_widely(piece, corners)]
+        nothing = np.empty((0, 0))
+        self.small = SmallPencil(
+            tuple(
+                SmallPiece(
+                    *(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0),
+                    stiff=piece in self._stiff,
+                )
+                for piece in self._pieces.all
+            ),
+            Settings(max_frequency, self.norm.shift),
+        )
+
+    @property
+    def size(self) -> int:
+        """Vectors of the basis."""
+        return self._basis.size
+
+    def take(self, modes: Modes) -> Floats:
+        """Take the right and left vectors of modes into the basis.
+
+        Parameters
+        ----------
+        modes
+            Modes with left vectors, up to the margin of the window.
+
+        Returns
+        -------
+        ndarray
+            What the basis has grown by, the rows of this rank, shape (n_local, new).
+        """
+        vectors = real_vectors(self.norm, modes)
+        blocks = [vectors]
+        for piece in self._stiff:
+            moved = self.norm.solve(piece.coefficient(modes.values) * piece.times(vectors))
+            blocks.append(moved / np.maximum(self.norm.lengths(moved), 1.0))
+        before = self._basis.size
+        self._basis.add(np.hstack(blocks))
+        self._extend(before)
+        self._round(rounding_of(modes), modes.values)
+        return self._basis.vectors[:, before:]
+
+    def restore(self, vectors: Floats, rounding: float, changes: Mapping[str, float]) -> None:
+        """Take over what a basis had grown by before, at which parameters, and its rounding.
+
+        Raises
+        ------
+        ValueError
+            When these are no vectors of such a basis.
+        """
+        before = self._basis.size
+        if vectors.shape[0] != self.norm.rows:
+            raise ValueError("vectors of another length")
+        self._basis.restore(vectors)
+        gram = self.norm.inner(self._basis.vectors, self.norm.image(vectors))
+        gram[before:] -= np.eye(vectors.shape[1])
+        if not np.abs(gram).max(initial=0.0) < 1e-8:
+            raise ValueError("vectors that are not orthonormal")
+        self._extend(before)
+        self._round(rounding, self.pencil.values(changes))
+
+    def raise_safety(self, safety: float) -> None:
+        """Make all bounds with another factor on the inverse outside of the basis."""
+        settings = replace(self.small.settings, safety=safety)
+        self.small = replace(self.small, settings=settings)
+
+    def _round(self, rounding: float, values: Values) -> None:
+        """Remember what rounding does at some parameters."""
+        stiff = tuple(piece.coefficient(values) for piece in self._stiff)
+        self.small = replace(self.small, roundings=(*self.small.roundings, (rounding, stiff)))
+
+    def _extend(self, before: int) -> None:
+        """Project the pieces on vectors of the basis from a number on."""
+        if before == self._basis.size:
+            return
+        grown = [
+            self._grown(piece, small, before)
+            for piece, small in zip(self._pieces.all, self.small.pieces, strict=True)
+        ]
+        rows = self._residuals.size
+        self.small = replace(self.small, pieces=tuple(piece.padded(rows) for piece in grown))
+
+    def _grown(self, piece: Piece, small: SmallPiece, before: int) -> SmallPiece:
+        vectors = self._basis.vectors
+        old, new = vectors[:, :before], vectors[:, before:]
+        image = piece.times(new)
+        whole = self.norm.inner(vectors, image)
+        right, lost = self._with_images(small.right, image)
+        if piece.symmetric:
+            rows, left = whole[:before].T, right
+        else:
+            image = piece.transposed(new)
+            rows = self.norm.inner(old, image).T
+            left, other = self._with_images(small.left, image)
+            lost = max(lost, other)
+        square = np.block([[small.square, whole[:before]], [rows, whole[before:]]])
+        if piece.symmetric:
+            square = 0.5 * (square + square.T)
+        lost = float(np.hypot(small.lost, lost))
+        return replace(small, square=square, right=right, left=left, lost=lost)
+
+    def _with_images(self, before: Floats, image: Floats) -> tuple[Floats, float]:
+        """Coordinates of old and new images; the basis of residuals takes the new ones in."""
+        lost = self._residuals.add(self.norm.solve(image))
+        grown = np.zeros((self._residuals.size, before.shape[1] + image.shape[1]))
+        grown[: before.shape[0], : before.shape[1]] = before
+        grown[:, before.shape[1] :] = self._residuals.coordinates(image)
+        return grown, lost
+
+    def free(self) -> None:
+        """Free factors and pieces."""
+        self.norm.free()
+        self._pieces.free()
+
+
+def _varies_widely(piece: Piece, corners: list[dict[str, float]]) -> bool:
+    """Whether a symmetric stiffness varies by decades over a map."""
+    if not piece.symmetric or piece.role != "stiffness":
+        return False
+    sizes = [abs(piece.coefficient(corner)) for corner in corners]
+    return max(sizes) > _STIFFER * min(sizes)

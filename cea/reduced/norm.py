@@ -1,0 +1,110 @@
+"""The energy norm of a map: that of the symmetric stiffness where it is softest.
+
+    X = S(t0) + s M(t0)
+
+with every parameter at its least value: K(t) is no softer in any direction while friction is left
+aside. Residuals are measured in the norm of X^-1. The shift s, a hundredth of omega^2 of the
+window, keeps X definite where bodies float.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.eigen.blocks import column_blocks, image_of
+from cea.eigen.multipliers import AllForces, ForcesOfContact
+from cea.eigen.pencil import Matrices, Pencil
+from cea.eigen.shifted import Shifted
+from cea.eigen.spectrum import SLOW
+from cea.errors import ConvergenceError
+from cea.matrices import destroy, scaled_total
+
+
+class EnergyNorm:
+    """X, factorised.
+
+    Parameters
+    ----------
+    pencil
+        The pencil.
+    values
+        t0, values of all parameters.
+    tied
+        Contacts whose sides are tied, constraints of all vectors.
+    max_frequency
+        Upper end of the window (Hz).
+
+    Raises
+    ------
+    ConvergenceError
+        When X is singular.
+    """
+
+    def __init__(
+        self,
+        pencil: Pencil,
+        values: Mapping[str, float],
+        tied: tuple[ForcesOfContact, ...],
+        max_frequency: float,
+    ) -> None:
+        self.comm = pencil.comm.tompi4py()
+        self.shift = (SLOW * 2 * np.pi * max_frequency) ** 2
+        parts = []
+        for term in pencil.terms:
+            if term.symmetric and term.role in ("stiffness", "mass"):
+                weight = term.coefficient.at(values) * (self.shift if term.role == "mass" else 1.0)
+                parts.append((weight, term.matrix))
+        self._matrix = scaled_total([part for part in parts if part[0]])
+        self._matrix.setOption(self._matrix.Option.SYMMETRIC, True)
+        self._forces = AllForces(tied).at(values) if tied else None
+        self._factors = Shifted(Matrices(self._matrix, None, None, self._forces))
+
+    @property
+    def rows(self) -> int:
+        """Displacements of this rank."""
+        return int(self._matrix.getLocalSize()[0])
+
+    def image(self, block: Floats) -> Floats:
+        """X times a block of vectors."""
+        image = np.empty_like(block)
+        for columns in column_blocks(block.shape[1]):
+            image[:, columns] = image_of(self._matrix, block[:, columns])
+        return image
+
+    def solve(self, block: Floats) -> Floats:
+        """X^-1 times a block of forces."""
+        solution = np.empty_like(block)
+        for columns in column_blocks(block.shape[1]):
+            solution[:, columns] = self._factors.solve_block(block[:, columns])
+        return solution
+
+    def inner(self, left: Floats, right: Floats) -> Floats:
+        """L^T R, shape (columns of L, columns of R), the same on every rank."""
+        return self.comm.bcast(self.comm.allreduce(left.T @ right))
+
+    def lengths(self, block: Floats) -> Floats:
+        """X-norms of the columns of a block, the same on every rank."""
+        squares = self.comm.allreduce(np.einsum("ij,ij->j", block, self.image(block)))
+        return np.sqrt(np.maximum(self.comm.bcast(squares), 0.0))
+
+    def gram(self, block: Floats, image: Floats) -> tuple[Floats, Floats]:
+        """Eigenvalues and vectors of W^T X W.
+
+        Raises
+        ------
+        ConvergenceError
+            When X is not positive definite.
+        """
+        products = self.inner(block, image)
+        sizes, axes = np.linalg.eigh(0.5 * (products + products.T))
+        if len(sizes) and sizes[0] < -1e-6 * sizes[-1]:
+            raise ConvergenceError("the stiffness at the least parameters is not positive definite")
+        return sizes, axes
+
+    def free(self) -> None:
+        """Free the factors."""
+        self._factors.free()
+        destroy(self._matrix)
+        if self._forces is not None:
+            self._forces.free()

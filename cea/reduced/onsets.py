@@ -1,0 +1,108 @@
+"""Thresholds of flutter on a reduced model: where two eigenvalues coalesce along one parameter.
+
+The discriminant d = (kappa_1 - kappa_2)^2 of a pair is analytic and passes through zero there
+(:mod:`cea.eigen.thresholds`). Its bound, 4 e^2 with e that of the pair's members, over its slope
+bounds the error of the threshold.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from cea.arrays import Floats, Ints
+from cea.reduced.spectrum import ReducedSpectrum, upper_root
+
+_LEAST_PART = 0.5
+"""Least part of an eigenvector in the span of the pair that it is taken to continue."""
+_SAME = 1e-6
+"""Imaginary part of a discriminant, relative to its modulus, that is rounding."""
+
+
+@dataclass(frozen=True)
+class Onset:
+    """A coalescence.
+
+    Parameters
+    ----------
+    value
+        Of the parameter.
+    error
+        Bound on its error.
+    eigenvalue
+        The common lambda (1/s).
+    slope
+        Of the discriminant (1/s^4) in the parameter.
+    begins
+        Whether flutter begins there as the parameter rises, rather than ends.
+    """
+
+    value: float
+    error: float
+    eigenvalue: complex
+    slope: float
+    begins: bool
+
+
+class PairLostError(Exception):
+    """No two eigenvalues continue a pair."""
+
+
+def onset(
+    at: Callable[[float], ReducedSpectrum], still: float, flutters: float, pair: Floats
+) -> Onset:
+    """Where a pair that flutters at one value, and does not at another, coalesces.
+
+    Parameters
+    ----------
+    at
+        Spectra at values of the parameter, their coordinates in one basis.
+    still, flutters
+        The values, near to each other.
+    pair
+        Real orthonormal basis of the pair where it flutters, shape (k, 2).
+
+    Raises
+    ------
+    PairLostError
+        When the pair is lost, or does not coalesce between.
+    """
+
+    def discriminant(value: float) -> float:
+        return _discriminant(*_pair(at(value), pair))
+
+    if not discriminant(still) > 0 > discriminant(flutters):
+        raise PairLostError
+    scale = max(abs(still), abs(flutters))
+    value = float(brentq(discriminant, still, flutters, xtol=1e-14 * scale, rtol=1e-14))
+    step = 1e-3 * (flutters - still)
+    slope = (discriminant(value + step) - discriminant(value - step)) / (2 * step)
+    found, members = _pair(at(value), pair)
+    error = 4 * float(found.certificate.errors[members].max()) ** 2 / abs(slope)
+    mean = found.kappa[members].mean()
+    root = complex(upper_root(np.array([mean]))[0])
+    return Onset(value, float(error), root, float(slope), begins=bool(flutters > still))
+
+
+def span_of(vector: Floats) -> Floats:
+    """Orthonormal basis of real and imaginary part of coordinates, shape (k, 2)."""
+    basis, _ = np.linalg.qr(np.column_stack([vector.real, vector.imag]))
+    return basis
+
+
+def _pair(found: ReducedSpectrum, pair: Floats) -> tuple[ReducedSpectrum, Ints]:
+    """The two eigenvalues with the greatest parts in the span of a pair."""
+    lengths = np.linalg.norm(found.right, axis=0)
+    part = np.linalg.norm(pair.T @ found.right, axis=0) / lengths
+    members = np.argsort(part)[-2:]
+    if len(members) < 2 or part[members].min() < _LEAST_PART:
+        raise PairLostError
+    return found, members
+
+
+def _discriminant(found: ReducedSpectrum, members: Ints) -> float:
+    square = complex((found.kappa[members[0]] - found.kappa[members[1]]) ** 2)
+    if abs(square.imag) > _SAME * abs(square):
+        raise PairLostError
+    return square.real

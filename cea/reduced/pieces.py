@@ -1,0 +1,222 @@
+"""Pieces of an undamped pencil, as operators that are multiplied by blocks of vectors.
+
+    K(t) = sum_j c_j(t) K_j,    M(t) = sum_j c_j(t) M_j
+
+Pieces that depend on the parameters in the same way are summed once. Contact forces that are
+unknowns are eliminated, f = P C^^-1 J x (:mod:`cea.eigen.multipliers`): J^T C^^-1 J is a piece with
+the coefficient P, and R^T C^^-1 J one with -mu P. As products of their factors they lose no digits.
+Forces of sides that are tied stay constraints, J x = 0, of all vectors.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.eigen.blocks import image_of
+from cea.eigen.factorisation import Mumps
+from cea.eigen.multipliers import ForcesOfContact
+from cea.eigen.parameters import Dependence
+from cea.eigen.pencil import Pencil
+from cea.errors import InputError
+from cea.matrices import destroy, scaled_total
+from cea.petsc import PETSc
+
+Values = Mapping[str, float]
+"""Values of all parameters of a pencil."""
+Product = Callable[[Floats], Floats]
+"""An operator times a block of vectors, the rows of this rank."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """c(t) A.
+
+    Parameters
+    ----------
+    role
+        The sum it belongs to.
+    coefficient
+        c.
+    times, transposed
+        A and A^T times a block, shape (n_local, columns); the same where A is symmetric.
+    """
+
+    role: Literal["mass", "stiffness"]
+    coefficient: Callable[[Values], float]
+    times: Product
+    transposed: Product
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether A is symmetric."""
+        return self.times is self.transposed
+
+
+class Pieces:
+    """All pieces of an undamped pencil, with what they were made of.
+
+    Parameters
+    ----------
+    pencil
+        The pencil.
+    free
+        Names of the parameters that vary.
+
+    Raises
+    ------
+    InputError
+        When there is damping or rotation, or sides that are tied rub.
+    """
+
+    def __init__(self, pencil: Pencil, free: Iterable[str]) -> None:
+        self._made: list[Any] = []
+        self._fixed = pencil.values()
+        self._free = frozenset(pencil.parameter(name).name for name in free)
+        self.tied = check_pencil(pencil, self._free)
+        self.all = (*self._of_terms(pencil), *self._of_forces(pencil))
+
+    def of(self, role: str) -> list[Piece]:
+        """Pieces of one role."""
+        return [piece for piece in self.all if piece.role == role]
+
+    def free(self) -> None:
+        """Free what was made of the pieces of the pencil."""
+        for each in self._made:
+            each.free() if isinstance(each, Mumps) else destroy(each)
+        self._made.clear()
+
+    def _of_terms(self, pencil: Pencil) -> Iterator[Piece]:
+        """Matrices, those that depend on the free parameters in the same way together."""
+        groups: list[tuple[Any, list[tuple[float, Any]]]] = []
+        for term in pencil.terms:
+            varies = bool(term.coefficient.names & self._free)
+            key = (term.role, term.symmetric, term.coefficient if varies else None)
+            weight = 1.0 if varies else term.coefficient.at(self._fixed)
+            if not weight:
+                continue
+            for known, parts in groups:
+                if known == key:
+                    parts.append((weight, term.matrix))
+                    break
+            else:
+                groups.append((key, [(weight, term.matrix)]))
+        for (role, symmetric, coefficient), parts in groups:
+            matrix = self._kept(scaled_total(parts))
+            times = _product(matrix)
+            transposed = times
+            if not symmetric:
+                transposed = _product(self._kept(matrix.transpose(PETSc.Mat())))
+            yield Piece(role, coefficient.at if coefficient else _one, times, transposed)
+
+    def _of_forces(self, pencil: Pencil) -> Iterator[Piece]:
+        """What forces of contacts come to once they are eliminated."""
+        for forces in pencil.forces:
+            if forces in self.tied:
+                continue
+            inverse = self._kept(Mumps(forces.compliance.copy(), symmetric=True))
+            bears = _Rectangle(forces.closure)
+
+            def closes(x: Floats, bears: "_Rectangle" = bears, inverse: Mumps = inverse) -> Floats:
+                return bears.transposed(inverse.solve_block(bears.times(x)))
+
+            yield Piece("stiffness", _stiffness(forces.inverse_stiffness), closes, closes)
+            if forces.slip is None:
+                continue
+            slides = _Rectangle(forces.slip)
+
+            def rubs(
+                x: Floats,
+                bears: "_Rectangle" = bears,
+                slides: "_Rectangle" = slides,
+                inverse: Mumps = inverse,
+            ) -> Floats:
+                return slides.transposed(inverse.solve_block(bears.times(x)))
+
+            def is_rubbed(
+                x: Floats,
+                bears: "_Rectangle" = bears,
+                slides: "_Rectangle" = slides,
+                inverse: Mumps = inverse,
+            ) -> Floats:
+                return bears.transposed(inverse.solve_block(slides.times(x)))
+
+            yield Piece("stiffness", _friction(forces), rubs, is_rubbed)
+
+    def _kept[T](self, made: T) -> T:
+        self._made.append(made)
+        return made
+
+
+def check_pencil(pencil: Pencil, free: Iterable[str]) -> tuple[ForcesOfContact, ...]:
+    """Refuse a pencil that has no reduced model; else the contacts that tie their sides.
+
+    Parameters
+    ----------
+    pencil
+        The pencil.
+    free
+        Names of the parameters that vary.
+
+    Raises
+    ------
+    InputError
+        When there is damping or rotation, or sides that are tied rub: their forces are not to be
+        eliminated.
+    """
+    if pencil.damped:
+        raise InputError(
+            "pencil", "with damping or rotation", "without: its reduced model is not linear"
+        )
+    values, free = pencil.values(), frozenset(free)
+    tied = tuple(
+        forces
+        for forces in pencil.forces
+        if not forces.inverse_stiffness.names & free and forces.is_tied(values)
+    )
+    if any(forces.slip is not None for forces in tied):
+        raise InputError("P", np.inf, "finite in a map of parameters, where there is friction")
+    return tied
+
+
+class _Rectangle:
+    """A PETSc AIJ matrix (forces x displacements) times blocks of columns."""
+
+    def __init__(self, matrix: Any) -> None:
+        self._matrix = matrix
+        self._x, self._f = matrix.createVecRight(), matrix.createVecLeft()
+
+    def times(self, x: Floats) -> Floats:
+        """A x."""
+        return self._columns(self._matrix.mult, x, self._x, self._f)
+
+    def transposed(self, f: Floats) -> Floats:
+        """A^T f."""
+        return self._columns(self._matrix.multTranspose, f, self._f, self._x)
+
+    @staticmethod
+    def _columns(product: Any, block: Floats, x: Any, y: Any) -> Floats:
+        image = np.empty((y.getLocalSize(), block.shape[1]))
+        for i, column in enumerate(block.T):
+            x.array[:] = column
+            product(x, y)
+            image[:, i] = y.array_r
+        return image
+
+
+def _product(matrix: Any) -> Product:
+    return lambda block: image_of(matrix, block)
+
+
+def _one(_: Values) -> float:
+    return 1.0
+
+
+def _stiffness(inverse: Dependence) -> Callable[[Values], float]:
+    return lambda values: 1 / inverse.at(values)
+
+
+def _friction(forces: ForcesOfContact) -> Callable[[Values], float]:
+    return lambda values: -forces.friction.at(values) / forces.inverse_stiffness.at(values)

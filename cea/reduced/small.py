@@ -1,0 +1,169 @@
+"""A pencil on a basis, in small matrices alone, and on few vectors of that basis once more."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.reduced.pieces import Values
+from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
+
+LOCAL = 1e-7
+"""Part of an eigenvector of the larger basis that a local one leaves out."""
+
+Rounding = tuple[float, tuple[float, ...]]
+"""What rounding does to eigenvalues of condition one (1/s^2), and the stiff coefficients there."""
+
+
+@dataclass(frozen=True)
+class SmallPiece:
+    """One piece of a pencil on a basis V, with X^-1-coordinates Q of its images.
+
+    Parameters
+    ----------
+    role, coefficient
+        Those of the piece (:class:`cea.reduced.pieces.Piece`).
+    square
+        V^T A V, shape (k, k).
+    right, left
+        Q^T A V and Q^T A^T V, shape (q, k); the same object where A is symmetric.
+    lost
+        Norm of what Q does not hold of X^-1 A V, either side.
+    stiff
+        Whether it is a stiffness that varies over decades.
+    """
+
+    role: Literal["mass", "stiffness"]
+    coefficient: Callable[[Values], float]
+    square: Floats
+    right: Floats
+    left: Floats
+    lost: float
+    stiff: bool = False
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether A is symmetric."""
+        return self.left is self.right
+
+    def padded(self, rows: int) -> "SmallPiece":
+        """With zeros for vectors of Q that came later."""
+        right = _padded(self.right, rows)
+        return replace(
+            self, right=right, left=right if self.symmetric else _padded(self.left, rows)
+        )
+
+
+@dataclass(frozen=True)
+class SmallPencil:
+    """All pieces on one basis: what is solved at any parameters.
+
+    Parameters
+    ----------
+    pieces
+        The pieces.
+    settings
+        What bounds are made with.
+    roundings
+        What rounding does where it was seen.
+    axes
+        Of a local basis, its vectors in the larger one; None of the larger one itself.
+    """
+
+    pieces: tuple[SmallPiece, ...]
+    settings: Settings
+    roundings: tuple[Rounding, ...] = ()
+    axes: Floats | None = None
+
+    @property
+    def size(self) -> int:
+        """Vectors of the basis."""
+        return len(self.pieces[0].square)
+
+    def at(self, values: Mapping[str, float]) -> ReducedSpectrum:
+        """Eigenvalues of the window and its margin at values of all parameters."""
+        K, M = (self._sum(role, values) for role in ("stiffness", "mass"))
+        found = reduced_spectrum(K, M, self.settings, self._rounding(values))
+        return found if self.axes is None else found.lifted(self.axes)
+
+    def local(self, vectors: Floats) -> "SmallPencil":
+        """The pencil on the span of some coordinates; its residuals are as full as before.
+
+        Parameters
+        ----------
+        vectors
+            Coordinates in this basis, shape (k, columns).
+        """
+        axes, sizes, _ = np.linalg.svd(vectors, full_matrices=False)
+        axes = axes[:, sizes > LOCAL * sizes.max(initial=0.0)]
+        images = [piece.right @ axes for piece in self.pieces]
+        images += [piece.left @ axes for piece in self.pieces if not piece.symmetric]
+        # Lengths of combinations are those of the columns of R.
+        columns = np.split(np.linalg.qr(np.hstack(images), mode="r"), len(images), axis=1)
+        lefts = iter(columns[len(self.pieces) :])
+        return SmallPencil(
+            tuple(
+                replace(
+                    piece,
+                    square=axes.T @ piece.square @ axes,
+                    right=right,
+                    left=right if piece.symmetric else next(lefts),
+                )
+                for piece, right in zip(self.pieces, columns, strict=False)
+            ),
+            self.settings,
+            self.roundings,
+            axes,
+        )
+
+    def spanned(self, found: ReducedSpectrum, values: Values) -> Floats:
+        """Coordinates that a local basis takes from a spectrum, shape (k, columns).
+
+        Real and imaginary parts of right and left vectors, of unit length, and the static
+        displacements under the forces that stiff pieces have on them: X is one in this basis.
+        """
+        units = [each / np.linalg.norm(each, axis=0) for each in (found.right, found.left)]
+        vectors = np.hstack([part for each in units for part in (each.real, each.imag)])
+        blocks = [vectors]
+        for piece in self.pieces:
+            if piece.stiff:
+                moved = piece.coefficient(values) * piece.square @ vectors
+                blocks.append(moved / np.maximum(np.linalg.norm(moved, axis=0), 1.0))
+        return np.hstack(blocks)
+
+    def _rounding(self, values: Values) -> float:
+        """What rounding does to eigenvalues of condition one (1/s^2).
+
+        Where it was seen at greater stiffness it is less in proportion, but no less than anywhere.
+        """
+        stiff = [piece.coefficient(values) for piece in self.pieces if piece.stiff]
+        sizes = [
+            size * max((min(1.0, a / b) for a, b in zip(stiff, at, strict=True)), default=1.0)
+            for size, at in self.roundings
+        ]
+        return max([min((size for size, _ in self.roundings), default=0.0), *sizes])
+
+    def _sum(self, role: str, values: Values) -> Residuals:
+        parts = [
+            (factor, piece)
+            for piece in self.pieces
+            if piece.role == role and (factor := piece.coefficient(values))
+        ]
+        k, q = self.size, len(self.pieces[0].right)
+        square, both = np.zeros((k, k)), np.zeros((q, k))
+        right, left = np.zeros((q, k)), np.zeros((q, k))
+        for factor, piece in parts:
+            square += factor * piece.square
+            if piece.symmetric:
+                both += factor * piece.right
+            else:
+                right += factor * piece.right
+                left += factor * piece.left
+        lost = sum(abs(factor) * piece.lost for factor, piece in parts)
+        return Residuals(square, both + right, both + left, lost)
+
+
+def _padded(rows_of: Floats, rows: int) -> Floats:
+    return np.pad(rows_of, ((0, rows - len(rows_of)), (0, 0)))

@@ -1,0 +1,154 @@
+"""The record of a map: what it is and how sure it is, without its values."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from cea.eigen.krylov_schur import KrylovSchur
+from cea.reduced.greedy import Enrichment
+from comparisons.sweep.confirmed import confirmed
+from comparisons.sweep.mapped import Mapped
+from comparisons.sweep.rows import Row
+
+
+@dataclass(frozen=True)
+class Spent:
+    """What a map took.
+
+    Parameters
+    ----------
+    full_solves, basis, rows
+        Processor seconds of this rank.
+    values
+        Values that the latter are of.
+    stored
+        Full solves that an interrupted sweep had stored.
+    """
+
+    full_solves: float
+    basis: float
+    rows: float
+    values: int
+    stored: int
+
+    def plain(self) -> dict[str, float]:
+        """Processor seconds as plain data."""
+        return {
+            "full_solves": self.full_solves,
+            "basis": self.basis,
+            "values": self.rows,
+            "a_value": self.rows / self.values if self.values else 0.0,
+        }
+
+
+def record_of(
+    scene: Mapped, basis: Enrichment, rows: Sequence[Row], spent: Spent
+) -> dict[str, Any]:
+    """Record of a map, its thresholds not yet confirmed.
+
+    Parameters
+    ----------
+    scene
+        What was mapped.
+    basis
+        What it rests on.
+    rows
+        Its rows.
+    spent
+        What it took.
+    """
+    worst = np.concatenate([row.worst for row in rows])
+    return {
+        "axes": [{"name": axis.name, "values": axis.values} for axis in scene.axes],
+        "parameters": [list(each) for each in scene.names],
+        "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
+        "max_frequency": scene.max_frequency,
+        "basis": basis.model.size,
+        "snapshots": [
+            {"point": dict(each.point), "tested": each.tested, "complete": bool(each.complete)}
+            for each in basis.snapshots
+        ],
+        "stored_before": spent.stored,
+        "failed": [{"point": dict(point), "reason": why} for point, why in basis.failed],
+        "values": len(worst),
+        "certified": int((worst <= basis.tolerance).sum()),
+        "worst": float(worst.max(initial=0.0)),
+        "onsets": [
+            {
+                **{axis.name: value for axis, value in zip(scene.axes[1:], others, strict=True)},
+                "value": each.value,
+                "error": each.error,
+                "frequency": each.eigenvalue.imag / (2 * np.pi),
+                "slope": each.slope,
+                "begins": each.begins,
+            }
+            for others, row in zip(scene.rows(), rows, strict=True)
+            for each in row.onsets
+        ],
+        "processor_seconds": spent.plain(),
+    }
+
+
+def confirm_some(
+    data: dict[str, Any],
+    scene: Mapped,
+    rows: Sequence[Row],
+    most: int,
+    progress: Callable[[str], None],
+) -> None:
+    """Solve in full at some thresholds, far apart, and note by how much they differ."""
+    places = [
+        (onset, others)
+        for others, row in zip(scene.rows(), rows, strict=True)
+        for onset in row.onsets
+    ]
+    chosen = np.linspace(0, len(places) - 1, min(most, len(places))).round().astype(int)
+    for number in np.unique(chosen).tolist():
+        progress(f"threshold {number + 1} of {len(places)}, solved in full")
+        onset, others = places[number]
+        point = scene.point((onset.value, *others))
+        data["onsets"][number]["full_solve_differs"] = confirmed(scene.driver, point, onset)
+
+
+def warnings_of(data: dict[str, Any], tolerance: float) -> list[dict[str, Any]]:
+    """What a map must be read with."""
+    found: list[tuple[str, str]] = []
+    left = data["values"] - data["certified"]
+    if left:
+        found.append(
+            (
+                "not-certified",
+                f"{left} of {data['values']} values are not certified to {tolerance:g}: their "
+                "bounds say how far they may be off",
+            )
+        )
+    if data["failed"]:
+        found.append(("no-answer", f"{len(data['failed'])} full solves gave no answer"))
+    incomplete = sum(not each["complete"] for each in data["snapshots"])
+    if incomplete:
+        found.append(
+            (
+                "window-not-complete",
+                f"the windows of {incomplete} of {len(data['snapshots'])} full solves were not "
+                "shown to be complete",
+            )
+        )
+    return [{"kind": kind, "message": message, "data": {}} for kind, message in found]
+
+
+class Timed:
+    """A driver whose processor time is counted."""
+
+    def __init__(self, driver: KrylovSchur) -> None:
+        self._driver, self.seconds = driver, 0.0
+
+    def solve(self, max_frequency: float, changes: Any, /, *, left: bool = False) -> Any:
+        """All modes up to a frequency (Hz)."""
+        before = process_time()
+        try:
+            return self._driver.solve(max_frequency, changes, left=left)
+        finally:
+            self.seconds += process_time() - before

@@ -1,0 +1,270 @@
+"""A map: eigenvalues of a scene over one or more parameters, by few full solves and a basis."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+
+from cea.errors import ConvergenceError, InputError
+from cea.petsc import MPI
+from cea.ranks import agreed
+from cea.reduced.branches import Branches
+from cea.reduced.greedy import TOLERANCE, Enrichment, Snapshot
+from cea.reduced.model import ReducedModel
+from comparisons.sweep.axes import Axis
+from comparisons.sweep.map_record import Spent, Timed, confirm_some, record_of, warnings_of
+from comparisons.sweep.mapped import Mapped, mapped
+from comparisons.sweep.rows import Row, map_row
+from comparisons.sweep.store import Store
+from comparisons.sweep.study import COMMAND
+from scenes.stored import record
+
+_TRAINING = 17
+"""Values of an axis over decades at which bounds are looked at while the basis is made."""
+_FEW = 5
+"""The same of other axes."""
+_ROUNDS = 4
+"""Times that full solves may find fault with a basis before it is given up."""
+_LOCAL = 0.5
+"""Part of the tolerance that a local basis may use up."""
+
+
+@dataclass(frozen=True)
+class AskedMap:
+    """What is mapped, and how well.
+
+    Parameters
+    ----------
+    scene
+        Name of a scene, or its file.
+    axes
+        The axes; along the first one branches are followed and thresholds sought.
+    overrides
+        Other fields, as ``--set`` takes them.
+    data
+        Folder of the files of a scene of matrices.
+    tolerance
+        Error of lambda, relative to its speed, up to which a value is certified.
+    most
+        Most full solves.
+    checks
+        Full solves at random values of the map that test it in the end.
+    confirm
+        Thresholds that full solves confirm.
+    """
+
+    scene: str | Path
+    axes: tuple[Axis, ...]
+    overrides: tuple[str, ...] = ()
+    data: str | None = None
+    tolerance: float = TOLERANCE
+    most: int = 150
+    checks: int = 2
+    confirm: int = 3
+
+    def __post_init__(self) -> None:
+        if not self.axes:
+            raise InputError("axis", [], "one or more, e.g. mu=0:1:101")
+        if not 1e-13 <= self.tolerance <= 1e-2:
+            raise InputError("tolerance", self.tolerance, "1e-13 to 1e-2")
+        for name, least in (("solves", 2), ("checks", 0), ("confirm", 0)):
+            value = self.most if name == "solves" else getattr(self, name)
+            if value < least:
+                raise InputError(name, value, f"{least} or more")
+
+    def plain(self) -> dict[str, Any]:
+        """It as plain data."""
+        return {
+            "scene": str(self.scene),
+            "axes": [dict(axis.plain()) for axis in self.axes],
+            "set": list(self.overrides),
+            "data": self.data,
+            "tolerance": self.tolerance,
+            "solves": self.most,
+            "checks": self.checks,
+            "confirm": self.confirm,
+        }
+
+
+def run_map(
+    asked: AskedMap, out: Path, progress: Callable[[str], None] = lambda _: None
+) -> tuple[dict[str, Any], list[Row], Store]:
+    """Make a map; what an interrupted one left beside ``out`` is used again.
+
+    Parameters
+    ----------
+    asked
+        What is mapped.
+    out
+        Folder of the result.
+    progress
+        Called with what begins.
+
+    Returns
+    -------
+    tuple
+        The record, the rows, and the store, to be discarded once the result is written.
+
+    Raises
+    ------
+    InputError
+        When the scene has no reduced model over these axes.
+    ConvergenceError
+        When full solves keep passing the bounds.
+    """
+    begun = perf_counter()
+    scene = mapped(asked.scene, asked.axes, asked.overrides, asked.data)
+    store = Store(out, asked.plain() | {"pencil": scene.fingerprint()}, MPI.COMM_WORLD)
+    run = _Run(asked, scene, store, progress)
+    try:
+        run.fill()
+        rows = run.rows()
+        data = run.told(rows)
+        confirm_some(data, scene, rows, asked.confirm, progress)
+    finally:
+        run.free()
+    seconds = perf_counter() - begun
+    warnings = warnings_of(data, asked.tolerance)
+    told = record(COMMAND, data, inputs=asked.plain(), seconds=seconds, warnings=warnings)
+    return told, rows, store
+
+
+class _Run:
+    """One run: a basis, tested, and the rows made with it."""
+
+    def __init__(
+        self, asked: AskedMap, scene: Mapped, store: Store, progress: Callable[[str], None]
+    ) -> None:
+        self._asked, self._scene, self._store, self._progress = asked, scene, store, progress
+        self._model = ReducedModel(scene.pencil, scene.box, scene.max_frequency)
+        self._full = Timed(scene.driver)
+        self._basis = Enrichment(
+            self._model,
+            self._full,
+            scene.max_frequency,
+            asked.tolerance,
+            asked.most,
+            keep=self._keep,
+            tell=self._tell,
+        )
+        self._online = (0.0, 0)
+        self._kept = 0
+        self._begun = process_time()
+        for snapshot, safety in store.snapshots():
+            progress(f"full solve {len(self._basis.snapshots) + 1}, stored before")
+            self._kept += 1
+            try:
+                self._basis.restore(snapshot, safety)
+            except ValueError as error:
+                allowed = f"without what an interrupted sweep of something else left ({error})"
+                raise InputError("out", str(store.folder), allowed) from error
+
+    def fill(self) -> None:
+        """Enrich the basis until bounds are small and full solves agree with them."""
+        generator = np.random.default_rng(0)
+        for _ in range(_ROUNDS):
+            self._basis.cover(self._training())
+            if len(self._basis.snapshots) >= self._asked.most:
+                return
+            picked = [
+                [axis.values[generator.integers(axis.count)] for axis in self._asked.axes]
+                for _ in range(self._asked.checks)
+            ]
+            if self._basis.confirm([self._scene.point(each) for each in picked]):
+                return
+        raise ConvergenceError(
+            f"full solves found modes or errors that the reduced model had not told of, "
+            f"{_ROUNDS} times; more solves at first, or a lower max_frequency, may help"
+        )
+
+    def rows(self) -> list[Row]:
+        """All rows; where a value is not certified the pencil itself is solved."""
+        rows: dict[int, Row] = {}
+        others = self._scene.rows()
+        while True:
+            self._make(rows, others)
+            open_ = [
+                (float(row.worst[i]), number, i)
+                for number, row in rows.items()
+                for i in np.flatnonzero(row.worst > self._asked.tolerance).tolist()
+            ]
+            failed = [point for point, _ in self._basis.failed]
+            points = [self._point(i, others[number]) for _, number, i in sorted(open_)[::-1]]
+            points = [point for point in points if point not in failed]
+            if not points or len(self._basis.snapshots) >= self._asked.most:
+                return [rows[number] for number in range(len(others))]
+            size = self._model.size
+            self._basis.cover(points)
+            if size == self._model.size:
+                return [rows[number] for number in range(len(others))]
+            for number in {number for _, number, _ in open_}:
+                del rows[number]
+
+    def _make(self, rows: dict[int, Row], others: Sequence[tuple[float, ...]]) -> None:
+        """Rows that are not there yet, shared out among the ranks."""
+        comm = MPI.COMM_WORLD
+        starts = self._starts(others)
+        missing = [number for number in range(len(others)) if number not in rows]
+        made: dict[int, Row] = {}
+        with agreed(comm):
+            for number in missing[comm.rank :: comm.size]:
+                made[number] = self._row(number, others, starts[number])
+        for part in comm.allgather(made):
+            rows.update(part)
+
+    def _row(self, number: int, others: Sequence[tuple[float, ...]], start: tuple[Any, int]) -> Row:
+        """A row that was stored and is certified, or a new one."""
+        row = self._store.row(number)
+        if row is not None and row.worst.max(initial=0.0) <= self._asked.tolerance:
+            return row
+        self._progress(f"row {number + 1} of {len(others)}")
+        before = process_time()
+        tolerance = _LOCAL * self._asked.tolerance
+        row = map_row(self._model.small, self._scene, others[number], start, tolerance)
+        spent, values = self._online
+        self._online = spent + process_time() - before, values + len(row.worst)
+        self._store.keep_row(number, row)
+        return row
+
+    def _starts(self, others: Sequence[tuple[float, ...]]) -> list[tuple[Any, int]]:
+        """Branches at the first value of each row, and a number that no other row begins at."""
+        first, branches, numbers = self._asked.axes[0].values[0], Branches(), []
+        for each in others:
+            found = self._basis.at(self._scene.point((first, *each)))
+            numbers.append(branches.follow(found))
+        room = 10 * max(len(each) for each in numbers) + 10
+        return [(each, branches.next + i * room) for i, each in enumerate(numbers)]
+
+    def _training(self) -> list[dict[str, float]]:
+        chosen = []
+        for axis in self._asked.axes:
+            most = _TRAINING if axis.ends[1] > 100 * abs(axis.ends[0]) > 0 else _FEW
+            number = np.unique(np.linspace(0, axis.count - 1, min(most, axis.count)).round())
+            chosen.append([axis.values[int(i)] for i in number])
+        return [self._scene.point(each) for each in product(*chosen)]
+
+    def _point(self, number: int, others: Sequence[float]) -> dict[str, float]:
+        return self._scene.point((self._asked.axes[0].values[number], *others))
+
+    def _keep(self, snapshot: Snapshot) -> None:
+        self._store.keep(snapshot, self._model.small.settings.safety)
+
+    def _tell(self, point: Any, worst: float) -> None:
+        shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
+        self._progress(f"full solve {len(self._basis.snapshots) + 1}: {shown}, bound {worst:.1e}")
+
+    def told(self, rows: Sequence[Row]) -> dict[str, Any]:
+        """What the map is, without its values."""
+        (spent, values), full = self._online, self._full.seconds
+        basis = max(process_time() - self._begun - full - spent, 0.0)
+        took = Spent(full, basis, spent, values, self._kept)
+        return record_of(self._scene, self._basis, rows, took)
+
+    def free(self) -> None:
+        """Free factors."""
+        self._model.free()
+        self._scene.driver.free()

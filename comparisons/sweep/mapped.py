@@ -1,0 +1,163 @@
+"""What is mapped: a scene, its pencil, and the axes as parameters of that."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.pencil import Pencil
+from cea.errors import InputError
+from cea.reduced.pieces import check_pencil
+from comparisons.sweep.axes import Axis
+from scenes.assembled import AssembledScene
+from scenes.matrix_run import AssembledMatrices
+from scenes.matrix_scene import is_of_matrices, load_matrices
+from scenes.read import load_scene
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.swept import no_two_alike, parameters_meant
+
+
+class NoMapError(InputError):
+    """A scene that has no reduced model over some axes; it may be solved in full at each value.
+
+    Attributes
+    ----------
+    paths
+        What the first axis means, where that is known.
+    """
+
+    paths: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Mapped:
+    """A scene whose pencil is solved over a map.
+
+    Parameters
+    ----------
+    driver
+        What solves the pencil.
+    axes
+        The axes.
+    names
+        Parameters of the pencil that each axis means.
+    max_frequency
+        Upper end of the window (Hz).
+    growth_threshold
+        Growth rate (1/s) above which a mode is unstable; None where it is relative.
+    """
+
+    driver: KrylovSchur
+    axes: tuple[Axis, ...]
+    names: tuple[tuple[str, ...], ...]
+    max_frequency: float
+    growth_threshold: float | None
+
+    @property
+    def pencil(self) -> Pencil:
+        """The pencil."""
+        return self.driver.pencil
+
+    @property
+    def box(self) -> dict[str, tuple[float, float]]:
+        """Least and greatest value of every parameter that varies."""
+        pairs = zip(self.axes, self.names, strict=True)
+        return {name: axis.ends for axis, names in pairs for name in names}
+
+    def fingerprint(self) -> list[str]:
+        """What tells its pencil from others: parameters, and norms of matrices to ten digits."""
+        parameters = [f"{each.name} {each.value!r}" for each in self.pencil.parameters.values()]
+        matrices = [term.matrix for term in self.pencil.terms]
+        matrices += [forces.closure for forces in self.pencil.forces]
+        norms = [f"{matrix.getSize()} {matrix.norm():.10e}" for matrix in matrices]
+        return [*parameters, *norms, f"{self.max_frequency!r}"]
+
+    def point(self, values: Sequence[float]) -> dict[str, float]:
+        """Parameters at a value of each axis."""
+        pairs = zip(values, self.names, strict=True)
+        return {name: value for value, names in pairs for name in names}
+
+    def rows(self) -> list[tuple[float, ...]]:
+        """Values of all axes but the first, a row of the map each."""
+        return list(product(*(axis.values for axis in self.axes[1:])))
+
+
+def mapped(
+    scene: str | Path, axes: Sequence[Axis], overrides: Sequence[str], data: str | None
+) -> Mapped:
+    """Assemble a scene; where a contact becomes too stiff for a penalty its forces are unknowns.
+
+    Raises
+    ------
+    NoMapError
+        When an axis is no parameter of the pencil, or the pencil is not that of all of the map;
+        when it has no reduced model.
+    InputError
+        When the scene is refused, or a value of a parameter.
+    """
+    if is_of_matrices(scene):
+        matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
+        names = _names(matrices.driver.pencil, axes, ())
+        window = matrices.scene.window
+        return Mapped(
+            matrices.driver, tuple(axes), names, window.max_frequency, window.growth_threshold
+        )
+    if data is not None:
+        raise InputError("data", data, "left out: a scene of bodies reads no matrices")
+    read = load_scene(scene, list(overrides))
+    first = AssembledScene(read)
+    names = _names(first.driver.pencil, axes, first.bonded)
+    moved = [each for each in names if first.depends_on_state(each)]
+    if moved:
+        first.free()
+        allowed = "no parameter that moves a state of steady sliding"
+        raise _no_map(InputError("axis", moved[0][0], allowed), names)
+    stiffest = {
+        name: axis.ends[1]
+        for axis, each in zip(axes, names, strict=True)
+        for name in each
+        if name.endswith(".P")
+    }
+    assembled = first
+    if not first.keeps_forms(read, stiffest):
+        first.free()
+        open_ = [name for name, each in read.contacts.items() if each.form is None]
+        forces = {f"contacts.{name}.form": "saddle" for name in open_ if _of(name) in stiffest}
+        assembled = AssembledScene(read.change(forces))
+    analysis = assembled.scene.analysis
+    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    return Mapped(
+        assembled.driver,
+        tuple(axes),
+        names,
+        analysis.max_frequency,
+        analysis.growth_threshold,
+    )
+
+
+def _names(
+    pencil: Pencil, axes: Sequence[Axis], bonded: Sequence[str]
+) -> tuple[tuple[str, ...], ...]:
+    names: tuple[tuple[str, ...], ...] = ()
+    try:
+        names = tuple(tuple(parameters_meant(pencil, axis.name, bonded)) for axis in axes)
+        check_pencil(pencil, [name for each in names for name in each])
+    except InputError as error:
+        raise _no_map(error, names) from error
+    no_two_alike(names, [axis.name for axis in axes])
+    for axis, each in zip(axes, names, strict=True):
+        for name in each:
+            for end in axis.ends:
+                pencil.parameter(name).check(end)
+    return names
+
+
+def _of(contact: str) -> str:
+    return f"contacts.{contact}.P"
+
+
+def _no_map(error: InputError, names: Sequence[tuple[str, ...]]) -> NoMapError:
+    told = NoMapError(error.field, error.value, error.allowed)
+    told.paths = names[0] if names else ()
+    return told

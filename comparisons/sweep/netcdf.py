@@ -1,0 +1,103 @@
+"""Maps as netCDF files, which xarray and most programs of the sciences read."""
+
+import os
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cea.reduced.onsets import Onset
+from comparisons.sweep.rows import Row
+
+ENGINE = "h5netcdf"
+"""What reads and writes netCDF files."""
+_VARIABLES = {
+    "growth": ("1/s", "growth rate"),
+    "frequency": ("Hz", "frequency"),
+    "uncertainty": ("1/s", "bound on the error of lambda"),
+    "mean_error": ("1", "bound on the error of the mean where modes coalesce, relative"),
+    "branch": ("1", "number of the branch"),
+    "verdict": ("1", "verdict"),
+    "worst": ("1", "worst error that the basis makes, relative"),
+}
+"""Unit and meaning of what is stored of each mode."""
+
+
+def write_map(rows: Sequence[Row], axes: Sequence[Mapping[str, Any]], file: Path) -> None:
+    """A whole map as one netCDF file, whole or not at all.
+
+    Parameters
+    ----------
+    rows
+        Its rows, the last axis fastest.
+    axes
+        Name and values of each axis.
+    file
+        The file.
+    """
+    import xarray
+
+    names = [each["name"] for each in axes]
+    counts = [len(each["values"]) for each in axes]
+    modes = max(row.growth.shape[1] for row in rows)
+    data: dict[str, Any] = {}
+    for name, (unit, about) in _VARIABLES.items():
+        parts = []
+        for row in rows:
+            values = getattr(row, name)
+            if values.ndim == 2:
+                gone = np.nan if values.dtype.kind == "f" else -1
+                wider = ((0, 0), (0, modes - values.shape[1]))
+                values = np.pad(values, wider, constant_values=gone)
+            parts.append(values)
+        whole = np.stack(parts, axis=1)
+        whole = whole.reshape(*counts, *whole.shape[2:])
+        dims = [*names, "mode"] if whole.ndim > len(counts) else names
+        data[name] = (dims, whole, {"units": unit, "long_name": about})
+    data["verdict"][2].update(
+        flag_values=np.array([0, 1, 2], np.int8), flag_meanings="stable unstable undecided"
+    )
+    coordinates = {each["name"]: each["values"] for each in axes}
+    part = file.with_suffix(f".{os.getpid()}.part")
+    xarray.Dataset(data, coordinates).to_netcdf(part, engine=ENGINE)
+    part.replace(file)
+
+
+def read_map(data: Mapping[str, Any], file: Path) -> list[Row]:
+    """Rows of a map that was written, its thresholds from its record.
+
+    Parameters
+    ----------
+    data
+        The record.
+    file
+        The file.
+    """
+    import xarray
+
+    first, *others = data["axes"]
+    with xarray.open_dataset(file, engine=ENGINE) as opened:
+        get = {name: np.array(opened[name]) for name in _VARIABLES}
+    count = len(first["values"])
+    flat = {
+        name: each.reshape(count, -1, *each.shape[len(data["axes"]) :])
+        for name, each in get.items()
+    }
+    places = list(product(*(axis["values"] for axis in others)))
+    names = [axis["name"] for axis in others]
+    onsets: dict[tuple[float, ...], list[Onset]] = {place: [] for place in places}
+    for each in data["onsets"]:
+        found = Onset(
+            value=each["value"],
+            error=each["error"],
+            eigenvalue=2j * np.pi * each["frequency"],
+            slope=each["slope"],
+            begins=each["begins"],
+        )
+        onsets[tuple(each[name] for name in names)].append(found)
+    return [
+        Row(**{name: each[:, i] for name, each in flat.items()}, onsets=tuple(onsets[place]))
+        for i, place in enumerate(places)
+    ]

@@ -1,0 +1,158 @@
+"""Rows of a map: all values along its first axis at one value of each other."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.arrays import Floats, Ints
+from cea.eigen.spectrum import RELATIVE_GROWTH
+from cea.reduced.branches import Branches
+from cea.reduced.onsets import Onset, PairLostError, onset, span_of
+from cea.reduced.rows import along
+from cea.reduced.small import SmallPencil
+from cea.reduced.spectrum import ReducedSpectrum
+from comparisons.sweep.mapped import Mapped
+
+STABLE, UNSTABLE, UNDECIDED = 0, 1, 2
+"""Verdicts as numbers."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """Modes along the first axis, by rising frequency; NaN and -1 where there are fewer.
+
+    Parameters
+    ----------
+    growth, frequency
+        Growth rates (1/s) and frequencies (Hz), shape (values, modes).
+    uncertainty
+        Bounds on the errors of lambda (1/s), of each mode by itself, shape (values, modes).
+    mean_error
+        Bounds on the errors of lambda relative to its speed, where modes coalesce of their mean,
+        shape (values, modes).
+    branch
+        Numbers of branches, shape (values, modes).
+    verdict
+        0 stable, 1 unstable, 2 undecided, shape (values, modes).
+    worst
+        What the basis makes of the worst mean, relative to its speed, shape (values,).
+    onsets
+        Where flutter begins and ends.
+    """
+
+    growth: Floats
+    frequency: Floats
+    uncertainty: Floats
+    mean_error: Floats
+    branch: Ints
+    verdict: NDArray[np.int8]
+    worst: Floats
+    onsets: tuple[Onset, ...]
+
+
+def map_row(
+    small: SmallPencil,
+    asked: Mapped,
+    others: Sequence[float],
+    start: tuple[Ints, int],
+    tolerance: float,
+) -> Row:
+    """A row of a map on a reduced model.
+
+    Parameters
+    ----------
+    small
+        The reduced model.
+    asked
+        What is mapped.
+    others
+        Values of all axes but the first.
+    start
+        Numbers of the branches at the first value, and the next number that is free.
+    tolerance
+        Error of lambda, relative to its speed, that local bases may make.
+    """
+    values = asked.axes[0].values
+
+    def parameters(value: float) -> dict[str, float]:
+        return asked.pencil.values(asked.point((value, *others)))
+
+    spectra, basis = along(small, [parameters(value) for value in values], tolerance)
+    branches = Branches(start[1])
+    numbers = [start[0]]
+    branches.back_to(spectra[0], start[0])
+    numbers += [branches.follow(found) for found in spectra[1:]]
+    onsets = []
+    for still, flutters, pair in _beginnings(spectra):
+        try:
+            onsets.append(
+                onset(
+                    lambda value: basis.at(parameters(value)),
+                    values[still],
+                    values[flutters],
+                    span_of(pair),
+                )
+            )
+        except PairLostError:
+            continue
+    return _table(spectra, numbers, tuple(onsets), asked)
+
+
+def _beginnings(spectra: Sequence[ReducedSpectrum]) -> Iterator[tuple[int, int, Any]]:
+    """Neighbours between which a pair begins or ends to flutter: where not, where, its vector."""
+    pairs = [_fluttering(found) for found in spectra]
+    for i in range(len(spectra) - 1):
+        for there, here in ((i, i + 1), (i + 1, i)):
+            for vector in pairs[here].T:
+                span = span_of(vector)
+                known = [np.linalg.norm(span.T @ other) for other in pairs[there].T]
+                if max(known, default=0.0) < _SAME:
+                    yield there, here, vector
+
+
+_SAME = 0.7
+"""Part of a vector of a pair in the span of the other from which on they are one."""
+
+
+def _fluttering(found: ReducedSpectrum) -> Any:
+    """Unit vectors of eigenvalues kappa in the window that are surely not real, one of a pair."""
+    window = found.window
+    chosen = window.kappa.imag > np.maximum(window.certificate.errors, _REAL * window.speeds**2)
+    vectors = window.right[:, chosen]
+    return vectors / np.linalg.norm(vectors, axis=0)
+
+
+_REAL = 1e-9
+"""Imaginary part of kappa, relative to its speed squared, up to which it is rounding."""
+
+
+def _table(
+    spectra: Sequence[ReducedSpectrum],
+    numbers: Sequence[Ints],
+    onsets: tuple[Onset, ...],
+    asked: Mapped,
+) -> Row:
+    inside = [found.eigenvalues.imag <= found.settings.end for found in spectra]
+    shape = (len(spectra), max(int(each.sum()) for each in inside))
+    growth, frequency, uncertainty, mean = (np.full(shape, np.nan) for _ in range(4))
+    branch, verdict = np.full(shape, -1, dtype=np.int64), np.full(shape, -1, dtype=np.int8)
+    for i, (found, chosen, number) in enumerate(zip(spectra, inside, numbers, strict=True)):
+        window, n = found.window, int(chosen.sum())
+        growth[i, :n], frequency[i, :n] = (
+            window.eigenvalues.real,
+            window.eigenvalues.imag / (2 * np.pi),
+        )
+        uncertainty[i, :n] = window.uncertainties
+        mean[i, :n] = window.certificate.means / (2 * window.speeds**2)
+        branch[i, :n] = number[chosen]
+        limit = RELATIVE_GROWTH * window.speeds
+        if asked.growth_threshold is not None:
+            limit = np.full(n, asked.growth_threshold)
+        surely = window.eigenvalues.real - window.uncertainties > limit
+        may = window.eigenvalues.real + window.uncertainties > limit
+        verdict[i, :n] = np.where(surely, UNSTABLE, np.where(may, UNDECIDED, STABLE))
+    worst = np.array([found.worst for found in spectra])
+    return Row(growth, frequency, uncertainty, mean, branch, verdict, worst, onsets)

@@ -1,0 +1,139 @@
+"""What a map has come to so far, on disk: an interrupted one goes on from there.
+
+Beside the folder of the result stands one with the ending ``.unfinished``. It holds what each full
+solve added to the basis, a file for each rank, and each row of the map as netCDF.
+"""
+
+import json
+import os
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cea.files import write_whole
+from cea.reduced.greedy import Snapshot
+from cea.reduced.onsets import Onset
+from comparisons.sweep.netcdf import ENGINE
+from comparisons.sweep.rows import Row
+
+_ABOUT = "map.json"
+_FIELDS = ("growth", "frequency", "uncertainty", "mean_error", "branch", "verdict", "worst")
+_ONSET = ("value", "error", "slope")
+
+
+class Store:
+    """The folder of an unfinished map.
+
+    Parameters
+    ----------
+    out
+        Folder of the result.
+    asked
+        What the map is, as plain data; a folder of another one is emptied.
+    comm
+        Communicator (mpi4py).
+    """
+
+    def __init__(self, out: Path, asked: Mapping[str, Any], comm: Any) -> None:
+        self.folder = out.with_name(out.name + ".unfinished")
+        self._comm, self._count = comm, 0
+        if comm.rank == 0:
+            about = json.dumps({**asked, "ranks": comm.size}, sort_keys=True)
+            file = self.folder / _ABOUT
+            if not file.is_file() or file.read_text(encoding="utf-8") != about:
+                shutil.rmtree(self.folder, ignore_errors=True)
+                write_whole(about.encode(), file)
+        comm.barrier()
+
+    def keep(self, snapshot: Snapshot, safety: float) -> None:
+        """Store a snapshot; it counts once every rank has written its part."""
+        part = self._part(self._count)
+        with part.open("wb") as stream:
+            np.save(stream, snapshot.grown)
+        self._comm.barrier()
+        if self._comm.rank == 0:
+            told = {
+                "point": dict(snapshot.point),
+                "rounding": snapshot.rounding,
+                "tested": None if snapshot.tested is None else float(snapshot.tested),
+                "complete": bool(snapshot.complete),
+                "safety": safety,
+            }
+            write_whole(json.dumps(told).encode(), self._told(self._count))
+        self._count += 1
+
+    def snapshots(self) -> list[tuple[Snapshot, float]]:
+        """Snapshots that were stored, in their order, with the factor that bounds had by then."""
+        found = []
+        while self._comm.bcast(self._told(self._count).is_file()):
+            told = self._comm.bcast(json.loads(self._told(self._count).read_text()))
+            grown = np.load(self._part(self._count))
+            fields = {name: told[name] for name in ("point", "rounding", "tested", "complete")}
+            found.append((Snapshot(grown=grown, **fields), told["safety"]))
+            self._count += 1
+        return found
+
+    def keep_row(self, number: int, row: Row) -> None:
+        """Store a row of the map, by the rank that made it."""
+        import xarray
+
+        over = ("value", "mode")
+        onsets = row.onsets
+        data = {
+            "growth": (over, row.growth),
+            "frequency": (over, row.frequency),
+            "uncertainty": (over, row.uncertainty),
+            "mean_error": (over, row.mean_error),
+            "branch": (over, row.branch),
+            "verdict": (over, row.verdict),
+            "worst": (("value",), row.worst),
+            **{
+                f"onset_{name}": (("onset",), np.array([getattr(o, name) for o in onsets], float))
+                for name in _ONSET
+            },
+            "onset_re": (("onset",), np.array([o.eigenvalue.real for o in onsets], float)),
+            "onset_im": (("onset",), np.array([o.eigenvalue.imag for o in onsets], float)),
+            "onset_begins": (("onset",), np.array([o.begins for o in onsets], np.int8)),
+        }
+        file = self._row(number)
+        part = file.with_suffix(f".{os.getpid()}.part")
+        xarray.Dataset(data).to_netcdf(part, engine=ENGINE)
+        part.replace(file)
+
+    def row(self, number: int) -> Row | None:
+        """A row that was stored; None where there is none."""
+        import xarray
+
+        if not self._row(number).is_file():
+            return None
+        with xarray.open_dataset(self._row(number), engine=ENGINE) as data:
+            get: dict[str, Any] = {name: np.array(data[name]) for name in data.variables}
+        onsets = tuple(
+            Onset(
+                value=float(get["onset_value"][i]),
+                error=float(get["onset_error"][i]),
+                eigenvalue=complex(get["onset_re"][i], get["onset_im"][i]),
+                slope=float(get["onset_slope"][i]),
+                begins=bool(get["onset_begins"][i]),
+            )
+            for i in range(len(get["onset_value"]))
+        )
+        return Row(**{name: get[name] for name in _FIELDS}, onsets=onsets)
+
+    def discard(self) -> None:
+        """Remove the folder: its map is finished."""
+        self._comm.barrier()
+        if self._comm.rank == 0:
+            shutil.rmtree(self.folder, ignore_errors=True)
+
+    def _part(self, number: int) -> Path:
+        return self.folder / f"snapshot-{number:04d}.rank{self._comm.rank}.npy"
+
+    def _told(self, number: int) -> Path:
+        return self.folder / f"snapshot-{number:04d}.json"
+
+    def _row(self, number: int) -> Path:
+        return self.folder / f"row-{number:05d}.nc"

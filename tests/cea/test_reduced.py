@@ -1,0 +1,264 @@
+"""Reduced models: eigenvalues between full solves, and bounds that none of them passes."""
+
+import numpy as np
+import pytest
+from mpi import on_ranks
+from reduced_cases import (
+    MU,
+    P,
+    blocks_pencil,
+    dense,
+    enrichment,
+    grid,
+    random_pencil,
+    three_blocks_pencil,
+)
+from same_numbers import assert_same
+from scipy.optimize import brentq
+
+from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.pencil import FRICTION
+from cea.eigen.thresholds import flutter_threshold
+from cea.errors import InputError
+from cea.reduced.branches import Branches
+from cea.reduced.greedy import largest_ratio
+from cea.reduced.onsets import PairLostError, onset, span_of
+from cea.reduced.rows import along
+from cea.reduced.spectrum import MARGIN, upper_root
+
+TOP = 0.6
+RNG = np.random.default_rng(7)
+
+
+def errors(found, kappa):
+    """Errors of the clusters of a window relative to the squares of their speeds."""
+    window = found.window
+    rows, columns = assign(np.abs(window.kappa[:, None] - kappa))
+    assert len(rows) == len(window)
+    clusters = window.certificate.clusters[rows]
+    return np.array(
+        [
+            abs((window.kappa[rows] - kappa[columns])[clusters == each].mean())
+            / (window.speeds[rows][clusters == each].max() ** 2)
+            for each in np.unique(clusters)
+        ]
+    )
+
+
+@pytest.fixture(scope="module")
+def maps():
+    """A map over mu and six decades of P for each backend, made once."""
+    made = {}
+
+    def of(backend):
+        if backend not in made:
+            pencil = blocks_pencil(backend)
+            built = enrichment(pencil, {MU: (0.0, 1.0), P: (0.1, 1e5)}, TOP)
+            left = built.cover(grid(mu=np.linspace(0, 1, 3), P=np.geomspace(0.1, 1e5, 7)))
+            assert left <= built.tolerance
+            made[backend] = built
+        return made[backend]
+
+    return of
+
+
+def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
+    built = maps(backend)
+    assert len(built.snapshots) < 12
+    full = KrylovSchur(built.model.pencil)
+    for mu, decade in zip(RNG.uniform(0, 1, 4), RNG.uniform(-1, 5, 4), strict=True):
+        point = {MU: mu, P: 10**decade}
+        modes = full.solve(MARGIN * TOP, point)
+        found = built.at(point)
+        assert errors(found, -(modes.eigenvalues**2)).max() < 1e-8
+        assert largest_ratio(found, modes) <= 1
+        assert found.worst < 1e-7
+
+
+def test_every_full_solve_that_could_tell_agreed_with_the_bounds(maps, backend):
+    tested = [each.tested for each in maps(backend).snapshots if each.tested is not None]
+    assert tested
+    assert max(tested) <= 1
+
+
+def test_rows_on_a_local_basis_are_those_of_the_whole_basis(maps, backend, monkeypatch):
+    monkeypatch.setattr("cea.reduced.rows._SMALL", 10)
+    small = maps(backend).model.small
+    pencil = maps(backend).model.pencil
+    line = [pencil.values({MU: mu, P: 40.0}) for mu in np.linspace(0.5, 0.6, 21)]
+    spectra, basis = along(small, line, 1e-9)
+    assert basis.size < small.size
+    for values, found in zip(line[::4], spectra[::4], strict=True):
+        assert found.worst <= 1e-9
+        assert errors(found, small.at(values).kappa).max() < 2e-9
+        assert found.right.shape[0] == small.size
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_bound_is_passed_wherever_the_basis_is_poor(seed):
+    """From bases that know far too little to such as know all: dense eigenvalues are the judge."""
+    pencil, matrices = random_pencil(seed)
+    top = 5.0 / (2 * np.pi)
+    built = enrichment(pencil, {FRICTION: (0.0, 1.0)}, top)
+    told = 0
+    for solved in (0.8, 0.1, 0.45):
+        built.solve({FRICTION: solved}, np.inf)
+        for s in RNG.uniform(0, 1, 10):
+            found, kappa = built.at({FRICTION: s}).window, dense(matrices, s)
+            rows, columns = assign(np.abs(found.kappa[:, None] - kappa))
+            difference = np.abs(found.kappa[rows] - kappa[columns])
+            certain = found.certificate.errors < 0.02 * found.speeds**2
+            assert (difference <= found.certificate.errors + 1e-11)[certain].all()
+            told += certain.sum()
+    assert told > 45
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_near_a_coalescence_members_and_means_keep_their_bounds(seed):
+    pencil, matrices = random_pencil(seed)
+    built = enrichment(pencil, {FRICTION: (0.0, 1.0)}, 5.0 / (2 * np.pi))
+    for solved in (0.0, 0.5, 1.0):
+        built.solve({FRICTION: solved}, np.inf)
+
+    def pair(s, at=None):
+        kappa = dense(matrices, s)
+        kappa = kappa[upper_root(kappa).imag <= 5.0]
+        gaps = np.abs(kappa[:, None] - kappa) + 1e9 * np.eye(len(kappa))
+        if at is not None:
+            gaps += 1e3 * np.abs(np.add.outer(kappa, kappa) / 2 - at)
+        return kappa[list(np.unravel_index(gaps.argmin(), gaps.shape))]
+
+    grid_of = np.linspace(0, 1, 101)
+    flutters = [np.abs(dense(matrices, s)[:8].imag).max() > 1e-3 for s in grid_of]
+    first = int(np.argmax(flutters))
+    assert first, "nothing flutters, or it does at once"
+    fluttering = dense(matrices, grid_of[first])
+    mean = fluttering[:8][np.abs(fluttering[:8].imag).argmax()].real
+
+    def discriminant(s):
+        one, other = pair(s, mean)
+        return ((one - other) ** 2).real
+
+    critical = brentq(discriminant, grid_of[first - 1], grid_of[first], xtol=1e-15, rtol=1e-15)
+    for distance in (1e-2, 1e-4, 1e-6, 1e-8):
+        for s in (critical - distance, critical + distance):
+            found, true = built.at({FRICTION: s}), pair(s, mean)
+            near = np.argsort(np.abs(found.kappa - true.mean()))[:2]
+            mine, bounds = found.kappa[near], found.certificate
+            assert abs(mine.mean() - true.mean()) <= bounds.means[near].max() + 1e-11
+            rows, columns = assign(np.abs(mine[:, None] - true))
+            assert (np.abs(mine[rows] - true[columns]) <= bounds.errors[near] + 1e-9).all()
+    found = onset(
+        lambda s: built.at({FRICTION: s}),
+        float(grid_of[first - 1]),
+        float(grid_of[first]),
+        span_of(_growing(built.at({FRICTION: grid_of[first]}), mean)),
+    )
+    assert abs(found.value - critical) <= found.error + 1e-10
+    assert found.begins
+
+
+def _growing(found, mean):
+    """Vector of the eigenvalue nearest to a mean that is not real."""
+    turning = np.flatnonzero(np.abs(found.kappa.imag) > 1e-6)
+    return found.right[:, turning[np.argmin(np.abs(found.kappa[turning].real - mean))]]
+
+
+def test_two_contacts_each_with_its_friction(backend):
+    pencil = three_blocks_pencil(backend)
+    names = [MU, "contacts.other.mu"]
+    built = enrichment(pencil, dict.fromkeys(names, (0.0, 0.9)), TOP)
+    axis = (0.0, 0.45, 0.9)
+    points = [
+        dict(zip(names, pair, strict=True))
+        for pair in np.array(np.meshgrid(axis, axis)).T.reshape(-1, 2).tolist()
+    ]
+    assert built.cover(points) <= built.tolerance
+    full = KrylovSchur(pencil)
+    for one, other in RNG.uniform(0, 0.9, (3, 2)):
+        point = {names[0]: one, names[1]: other}
+        modes = full.solve(MARGIN * TOP, point)
+        assert errors(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
+        assert largest_ratio(built.at(point), modes) <= 1
+
+
+def test_forces_as_unknowns_are_eliminated(backend):
+    """The saddle form has the eigenvalues that it has in full."""
+    method = {"fe": "mortar", "iga": "gpts"}[backend]
+    pencil = blocks_pencil(backend, method=method, form="saddle")
+    assert pencil.forces
+    built = enrichment(pencil, {MU: (0.0, 0.8), P: (1.0, 1e6)}, TOP)
+    built.cover(grid(mu=[0.0, 0.4, 0.8], P=[1.0, 1e3, 1e6]))
+    full = KrylovSchur(pencil)
+    for point in ({MU: 0.63, P: 7.0}, {MU: 0.2, P: 2.5e5}):
+        modes = full.solve(MARGIN * TOP, point)
+        assert errors(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
+
+
+def test_materials_are_parameters_too(backend):
+    pencil = blocks_pencil(backend)
+    E, rho = "bodies.upper.material.E", "bodies.lower.material.rho"
+    built = enrichment(pencil, {E: (1.0, 3.0), rho: (1.0, 2.0)}, TOP)
+    built.cover([{E: e, rho: r} for e in (1.0, 1.7, 3.0) for r in (1.0, 1.5, 2.0)])
+    point = {E: 1.37, rho: 1.81}
+    modes = KrylovSchur(pencil).solve(MARGIN * TOP, point)
+    assert errors(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
+
+
+def test_an_onset_of_flutter_is_that_of_full_solves(backend):
+    """The threshold of the blocks, sought on the reduced model and by full solves."""
+    from reduced_blocks import flutter_of_the_blocks
+
+    driver, name, bracket, top = flutter_of_the_blocks(backend)
+    expected = flutter_threshold(driver, name, *bracket, max_frequency=top)
+    built = enrichment(driver.pencil, {name: bracket}, top)
+    built.cover([{name: value} for value in np.linspace(*bracket, 5)])
+    there = built.at({name: bracket[1]})
+    grows = int(np.argmax(there.eigenvalues.real))
+    found = onset(lambda value: built.at({name: value}), *bracket, span_of(there.right[:, grows]))
+    assert found.value == pytest.approx(expected.value, rel=1e-8)
+    assert found.eigenvalue == pytest.approx(expected.eigenvalue, rel=1e-8)
+    assert abs(found.value - expected.value) <= found.error + 1e-12
+    with pytest.raises(PairLostError):
+        onset(
+            lambda value: built.at({name: value}),
+            0.99 * bracket[1],
+            bracket[1],
+            span_of(there.right[:, grows]),
+        )
+
+
+def test_branches_go_straight_through_crossings(maps, backend):
+    """Along P without friction branches that cross keep their vectors."""
+    small, pencil = maps(backend).model.small, maps(backend).model.pencil
+    line = [pencil.values({MU: 0.0, P: p}) for p in np.geomspace(0.1, 1e5, 81)]
+    branches, last, overlaps = Branches(), None, []
+    for values in line:
+        found = small.at(values)
+        numbers = branches.follow(found)
+        if last is not None:
+            same, here, there = np.intersect1d(numbers, last[1], return_indices=True)
+            assert len(same) >= min(len(found), len(last[0])) - 2
+            before, after = last[0].right[:, there], found.right[:, here]
+            cosines = np.abs((before.conj() * after).sum(axis=0))
+            cosines /= np.linalg.norm(before, axis=0) * np.linalg.norm(after, axis=0)
+            overlaps.append(cosines.min())
+        last = (found, numbers)
+    assert np.mean(np.array(overlaps) > 0.7) > 0.9
+
+
+def test_what_has_no_reduced_model_is_refused():
+    tied = blocks_pencil("iga", P=np.inf, form="saddle")
+    with pytest.raises(InputError, match="finite"):
+        enrichment(tied, {MU: (0.0, 1.0)}, TOP)
+    pencil, _ = random_pencil(0)
+    with pytest.raises(InputError, match="one of"):
+        enrichment(pencil, {"speed": (0.0, 1.0)}, TOP)
+
+
+@pytest.mark.mpi
+def test_maps_are_the_same_on_several_ranks(backend):
+    alone = on_ranks(1, "reduced_cases.map_numbers", backend)
+    ranks = {"fe": 3, "iga": 2}[backend]
+    assert_same(on_ranks(ranks, "reduced_cases.map_numbers", backend), alone, rel=1e-8)
