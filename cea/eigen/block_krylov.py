@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Floats
 from cea.eigen.blocks import image_of
 from cea.eigen.krylov_run import KrylovRun
 from cea.eigen.shifted import Shifted
@@ -121,10 +120,6 @@ class BlockSearch(ABC):
     @abstractmethod
     def image(self, block: NDArray[Any]) -> NDArray[Any]:
         """A block times the matrix of the inner product."""
-
-    def diagonal(self, left: NDArray[Any], right: NDArray[Any]) -> Floats:
-        """Inner products of the columns of two blocks, one with one."""
-        return self.comm.allreduce(np.einsum("ij,ij->j", left.conj(), right).real)
 
     def inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
         """Inner products of every column of one block with every column of another."""

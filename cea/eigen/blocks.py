@@ -37,10 +37,10 @@ def times(matrix: Any, vectors: Complexes) -> Complexes:
 
 
 def image_of(matrix: Any, vectors: Floats) -> Floats:
-    """Square matrix times a block of real vectors, in one sparse-dense product."""
+    """Square matrix times a block of real vectors, in one product, in Fortran order."""
     block = dense(vectors, matrix.getSizes()[1], matrix.comm)
     product = matrix.matMult(block)
-    image = product.getDenseArray().copy()
+    image: Floats = product.getDenseArray().copy(order="F")
     destroy(product, block)
     return image
 
