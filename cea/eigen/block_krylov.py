@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.eigen.blocks import image_of
+from cea.eigen.dense_products import inner
 from cea.eigen.krylov_run import KrylovRun
 from cea.eigen.shifted import Shifted
 from cea.eigen.subspace import InvariantSubspace
@@ -123,7 +124,7 @@ class BlockSearch(ABC):
 
     def inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
         """Inner products of every column of one block with every column of another."""
-        return self.comm.allreduce((left.T @ right.conj()).conj())  # the right is the smaller
+        return self.comm.allreduce(inner(left, right))
 
 
 class BlockKrylov(BlockSearch):

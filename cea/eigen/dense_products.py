@@ -29,6 +29,22 @@ def combined(vectors: NDArray[Any], coefficients: NDArray[Any]) -> NDArray[Any]:
     return (coefficients.T @ vectors.T).T
 
 
+def inner(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
+    """Inner products of every column of one block with every column of another."""
+    if np.iscomplexobj(right):
+        return (left.T @ right.conj()).conj()  # the right is the smaller
+    return left.conj().T @ right if np.iscomplexobj(left) else left.T @ right
+
+
+def beside(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
+    """Two blocks as one, in Fortran order."""
+    columns = left.shape[1]
+    shape = (len(left), columns + right.shape[1])
+    both: NDArray[Any] = np.empty(shape, dtype=np.result_type(left, right), order="F")
+    both[:, :columns], both[:, columns:] = left, right
+    return both
+
+
 def subtract(block: NDArray[Any], vectors: NDArray[Any], coefficients: NDArray[Any]) -> None:
     """Subtract vectors times coefficients from a block, in place.
 

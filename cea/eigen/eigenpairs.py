@@ -1,8 +1,11 @@
 """Eigenpairs as a driver found them, normalised, with residuals and condition numbers."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cea.body import Complexes, Floats
 from cea.eigen.blocks import (
@@ -86,45 +89,73 @@ def checked(
     """
     n, mass, comm = len(kappa), matrices.mass, matrices.stiffness.comm
     kappa, residuals, gram = kappa.copy(), np.empty(n), np.zeros((n, n), dtype=complex)
-    errors, contact, sizes = np.empty(n), [], Sizes(matrices)
+    errors, sizes = np.empty(n), Sizes(matrices)
+    multipliers = 0 if matrices.multipliers is None else factors.multipliers
+    forces = np.empty((multipliers, n), dtype=complex)
     diagonal = mass.getDiagonal()
     root = np.sqrt(diagonal.array_r)
     destroy(diagonal)
-    for block in column_blocks(n):
-        x = vectors[:, block]
-        f = np.empty((0, x.shape[1]), dtype=complex)
+    checked_before = np.empty(0, dtype=np.int64)
+    for block, x in _blocks(kappa, vectors):
+        value = kappa[block] if np.iscomplexobj(x) else kappa[block].real
+        f = np.empty((0, x.shape[1]), dtype=x.dtype)
         if matrices.multipliers is not None:
-            x, f = inverse_step(matrices, factors, kappa[block], x)
+            x, f = inverse_step(matrices, factors, value, x)
         force, inertia = _internal_forces(matrices, x, f), times(mass, x)
         size = np.sqrt(columns_inner(x, inertia, comm).real)
         x, f, force, inertia = x / size, f / size, force / size, inertia / size
-        vectors[:, block] = x
-        contact.append(f)
+        vectors[:, block], forces[:, block] = x, f
         if matrices.symmetric:  # the Rayleigh quotient has the square of the vector's error
-            kappa[block] = columns_inner(x, force, comm).real
+            value = columns_inner(x, force, comm).real
+            kappa[block] = value
         else:
-            gram[block, : block.stop] = all_inner(inertia, vectors[:, : block.stop], comm)
+            checked_before = np.concatenate([checked_before, block])
+            products = _gram(inertia, vectors, checked_before, comm)
+            gram[np.ix_(block, checked_before)] = products
+            gram[np.ix_(checked_before, block)] = products.conj().T
         rounding = np.finfo(float).eps * sizes.works(x, f)
-        defect = force - inertia * kappa[block]
-        scale = np.maximum(np.abs(kappa[block]), rounding)
+        defect: NDArray[Any] = force - inertia * value
+        scale = np.maximum(np.abs(value), rounding)
         residuals[block] = norms(defect, comm) / (scale * norms(inertia, comm))
         error = LUMPED * norms(defect / root[:, None], comm)
-        large = np.flatnonzero(error > SMALL * np.abs(kappa[block]))
+        large = np.flatnonzero(error > SMALL * np.abs(value))
         if len(large):  # solves cost as much as all the rest
             step = solved(factors, defect[:, large])
             length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
-            inverse = np.abs(kappa[block][large] - factors.kappa) * length
+            inverse = np.abs(value[large] - factors.kappa) * length
             error[large] = np.minimum(error[large], inverse)
         errors[block] = rounding + error
     sizes.free()
     conditions = np.ones(n) if matrices.symmetric else _conditions(gram)
-    nothing = np.empty((len(contact[0]) if contact else 0, 0), dtype=complex)
-    forces, bounds = np.hstack([nothing, *contact]), np.full(n, np.inf)
-    return Eigenpairs(kappa, vectors, forces, residuals, conditions, errors, bounds)
+    return Eigenpairs(kappa, vectors, forces, residuals, conditions, errors, np.full(n, np.inf))
 
 
-def solved(factors: Shifted, columns: Complexes) -> Complexes:
-    """(K - sigma M)^-1 times a block of complex columns."""
+def _blocks(
+    kappa: Complexes, vectors: Complexes
+) -> Iterator[tuple[NDArray[np.int64], NDArray[Any]]]:
+    """Numbers of eigenvalues with their vectors, real ones in real numbers: half the work."""
+    real = kappa.imag == 0
+    for chosen, part in ((real, np.real), (~real, np.asarray)):
+        numbers = np.flatnonzero(chosen)
+        for columns in column_blocks(len(numbers)):
+            block = numbers[columns]
+            yield block, np.asfortranarray(part(vectors[:, block]))
+
+
+def _gram(
+    inertia: NDArray[Any], vectors: Complexes, numbers: NDArray[np.int64], comm: Any
+) -> Complexes:
+    """Inner products of a block, whose image is given, with vectors of these numbers."""
+    products = np.empty((inertia.shape[1], len(numbers)), dtype=complex)
+    for columns in column_blocks(len(numbers)):
+        products[:, columns] = all_inner(inertia, vectors[:, numbers[columns]], comm)
+    return products
+
+
+def solved(factors: Shifted, columns: NDArray[Any]) -> NDArray[Any]:
+    """(K - sigma M)^-1 times a block of columns, real or complex."""
+    if not np.iscomplexobj(columns):
+        return factors.solve_block(columns)
     n = columns.shape[1]
     parts = factors.solve_block(np.hstack([columns.real, columns.imag]))
     return parts[:, :n] + 1j * parts[:, n:]
@@ -133,11 +164,11 @@ def solved(factors: Shifted, columns: Complexes) -> Complexes:
 def inverse_step(
     matrices: Matrices,
     factors: Shifted,
-    kappa: Complexes,
-    vectors: Complexes,
+    kappa: NDArray[Any],
+    vectors: NDArray[Any],
     *,
     transposed: bool = False,
-) -> tuple[Complexes, Complexes]:
+) -> tuple[NDArray[Any], NDArray[Any]]:
     """One step of inverse iteration, scaled as the vectors are: displacements and contact forces.
 
     Parameters
@@ -145,17 +176,19 @@ def inverse_step(
     matrices, factors
         The pencil, and factorised.
     kappa, vectors
-        Eigenvalues and the rows of this rank of their vectors.
+        Eigenvalues and the rows of this rank of their vectors, both real or both complex.
     transposed
         Whether the vectors are left ones.
     """
     n = vectors.shape[1]
     inertia = times(matrices.mass, vectors * (kappa - factors.kappa))
+    if not np.iscomplexobj(inertia):
+        return factors.solve_with_forces(inertia, transposed=transposed)
     x, f = factors.solve_with_forces(np.hstack([inertia.real, inertia.imag]), transposed=transposed)
     return x[:, :n] + 1j * x[:, n:], f[:, :n] + 1j * f[:, n:]
 
 
-def _internal_forces(matrices: Matrices, x: Complexes, f: Complexes) -> Complexes:
+def _internal_forces(matrices: Matrices, x: NDArray[Any], f: NDArray[Any]) -> NDArray[Any]:
     """K x + L^T f."""
     force = times(matrices.stiffness, x)
     if matrices.unsymmetric is not None:
@@ -171,8 +204,8 @@ def _conditions(gram: Complexes) -> Floats:
     Parameters
     ----------
     gram
-        Gram matrix, of which the lower triangle is read.
+        Gram matrix.
     """
-    values, vectors = np.linalg.eigh(gram, UPLO="L")
+    values, vectors = np.linalg.eigh(gram)
     values = np.maximum(values, np.finfo(float).eps * values.max(initial=1.0))
     return np.sqrt(np.maximum((np.abs(vectors) ** 2 / values).sum(axis=1), 1.0))

@@ -1,8 +1,6 @@
 """The space of a block Krylov method: orthonormal vectors, and an operator on them.
 
-What an operator makes of a block lies for the most part in the last two blocks where it is nearly
-self-adjoint: they are taken out first, with images that are kept. What is left is projected on all
-vectors, once; where that takes much of it, again.
+A block is projected twice: where friction acts, what an operator makes of it lies in all vectors.
 """
 
 from typing import Any, Protocol
@@ -16,8 +14,6 @@ _NOISE = 1e-12
 """Part of a vector that projections leave below which it lies in the space already."""
 _ORTHONORMAL = 1e-12
 """Distance of inner products from those of orthonormal vectors that is good enough."""
-_SETTLED = 0.5
-"""Part that a projection leaves of every vector after which there is no need of another."""
 _WIDER, _FEW = 1.5, 64
 """Growth of the room for vectors, and that of little room."""
 
@@ -74,7 +70,7 @@ class KrylovSpace:
         self._vectors: NDArray[Any] = np.empty((len(known), 0), dtype=owner.dtype, order="F")
         self._widen(self._known + 1)
         self._vectors[:, : self._known] = known
-        self._image = self._images = np.empty((len(known), 0), dtype=owner.dtype, order="F")
+        self._image = self._vectors[:, :0]
         self.size = self.next = 0
         self.operator: NDArray[Any] = np.empty((0, 0), dtype=owner.dtype)
         self.coupling: NDArray[Any] = np.empty((self._known, 0), dtype=owner.dtype)
@@ -86,7 +82,7 @@ class KrylovSpace:
 
     def start(self, block: NDArray[Any]) -> None:
         """Begin with a block; V is empty."""
-        self._append(block, recent=0)
+        self._append(block)
 
     def extend(self) -> None:
         """Take U into V, and OP U beside them as the next U."""
@@ -94,8 +90,7 @@ class KrylovSpace:
         first = self._known + size
         fresh = self._owner.apply(self._vectors[:, first : first + columns], self._image)
         self.size += columns
-        recent = self._images.shape[1] + columns
-        coefficients = self._append(np.asfortranarray(fresh), recent)
+        coefficients = self._append(np.asfortranarray(fresh))
         shape = (self.size + self.next, self.size)
         whole: NDArray[Any] = np.zeros(shape, dtype=self._owner.dtype)
         whole[: len(self.operator), :size] = self.operator
@@ -123,11 +118,10 @@ class KrylovSpace:
         end = self._known + self.size
         self._vectors[:, self._known : end] = kept
         self._vectors[:, end : end + self.next] = block
-        self._images = self._images[:, :0]
         self.operator = np.vstack([form, rest])
         self.coupling = self.coupling @ vectors
 
-    def _append(self, w: NDArray[Any], recent: int) -> NDArray[Any]:
+    def _append(self, w: NDArray[Any]) -> NDArray[Any]:
         """Put the part of a block outside Q and V behind them: w = [Q V U] c.
 
         Columns of w that lie in Q and V but for rounding leave no column of U.
@@ -136,8 +130,6 @@ class KrylovSpace:
         ----------
         w
             The block, in Fortran order; it is overwritten.
-        recent
-            Last vectors of V whose images are kept: they are taken out first.
 
         Returns
         -------
@@ -147,25 +139,15 @@ class KrylovSpace:
         owner, first = self._owner, self._known + self.size
         before = self._vectors[:, :first]
         most = self._room - self.size  # more directions there are not, but of rounding
-        inside: NDArray[Any] = np.zeros((first, w.shape[1]), w.dtype)
-        squares = np.zeros(w.shape[1])
-        images = self._images
-        if recent:
-            images = np.asfortranarray(np.hstack([images, self._image]))
-            part = owner.inner(images, w)
-            inside[first - recent :] = part
-            subtract(w, before[:, first - recent :], part)
-            squares = (np.abs(part) ** 2).sum(axis=0)
         image = owner.image(w)
-        squares = squares + np.maximum(np.diag(owner.inner(w, image)).real, 0.0)
+        squares = np.einsum("ii->i", owner.inner(w, image)).real
         lengths = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
-        u, image = w / lengths, image / lengths
+        w /= lengths
+        u, image = w, image / lengths
+        inside: NDArray[Any] = np.zeros((first, w.shape[1]), w.dtype)
         rest: NDArray[Any] = np.diag(lengths).astype(w.dtype)
-        u, image, rest, _ = self._orthonormal(u, image, rest, _NOISE, most)
         least = _NOISE
         for _ in range(3):  # a third time, for the first leaves small vectors far from orthogonal
-            if not u.shape[1]:
-                break
             part = owner.inner(before, image)
             inside += part @ rest
             subtract(u, before, part)
@@ -173,49 +155,35 @@ class KrylovSpace:
             gram = owner.inner(u, image)
             if np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
                 break
-            u, image, rest, left = self._orthonormal(u, image, rest, least, most, gram)
-            if left > _SETTLED:
-                break
+            axes = np.linalg.eigh(gram)[1]
+            u, image = combined(u, axes), combined(image, axes)
+            # Of small vectors beside large ones the lengths say more than the eigenvalues.
+            squares = np.einsum("ii->i", owner.inner(u, image)).real
+            lengths = np.sqrt(np.maximum(squares, 0.0))
+            kept = np.flatnonzero(lengths > least)
+            kept = kept[max(0, len(kept) - most) :]
+            u, image = _columns(u, kept), _columns(image, kept)
+            u /= lengths[kept]
+            image /= lengths[kept]
+            rest = (axes[:, kept] * lengths[kept]).conj().T @ rest
             least = 0.3  # what a second projection takes most of was rounding
-        self._keep(u, image, images, first)
+        self._image, self.next = image, u.shape[1]
+        if first + self.next > self._vectors.shape[1]:
+            self._widen(first + self.next)
+        self._vectors[:, first : first + self.next] = u
         return np.vstack([inside, rest])
-
-    def _orthonormal(
-        self,
-        u: NDArray[Any],
-        image: NDArray[Any],
-        rest: NDArray[Any],
-        least: float,
-        most: int,
-        gram: NDArray[Any] | None = None,
-    ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any], float]:
-        """An orthonormal basis of a block, its image, u rest in it, and the least length of all."""
-        inner = self._owner.inner
-        axes = np.linalg.eigh(inner(u, image) if gram is None else gram)[1]
-        u, image = combined(u, axes), combined(image, axes)
-        # Of small vectors beside large ones the lengths say more than the eigenvalues.
-        lengths = np.sqrt(np.maximum(np.diag(inner(u, image)).real, 0.0))
-        shortest = float(lengths.min(initial=np.inf))
-        kept = np.flatnonzero(lengths > least)
-        kept = kept[max(0, len(kept) - most) :]
-        if len(kept) < len(lengths):
-            u, image = np.asfortranarray(u[:, kept]), np.asfortranarray(image[:, kept])
-        u /= lengths[kept]
-        image /= lengths[kept]
-        rest = (axes[:, kept] * lengths[kept]).conj().T @ rest
-        return u, image, rest, shortest
 
     def _widen(self, columns: int) -> None:
         """Room for more vectors; those there are stay."""
         before = self._vectors.shape[1]
         columns = max(columns, min(int(_WIDER * columns) + _FEW, self._known + self._room))
-        wider = np.empty((len(self._vectors), columns), dtype=self._owner.dtype, order="F")
+        wider: NDArray[Any] = np.empty(
+            (len(self._vectors), columns), dtype=self._owner.dtype, order="F"
+        )
         wider[:, :before] = self._vectors
         self._vectors = wider
 
-    def _keep(self, u: NDArray[Any], image: NDArray[Any], images: NDArray[Any], first: int) -> None:
-        """Put a block behind the first vectors, its image beside that of the one before."""
-        self._images, self._image, self.next = self._image, image, u.shape[1]
-        if first + self.next > self._vectors.shape[1]:
-            self._widen(first + self.next)
-        self._vectors[:, first : first + self.next] = u
+
+def _columns(block: NDArray[Any], kept: NDArray[np.int64]) -> NDArray[Any]:
+    """Some columns of a block in Fortran order, in that order again."""
+    return block if len(kept) == block.shape[1] else np.asfortranarray(block[:, kept])

@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 
 from cea.body import Complexes, Floats
+from cea.eigen.dense_products import beside, combined
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,9 @@ class InvariantSubspace:
         if not self.size:
             return np.empty(0, dtype=complex), np.empty((len(self.basis), 0), dtype=complex)
         values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
-        return values, self.basis @ vectors.real + 1j * (self.basis @ vectors.imag)
+        if not vectors.imag.any():
+            return values, combined(self.basis, vectors.real).astype(complex)
+        return values, combined(self.basis, vectors)
 
     def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
         """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
@@ -59,7 +62,7 @@ class InvariantSubspace:
         own = own + shift * np.eye(len(form))
         nothing = np.zeros((len(form), self.size))
         projected = np.block([[self.projected, across], [nothing, own]])
-        return type(self)(np.hstack([self.basis, basis]), projected, self.symmetric)
+        return type(self)(beside(self.basis, basis), projected, self.symmetric)
 
 
 def symmetric_part(matrix: Floats) -> Floats:
