@@ -19,6 +19,7 @@ from cea.eigen.blocks import (
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.sizes import Sizes
+from cea.eigen.subspace import conditions_of
 from cea.matrices import destroy
 
 SMALL = 1e-8
@@ -62,7 +63,11 @@ class Eigenpairs:
 
 
 def checked(
-    matrices: Matrices, factors: Shifted, kappa: Complexes, vectors: Complexes
+    matrices: Matrices,
+    factors: Shifted,
+    kappa: Complexes,
+    vectors: Complexes,
+    conditions: Floats | None = None,
 ) -> Eigenpairs:
     """Normalise eigenpairs and find their residuals, condition numbers and backward errors.
 
@@ -85,18 +90,19 @@ def checked(
     kappa
         Eigenvalues (1/s^2), shape (n,).
     vectors
-        Eigenvectors, the rows of this rank, shape (n_local, n). They are normalised in place.
+        Eigenvectors, the rows of this rank, shape (n_local, n). They are normalised in place. That
+        of a conjugate which follows its eigenvalue is the conjugate.
+    conditions
+        Condition numbers where they are known.
     """
     n, mass, comm = len(kappa), matrices.mass, matrices.stiffness.comm
-    kappa, residuals, gram = kappa.copy(), np.empty(n), np.zeros((n, n), dtype=complex)
-    errors, sizes = np.empty(n), Sizes(matrices)
-    multipliers = 0 if matrices.multipliers is None else factors.multipliers
-    forces = np.empty((multipliers, n), dtype=complex)
+    kappa, residuals, errors, sizes = kappa.copy(), np.empty(n), np.empty(n), Sizes(matrices)
+    forces = np.empty((factors.multipliers, n), dtype=complex)
     diagonal = mass.getDiagonal()
     root = np.sqrt(diagonal.array_r)
     destroy(diagonal)
-    checked_before = np.empty(0, dtype=np.int64)
-    for block, x in _blocks(kappa, vectors):
+    twins = _twins(kappa)
+    for block, x in _blocks(kappa, vectors, twins):
         value = kappa[block] if np.iscomplexobj(x) else kappa[block].real
         f = np.empty((0, x.shape[1]), dtype=x.dtype)
         if matrices.multipliers is not None:
@@ -108,11 +114,6 @@ def checked(
         if matrices.symmetric:  # the Rayleigh quotient has the square of the vector's error
             value = columns_inner(x, force, comm).real
             kappa[block] = value
-        else:
-            checked_before = np.concatenate([checked_before, block])
-            products = _gram(inertia, vectors, checked_before, comm)
-            gram[np.ix_(block, checked_before)] = products
-            gram[np.ix_(checked_before, block)] = products.conj().T
         rounding = np.finfo(float).eps * sizes.works(x, f)
         defect: NDArray[Any] = force - inertia * value
         scale = np.maximum(np.abs(value), rounding)
@@ -126,30 +127,39 @@ def checked(
             error[large] = np.minimum(error[large], inverse)
         errors[block] = rounding + error
     sizes.free()
-    conditions = np.ones(n) if matrices.symmetric else _conditions(gram)
+    for each in (vectors, forces):
+        each[:, twins] = each[:, twins - 1].conj()
+    residuals[twins], errors[twins] = residuals[twins - 1], errors[twins - 1]
+    if conditions is None:
+        conditions = np.ones(n) if matrices.symmetric else conditions_of(_gram(mass, vectors))
     return Eigenpairs(kappa, vectors, forces, residuals, conditions, errors, np.full(n, np.inf))
 
 
+def _twins(kappa: Complexes) -> NDArray[np.int64]:
+    """Numbers of the eigenvalues that are the conjugates of those before them."""
+    return 1 + np.flatnonzero((kappa[:-1].imag > 0) & (kappa[1:] == kappa[:-1].conj()))
+
+
 def _blocks(
-    kappa: Complexes, vectors: Complexes
+    kappa: Complexes, vectors: Complexes, twins: NDArray[np.int64]
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[Any]]]:
-    """Numbers of eigenvalues with their vectors, real ones in real numbers: half the work."""
+    """Numbers of eigenvalues with their vectors, real ones in real numbers; without twins."""
     real = kappa.imag == 0
-    for chosen, part in ((real, np.real), (~real, np.asarray)):
+    other = ~real
+    other[twins] = False
+    for chosen, part in ((real, np.real), (other, np.asarray)):
         numbers = np.flatnonzero(chosen)
         for columns in column_blocks(len(numbers)):
             block = numbers[columns]
             yield block, np.asfortranarray(part(vectors[:, block]))
 
 
-def _gram(
-    inertia: NDArray[Any], vectors: Complexes, numbers: NDArray[np.int64], comm: Any
-) -> Complexes:
-    """Inner products of a block, whose image is given, with vectors of these numbers."""
-    products = np.empty((inertia.shape[1], len(numbers)), dtype=complex)
-    for columns in column_blocks(len(numbers)):
-        products[:, columns] = all_inner(inertia, vectors[:, numbers[columns]], comm)
-    return products
+def _gram(mass: Any, vectors: Complexes) -> Complexes:
+    """Inner products of unit eigenvectors."""
+    gram = np.empty((vectors.shape[1],) * 2, dtype=complex)
+    for block in column_blocks(len(gram)):
+        gram[block] = all_inner(times(mass, vectors[:, block]), vectors, mass.comm)
+    return gram
 
 
 def solved(factors: Shifted, columns: NDArray[Any]) -> NDArray[Any]:
@@ -196,16 +206,3 @@ def _internal_forces(matrices: Matrices, x: NDArray[Any], f: NDArray[Any]) -> ND
     if matrices.multipliers is not None:
         force += transposed_times(matrices.multipliers.reaction, f)
     return force
-
-
-def _conditions(gram: Complexes) -> Floats:
-    """Condition numbers from the Gram matrix of unit eigenvectors: sqrt of diag of its inverse.
-
-    Parameters
-    ----------
-    gram
-        Gram matrix.
-    """
-    values, vectors = np.linalg.eigh(gram)
-    values = np.maximum(values, np.finfo(float).eps * values.max(initial=1.0))
-    return np.sqrt(np.maximum((np.abs(vectors) ** 2 / values).sum(axis=1), 1.0))

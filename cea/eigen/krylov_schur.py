@@ -208,7 +208,8 @@ class KrylovSchur:
             symmetric_count=found.counted,
         )
         with timer("post-processing"):  # those around the window show too what rounding does
-            pairs = checked(matrices, factors, kappa, vectors)
+            conditions = found.subspace.conditions()
+            pairs = checked(matrices, factors, kappa, vectors, conditions)
             if not matrices.symmetric:
                 bounds = cluster_bounds(
                     found.subspace.projected, pairs.kappa, pairs.errors, pairs.conditions
