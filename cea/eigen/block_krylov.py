@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from cea.eigen.blocks import image_of
 from cea.eigen.dense_products import inner
 from cea.eigen.krylov_run import KrylovRun
+from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.subspace import InvariantSubspace
 from cea.timing import StageTimer
@@ -132,11 +133,11 @@ class BlockKrylov(BlockSearch):
 
     Parameters
     ----------
-    mass
-        M, PETSc AIJ, symmetric positive definite.
+    matrices
+        The pencil at given parameters.
     factors
         The pencil factorised at the shift.
-    finite, tolerance, max_restarts, timer
+    tolerance, max_restarts, timer
         Those of :class:`BlockSearch`.
     transposed
         Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
@@ -144,9 +145,8 @@ class BlockKrylov(BlockSearch):
 
     def __init__(
         self,
-        mass: Any,
+        matrices: Matrices,
         factors: Shifted,
-        finite: int,
         *,
         tolerance: float,
         max_restarts: int,
@@ -154,15 +154,15 @@ class BlockKrylov(BlockSearch):
         transposed: bool = False,
     ) -> None:
         super().__init__(
-            int(mass.getSize()[0]),
-            finite,
+            matrices.size,
+            matrices.size - matrices.tied,
             factors.kappa,
-            mass.comm.tompi4py(),
+            matrices.mass.comm.tompi4py(),
             tolerance=tolerance,
             max_restarts=max_restarts,
             timer=timer,
         )
-        self._mass, self._factors, self._transposed = mass, factors, transposed
+        self._mass, self._factors, self._transposed = matrices.mass, factors, transposed
 
     def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
         """OP on a block whose product with M is given."""

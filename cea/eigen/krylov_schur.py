@@ -10,20 +10,20 @@ rotation the problem is quadratic in lambda, and another driver takes it
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Self
+from typing import Any, Self, get_args
 
 import numpy as np
 
 from cea.eigen.clusters import cluster_bounds
 from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
+from cea.eigen.found import Found, nearest_window, upper_end
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.nearest import NearestSearch
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.quadratic import QuadraticDriver
-from cea.eigen.search import Found, WindowSearch, upper_end
+from cea.eigen.search import Solver, WindowSearch
 from cea.eigen.sensitivity import LeftVectors, biorthonormal
 from cea.eigen.shifted import Shifted, count_below
-from cea.eigen.spectrum import Window
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
@@ -48,6 +48,9 @@ class KrylovSchur:
         Relative tolerance of the Krylov iteration on 1 / (kappa - shift).
     max_restarts
         Restarts of the Krylov iteration before it is given up.
+    solver
+        What searches a window: ``"block"``, or ``"krylov-schur"``, that of SLEPc, as a reference;
+        it is slower, and takes neither damping nor rotation.
 
     Attributes
     ----------
@@ -58,11 +61,19 @@ class KrylovSchur:
     """
 
     def __init__(
-        self, pencil: Pencil, *, tolerance: float = 1e-13, max_restarts: int = 200
+        self,
+        pencil: Pencil,
+        *,
+        tolerance: float = 1e-13,
+        max_restarts: int = 200,
+        solver: Solver = "block",
     ) -> None:
+        if solver not in get_args(Solver):
+            raise InputError("solver", solver, " or ".join(map(repr, get_args(Solver))))
         if not any(term.role == "mass" for term in pencil.terms):
             raise InputError("mass", None, "a mass: modes have none without")
         self.pencil = pencil
+        self.solver: Solver = solver
         self.factorisations = 0
         self.solves = 0
         self._tolerance, self._max_restarts = tolerance, max_restarts
@@ -127,6 +138,8 @@ class KrylovSchur:
         with timer("assembly"):
             matrices = self._matrices(values)
         if matrices.quadratic:
+            if self.solver != "block":
+                raise InputError("solver", self.solver, "'block' with damping or rotation")
             return self._quadratic(matrices, values, max_frequency, min_growth, timer, left=left)
         top = (2 * np.pi * max_frequency) ** 2
         shift, upper, counted = 0.5 * top, upper_end(top), None
@@ -140,6 +153,7 @@ class KrylovSchur:
             tolerance=self._tolerance,
             max_restarts=self._max_restarts,
             timer=timer,
+            solver=self.solver,
         )
         self._at = ({}, np.nan)  # the search moves the factors; where it fails they are no more
         try:
@@ -193,20 +207,7 @@ class KrylovSchur:
     ) -> Modes:
         """Modes of what was found, with their errors; with left vectors where a search is given."""
         kappa, vectors = found.subspace.eigenpairs()
-        upper = upper_end(top)
-        window = Window(
-            max_frequency=float(np.sqrt(top)) / (2 * np.pi),
-            shift=found.discs[0].centre if found.discs else 0.5 * top,
-            radius=found.discs[0].radius if found.discs else 0.0,
-            found=len(kappa),
-            discs=len(found.discs),
-            max_growth=np.inf if found.bounded else float(np.sqrt(max(found.depth, 0.0))),
-            bounded=found.bounded,
-            odd=found.odd,
-            upper=upper,
-            found_below=int(np.sum(kappa.real < upper)),
-            symmetric_count=found.counted,
-        )
+        window = found.window(top, kappa)
         with timer("post-processing"):  # those around the window show too what rounding does
             conditions = found.subspace.conditions()
             pairs = checked(matrices, factors, kappa, vectors, conditions)
@@ -258,19 +259,7 @@ class KrylovSchur:
         search = NearestSearch(matrices, factors, self._tolerance, self._max_restarts, timer)
         found, vectors = search.nearest(wanted)
         self.solves += 1
-        window = Window(
-            max_frequency=np.inf,
-            shift=kappa,
-            radius=float(np.abs(found - kappa).max(initial=0.0)),
-            found=len(found),
-            discs=1,
-            max_growth=0.0,
-            bounded=False,
-            odd=False,
-            upper=np.inf,
-            found_below=len(found),
-            symmetric_count=None,
-        )
+        window = nearest_window(kappa, found)
         with timer("post-processing"):
             pairs = checked(matrices, factors, found, vectors)
         if factors is not self._factors:
@@ -359,11 +348,14 @@ def solve_modes(
     left: bool = False,
     tolerance: float = 1e-13,
     max_restarts: int = 200,
+    solver: Solver = "block",
     timer: StageTimer | None = None,
 ) -> Modes:
     """All modes of a pencil up to a frequency: one solve of a :class:`KrylovSchur` driver.
 
     Parameters and errors are those of the driver and of :meth:`KrylovSchur.solve`.
     """
-    with KrylovSchur(pencil, tolerance=tolerance, max_restarts=max_restarts) as driver:
+    with KrylovSchur(
+        pencil, tolerance=tolerance, max_restarts=max_restarts, solver=solver
+    ) as driver:
         return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)
