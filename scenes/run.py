@@ -73,6 +73,8 @@ def run_scene(
     """
     if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
         return run_modes(scene, solver=solver, **options)
+    if solver != "block":
+        raise InputError("solver", solver, "left out: a static analysis has no modes")
     return run_static(scene, **options)
 
 

@@ -8,7 +8,7 @@ from petsc_matrices import to_petsc
 from cea.eigen.krylov_schur import KrylovSchur, solve_modes
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
-from scenes import load_scene, run_modes
+from scenes import load_scene, run_modes, run_scene
 
 HERTZ = 1 / (2 * np.pi)
 
@@ -58,5 +58,7 @@ def test_what_it_does_not_do_is_refused():
     terms = [Term(role, part) for role in ("mass", "stiffness", "damping")]
     with pytest.raises(InputError, match="with damping or rotation"):
         solve_modes(Pencil(terms), 1.0, solver="krylov-schur")
+    with pytest.raises(InputError, match="a static analysis has no modes"):
+        run_scene(load_scene("patch_test"), solver="krylov-schur")
     with pytest.raises(InputError, match="'block' or 'krylov-schur'"):
         KrylovSchur(Pencil(terms[:2]), solver="lanczos")
