@@ -15,23 +15,19 @@ from typing import Any, Self, get_args
 import numpy as np
 
 from cea.eigen.clusters import cluster_bounds
-from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
+from cea.eigen.eigenpairs import checked
 from cea.eigen.found import Found, nearest_window, upper_end
+from cea.eigen.kept import Kept
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.nearest import NearestSearch
-from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.quadratic import QuadraticDriver
 from cea.eigen.search import Solver, WindowSearch
-from cea.eigen.sensitivity import LeftVectors, biorthonormal
-from cea.eigen.shifted import Shifted, count_below
+from cea.eigen.sensitivity import left_vectors_of
+from cea.eigen.shifted import Shifted
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
-
-_NEARBY_STEPS = 3
-"""Steps of refinement up to which factors of nearby parameters are worth keeping."""
-_BESIDE = 0.997
-"""Part of a shift that is an eigenvalue at which another is tried."""
 
 
 class KrylovSchur:
@@ -54,8 +50,6 @@ class KrylovSchur:
 
     Attributes
     ----------
-    factorisations
-        Factorisations made so far, inertia counts included.
     solves
         Eigenvalue problems solved so far.
     """
@@ -74,13 +68,15 @@ class KrylovSchur:
             raise InputError("mass", None, "a mass: modes have none without")
         self.pencil = pencil
         self.solver: Solver = solver
-        self.factorisations = 0
         self.solves = 0
+        self._searched = 0
         self._tolerance, self._max_restarts = tolerance, max_restarts
-        self._counts: dict[tuple[float, ...], int] = {}
-        self._summed: tuple[dict[str, float], Matrices] | None = None
-        self._factors: Shifted | None = None
-        self._at: tuple[dict[str, float], float] = ({}, np.nan)
+        self._kept = Kept(pencil)
+
+    @property
+    def factorisations(self) -> int:
+        """Factorisations made so far, inertia counts included."""
+        return self._kept.factorisations + self._searched
 
     def __enter__(self) -> Self:
         return self
@@ -90,12 +86,7 @@ class KrylovSchur:
 
     def free(self) -> None:
         """Free factors and sums; what was counted is kept."""
-        if self._factors is not None:
-            self._factors.free()
-            self._factors = None
-        if self._summed is not None:
-            release(self._summed[1])
-            self._summed = None
+        self._kept.free()
 
     def solve(
         self,
@@ -136,7 +127,7 @@ class KrylovSchur:
             raise InputError("min_growth", min_growth, "zero or a negative number (1/s), or none")
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
-            matrices = self._matrices(values)
+            matrices = self._kept.matrices(values)
         if matrices.quadratic:
             if self.solver != "block":
                 raise InputError("solver", self.solver, "'block' with damping or rotation")
@@ -144,9 +135,9 @@ class KrylovSchur:
         top = (2 * np.pi * max_frequency) ** 2
         shift, upper, counted = 0.5 * top, upper_end(top), None
         with timer("factorisation"):
-            factors = self._in_the_middle(matrices, values, shift)
+            factors = self._kept.in_the_middle(matrices, values, shift)
             if matrices.symmetric:
-                counted = self._count(matrices, values, upper)
+                counted = self._kept.count(matrices, values, upper)
         search = WindowSearch(
             matrices,
             factors,
@@ -155,7 +146,7 @@ class KrylovSchur:
             timer=timer,
             solver=self.solver,
         )
-        self._at = ({}, np.nan)  # the search moves the factors; where it fails they are no more
+        self._kept.lost()  # the search moves the factors; where it fails they are no more
         try:
             found = search.complex(top) if counted is None else search.real(top, counted)
         except ConvergenceError as error:
@@ -164,8 +155,8 @@ class KrylovSchur:
             raise
         finally:
             self.solves += 1
-            self.factorisations += search.factorisations
-        self._at = (values, factors.kappa)
+            self._searched += search.factorisations
+        self._kept.moved(values, factors.kappa)
         modes = self._judged(matrices, values, factors, found, top, timer, search if left else None)
         if counted is not None and not modes.window.complete:
             raise ConvergenceError(
@@ -193,7 +184,7 @@ class KrylovSchur:
             return driver.solve(max_frequency, min_growth, left=left)
         finally:
             self.solves += 1
-            self.factorisations += driver.factorisations
+            self._searched += driver.factorisations
 
     def _judged(
         self,
@@ -216,7 +207,12 @@ class KrylovSchur:
                     found.subspace.projected, pairs.kappa, pairs.errors, pairs.conditions
                 )
                 pairs = replace(pairs, bounds=bounds)
-        left_vectors = self._left(matrices, factors, pairs, search, timer) if search else None
+        left_vectors = None
+        if search is not None:
+            kappa, vectors = search.left()
+            self._kept.moved(values, factors.kappa)
+            with timer("post-processing"):
+                left_vectors = left_vectors_of(matrices, factors, pairs, kappa, vectors)
         return modes_of(self.pencil, values, matrices, pairs, left_vectors, window)
 
     def nearest(
@@ -251,92 +247,28 @@ class KrylovSchur:
             raise InputError("wanted", wanted, "1 or more")
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
-            matrices = self._matrices(values)
+            matrices = self._kept.matrices(values)
         if matrices.quadratic:
             raise InputError("pencil", "with damping or rotation", "without, for nearest modes")
         with timer("factorisation"):
-            factors = self._nearby(matrices, values, kappa)
+            factors = self._kept.nearby(matrices, values, kappa)
         search = NearestSearch(matrices, factors, self._tolerance, self._max_restarts, timer)
         found, vectors = search.nearest(wanted)
         self.solves += 1
         window = nearest_window(kappa, found)
         with timer("post-processing"):
             pairs = checked(matrices, factors, found, vectors)
-        if factors is not self._factors:
+        if not self._kept.is_own(factors):
             factors.free()
         return modes_of(self.pencil, values, matrices, pairs, None, window)
 
     def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:
         """Whether the pencil is damped or rotates at given parameters."""
-        return self._matrices(self.pencil.values(changes)).quadratic
+        return self._kept.matrices(self.pencil.values(changes)).quadratic
 
     def mass(self, values: Mapping[str, float]) -> Any:
         """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
-        return self._matrices(self.pencil.values(values)).mass
-
-    def _matrices(self, values: dict[str, float]) -> Matrices:
-        if self._summed is None:
-            self._summed = (values, self.pencil.at(values))
-        elif self._summed[0] != values:
-            before, matrices = self._summed
-            self._summed = None  # an interruption leaves nothing that was freed
-            self._summed = (values, self.pencil.moved(matrices, before, values))
-        return self._summed[1]
-
-    def _count(self, matrices: Matrices, values: dict[str, float], upper: float) -> int:
-        key = (*self.pencil.symmetric_values(values), upper)
-        if key not in self._counts:
-            self._counts[key] = count_below(matrices, upper)
-            self.factorisations += 1
-        return self._counts[key]
-
-    def _factorised(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
-        """Factors at a shift, those of the last solve where they are the same."""
-        known = self._factors is not None and self._factors.matrices is matrices
-        if self._factors is None or not known or self._at != (values, kappa):
-            if self._factors is not None:
-                self._factors.free()
-                self._factors = None
-            self._factors = Shifted(matrices, kappa)
-            self._at = (values, kappa)
-            self.factorisations += 1
-        return self._factors
-
-    def _in_the_middle(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
-        """Factors at a shift, or beside it where it is an eigenvalue."""
-        try:
-            return self._factorised(matrices, values, kappa)
-        except ConvergenceError:
-            return self._factorised(matrices, values, _BESIDE * kappa)
-
-    def _nearby(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
-        """Factors at a shift, or those made there at parameters near enough, refined."""
-        if self._factors is not None and self._at[1] == kappa and self._at[0] != values:
-            refined = Shifted(matrices, kappa, near=self._factors)
-            if refined.steps() <= _NEARBY_STEPS:
-                return refined
-            refined.free()
-        return self._factorised(matrices, values, kappa)
-
-    def _left(
-        self,
-        matrices: Matrices,
-        factors: Shifted,
-        pairs: Eigenpairs,
-        search: WindowSearch,
-        timer: StageTimer,
-    ) -> LeftVectors:
-        """Left vectors of the eigenpairs found."""
-        if matrices.symmetric:
-            return LeftVectors(pairs.vectors, pairs.forces)
-        kappa, vectors = search.left()
-        self._at = (self._at[0], factors.kappa)
-        with timer("post-processing"):
-            y = biorthonormal(matrices.mass, pairs.kappa, pairs.vectors, kappa, vectors)
-            g = np.empty((0, len(pairs.kappa)), dtype=complex)
-            if matrices.multipliers is not None:
-                y, g = inverse_step(matrices, factors, pairs.kappa.conj(), y, transposed=True)
-        return LeftVectors(y, g)
+        return self._kept.matrices(self.pencil.values(values)).mass
 
 
 def solve_modes(

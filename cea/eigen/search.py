@@ -191,8 +191,13 @@ class WindowSearch:
         return known
 
     def left(self) -> tuple[Complexes, Complexes]:
-        """Left eigenvectors, with the conjugates of their eigenvalues, of all that was found."""
+        """Left eigenvectors, with the conjugates of their eigenvalues, of all that was found.
+
+        Without friction they are the right ones, and none are searched.
+        """
         known = self._nothing()
+        if self._matrices.symmetric:
+            return known.eigenpairs()
         for shift, distance in self._farthest.items():
             self._move(shift)
             known = self._filled(known, _INSIDE * distance, transposed=True)
