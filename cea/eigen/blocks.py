@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.dense_products import inner
 from cea.matrices import dense, destroy
 

@@ -18,7 +18,7 @@ from scipy.linalg import LinAlgError, schur, solve_sylvester
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 
 _ILL = 1e1
 """Condition number from which a cluster is looked at."""

@@ -13,7 +13,7 @@ from itertools import accumulate, groupby, pairwise
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.blocks import times, transposed_times
 from cea.eigen.factorisation import Mumps
 from cea.matrices import destroy, distributed, identity, local_part

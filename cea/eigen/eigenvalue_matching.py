@@ -9,7 +9,7 @@ from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from cea.body import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats, Ints
 from cea.errors import InputError
 
 DEGENERATE = 1e-8

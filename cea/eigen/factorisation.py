@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.errors import ConvergenceError
 from cea.matrices import dense, destroy
 from cea.petsc import PETSc

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.eigen.spectrum import Window
 from cea.eigen.subspace import InvariantSubspace
 

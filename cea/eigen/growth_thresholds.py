@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import brentq
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.thresholds import Threshold, ThresholdDriver, names_of
 from cea.errors import ConvergenceError, InputError
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import schur
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.krylov_space import InnerProduct, KrylovSpace
 from cea.eigen.subspace import InvariantSubspace, small_eigenpairs, symmetric_part
 from cea.errors import ConvergenceError

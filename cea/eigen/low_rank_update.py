@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.blocks import column_blocks, norms
 from cea.eigen.low_rank import of_real
 from cea.errors import ConvergenceError

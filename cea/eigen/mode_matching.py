@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import subspace_angles
 
-from cea.body import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign, connected, group
 from cea.errors import InputError
 

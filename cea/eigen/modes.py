@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.eigenpairs import Eigenpairs
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.sensitivity import LeftVectors, derivatives, dual_norms

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.factorisation import Applied
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, times
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
 from cea.eigen.modes import Modes, refuse_what_is_lost, warnings_of

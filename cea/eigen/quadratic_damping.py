@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import image_of, times, transposed_times
 from cea.eigen.pencil import Matrices
 from cea.matrices import absolute, destroy, scaled_total

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import (
     all_inner,
     column_blocks,

@@ -14,7 +14,7 @@ import sys
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.eigen.companion import CompanionSearch
 from cea.eigen.krylov_run import CrowdedError
 from cea.eigen.pencil import Matrices

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, kron
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.blocks import image_of, transposed_times
 from cea.eigen.factorisation import Mumps
 from cea.eigen.low_rank import LowRankSum

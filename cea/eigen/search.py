@@ -12,7 +12,7 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.coverage import distance_of_cone, distance_within, touching_disc
 from cea.eigen.field_of_values import FieldOfValues, field_of_values

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, column_blocks, times
 from cea.eigen.eigenpairs import Eigenpairs, inverse_step
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.factorisation import Mumps, Refined
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.pencil import Matrices

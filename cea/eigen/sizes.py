@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.blocks import image_of, transposed_times
 from cea.eigen.pencil import Matrices
 from cea.matrices import absolute, destroy

@@ -8,7 +8,7 @@ and shares nothing with it but factors.
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import image_of
 from cea.eigen.dense_products import inner, subtract
 from cea.eigen.nearest import NearestSearch

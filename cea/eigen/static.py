@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.shifted import Shifted
 from cea.eigen.sizes import Sizes

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.dense_products import beside, combined
 
 

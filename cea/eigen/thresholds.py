@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.blocks import all_inner, times
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
