@@ -1,4 +1,4 @@
-"""Arrays of plain numbers from whatever was given for one."""
+"""Kinds of arrays, and arrays of plain numbers from whatever was given for one."""
 
 from typing import Any
 
@@ -6,6 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cea.errors import InputError, require
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Complexes = NDArray[np.complex128]
 
 
 def numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[Any]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.suggestions import did_you_mean

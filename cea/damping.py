@@ -5,8 +5,7 @@ from math import pi
 
 import numpy as np
 
-from cea.arrays import is_number
-from cea.body import Floats
+from cea.arrays import Floats, is_number
 from cea.errors import InputError
 
 _ROUNDING = 1e-15

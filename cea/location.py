@@ -9,7 +9,8 @@ from typing import Protocol
 
 import numpy as np
 
-from cea.body import Floats, Ints, Location, Status, SurfaceCoordinates
+from cea.arrays import Floats, Ints
+from cea.surface import Location, Status, SurfaceCoordinates
 
 TOLERANCE = 1e-8
 """Default miss allowed, relative to the local mesh size."""

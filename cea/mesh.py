@@ -39,7 +39,7 @@ class Mesh:
     Nodes of a cell are those of a lattice on the reference cell, (i, j, k)/order with
     0 <= i, j, k <= order in boxes (squares in the plane), i + j + k <= order in simplices besides,
     and listed in C order: the last index runs fastest (:func:`reference_nodes`), as in
-    :class:`cea.body.VolumeCells`. So
+    :class:`cea.volume.VolumeCells`. So
 
     - linear triangles and tetrahedra list their corners in any order;
     - a linear quadrilateral lists (0,0), (0,1), (1,0), (1,1): of corners that go around,

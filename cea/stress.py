@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from cea.body import Floats, Surface, SurfaceCoordinates
+from cea.arrays import Floats
 from cea.material import IsotropicMaterial
+from cea.surface import Surface, SurfaceCoordinates
 
 
 def boundary_stress(

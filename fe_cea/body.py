@@ -8,7 +8,7 @@ from dolfinx.fem import Function, functionspace
 from dolfinx.fem.petsc import assemble_matrix, assemble_vector
 from scipy.sparse import csr_array
 
-from cea.body import Floats, VolumeCells, VolumeSample
+from cea.arrays import Floats
 from cea.checks import check_density, check_jacobians
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
@@ -28,6 +28,7 @@ from cea.supports.boundary import (
 )
 from cea.supports.constraints import Constraints
 from cea.supports.prescribed import add_prescribed
+from cea.volume import VolumeCells, VolumeSample
 from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute
 from fe_cea.facets import gather_facets

@@ -9,7 +9,8 @@ from dolfinx.fem import functionspace
 from dolfinx.fem.petsc import interpolation_matrix
 from scipy.sparse import csr_array, vstack
 
-from cea.body import Floats, Ints, VolumeCells
+from cea.arrays import Floats, Ints
+from cea.volume import VolumeCells
 from fe_cea.facets import geometry_element
 
 

@@ -9,7 +9,7 @@ import basix
 import numpy as np
 from dolfinx.fem import IntegralType, compute_integration_domains
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.location import cross
 
 _CHUNK_BYTES = 64 * 2**20

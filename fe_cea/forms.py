@@ -11,7 +11,7 @@ import ufl
 from dolfinx import default_scalar_type
 from dolfinx.fem import Constant, Form, form
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.material import IsotropicMaterial
 from cea.rotation import Rotation
 from cea.supports.boundary import Pressure, Spring

@@ -9,8 +9,9 @@ import numpy as np
 from dolfinx.fem import functionspace
 from scipy.sparse import csr_array, vstack
 
-from cea.body import Floats, Ints, VolumeSample
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
+from cea.volume import VolumeSample
 from fe_cea.facets import geometry_element, slices
 
 

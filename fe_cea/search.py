@@ -10,7 +10,7 @@ import numpy as np
 from dolfinx.geometry import bb_tree, compute_collisions_points
 from dolfinx.mesh import create_mesh
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.petsc import MPI
 from fe_cea.facets import FacetLayer
 

@@ -5,12 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats, Ints, SurfaceCoordinates
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints, constrain
 from cea.supports.directions import Directions, merged
 from cea.supports.frames import SurfaceNormal
+from cea.surface import SurfaceCoordinates
 from fe_cea.facets import FacetBasis
 from fe_cea.surface import FESurface
 

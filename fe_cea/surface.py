@@ -9,9 +9,10 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from cea.body import Floats, Ints, Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.location import cross, locate_along
+from cea.surface import Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
 from fe_cea.facets import FacetLayer, slices
 from fe_cea.search import FacetBounds
 

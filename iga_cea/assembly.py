@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.petsc import PETSc
 from iga_cea.multipatch import Multipatch
 from iga_cea.pattern import Pattern

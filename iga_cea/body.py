@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, diags_array, kron, vstack
 
-from cea.body import Floats, VolumeCells, VolumeSample
+from cea.arrays import Floats
 from cea.checks import check_density
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
@@ -26,6 +26,7 @@ from cea.supports.boundary import (
 )
 from cea.supports.constraints import Constraints
 from cea.supports.prescribed import add_prescribed
+from cea.volume import VolumeCells, VolumeSample
 from iga_cea import assembly, prestress, transport
 from iga_cea.cells import bezier_cells
 from iga_cea.inputs import check_faces, check_patches, checked_continuity, checked_degree

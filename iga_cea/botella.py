@@ -6,7 +6,7 @@ equations, Computers & Fluids 31 (2002).
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from iga_cea.splines import basis_functions
 
 _HALVINGS = 60

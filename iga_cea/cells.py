@@ -6,7 +6,8 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array, kron, vstack
 from scipy.special import comb
 
-from cea.body import Floats, Ints, VolumeCells
+from cea.arrays import Floats, Ints
+from cea.volume import VolumeCells
 from iga_cea.multipatch import Multipatch
 from iga_cea.patch import Patch, outward, tensor_cells
 from iga_cea.splines import insertion_matrix

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 from scipy.spatial import KDTree
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from iga_cea.chunks import chunks
 from iga_cea.face import PatchFace, grid_points
 from iga_cea.patch import subdivided

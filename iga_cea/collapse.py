@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 
 COLLAPSED = 1e-10
 """Distance at which control points of a line coincide, relative to the diagonal of the net."""

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from iga_cea.botella import botella
 from iga_cea.patch import Patch
 from iga_cea.splines import basis_functions, greville

@@ -8,7 +8,7 @@ from itertools import combinations, permutations, product
 import numpy as np
 from scipy.spatial import KDTree
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.location import locate_along
 from iga_cea.chart import FaceChart

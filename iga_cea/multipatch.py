@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from iga_cea.collapse import coinciding, face_is_collapsed
 from iga_cea.face import PatchFace
 from iga_cea.joints import joined_dofs

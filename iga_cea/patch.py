@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_array, diags_array, kron
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.checks import check_knots, check_weights
 from cea.errors import InputError
 from iga_cea.collapse import COLLAPSED, Lines, collapsed_lines

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.petsc import PETSc
 from iga_cea.multipatch import Multipatch
 from iga_cea.patch import Patch

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.material import IsotropicMaterial
 from iga_cea.assembly import distributed_matrix
 from iga_cea.multipatch import Multipatch

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from iga_cea.chunks import chunks
 from iga_cea.collapse import merging, separated

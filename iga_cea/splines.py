@@ -7,7 +7,7 @@ References: Piegl & Tiller, The NURBS Book; Cohen, Lyche & Riesenfeld, Discrete 
 import numpy as np
 from scipy.sparse import csr_array
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 
 
 def find_span(knots: Floats, degree: int, x: Floats) -> Ints:

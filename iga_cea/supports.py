@@ -27,11 +27,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from cea.body import Floats, Ints, SurfaceCoordinates
+from cea.arrays import Floats, Ints
 from cea.contact.interface import along
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints, ProjectedConstraints, constrain
 from cea.supports.directions import Directions, merged
+from cea.surface import SurfaceCoordinates
 from iga_cea.face import grid_points
 from iga_cea.surface import NurbsSurface
 

@@ -9,9 +9,10 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.spatial import KDTree
 
-from cea.body import Floats, Ints, Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.location import locate_along
+from cea.surface import Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
 from iga_cea.chart import FaceChart
 from iga_cea.face import PatchFace, grid_points
 from iga_cea.splines import gauss_rule

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, kron
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.petsc import PETSc
 from cea.rotation import Rotation
 from iga_cea.assembly import distributed_matrix, gram

@@ -127,7 +127,8 @@ class MeshFile:
     @cached_property
     def _part(self) -> Part:
         faces = {name: self._sets(name) for name in self.faces}
-        return part_of(self.content, self.part, marks_of(self.content, faces))
+        marks = marks_of(self.content, faces)
+        return part_of(self.content, Path(self.file).name, self.part, marks)
 
     def _sets(self, surface: str) -> tuple[str, ...]:
         """Sets of the file that a surface is made of."""

@@ -8,6 +8,7 @@ from typing import Literal
 from cea.errors import InputError, require
 from meshes.mesh_file import Unit, check_unit, in_metres, is_fit
 from meshes.mesh_files.splines import FileSplines, Spline, json_splines, xml_splines
+from meshes.mesh_files.state import checked_state
 from meshes.patches import Face, GivenPatch, Patches
 
 _KEPT = 4
@@ -52,7 +53,7 @@ class NurbsFile:
     def given(self) -> Patches:
         """Its patches (m)."""
         assert self.unit is not None
-        content = _content_of(Path(self.file))
+        content = _read(*checked_state(Path(self.file), "a file of patches", _LARGEST))
         faces = {name: ends for name, ends in content.faces.items() if is_fit(name)} | self.faces
         try:
             patches = tuple(_patch(spline, self.unit) for spline in content.splines)
@@ -86,17 +87,6 @@ def _patch(spline: Spline, unit: Unit) -> GivenPatch:
     weights = None if spline.weights is None else tuple(spline.weights.tolist())
     lengths = in_metres(points, unit)
     return GivenPatch(spline.degrees, spline.knots, tuple(lengths.tolist()), weights)
-
-
-def _content_of(file: Path) -> FileSplines:
-    try:
-        state = file.stat()
-        require(file.is_file(), "file", str(file), "a file")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError("file", str(file), f"a file of patches ({reason})") from None
-    require(0 < state.st_size <= _LARGEST, "file", str(file), "a file that is not empty")
-    return _read(file.resolve(), state.st_mtime_ns, state.st_size)
 
 
 @lru_cache(_KEPT)

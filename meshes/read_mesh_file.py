@@ -9,6 +9,7 @@ from cea.errors import InputError, require
 from meshes.mesh_files.content import FileContent
 from meshes.mesh_files.gmsh_content import gmsh_content
 from meshes.mesh_files.part import merged
+from meshes.mesh_files.state import checked_state
 
 _KEPT = 4
 """Files whose content is kept, for the bodies of a scene."""
@@ -47,14 +48,7 @@ def read_mesh_file(file: Path, merge: float | None = None) -> FileContent:
     InputError
         Naming file, when it is not there, of another format, or not as its format has it.
     """
-    try:
-        state = file.stat()
-        require(file.is_file(), "file", str(file), "a file")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError("file", str(file), f"a mesh file ({reason})") from None
-    require(0 < state.st_size <= _LARGEST, "file", str(file), "a file that is not empty")
-    content = _content(file.resolve(), state.st_mtime_ns, state.st_size)
+    content = _content(*checked_state(file, "a mesh file", _LARGEST))
     return content if merge is None else _merged(content, merge)
 
 

@@ -22,15 +22,15 @@ if TYPE_CHECKING:
     from scenes.matrix_scene import read_matrix_scene as read_matrix_scene
     from scenes.opened import open_result as open_result
     from scenes.read import Scene as Scene
-    from scenes.read import SceneError as SceneError
     from scenes.read import load_scene as load_scene
     from scenes.read import read_scene as read_scene
-    from scenes.read import scene_names as scene_names
     from scenes.results import ModesResult as ModesResult
     from scenes.results import StaticResult as StaticResult
     from scenes.run import run_modes as run_modes
     from scenes.run import run_scene as run_scene
     from scenes.run import run_static as run_static
+    from scenes.scene_error import SceneError as SceneError
+    from scenes.scene_files import scene_names as scene_names
 
 _OWNERS = {
     "cea.contact.formulations": ("Formulation", "register"),
@@ -40,7 +40,9 @@ _OWNERS = {
     "scenes.matrix_run": ("AssembledMatrices", "MatrixResult", "run_matrices"),
     "scenes.matrix_scene": ("MatrixScene", "load_matrices", "read_matrix_scene"),
     "scenes.opened": ("open_result",),
-    "scenes.read": ("Scene", "SceneError", "load_scene", "read_scene", "scene_names"),
+    "scenes.read": ("Scene", "load_scene", "read_scene"),
+    "scenes.scene_error": ("SceneError",),
+    "scenes.scene_files": ("scene_names",),
     "scenes.results": ("ModesResult", "StaticResult"),
     "scenes.run": ("run_modes", "run_scene", "run_static"),
 }

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.matrices import destroy, free_operator, gather, scaled_total
 from cea.ranks import local_rows
 from cea.system.coupled import CoupledSystem

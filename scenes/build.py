@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cea.body import Body, Floats
+from cea.arrays import Floats
+from cea.body import Body
 from cea.contact.friction import FrictionDirection, Reversed
+from cea.contact.half_pass import HalfPass
 from cea.contact.interface import Interface, default_reach, pair
 from cea.contact.laws import Friction, LinearLaw, NormalLaw
-from cea.contact.operators import HalfPass
 from cea.contact.sliding import Sliding
 from cea.errors import InputError
 from cea.fields import Expression, evaluate
@@ -18,7 +19,8 @@ from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Force, Pressure
 from cea.system.body_terms import Motion
-from cea.system.coupled import CoupledSystem, couple
+from cea.system.coupled import CoupledSystem
+from cea.system.coupling import couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
 from scenes.body_meshes import body_mesh, used_surfaces

@@ -8,7 +8,8 @@ import numpy as np
 import pyvista
 from PIL import Image
 
-from cea.body import Complexes, Floats, VolumeSample
+from cea.arrays import Complexes, Floats
+from cea.volume import VolumeSample
 from scenes.vtu import in_space
 
 _WINDOW = (1500, 900)

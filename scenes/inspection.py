@@ -6,7 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cea.body import Body
-from cea.contact.operators import Contact, HalfPass
+from cea.contact.half_pass import HalfPass
+from cea.contact.operators import Contact
 from cea.errors import InputError
 from cea.timing import StageTimer
 from cea.warned import ResultWarning

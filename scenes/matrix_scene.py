@@ -19,17 +19,12 @@ from cea.eigen.parameters import Parameter
 from cea.errors import InputError
 from scenes.limits import LARGEST, MAX_ITEMS, SMALLEST
 from scenes.matrix_files.read import split_name
-from scenes.read import (
-    OF_MATRICES,
-    SceneError,
-    changed,
-    checked,
-    scene_file,
-    set_fields,
-    tables_of,
-)
+from scenes.read import changed
+from scenes.scene_error import SceneError
+from scenes.scene_files import OF_MATRICES, scene_file, set_fields, tables_of
 from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
 from scenes.steady_checks import needs_no_steady_state
+from scenes.validation import checked
 
 Role = Literal["mass", "damping", "stiffness"]
 ROLES: tuple[Role, ...] = ("mass", "damping", "stiffness")

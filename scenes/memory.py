@@ -34,6 +34,9 @@ _COMPLEX = 4.0
 displacements and velocities, relative to those of a real one."""
 _VECTORS = 6.0
 """Vectors held for each mode sought: a Krylov basis of twice the number, its restart, the modes."""
+_MODAL, _UPDATE = 8.0, 48.0
+"""Bytes for each mode that modal damping damps: for each dof of its body, M phi; for each dof of
+all bodies, that once more, twice while it is solved for, and the complex solutions twice."""
 _PROGRAM = 3e8
 """Bytes of the program itself."""
 _FEWEST = 50
@@ -59,8 +62,8 @@ class MemoryEstimate:
         Entries of its factors.
     modes
         Modes that are made room for.
-    matrices, factors, vectors
-        Bytes of each.
+    matrices, factors, vectors, modal
+        Bytes of each; the last are those of modal damping.
     """
 
     dofs: float
@@ -70,11 +73,12 @@ class MemoryEstimate:
     matrices: float
     factors: float
     vectors: float
+    modal: float = 0.0
 
     @property
     def bytes(self) -> float:
         """All of it, the program itself too (bytes)."""
-        return _PROGRAM + self.matrices + self.factors + self.vectors
+        return _PROGRAM + self.matrices + self.factors + self.vectors + self.modal
 
 
 def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
@@ -93,9 +97,9 @@ def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
     390,000 dofs: 0.8 to 1.7 of the peak of runs that take more than 500 MB. What contact adds is
     not counted: it is large only where mortar or saddle meet a fine interface in space.
     """
-    dofs = nonzeros = entries = modes = 0.0
+    dofs = nonzeros = entries = modes = damped = modal = 0.0
     for body in scene.bodies.values():
-        dim = len(body.geometry.directions)
+        dim, before = len(body.geometry.directions), dofs
         for grid in node_grids(body, scale):
             n = prod(grid.counts)
             dofs += dim * n
@@ -103,6 +107,8 @@ def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
             entries += dim**2 * _dissected(grid)
         if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
             modes += _modes_below(scene.analysis.max_frequency, body)
+            own = min(_damped_modes(body), dofs - before)
+            damped, modal = damped + own, modal + _MODAL * own * (dofs - before)
     static = scene.analysis.kind == "static"
     modes = 1.0 if static else min(max(modes, _FEWEST), dofs)
     unsymmetric = any(contact.mu for contact in scene.contacts.values())
@@ -117,6 +123,7 @@ def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
         matrices=alive * _ENTRY * nonzeros,
         factors=_FACTORS * kept * numbers * _NUMBER * entries,
         vectors=_VECTORS * numbers * _NUMBER * modes * dofs,
+        modal=modal + _UPDATE * damped * dofs,
     )
 
 
@@ -231,3 +238,11 @@ def _modes_below(frequency: float, body: BodySpec) -> float:
         count * ball * prod(2 * frequency * length / sqrt(square) / 2 for length in lengths)
         for square, count in kinds
     )
+
+
+def _damped_modes(body: BodySpec) -> float:
+    """Modes of a body that modal damping damps."""
+    modal = body.damping.modal if body.damping else None
+    if modal is None or not modal.acts:
+        return 0.0
+    return len(modal.ratios or ()) if modal.end is None else _modes_below(modal.end, body)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.contact.operators import Contact
 from cea.rotation import Rotation
 from cea.warned import ResultWarning

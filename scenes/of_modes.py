@@ -7,7 +7,7 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.mode_table import SIGNS, ModeTable, html_table
 from cea.eigen.spectrum import Spectrum, Verdict
 from cea.errors import InputError

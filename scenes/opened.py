@@ -9,7 +9,7 @@ from typing import Any, TypedDict
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.quadratic_window import QuadraticWindow
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError

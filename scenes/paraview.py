@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.contact.operators import Contact
 from cea.files import folder_whole
 from cea.matrices import destroy

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import bernoulli
 
-from cea.body import Complexes, Floats, Surface, SurfaceCells, SurfaceCoordinates
+from cea.arrays import Complexes, Floats
+from cea.surface import Surface, SurfaceCells, SurfaceCoordinates
 
 _NYQUIST = 0.8
 """Part of the shortest wave that has a function for each half up to which a wave is one at all."""

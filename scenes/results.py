@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from scipy.sparse import csr_array
 
-from cea.body import Body, Complexes, Floats, Ints, SurfaceCoordinates
+from cea.arrays import Complexes, Floats, Ints
+from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.modes import Modes
 from cea.errors import InputError
+from cea.surface import SurfaceCoordinates
 from cea.system.contact_stresses import SideStress
 from cea.system.coupled import CoupledSystem
 from cea.system.sliding_state import SteadySliding

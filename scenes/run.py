@@ -4,7 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TypedDict, Unpack
 
-from cea.body import Body, Floats
+from cea.arrays import Floats
+from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.search import Solver

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Complexes, Floats, Surface
+from cea.arrays import Complexes, Floats
 from cea.eigen.mode_matching import (
     NEAR,
     CircumferentialContent,
@@ -17,6 +17,7 @@ from cea.eigen.mode_matching import (
     modal_assurance,
 )
 from cea.errors import InputError
+from cea.surface import Surface
 from scenes.results import ModesResult
 
 _SAMPLES = 15

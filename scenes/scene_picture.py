@@ -9,10 +9,12 @@ import numpy as np
 import pyvista
 from PIL import Image
 
-from cea.body import Body, Floats, Surface, SurfaceCoordinates
-from cea.contact.operators import HalfPass
+from cea.arrays import Floats
+from cea.body import Body
+from cea.contact.half_pass import HalfPass
 from cea.files import write_whole
 from cea.petsc import MPI
+from cea.surface import Surface, SurfaceCoordinates
 from scenes.drawing import aim, body_skin, view_of
 from scenes.inspection import Inspection, gaps
 from scenes.vtu import in_space

@@ -11,7 +11,9 @@ from math import comb
 import numpy as np
 from scipy.sparse import csr_array
 
-from cea.body import Body, Floats, Ints, VolumeCells
+from cea.arrays import Floats, Ints
+from cea.body import Body
+from cea.volume import VolumeCells
 
 _MERGED = 1e-6
 """Points nearer than this, relative to the diagonal of a body, are one point."""

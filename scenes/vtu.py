@@ -21,8 +21,9 @@ from vtkmodules.vtkCommonDataModel import (
 )
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
-from cea.body import Floats, Ints, VolumeCells
+from cea.arrays import Floats, Ints
 from cea.files import write_whole
+from cea.volume import VolumeCells
 
 _CELL_TYPES = {
     ("lagrange", True, 2): pyvista.CellType.LAGRANGE_TRIANGLE,

@@ -10,9 +10,11 @@ from math import inf
 
 import numpy as np
 
-from cea.body import Body, Complexes, Surface, SurfaceCoordinates
+from cea.arrays import Complexes
+from cea.body import Body
 from cea.contact.operators import Contact
 from cea.contact.sampling import nested, sampling
+from cea.surface import Surface, SurfaceCoordinates
 from cea.warned import ResultWarning
 from scenes.contact_stiffness import relative_stiffness, stiffness_in_the_mesh
 from scenes.motion_warnings import against_rotation, centrifugal_stresses

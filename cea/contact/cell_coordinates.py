@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Floats, Ints, Surface, SurfaceCoordinates
+from cea.arrays import Floats, Ints
 from cea.errors import ConvergenceError
+from cea.surface import Surface, SurfaceCoordinates
 
 _NEWTON = 1e-9
 """Last step of Newton's method, relative to the cell; the error after it is its square."""

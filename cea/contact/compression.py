@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 from scipy.sparse import csr_array
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.petsc import MPI
 
 _DEPENDENT = 1e-12

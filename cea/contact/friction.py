@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.arrays import of_size_one
-from cea.body import Floats
+from cea.arrays import Floats, of_size_one
 from cea.errors import InputError
 from cea.fields import Expression
 

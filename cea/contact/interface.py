@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from cea.body import Floats, Location, Status, Surface, SurfacePoints
+from cea.arrays import Floats
 from cea.checks import check_coverage, check_gap, check_point_weights
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed, local_rows
+from cea.surface import Location, Status, Surface, SurfacePoints
 
 _QUADRATURE = 1e-3
 """Part of side a that a rule may lose to its own quadrature; more is area it leaves out."""

@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.errors import InputError
 
 

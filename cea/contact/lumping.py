@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from scipy.sparse import bsr_array, csr_array
 
-from cea.body import Body, Floats
+from cea.arrays import Floats
+from cea.body import Body
 from cea.contact.interface import Interface, along
 from cea.matrices import (
     block_diagonal,

@@ -20,7 +20,7 @@ from scipy.linalg import lapack, solve_triangular
 from scipy.sparse import csr_array, diags_array, vstack
 from scipy.sparse.linalg import splu, spsolve
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.contact.interface import Interface
 from cea.matrices import (
     block_diagonal,

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.linalg import cho_solve, lapack
 from scipy.sparse import csr_array, diags_array, vstack
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.contact.interface import Interface
 from cea.contact.mortar import INDEPENDENT, MortarProjection, everywhere
 from cea.matrices import (

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, diags_array, vstack
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.contact.compression import compressed
 from cea.contact.forms import squared
 from cea.contact.operators import Contact

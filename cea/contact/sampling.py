@@ -11,8 +11,9 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, vstack
 from scipy.sparse.linalg import splu
 
-from cea.body import Floats, Surface, SurfaceCoordinates
+from cea.arrays import Floats
 from cea.contact.interface import Interface
+from cea.surface import Surface, SurfaceCoordinates
 
 _HELD = 1e-6
 """Part of a trace that rounding, and the small shift below, may leave out of the other's."""

@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 from scipy.special import roots_jacobi, roots_legendre
 
-from cea.body import Floats, Ints, Surface, SurfaceCells, SurfaceCoordinates, SurfacePoints
+from cea.arrays import Floats, Ints
 from cea.contact.cell_coordinates import continued_coordinates
 from cea.location import cross
+from cea.surface import Surface, SurfaceCells, SurfaceCoordinates, SurfacePoints
 
 _POLYLINE = 16
 """Pieces, at most, that stand for an edge of b that is curved in the coordinates of a."""

@@ -18,9 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Body, Floats
+from cea.arrays import Floats
+from cea.body import Body
+from cea.contact.half_pass import friction_at
 from cea.contact.interface import jump_along
-from cea.contact.operators import Contact, friction_at
+from cea.contact.operators import Contact
 from cea.errors import InputError
 from cea.matrices import destroy, product, symmetric_product, symmetrised, system_operator
 from cea.petsc import PETSc

@@ -177,9 +177,7 @@ class KrylovSchur:
         left: bool,
     ) -> Modes:
         """All modes of a pencil with damping or rotation."""
-        driver = QuadraticDriver(
-            self.pencil, values, matrices, self._tolerance, self._max_restarts, timer
-        )
+        driver = self._of_quadratic(matrices, values, timer)
         try:
             return driver.solve(max_frequency, min_growth, left=left)
         finally:
@@ -217,7 +215,7 @@ class KrylovSchur:
 
     def nearest(
         self,
-        kappa: float,
+        kappa: complex,
         wanted: int,
         changes: Mapping[str, float] | None = None,
         *,
@@ -225,12 +223,14 @@ class KrylovSchur:
     ) -> Modes:
         """The few modes nearest to kappa = -lambda^2; factors made there before serve again.
 
-        With damping or rotation it is refused.
+        With damping or rotation they are nearest in lambda, to the root with Im lambda > 0, or the
+        positive one, and factors are made anew.
 
         Parameters
         ----------
         kappa
-            Where (1/s^2); it is best not an eigenvalue.
+            Where (1/s^2); it is best not an eigenvalue. Without damping and rotation a real
+            number, with them any but zero.
         wanted
             Number of eigenvalues; a few more may come.
         changes
@@ -240,6 +240,8 @@ class KrylovSchur:
 
         Raises
         ------
+        InputError
+            When there is no such place, or too few are wanted.
         ConvergenceError
             When fewer converge.
         """
@@ -249,7 +251,9 @@ class KrylovSchur:
         with timer("assembly"):
             matrices = self._kept.matrices(values)
         if matrices.quadratic:
-            raise InputError("pencil", "with damping or rotation", "without, for nearest modes")
+            return self._nearest_quadratic(matrices, values, complex(kappa), wanted, timer)
+        if isinstance(kappa, complex):
+            raise InputError("kappa", kappa, "a real number where nothing damps or rotates")
         with timer("factorisation"):
             factors = self._kept.nearby(matrices, values, kappa)
         search = NearestSearch(matrices, factors, self._tolerance, self._max_restarts, timer)
@@ -261,6 +265,32 @@ class KrylovSchur:
         if not self._kept.is_own(factors):
             factors.free()
         return modes_of(self.pencil, values, matrices, pairs, None, window)
+
+    def _nearest_quadratic(
+        self,
+        matrices: Matrices,
+        values: dict[str, float],
+        kappa: complex,
+        wanted: int,
+        timer: StageTimer,
+    ) -> Modes:
+        """The few modes of a pencil with damping or rotation nearest to a place."""
+        if not (kappa and np.isfinite(kappa)):
+            raise InputError("kappa", kappa, "a finite number that is not zero")
+        place = complex(np.sqrt(-kappa))
+        driver = self._of_quadratic(matrices, values, timer)
+        try:
+            return driver.nearest(place if place.imag >= 0 else -place, wanted)
+        finally:
+            self.solves += 1
+            self._searched += driver.factorisations
+
+    def _of_quadratic(
+        self, matrices: Matrices, values: dict[str, float], timer: StageTimer
+    ) -> QuadraticDriver:
+        return QuadraticDriver(
+            self.pencil, values, matrices, self._tolerance, self._max_restarts, timer
+        )
 
     def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:
         """Whether the pencil is damped or rotates at given parameters."""

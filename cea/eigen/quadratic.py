@@ -16,6 +16,7 @@ from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
 from cea.eigen.modes import Modes, refuse_what_is_lost, warnings_of
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.quadratic_damping import Damping
+from cea.eigen.quadratic_nearest import nearest_subspace, neighbours
 from cea.eigen.quadratic_pairs import QuadraticPairs, checked_pairs, inverse_step
 from cea.eigen.quadratic_search import MARGIN, QuadraticSearch
 from cea.eigen.quadratic_window import QuadraticFound, QuadraticWindow
@@ -122,7 +123,38 @@ class QuadraticDriver:
             symmetric_count=None,
             min_growth=-search.decay,
         )
-        return _modes_of(self.pencil, self.values, self.matrices, pairs, vectors, window)
+        near = MARGIN * end
+        return _modes_of(self.pencil, self.values, self.matrices, pairs, vectors, window, near)
+
+    def nearest(self, place: complex, wanted: int) -> Modes:
+        """The few modes nearest to lambda = place.
+
+        Parameters
+        ----------
+        place
+            lambda (1/s), Im lambda >= 0; not zero.
+        wanted
+            Number of eigenvalues with Im lambda >= 0; a few more may come.
+
+        Raises
+        ------
+        ConvergenceError
+            When fewer converge.
+        """
+        self.factorisations += 1
+        found, factors = nearest_subspace(
+            self.matrices,
+            place,
+            wanted,
+            tolerance=self.tolerance,
+            max_restarts=self.max_restarts,
+            timer=self.timer,
+        )
+        with self.timer("post-processing"):
+            pairs = checked_pairs(self.matrices, factors, found, abs(place))
+        factors.free()
+        window, near = neighbours(place, found), MARGIN * abs(place)
+        return _modes_of(self.pencil, self.values, self.matrices, pairs, None, window, near)
 
     def _left(self, search: QuadraticSearch, pairs: QuadraticPairs, end: float) -> LeftVectors:
         """Left vectors of the eigenpairs found."""
@@ -205,6 +237,7 @@ def _modes_of(
     pairs: QuadraticPairs,
     left: LeftVectors | None,
     window: QuadraticWindow,
+    near: float,
 ) -> Modes:
     """Modes in the window, those that decay faster than it reaches left out."""
     eigenvalues, slopes = pairs.eigenvalues, pairs.slopes
@@ -213,7 +246,7 @@ def _modes_of(
             true = dual_norms(matrices.mass, left.vectors) / (2 * np.abs(eigenvalues))
         slopes = np.where(np.isfinite(true), true, slopes)
     uncertainties = np.minimum(pairs.errors * slopes, pairs.bounds)
-    real = _real(eigenvalues, uncertainties, MARGIN * window.upper)
+    real = _real(eigenvalues, uncertainties, near)
     eigenvalues = np.where(real, eigenvalues.real, eigenvalues)
     inside = (eigenvalues.imag >= 0) & (eigenvalues.imag <= window.upper)
     inside &= eigenvalues.real >= window.min_growth

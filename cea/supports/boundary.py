@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.checks import check_surface
 from cea.errors import InputError
 from cea.supports.frames import Cartesian, Cylindrical, Frame

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, hstack
 from scipy.sparse.linalg import splu
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.matrices import distributed
 from cea.petsc import PETSc

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.body import Floats, Ints
+from cea.arrays import Floats, Ints
 
 _INDEPENDENT = 1e-3
 """Sine of the angle from which a direction counts as independent of those already held."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.errors import InputError
 
 _ON_AXIS = 1e-9

@@ -6,7 +6,8 @@ the equilibrium of the free dofs is Z^T K Z v = Z^T F - Z^T K u_D.
 
 import numpy as np
 
-from cea.body import Body, Floats, Ints
+from cea.arrays import Floats, Ints
+from cea.body import Body
 from cea.errors import InputError
 from cea.matrices import destroy
 from cea.petsc import Vec

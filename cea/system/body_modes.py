@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eigh
 
-from cea.body import Body, Floats
+from cea.arrays import Floats
+from cea.body import Body
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.nearest import NearestSearch

@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Body, Floats, Surface
+from cea.arrays import Floats
+from cea.body import Body
 from cea.contact.operators import Contact
 from cea.errors import InputError
 from cea.stress import normal_stress
+from cea.surface import Surface
 from cea.system.coupled import CoupledSystem
 
 _TIED = 1e-9

@@ -5,27 +5,23 @@
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf, log10
 from typing import Any
 
-import numpy as np
-
-from cea.body import Body, Floats
+from cea.arrays import Floats
+from cea.body import Body
 from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
-from cea.contact.operators import Contact, HalfPass, assemble_contact
-from cea.contact.prescribed import force_of_prescribed
-from cea.contact.saddle import contact_forces
+from cea.contact.operators import Contact
 from cea.contact.sliding import Sliding, SlidingDamping, damping_of
 from cea.eigen.low_rank import LowRankTerm
-from cea.eigen.multipliers import ForcesOfContact
-from cea.eigen.parameters import NOTHING, Coefficient, Parameter
+from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import block_diagonal, destroy, empty, gather
-from cea.petsc import PETSc
 from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
+from cea.system.contact_terms import ContactPairs
 from cea.system.modal_damping import modal_terms
 from cea.system.sliding_state import SteadySliding
 from cea.system.sliding_terms import sliding_parameters, sliding_terms
@@ -111,12 +107,12 @@ class CoupledSystem:
         return all(
             half.lumped is not None or form_for(self._digits_at(name, values)) == half.half.form
             for name in contacts
-            for half in self._halves(name)
+            for half in self._pairs.halves(name)
         )
 
     def _digits_at(self, contact: str, values: Mapping[str, float]) -> float:
         """Digits that the penalty form costs at other P and E; infinite where it is not known."""
-        before, half = self._stiffnesses()[contact], self._halves(contact)[0]
+        before, half = self._pairs.stiffnesses()[contact], self._pairs.halves(contact)[0]
         P = values.get(f"contacts.{contact}.P", before)
         if inf in (P, before):
             return inf
@@ -125,6 +121,11 @@ class CoupledSystem:
         moduli = {name: self.bodies[name].material.E for name in (half.half.a, half.half.b)}
         softer = min(values.get(f"bodies.{name}.material.E", E) / E for name, E in moduli.items())
         return self.penalty_digits[contact] + log10(P / before / softer)
+
+    @cached_property
+    def _pairs(self) -> ContactPairs:
+        """Its contacts, both halves of a full pass together."""
+        return ContactPairs(self.contacts)
 
     def vector(self) -> Any:
         """A new PETSc vector of unknowns, all zero."""
@@ -152,9 +153,9 @@ class CoupledSystem:
         """
         keeping = [c for c in self.contacts if c.keeps_forces and not eliminate]
         return Pencil(
-            [*self._body_terms(), *self._contact_terms(keeping), *self._sliding_terms()],
+            [*self._body_terms(), *self._pairs.terms(keeping), *self._sliding_terms()],
             self._parameters(),
-            tuple(self._contact_forces(keeping)),
+            tuple(self._pairs.forces(keeping, self.stiffness_diagonal)),
             self._modal_terms,
             leave_out=leave_out,
         )
@@ -219,93 +220,22 @@ class CoupledSystem:
     def _sliding_terms(self) -> Iterator[Term]:
         """Damping of contacts that slide."""
         halves = [
-            half if self._rubs(half.contact) else replace(half, turning=None)
+            half if self._pairs.rubs(half.contact) else replace(half, turning=None)
             for half in self._sliding_damping
         ]
-        return sliding_terms(halves, self._references())
+        return sliding_terms(halves, self._pairs.references())
 
     @cached_property
     def _sliding_damping(self) -> tuple[SlidingDamping, ...]:
         """Damping of the half passes that slide, at their pressures in the state of sliding."""
         return damping_of(self.bodies, self.contacts, self.sliding)
 
-    def _contact_terms(self, keeping: Sequence[Contact]) -> Iterator[Term]:
-        """K_n and K_f of each half pass that keeps no forces."""
-        total, references = self._stiffnesses(), self._references()
-        names = {contact.name for contact in keeping}
-        for contact in self.contacts:
-            if contact.name in names:
-                continue
-            P = {}
-            if contact.half.law.linear:
-                P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
-            yield Term("stiffness", contact.stiffness, Coefficient.of(P))
-            if contact.friction is not None and self._rubs(contact):
-                mu = {f"contacts.{contact.pair}.mu": (references[contact.pair], 1.0)}
-                coefficient = Coefficient.of(P | mu, factor=-1.0)
-                yield Term("stiffness", contact.friction, coefficient, symmetric=False)
-
-    def _contact_forces(self, keeping: Sequence[Contact]) -> Iterator[ForcesOfContact]:
-        """Forces of each contact that keeps them."""
-        references, laws = self._references(), self._with_laws()
-        rubbing = [c if self._rubs(c) else replace(c, slip=None) for c in keeping]
-        for name, forces in contact_forces(rubbing).items():
-            P, mu = f"contacts.{name}.P", f"contacts.{name}.mu"
-            slips = Coefficient.of({mu: (references[name], 1.0)}) if forces.slip else NOTHING
-            compliance = Coefficient.of({P: (1.0, -1.0)})
-            if name in laws:
-                compliance = Coefficient.of({}, factor=1 / self._stiffnesses()[name])
-            yield ForcesOfContact(
-                forces.closure,
-                forces.slip,
-                forces.compliance,
-                inverse_stiffness=compliance,
-                friction=slips,
-                body_stiffness=forces.body_stiffness(self.stiffness_diagonal),
-            )
-
-    def _stiffnesses(self) -> dict[str, float]:
-        """P of each contact, both halves of a full pass together."""
-        total: dict[str, float] = {}
-        for contact in self.contacts:
-            total[contact.pair] = total.get(contact.pair, 0.0) + contact.P
-        return total
-
     def _parameters(self) -> Iterator[Parameter]:
         for name, body in self.bodies.items():
             motion = self.motions.get(name, STILL)
             yield from body_parameters(f"bodies.{name}", body, motion, with_mass=self.with_mass)
-        saddle = {c.pair for c in self.contacts if c.half.form == "saddle"}
-        laws = self._with_laws()
-        for name, P in self._stiffnesses().items():
-            if name in laws:
-                continue
-            finite = name not in saddle
-            yield Parameter(f"contacts.{name}.P", P, "N/m", positive=True, finite=finite)
-        for name, reference in self._references().items():
-            acts = any(_acts(c) for c in self._halves(name))
-            yield Parameter(f"contacts.{name}.mu", reference if acts else 0.0)
+        yield from self._pairs.parameters()
         yield from sliding_parameters(self._sliding_damping)
-
-    def _with_laws(self) -> set[str]:
-        """Contacts whose stiffness is that of a law in the state that is linearised about."""
-        return {contact.pair for contact in self.contacts if not contact.half.law.linear}
-
-    def _halves(self, name: str) -> list[Contact]:
-        return [c for c in self.contacts if c.pair == name]
-
-    def _rubs(self, contact: Contact) -> bool:
-        """Whether a half has friction where its contact has any: on one side mu may vanish."""
-        return _acts(contact) or not any(_acts(c) for c in self._halves(contact.pair))
-
-    def _references(self) -> dict[str, float]:
-        """What mu of each contact is relative to; 1 where its halves do not have the same."""
-        found: dict[str, set[float]] = {}
-        for contact in self.contacts:
-            if any(c.slip is not None for c in self._halves(contact.pair)):
-                own = contact.mu if self._rubs(contact) else 0.0
-                found.setdefault(contact.pair, set()).add(own)
-        return {name: each.pop() if len(each) == 1 else 1.0 for name, each in found.items()}
 
     def _embedded(self, body: str, matrix: Any) -> Any:
         """Matrix of one body among the unknowns of all."""
@@ -342,87 +272,3 @@ class CoupledSystem:
         displacement = gather(full, everywhere=everywhere)
         destroy(full)
         return displacement
-
-
-def _acts(contact: Contact) -> bool:
-    return contact.half.friction is not None and contact.half.friction.acts
-
-
-def couple(
-    bodies: Mapping[str, Body],
-    contacts: Mapping[str, HalfPass],
-    *,
-    with_mass: bool = True,
-    with_load: bool = False,
-    leave_out: bool = True,
-    motions: Mapping[str, Motion] | None = None,
-    sliding: Mapping[str, Sliding] | None = None,
-) -> CoupledSystem:
-    """Assemble the coupled matrices.
-
-    Parameters
-    ----------
-    bodies
-        Bodies by name.
-    contacts
-        Half passes by name.
-    with_mass
-        Whether the mass is needed.
-    with_load
-        Whether the loads are needed.
-    leave_out
-        Whether slip operators and K_f are left out where mu = 0.
-    motions
-        Damping and rotation of bodies that have any, by name; they need the mass.
-    sliding
-        How half passes slide, by name, where that damps; it needs the mass.
-    """
-    PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
-    nest = block_diagonal([body.stiffness() for body in bodies.values()])
-    index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
-    template = nest.createVecRight()
-    destroy(nest)
-    made = [
-        assemble_contact(bodies, name, half, leave_out=leave_out) for name, half in contacts.items()
-    ]
-    load = _load(bodies, made, template, index_sets) if with_load else None
-    diagonal = _stiffness_diagonal(bodies, template)
-    digits = penalty_digits(made, diagonal)
-    return CoupledSystem(
-        bodies=bodies,
-        contacts=with_forms(made, digits),
-        template=template,
-        index_sets=index_sets,
-        with_mass=with_mass,
-        load=load,
-        stiffness_diagonal=diagonal,
-        penalty_digits=digits,
-        motions=motions or {} if with_mass else {},
-        sliding=sliding or {} if with_mass else {},
-    )
-
-
-def _stiffness_diagonal(bodies: Mapping[str, Body], template: Any) -> Any:
-    """Diagonal of K of all bodies (N/m), PETSc vector of the layout of the unknowns."""
-    parts = [body.stiffness().getDiagonal() for body in bodies.values()]
-    whole = template.duplicate()
-    whole.array[:] = np.concatenate([part.array_r for part in parts])
-    destroy(*parts)
-    return whole
-
-
-def _load(
-    bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any, index_sets: Any
-) -> Any:
-    """Forces (N) of loads and of displacements that supports prescribe, PETSc vector."""
-    load = template.duplicate()
-    for name, body in bodies.items():
-        part = load.getSubVector(index_sets[name])
-        body.load().copy(part)
-        load.restoreSubVector(index_sets[name], part)
-    for contact in contacts:
-        if contact.prescribed is not None and contact.half.law.linear:
-            force = force_of_prescribed(contact)
-            load.axpy(-1.0, force)
-            destroy(force)
-    return load

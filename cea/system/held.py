@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Body, Floats, Ints
+from cea.arrays import Floats, Ints
+from cea.body import Body
 from cea.contact.operators import Contact
 from cea.matrices import destroy, gather
 from cea.petsc import MPI

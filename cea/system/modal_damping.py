@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Body, Floats
+from cea.arrays import Floats
+from cea.body import Body
 from cea.damping import ModalDamping
 from cea.eigen.blocks import image_of
 from cea.eigen.low_rank import LowRank, LowRankTerm

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.static import rounding_uncertainty

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.contact.laws import NormalCompliance
 from cea.contact.operators import Contact
 from cea.eigen.pencil import Matrices, release

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.contact.interface import Interface
 from cea.errors import ConvergenceError
 from cea.petsc import MPI

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.contact.operators import Contact
 from cea.petsc import Vec
 from cea.warned import ResultWarning

@@ -8,7 +8,7 @@ about the state meet the contact stiffness p = m_n c_n (u_n - g_n)_+^(m_n - 1).
 from collections.abc import Sequence
 from itertools import pairwise
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
 from cea.system.coupled import CoupledSystem

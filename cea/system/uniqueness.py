@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.static import rounding_uncertainty

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.files import write_whole
 from comparisons.accuracy.problems import PROBLEMS, Problem, problem
 from comparisons.accuracy.study import FULL

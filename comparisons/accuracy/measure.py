@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.eigenvalue_matching import match_spectrum
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, overrides

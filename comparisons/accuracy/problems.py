@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.errors import InputError
 from exact_cea.reference import whole_spectrum
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from comparisons.accuracy.study import Case
 from comparisons.kit.worker import Worker
 

@@ -8,7 +8,7 @@ import numpy as np
 import pyvista
 from PIL import Image
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.files import write_whole
 from scenes.drawing import DEFLECTION, aim, largest_deflection, view_of
 

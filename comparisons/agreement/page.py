@@ -7,7 +7,7 @@ from typing import Any
 from cea.files import write_whole
 from cea.petsc import MPI
 from comparisons.agreement import figures, plots, tables, words
-from comparisons.kit.page import Image, render
+from comparisons.kit.page import REPORT, Image, render
 from comparisons.kit.plots import save
 from comparisons.kit.provenance import machine
 from comparisons.kit.records import RESULT
@@ -63,7 +63,7 @@ def write_report(data: dict[str, Any], results: Sequence[ModesResult], out: Path
     pictures = _pictures(drawn, out)
     from_files = _pictures_from_files(drawn, out)
     shapes = _shapes(data, results)
-    page = out / "report.html"
+    page = out / REPORT
     if MPI.COMM_WORLD.rank == 0:
         _write(data, _images(pictures), _images(from_files), shapes, page)
     MPI.COMM_WORLD.Barrier()

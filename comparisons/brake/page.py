@@ -26,6 +26,7 @@ def write_brake(data: dict[str, Any], out: Path) -> Path:
         The figure.
     """
     figure = out / "brake.png"
+    MPI.COMM_WORLD.Barrier()  # ranks may still read what is written here
     if MPI.COMM_WORLD.rank == 0:
         write_record(data, out / RESULT)
         for make in (runs_table, modes_table, unstable_table, stiffness_table):

@@ -22,32 +22,30 @@ def brake(
     """Run ventilated_brake on three meshes, or those of --size, and with other stiffnesses."""
     from comparisons.cli.extras import need
     from comparisons.cli.output import console, print_table
+    from comparisons.cli.progress import working
+    from comparisons.cli.redraw import refuse_with_redraw
 
     need("pictures")
-    from cea.files import check_writable
     from comparisons.brake import tables
     from comparisons.brake.page import read_brake, write_brake
     from comparisons.brake.study import BrakeStudy, run_brake
     from comparisons.kit.progress import Progress
+    from scenes.out_folder import check_out
 
-    with console.status("brake") as status:
-        if redraw:
-            data = read_brake(out)
-            figure = write_brake(data, out)
-        else:
-            check_writable(out / "result.json", "out")
-            study = BrakeStudy(
-                tuple(size) if size else BrakeStudy.sizes, overrides=tuple(set_ or ())
-            )
-            step = ""
+    refuse_with_redraw(redraw, {"size": size, "set": set_})
+    if redraw:
+        data = read_brake(out)
+        figure = write_brake(data, out)
+    else:
+        check_out(out)
+        study = BrakeStudy(tuple(size or BrakeStudy.sizes), overrides=tuple(set_ or ()))
+        with working("brake") as work:
 
             def begin(name: str) -> None:
-                nonlocal step
-                step = name
                 console.print(f"· {name}")
+                work.step(name)
 
-            progress = Progress(begin, lambda stage: status.update(f"{step}: {stage}"))
-            for data in run_brake(study, progress, out):
+            for data in run_brake(study, Progress(step=begin, stage=work.stage), out):
                 figure = write_brake(data, out)
     for make in (
         tables.runs_table,

@@ -79,8 +79,8 @@ def _told(error: Exception) -> str:
 
 def _is_of_a_scene(error: Exception) -> bool:
     """Whether a scene was refused; only what has read scenes can refuse one."""
-    reader = sys.modules.get("scenes.read")
-    return reader is not None and isinstance(error, reader.SceneError)
+    refusals = sys.modules.get("scenes.scene_error")
+    return refusals is not None and isinstance(error, refusals.SceneError)
 
 
 def _tell(fault: str) -> None:

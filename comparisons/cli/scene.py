@@ -63,7 +63,8 @@ def _check_bodies(
     from comparisons.cli.extras import need
     from comparisons.cli.output import console
     from scenes.inspection import inspect_scene, told
-    from scenes.read import SceneError, load_scene
+    from scenes.read import load_scene
+    from scenes.scene_error import SceneError
 
     if out is not None:
         need("pictures")
@@ -91,7 +92,8 @@ def _check_bodies(
 @app.command(name="list")
 def list_() -> None:
     """List the scenes that come with the project."""
-    from scenes.read import load_scene, matrix_scene_names, scene_names, tables_of
+    from scenes.read import load_scene
+    from scenes.scene_files import matrix_scene_names, scene_names, tables_of
     from scenes.sizes import dofs_of
 
     rows = [("scene", "dofs, about", "bodies", "what it is")]

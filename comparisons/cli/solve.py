@@ -22,6 +22,9 @@ def solve(
         typer.Option(help="Growth rate (1/s), zero or less, down to which damped modes count."),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for result.json.")] = Path("results/solve"),
+    report: Annotated[
+        bool, typer.Option("--report", help="Write report.html too: one file, to be played with.")
+    ] = False,
 ) -> None:
     """Solve (lambda^2 M + lambda C + K) x = 0 for matrices from files."""
     from comparisons.cli.run import report_matrices
@@ -45,4 +48,4 @@ def solve(
         }
     )
     given = {"mass": mass, "damping": damping, "stiffness": stiffness}
-    report_matrices(scene, out, {**given, **analysis})
+    report_matrices(scene, out, {**given, **analysis}, report=report)

@@ -12,7 +12,7 @@ from math import inf, isfinite, tau
 from pathlib import Path
 from typing import Any
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.eigen.eigenvalue_matching import match_spectrum
 from cea.timing import StageTimer
 from comparisons.formulations.timings import summed

@@ -6,7 +6,8 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import spsolve
 
-from cea.body import Body, Floats
+from cea.arrays import Floats
+from cea.body import Body
 from cea.petsc import PETSc
 from cea.system.coupled import CoupledSystem
 

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cea.files import write_whole
 from cea.petsc import MPI
 from comparisons.formulations import pairing_tables, words
 from comparisons.formulations.figures import draw_locking, draw_pairings, draw_patch_test_errors
@@ -17,11 +16,10 @@ from comparisons.formulations.tables import (
     patch_tests_table,
     times,
 )
-from comparisons.kit.page import Image, render
+from comparisons.kit.page import REPORT, Image, write_page
 from comparisons.kit.provenance import machine
-from comparisons.kit.records import RESULT, read_result
+from comparisons.kit.records import read_result
 from comparisons.kit.tables import Data, Table
-from scenes.stored import write_record
 
 TEMPLATE = Path(__file__).with_name("page.html")
 
@@ -61,21 +59,15 @@ def write_formulations(data: dict[str, Any], out: Path) -> Path:
     Path
         The page: one file that needs no other.
     """
-    page = out / "report.html"
     MPI.COMM_WORLD.Barrier()  # ranks may still read what is written here
     if MPI.COMM_WORLD.rank == 0:
-        write_record(data, out / RESULT)
-        tables = {table.name: table for table in tables_of(data)}
-        for table in tables.values():
-            table.write_csv(out)
         images = {
             name: Image.of(draw(data[part], out / f"{name}.png"))
             for name, (part, draw) in _FIGURES.items()
         }
-        text = render(TEMPLATE, data=data, tables=tables, images=images, words=words)
-        write_whole(text.encode(), page)
+        write_page(TEMPLATE, data, tables_of(data), out, images=images, words=words)
     MPI.COMM_WORLD.Barrier()
-    return page
+    return out / REPORT
 
 
 def tables_of(data: Data) -> list[Table]:

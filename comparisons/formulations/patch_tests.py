@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Body, Surface
+from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.static import solve_static
 from cea.errors import ConvergenceError
 from cea.stress import normal_stress
+from cea.surface import Surface
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from comparisons.formulations.momentum import momentum_defects, rigid_motions

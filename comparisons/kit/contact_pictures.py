@@ -9,7 +9,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.contact.operators import Contact
 from cea.system.sliding_state import ContactState
 from comparisons.kit.plots import AXIS, BLUE, GREY, save

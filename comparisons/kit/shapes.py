@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats, Ints
 from cea.contact.operators import Contact
 from comparisons.kit.binary import STEPS, Binary, quantised
 from comparisons.kit.interactive import literal

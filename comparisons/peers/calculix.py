@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.errors import ConvergenceError, InputError
 from comparisons.peers.measured import Measured, run_measured
 

@@ -3,15 +3,13 @@
 from pathlib import Path
 from typing import Any
 
-from cea.files import write_whole
-from comparisons.kit.page import render
+from comparisons.kit.page import write_page
 from comparisons.kit.provenance import machine
-from comparisons.kit.records import RESULT, read_result
+from comparisons.kit.records import read_result
 from comparisons.kit.tables import Data, Table
 from comparisons.peers import words
 from comparisons.peers.study import COMMAND
 from comparisons.peers.tables import differences_table, modes_table, times_table, unstable_table
-from scenes.stored import write_record
 
 TEMPLATE = Path(__file__).with_name("page.html")
 
@@ -35,13 +33,7 @@ def write_peers(data: dict[str, Any], out: Path) -> Path:
     Path
         The page: one file that needs no other.
     """
-    write_record(data, out / RESULT)
-    tables = {table.name: table for table in tables_of(data)}
-    for table in tables.values():
-        table.write_csv(out)
-    page = out / "report.html"
-    write_whole(render(TEMPLATE, data=data, tables=tables, words=words).encode(), page)
-    return page
+    return write_page(TEMPLATE, data, tables_of(data), out, words=words)
 
 
 def tables_of(data: Data) -> list[Table]:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.contact.formulations import Segments
 from cea.errors import InputError
 from cea.petsc import MPI

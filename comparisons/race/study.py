@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import block_array, csc_array, eye_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.errors import InputError
 from cea.petsc import MPI
 from scenes.matrix_run import AssembledMatrices, MatrixResult

@@ -6,7 +6,7 @@ from typing import Any
 from cea.files import write_whole
 from cea.petsc import MPI
 from comparisons.kit.interactive import sign
-from comparisons.kit.page import render
+from comparisons.kit.page import REPORT, render
 from comparisons.kit.provenance import machine
 from comparisons.kit.shapes import Shapes, by_importance
 from comparisons.kit.tables import Table
@@ -17,9 +17,6 @@ from scenes.steady import steady_lines
 from scenes.stored import read_record
 
 TEMPLATE = Path(__file__).with_name("page.html")
-REPORT = "report.html"
-"""Name of the page."""
-
 _KEY = "run"
 """Name of the modes on the page."""
 

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.errors import ConvergenceError, InputError
 from comparisons.stability.catalogue import runs_of
 from comparisons.stability.parts.answers import Answer, ModesAnswer
 from comparisons.stability.parts.case import Run
 from comparisons.stability.verdicts import Judged, answered, crashed, refused
-from scenes.read import SceneError
+from scenes.scene_error import SceneError
 
 _GAPS = 2
 """Gaps between frequencies among which the widest ends a window."""

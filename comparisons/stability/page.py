@@ -3,17 +3,15 @@
 from pathlib import Path
 from typing import Any
 
-from cea.files import write_whole
-from comparisons.kit.page import Image, render
+from comparisons.kit.page import Image, write_page
 from comparisons.kit.plots import save
 from comparisons.kit.provenance import machine
-from comparisons.kit.records import RESULT, read_result
+from comparisons.kit.records import read_result
 from comparisons.kit.tables import Data, Table
 from comparisons.stability import words
 from comparisons.stability.figures import digits_map
 from comparisons.stability.study import COMMAND
 from comparisons.stability.tables import cases_table, not_met_table, runs_table, subjects
-from scenes.stored import write_record
 
 TEMPLATE = Path(__file__).with_name("page.html")
 
@@ -44,19 +42,12 @@ def write_stability(data: dict[str, Any], out: Path) -> Path:
     Path
         The page: one file that needs no other.
     """
-    write_record(data, out / RESULT)
-    tables = {table.name: table for table in tables_of(data)}
-    for table in tables.values():
-        table.write_csv(out)
     images = {}
     for subject in subjects(data):
         file = out / f"digits_{subject.replace(' ', '_')}.png"
         save(digits_map(subject, data), file)
         images[subject] = Image.of(file)
-    page = out / "report.html"
-    text = render(TEMPLATE, data=data, tables=tables, images=images, words=words)
-    write_whole(text.encode(), page)
-    return page
+    return write_page(TEMPLATE, data, tables_of(data), out, images=images, words=words)
 
 
 def tables_of(data: Data) -> list[Table]:

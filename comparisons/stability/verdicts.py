@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.body import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign, group
 from comparisons.stability.parts.answers import (
     NOT_COMPLETE,

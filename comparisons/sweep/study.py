@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from cea.eigen.eigenvalue_matching import assign
 from cea.errors import ConvergenceError, InputError
 from comparisons.kit.tables import Data

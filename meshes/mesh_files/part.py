@@ -58,13 +58,19 @@ class Part:
         return bool((self.nodes < 0).any())
 
 
-def part_of(content: FileContent, name: str | None, marks: Iterable[str] = ()) -> Part:
+_SOLIDS = "triangles, quadrilaterals, tetrahedra or hexahedra"
+"""Elements that bodies are made of."""
+
+
+def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[str] = ()) -> Part:
     """Elements of a set, or all solid ones of a file, checked to be of one kind.
 
     Parameters
     ----------
     content
         The file.
+    file
+        Its name, for messages.
     name
         The set; None for all.
     marks
@@ -73,8 +79,8 @@ def part_of(content: FileContent, name: str | None, marks: Iterable[str] = ()) -
     Raises
     ------
     InputError
-        When there is no such set, it has no solid elements or of several kinds, or has shells,
-        beams and the like, whose stiffness would be lost.
+        When there is no such set, it has no solid elements, wedges or pyramids, or solid elements
+        of several kinds, or has shells, beams and the like, whose stiffness would be lost.
     """
     starts, dim = content.starts, content.dim
     chosen = np.ones(starts[-1], dtype=bool)
@@ -100,11 +106,16 @@ def part_of(content: FileContent, name: str | None, marks: Iterable[str] = ()) -
         if b.role == "solid" and own.any() and b.dim in (0, dim)
     ]
     cells = {(b.cell, b.order) for b, _, _ in solid}
+    kinds = shown(sorted({b.kind for b, _, _ in solid}))
+    strange = shown(sorted({b.kind for b, _, _ in solid if b.dim == 0}))
+    if strange != "none" and not any(b.dim == 3 for b, _, _ in solid):
+        where = f" in the part {name}" if name else ""
+        allowed = f"solid elements that are {_SOLIDS}"
+        raise InputError("file", f"{file}: {strange}{where}", allowed)
     if len(cells) != 1 or dim < 2 or any(b.dim == 0 for b, _, _ in solid):
-        allowed = "solid elements of one kind, triangles, quadrilaterals, tetrahedra or hexahedra"
-        kinds = shown(sorted({b.kind for b, _, _ in solid}))
+        allowed = f"solid elements of one kind, {_SOLIDS}; in {file} are: {kinds}"
         sets = shown(content.element_sets)
-        raise InputError("part", name, f"{allowed}; here are: {kinds}; sets of elements: {sets}")
+        raise InputError("part", name, f"{allowed}; sets of elements: {sets}")
     ((cell, order),) = cells
     return Part(
         cell,  # type: ignore[arg-type]  # one of a dimension

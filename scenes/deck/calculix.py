@@ -13,13 +13,11 @@ slip CalculiX gives a point its stick stiffness, which the scene has not: it is 
 
 from collections.abc import Iterator, Mapping
 
-import numpy as np
-
 from scenes.deck.bodies import DeckBody
 from scenes.deck.contacts import DeckContact, deck_contacts
-from scenes.deck.lines import comments, joined, keyword, numbers, value_lines
+from scenes.deck.lines import comments, joined, keyword, numbers
 from scenes.deck.sliding import RigidMotion, moving_bodies
-from scenes.deck.supports import boundary_lines, held_directions
+from scenes.deck.supports import boundary_lines, displacement_lines
 from scenes.read import Scene
 
 RELATIVE_CLOSURE = 1e-12
@@ -93,21 +91,13 @@ def _static_step(
     yield from ("*STEP", "*STATIC, DIRECT", "1., 1.", "*BOUNDARY, OP=NEW")
     for name, body in bodies.items():
         if name in motions:
-            yield from _displaced(body, slip * motions[name].at(body.mesh.points))
+            yield from displacement_lines(body, slip * motions[name].at(body.mesh.points))
         else:
             yield f"{name}, 1, 3"
     for contact in contacts:
         yield f"*CONTACT PRINT, MASTER={contact.master}, SLAVE={contact.slave}"
         yield "CF"
     yield "*END STEP"
-
-
-def _displaced(body: DeckBody, displacement: np.ndarray) -> Iterator[str]:
-    """Displacements of all nodes, in the frame of each."""
-    local = np.einsum("nij,nj->ni", held_directions(body), displacement)
-    count = len(local)
-    nodes = np.arange(body.first_node, body.first_node + count)
-    yield from value_lines(np.repeat(nodes, 3), np.tile([1, 2, 3], count), local.ravel())
 
 
 def _complex_step(

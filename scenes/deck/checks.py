@@ -10,7 +10,8 @@ from meshes.mesh_file import MeshFile
 from scenes.body_meshes import used_surfaces
 from scenes.deck.bodies import set_name
 from scenes.deck.elements import ELEMENTS
-from scenes.read import Scene, SceneError
+from scenes.read import Scene
+from scenes.scene_error import SceneError
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.mesh import FeMesh

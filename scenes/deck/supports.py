@@ -9,7 +9,7 @@ from cea.errors import InputError
 from cea.mesh import Floats, Ints
 from cea.supports.frames import Cylindrical
 from scenes.deck.bodies import DeckBody, set_name
-from scenes.deck.lines import keyword, numbers, set_lines
+from scenes.deck.lines import keyword, numbers, set_lines, value_lines
 from scenes.spec.support import SupportSpec
 
 
@@ -135,3 +135,11 @@ def held_directions(body: DeckBody) -> Floats:
     for frame in local_frames(body):
         directions[frame.nodes] = frame.directions(x[frame.nodes])
     return directions
+
+
+def displacement_lines(body: DeckBody, vectors: Floats) -> list[str]:
+    """A line for each component of vectors at all nodes, (n_nodes, 3), in the frame of each."""
+    local = np.einsum("nij,nj->ni", held_directions(body), vectors)
+    count = len(local)
+    nodes = np.arange(body.first_node, body.first_node + count)
+    return value_lines(np.repeat(nodes, 3), np.tile([1, 2, 3], count), local.ravel())

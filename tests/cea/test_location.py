@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from cea.body import Status
 from cea.location import TOLERANCE, locate_along
+from cea.surface import Status
 
 NUMBERS = [10_000, pytest.param(100_000, marks=pytest.mark.slow)]
 

@@ -10,8 +10,8 @@ from cea.material import IsotropicMaterial
 from scenes import assemble, read_scene, run_scene
 from scenes.build import build_body
 from scenes.plain import as_data
-from scenes.read import SceneError
 from scenes.run import skipped_by
+from scenes.scene_error import SceneError
 
 STEEL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 MU = STEEL.lame[1]

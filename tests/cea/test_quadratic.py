@@ -83,8 +83,6 @@ def test_the_threshold_of_a_damped_system_is_exact(c1, c2):
             growth_threshold(driver, "mu", 0.01, 0.02, max_frequency=0.3)
         with pytest.raises(InputError, match="coalesce"):
             flutter_threshold(driver, "mu", 0.01, 0.5, max_frequency=0.3)
-        with pytest.raises(InputError, match="damping or rotation"):
-            driver.nearest(1.0, 1)
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-14, 1e-11])

@@ -8,7 +8,7 @@ from mpi import on_ranks
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from cea.ranks import FaultOnRankError, agreed, made_on_first
-from scenes.read import SceneError
+from scenes.scene_error import SceneError
 
 
 @pytest.mark.mpi

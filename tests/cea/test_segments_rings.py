@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import shapely
 
-from cea.body import SurfaceCoordinates
 from cea.contact.segments import segment_points
+from cea.surface import SurfaceCoordinates
 from cea.timing import StageTimer
 from scenes.build import build_bodies
 from scenes.read import load_scene

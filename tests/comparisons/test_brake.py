@@ -1,6 +1,11 @@
 """The study of the ventilated brake on few elements: meshes matched, what is written."""
 
+import sys
+from pathlib import Path
+
+import numpy as np
 import pytest
+from mpi import mpiexec
 from typer.testing import CliRunner
 
 from cea.errors import InputError
@@ -14,10 +19,11 @@ from comparisons.brake.tables import (
     unstable_modes,
     unstable_table,
 )
-from comparisons.cli.app import app
+from comparisons.cli.app import app, main
 from comparisons.kit.progress import Progress
 from scenes.memory import estimated_memory
-from scenes.read import SceneError, load_scene
+from scenes.read import load_scene
+from scenes.scene_error import SceneError
 
 BODIES = ("disc", "lower_pad", "upper_pad")
 ROUGH = BrakeStudy(
@@ -113,6 +119,34 @@ def test_the_result_is_written_and_drawn_anew(result, tmp_path):
     told = CliRunner().invoke(app, ["brake", "--redraw", "--out", str(tmp_path)])
     assert told.exit_code == 0, told.output
     assert figure.stat().st_size > 10_000
+
+
+def test_options_of_a_run_are_refused_where_nothing_runs(result, tmp_path, monkeypatch, capsys):
+    write_brake(result, tmp_path)
+    for option in (["--size", "0.02"], ["--set", "contacts.*.mu=0.1"]):
+        asked = ["cea", "brake", "--redraw", *option, "--out", str(tmp_path)]
+        monkeypatch.setattr(sys, "argv", asked)
+        with pytest.raises(SystemExit):
+            main()
+        assert capsys.readouterr().err.startswith(f"error: {option[0][2:]} = ")
+
+
+@pytest.mark.mpi
+def test_two_ranks_find_what_one_finds(result, tmp_path):
+    overrides = [f"--set={override}" for override in ROUGH.overrides]
+    cea = Path(sys.executable).with_name("cea")
+    done = mpiexec(2, cea, "brake", "--size", "0.03", *overrides, "--out", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("The figure to open: ") == 1
+    found = read_brake(tmp_path)
+    ours, theirs = (
+        {run["p"]: run for run in (*each["runs"], *each["stiffnesses"])} for each in (found, result)
+    )
+    for p in (5e13, 5e14):
+        for key in ("frequency", "growth"):
+            one, two = ([mode[key] for mode in each[p]["modes"]] for each in (ours, theirs))
+            np.testing.assert_allclose(one, two, rtol=1e-8, atol=1e-5)
+        assert ours[p]["complete"]
 
 
 @pytest.mark.parametrize("sizes", [(), (0.01, 0.02), (0.01, 0.01), (-0.01,)])

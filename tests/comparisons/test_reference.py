@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cea.body import Floats
+from cea.arrays import Floats
 from comparisons.kit.progress import Progress
 from comparisons.reference.study import (
     GROWTH,

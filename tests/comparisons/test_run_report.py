@@ -142,7 +142,8 @@ def test_the_command_names_the_report(tmp_path):
     assert len(page.tables["modes"]) == 1 + len(data["eigenvalues"])
 
 
-def test_matrices_have_a_report_without_shapes(tmp_path):
+@pytest.mark.parametrize("command", ["run", "solve"])
+def test_matrices_have_a_report_without_shapes(tmp_path, command):
     from scipy.io import mmwrite
     from scipy.sparse import diags_array
 
@@ -153,11 +154,16 @@ def test_matrices_have_a_report_without_shapes(tmp_path):
         '[stiffness]\nK = 1.0\n[analysis]\nkind = "cea"\nmax_frequency = 0.6\n'
     )
     out = tmp_path / "out"
-    command = ["run", str(tmp_path / "three.toml"), "--report", "--out", str(out)]
-    done = CliRunner().invoke(app, command)
+    files = [
+        f"--{name}={tmp_path / file}" for name, file in (("mass", "M.mtx"), ("stiffness", "K.mtx"))
+    ]
+    asked = {"run": [str(tmp_path / "three.toml")], "solve": [*files, "--max-frequency=0.6"]}
+    done = CliRunner().invoke(app, [command, *asked[command], "--report", "--out", str(out)])
     assert done.exit_code == 0, done.output
     page = Page((out / "report.html").read_text("utf-8"))
     assert len(page.tables["modes"]) == 1 + 3
+    (trace,) = (t for t in page.data["figure-stability"]["data"] if "customdata" in t)
+    np.testing.assert_allclose(trace["x"], np.arange(1, 4) / (2 * np.pi))
     assert "shapes" not in page.data
 
 

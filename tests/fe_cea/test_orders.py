@@ -11,10 +11,10 @@ from lagrange_bodies import DIMENSION, FLAT, MATERIAL, PLANE, ROUND, SPACE, body
 from mpi4py import MPI
 from scipy.sparse.linalg import spsolve
 
-from cea.body import Status, SurfaceCoordinates
 from cea.errors import InputError
 from cea.location import locate_along
 from cea.supports.boundary import Pressure, Support
+from cea.surface import Status, SurfaceCoordinates
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh

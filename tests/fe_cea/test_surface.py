@@ -5,10 +5,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from cea.body import Status, SurfaceCoordinates
 from cea.errors import InputError
 from cea.location import locate_along
 from cea.material import IsotropicMaterial
+from cea.surface import Status, SurfaceCoordinates
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
 from meshes.placement import Placement

@@ -22,7 +22,8 @@ from meshes.nurbs_file import NurbsFile
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box
 from scenes.opened import open_result
-from scenes.read import SceneError, load_scene, read_scene
+from scenes.read import load_scene, read_scene
+from scenes.scene_error import SceneError
 
 PATIENCE = 20.0
 """Seconds after which an input hangs; each takes milliseconds on a machine with nothing else."""

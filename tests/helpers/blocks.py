@@ -4,7 +4,8 @@ from pydantic import TypeAdapter
 
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import Scene, checked, read_scene
+from scenes.read import Scene, read_scene
+from scenes.validation import checked
 
 SECTIONS = TypeAdapter(Scene)
 """Reads sections that are each right by themselves."""

@@ -1,9 +1,9 @@
 """Numbers of small Lagrange scenes that must not depend on the number of ranks."""
 
 from cea.contact.friction import AlongVector
+from cea.contact.half_pass import HalfPass
 from cea.contact.interface import pair
 from cea.contact.laws import Friction, LinearLaw
-from cea.contact.operators import HalfPass
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
@@ -12,7 +12,7 @@ from cea.matrices import gather
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Pressure, Spring, Support
-from cea.system.coupled import couple
+from cea.system.coupling import couple
 from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh

@@ -16,9 +16,11 @@ from cea.ranks import agreed
 from cea.timing import StageTimer
 from scenes.build import build_bodies
 from scenes.describe import describe
-from scenes.read import SCENES, checked, load_scene, read_scene
+from scenes.read import load_scene, read_scene
 from scenes.results import ModesResult
 from scenes.run import run_modes, run_scene
+from scenes.scene_files import SCENES
+from scenes.validation import checked
 
 GRID, GPTS = {"method": "grid", "points": 5}, {"method": "gpts", "points": 4}
 

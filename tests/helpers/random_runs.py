@@ -26,8 +26,8 @@ from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import release
 from cea.errors import ConvergenceError, InputError
-from scenes.read import SceneError
 from scenes.run import run_modes
+from scenes.scene_error import SceneError
 
 
 @dataclass

@@ -9,7 +9,9 @@ from scene_mutations import at
 
 from cea.errors import InputError
 from scenes.inspection import inspect_scene
-from scenes.read import SceneError, read_scene, set_fields, tables_of
+from scenes.read import read_scene
+from scenes.scene_error import SceneError
+from scenes.scene_files import set_fields, tables_of
 
 TABLE = tomllib.loads((Path(__file__).parents[1] / "data" / "bad_inputs.toml").read_text())
 PATIENCE = 10.0

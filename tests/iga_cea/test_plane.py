@@ -6,9 +6,9 @@ from iga_data import STEEL, TURNED, body, scipy_of
 from scipy.linalg import eigh
 from scipy.sparse.linalg import spsolve
 
-from cea.body import Status
 from cea.errors import InputError
 from cea.supports.boundary import Pressure, Spring, Support
+from cea.surface import Status
 from iga_cea import NurbsBody
 from meshes.placement import Placement
 from meshes.shapes import Rectangle, Ring, RingSector

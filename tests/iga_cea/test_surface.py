@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from cea.body import Status
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
+from cea.surface import Status
 from iga_cea import NurbsBody
 from iga_cea.surface import NurbsSurface
 from meshes.breaks import breaks_of

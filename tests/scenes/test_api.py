@@ -13,7 +13,8 @@ from catalogue import MESHED
 import scenes
 from cea.contact.formulations import Greville
 from scenes import SceneError, load_scene, read_scene
-from scenes.read import SCENES, plain_data
+from scenes.scene_files import SCENES
+from scenes.validation import plain_data
 
 MU = "contacts.pad_disc.mu"
 

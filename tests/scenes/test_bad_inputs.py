@@ -20,8 +20,9 @@ from cea.mesh import Mesh
 from scenes.describe import save_result
 from scenes.matrix_scene import load_matrices, read_matrix_scene
 from scenes.opened import open_result
-from scenes.read import SceneError, load_scene, read_scene
+from scenes.read import load_scene, read_scene
 from scenes.run import run_scene
+from scenes.scene_error import SceneError
 from scenes.stored import write_record
 
 SEED = 12

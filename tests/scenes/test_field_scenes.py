@@ -8,7 +8,8 @@ import pytest
 from cea.errors import InputError
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import SceneError, load_scene
+from scenes.read import load_scene
+from scenes.scene_error import SceneError
 
 
 def law_and_points(scene):

@@ -8,8 +8,9 @@ from file_scenes import built, eigenvalues, from_file, on_any_number_of_ranks
 from mpi import on_ranks
 
 from scenes.describe import describe
-from scenes.read import SceneError, load_scene, read_scene
+from scenes.read import load_scene, read_scene
 from scenes.run import run_modes
+from scenes.scene_error import SceneError
 
 FILES = ("a.msh", "a.inp", "a.cdb", "a.bdf", "a.xdmf", "a.vtu")
 NEEDED = {"cdb": "mapdl_archive", "xdmf": "h5py", "vtu": "meshio"}

@@ -9,9 +9,10 @@ from wrong_scenes import changed, coarse
 from scenes import inspection
 from scenes.inspection import gaps, inspect_scene, largest_gap, told
 from scenes.memory import estimated_memory
-from scenes.read import load_scene, read_scene, scene_names
+from scenes.read import load_scene, read_scene
 from scenes.run import run_modes, run_scene, skipped_by
 from scenes.run_time import estimated_seconds
+from scenes.scene_files import scene_names
 from scenes.scene_picture import draw_scene
 from scenes.steps import needed_by
 from scenes.units import doubtful_units

@@ -17,8 +17,9 @@ from comparisons.kit.contact_pictures import draw_contacts
 from scenes import assemble, open_result, read_scene, run_scene, save_result
 from scenes.paraview_steps import write_load_steps
 from scenes.plain import as_data
-from scenes.read import SceneError, load_scene
+from scenes.read import load_scene
 from scenes.run import skipped_by
+from scenes.scene_error import SceneError
 
 GPTS = {"method": "gpts", "points": 3}
 LAW = {"c_n": 1e2, "m_n": 2.0, "mu": 0.3, "added_gap": "0.2*(x-0.45)**2"}

@@ -78,6 +78,21 @@ def test_estimates_grow_as_factors_do():
         assert ratio**low < growth < ratio**high
 
 
+def test_modes_that_are_damped_one_by_one_take_memory():
+    """A column for each on its body, and in the solutions; none where nothing is damped."""
+    plain = load_scene("disc_pad")
+    few, many = (
+        plain.change("bodies.disc.damping", {"modal": {"ratios": n * [0.01]}}) for n in (10, 110)
+    )
+    assert estimated_memory(plain).modal == 0
+    column = (estimated_memory(many).modal - estimated_memory(few).modal) / 100
+    dofs = estimated_memory(plain).dofs
+    assert 48 * dofs < column < 56 * dofs
+    assert estimated_memory(many).bytes - estimated_memory(few).bytes == pytest.approx(100 * column)
+    none = plain.change("bodies.disc.damping", {"alpha": 1.0, "modal": {"ratios": [0.0, 0.0]}})
+    assert estimated_memory(none).modal == 0
+
+
 def test_no_more_is_available_than_the_machine_has():
     assert 1e8 < available_memory() < 1e14
 
@@ -91,6 +106,10 @@ def test_no_more_is_available_than_the_machine_has():
         ["blocks", "bodies.upper.mesh.iga.elements=[240,60]"],
         ["disc_pad", "bodies.disc.mesh.iga.elements=[12,60,2]", "bodies.disc.damping={alpha=5.0}"],
         ["patch_test", "bodies.upper.mesh.iga.elements=[9,9,9]"],
+        [
+            *("disc_pad", "bodies.disc.mesh.iga.elements=[10,50,2]", "analysis.max_frequency=5e3"),
+            "bodies.disc.damping={modal={ratio=0.01, max_frequency=120000.0}}",
+        ],
     ],
 )
 def test_the_estimate_is_near_the_peak_of_a_run(scene):

@@ -10,8 +10,10 @@ from blocks import two_blocks
 from cea.contact.formulations import Formulation, GaussPointToSurface, base, register, registered
 from cea.errors import InputError
 from scenes.contact_checks import suits
-from scenes.read import SceneError, plain_data, read_scene
+from scenes.read import read_scene
 from scenes.run import run_scene
+from scenes.scene_error import SceneError
+from scenes.validation import plain_data
 
 
 @dataclass(frozen=True)

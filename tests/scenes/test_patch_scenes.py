@@ -2,8 +2,9 @@
 
 import pytest
 
-from scenes.read import SceneError, read_scene
+from scenes.read import read_scene
 from scenes.run import run_scene
+from scenes.scene_error import SceneError
 
 HALVES = {
     "shape": "patches",

@@ -12,14 +12,15 @@ from PIL import Image
 from report_data import small_comparison
 from scipy.sparse import eye_array
 
-from cea.body import VolumeSample
+from cea.volume import VolumeSample
 from comparisons.agreement.file_pictures import draw_files
 from comparisons.agreement.page import write_report
 from scenes.drawing import Drawing, largest_deflection
 from scenes.paraview import write_paraview
 from scenes.pictures import draw_modes
-from scenes.read import SceneError, read_scene
+from scenes.read import read_scene
 from scenes.run import run_scene
+from scenes.scene_error import SceneError
 
 
 def test_largest_deflection_beats_every_phase():

@@ -16,7 +16,8 @@ from cea.fields import MAX_DEPTH, Expression
 from cea.mesh import Mesh
 from meshes.patches import GivenPatch
 from scenes.opened import open_result
-from scenes.read import SceneError, load_scene, read_scene
+from scenes.read import load_scene, read_scene
+from scenes.scene_error import SceneError
 from scenes.stored import read_record, write_record
 
 DIRECTION = "contacts.pad_disc.friction_direction_on_a"

@@ -7,8 +7,8 @@ from blocks import two_blocks
 from motions import mode_displacement
 from scipy.linalg import eigvals
 
-from cea.body import SurfaceCoordinates
 from cea.errors import InputError
+from cea.surface import SurfaceCoordinates
 from scenes import (
     ModesResult,
     StaticResult,

@@ -9,7 +9,7 @@ import pytest
 from json_schema import complaints
 from scene_mutations import removed, replaced, valid
 
-from scenes.read import OF_MATRICES, SCENES
+from scenes.scene_files import OF_MATRICES, SCENES
 from scenes.schema import meanings_of, scene_schema, summary_of
 
 DOCS = Path(__file__).parents[2] / "docs"

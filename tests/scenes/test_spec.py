@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 from catalogue import MESHED
 
-from scenes.read import SceneError, load_scene, plain_data, read_scene
+from scenes.read import load_scene, read_scene
+from scenes.scene_error import SceneError
+from scenes.validation import plain_data
 
 MU = "contacts.pad_disc.mu"
 

@@ -8,8 +8,10 @@ from same_numbers import assert_same
 
 from scenes import assemble, open_result, read_scene, run_modes, run_scene, save_result
 from scenes.plain import as_data
-from scenes.read import SceneError, load_scene, scene_names
+from scenes.read import load_scene
 from scenes.run import skipped_by
+from scenes.scene_error import SceneError
+from scenes.scene_files import scene_names
 
 GPTS = {"method": "gpts", "points": 3}
 

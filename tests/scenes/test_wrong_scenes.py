@@ -3,7 +3,8 @@
 import pytest
 from wrong_scenes import complaint, faults_of_row, number_of_rows, rows
 
-from scenes.read import SceneError, load_scene
+from scenes.read import load_scene
+from scenes.scene_error import SceneError
 
 GROUPS = sorted({base for base, *_ in rows("read")})
 

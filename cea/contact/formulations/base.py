@@ -6,9 +6,9 @@ from dataclasses import MISSING, fields, is_dataclass
 from types import MappingProxyType
 from typing import ClassVar
 
-from cea.body import Surface, SurfacePoints
 from cea.contact.coupling import Coupling
 from cea.errors import InputError
+from cea.surface import Surface, SurfacePoints
 
 
 class Formulation(ABC):
@@ -23,7 +23,7 @@ class Formulation(ABC):
     abscissae: ClassVar[str | None] = None
     """Kind of abscissae that side a must have; None where it suits every surface.
 
-    One of :attr:`cea.body.Surface.abscissa_kinds`.
+    One of :attr:`cea.surface.Surface.abscissa_kinds`.
     """
 
     @property

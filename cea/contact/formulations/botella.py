@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from cea.body import Surface, SurfacePoints
 from cea.contact.formulations.base import Formulation, register
+from cea.surface import Surface, SurfacePoints
 
 
 @register

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from cea.body import Surface, SurfacePoints
 from cea.contact.coupling import Coupling
 from cea.contact.formulations.base import Formulation, check_points, register
+from cea.surface import Surface, SurfacePoints
 
 
 @register

@@ -9,27 +9,28 @@ from comparisons.kit.tables import Column, Table
 from comparisons.paper.claims.catalogue import CLAIMS
 from comparisons.paper.claims.claim import Claim, Evidence, JudgedClaim
 from comparisons.paper.common.families import FAMILIES
-from comparisons.paper.common.store import make_figure
+from comparisons.paper.common.store import figure_data
 from comparisons.paper.registry import FIGURES
 from scenes.spec.body import Backend
-from scenes.stored import read_record, record, write_record
+from scenes.stored import record, write_record
 
 
 def judge(out: Path, progress: Progress) -> list[JudgedClaim]:
-    """Judge every claim by stored figures; those that are missing are made.
+    """Judge every claim by the stored data of figures; those that are missing are computed.
 
     Parameters
     ----------
     out
-        Folder of the figures.
+        Folder of the figures, which are not drawn.
     progress
         Where progress is shown.
     """
     needed = [name for name in FIGURES if any(name in claim.figures for claim in CLAIMS)]
     evidence: dict[Backend, Evidence] = {}
     for backend in FAMILIES:
-        made = {name: make_figure(FIGURES[name], backend, out, progress) for name in needed}
-        evidence[backend] = {name: read_record(each.data_file) for name, each in made.items()}
+        evidence[backend] = {
+            name: figure_data(FIGURES[name], backend, out, progress).data for name in needed
+        }
     return [judged(claim, evidence) for claim in CLAIMS]
 
 

@@ -50,6 +50,25 @@ class MadeFigure:
     reused: bool
 
 
+@dataclass(frozen=True)
+class KeptData:
+    """Data of a figure.
+
+    Parameters
+    ----------
+    file
+        Where they are stored, compressed JSON.
+    data
+        What was computed.
+    reused
+        Whether they were stored before.
+    """
+
+    file: Path
+    data: Data
+    reused: bool
+
+
 def make_figure(
     figure: PaperFigure,
     backend: Backend,
@@ -73,29 +92,48 @@ def make_figure(
     recompute
         Whether stored data are left aside.
     """
+    kept = figure_data(figure, backend, out, progress, recompute=recompute)
+    stem, data = stem_of(figure, backend), kept.data
+    numbers = numbers_table(figure.numbers(data), stem, f"{figure.title}, {backend}")
+    pictures: list[Path] = []
+    if MPI.COMM_WORLD.rank == 0:
+        progress.stage("drawing")
+        for table in (numbers, *figure.tables(data, stem)):
+            table.write_csv(out)
+        pictures = figure.draw(data, out / stem)
+    return MadeFigure(numbers, figure.note(data), kept.file, pictures, kept.reused)
+
+
+def stem_of(figure: PaperFigure, backend: Backend) -> str:
+    """Beginning of the names of the files of a figure."""
+    return f"figure_{figure.name}_{backend}"
+
+
+def figure_data(
+    figure: PaperFigure,
+    backend: Backend,
+    out: Path,
+    progress: Progress,
+    *,
+    recompute: bool = False,
+) -> KeptData:
+    """Data of a figure, stored ones where their inputs are equal; nothing is drawn.
+
+    Parameters are those of :func:`make_figure`; what is computed is written by rank 0.
+    """
     comm = MPI.COMM_WORLD
-    stem = f"figure_{figure.name}_{backend}"
-    file = out / f"{stem}.json.gz"
+    file = out / f"{stem_of(figure, backend)}.json.gz"
     mark = fingerprint(figure.inputs(backend))
     found: tuple[Path, Data] | None = None
     if comm.rank == 0 and not recompute:
         found = _found((file, STORED / file.name), mark)
     found = comm.bcast(found)
-    reused = found is not None
     if found is not None:
-        file, data = found
-    else:
-        data = _computed(figure, backend, mark, progress)
-        if comm.rank == 0:
-            write_record(data, file)
-    numbers = numbers_table(figure.numbers(data), stem, f"{figure.title}, {backend}")
-    pictures: list[Path] = []
+        return KeptData(found[0], found[1], reused=True)
+    data = _computed(figure, backend, mark, progress)
     if comm.rank == 0:
-        progress.stage("drawing")
-        for table in (numbers, *figure.tables(data, stem)):
-            table.write_csv(out)
-        pictures = figure.draw(data, out / stem)
-    return MadeFigure(numbers, figure.note(data), file, pictures, reused)
+        write_record(data, file)
+    return KeptData(file, data, reused=False)
 
 
 def _computed(figure: PaperFigure, backend: Backend, mark: str, progress: Progress) -> Data:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.errors import InputError
 from comparisons.paper.common.figure import Data, as_lists
 from comparisons.paper.crowned_pad.case import CONTACT, COUNTER, DISC, FACE, PAD

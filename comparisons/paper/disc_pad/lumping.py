@@ -16,9 +16,11 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
-from cea.body import Body, Floats, Surface
+from cea.arrays import Floats
+from cea.body import Body
 from cea.eigen.blocks import times
 from cea.matrices import destroy
+from cea.surface import Surface
 from comparisons.kit.plots import AXIS
 from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table

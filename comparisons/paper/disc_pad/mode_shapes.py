@@ -13,7 +13,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cea.body import Complexes, Floats, VolumeSample
+from cea.arrays import Complexes, Floats
+from cea.volume import VolumeSample
 from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.families import FAMILIES, Family

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Body, Complexes, Floats
+from cea.arrays import Complexes, Floats
+from cea.body import Body
 from cea.eigen.mode_matching import NEAR, GroupMatch, ModeSet, match_modes
 from cea.errors import InputError
 from comparisons.paper.common.families import Family

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.lines import Line2D
 from scipy.sparse import csr_array
 
-from cea.body import Complexes, VolumeSample
+from cea.arrays import Complexes
+from cea.volume import VolumeSample
 from comparisons.kit.plots import BLUE, GREY, VERMILION
 from comparisons.paper.common.figure import Data
 from comparisons.paper.common.style import drawing

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cea.body import Body, Floats
+from cea.arrays import Floats
+from cea.body import Body
 from cea.contact.formulations import Formulation, Greville, Grid, NodeToSurface
 from cea.system.contact_stresses import pressure_along, stress_map
 from comparisons.kit.numbers import number

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 
-from cea.body import Floats
+from cea.arrays import Floats
 from comparisons.kit.numbers import number
 from comparisons.kit.plots import GREY
 from comparisons.paper.common.figure import Data

@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 
-from cea.body import Floats, Surface, SurfaceCoordinates
+from cea.arrays import Floats
 from cea.contact.formulations import Greville, Grid
+from cea.surface import Surface, SurfaceCoordinates
 from cea.timing import StageTimer
 from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table

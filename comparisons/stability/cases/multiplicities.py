@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.linalg import block_diag, qr
 
-from cea.body import Floats
+from cea.arrays import Floats
 from comparisons.stability.parts.case import NONE, Run, case
 from comparisons.stability.parts.dense import lambdas
 from comparisons.stability.parts.problems import OfMatrices

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.spectrum import Spectrum
 from cea.warned import ResultWarning
 

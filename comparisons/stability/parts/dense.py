@@ -19,7 +19,7 @@ import numpy as np
 from scipy.linalg import block_diag, eigh, eigvals, svd
 from scipy.sparse import csr_array, diags_array
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.contact.interface import along
 from cea.contact.operators import Contact
 from cea.system.coupled import CoupledSystem

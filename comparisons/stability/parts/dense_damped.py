@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import eigh, eigvals
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.contact.operators import Contact
 from cea.fields import Expression, evaluate
 from cea.system.coupled import CoupledSystem

@@ -11,7 +11,7 @@ from scipy.io import mmwrite, savemat
 from scipy.linalg import block_diag
 from scipy.sparse import csr_array, save_npz
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 from cea.petsc import PETSc
 from comparisons.stability.parts.answers import Answer, answer_of
 from scenes.matrix_run import run_matrices

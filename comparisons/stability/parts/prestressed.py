@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag, eigh
 
-from cea.body import Complexes, Floats
+from cea.arrays import Complexes, Floats
 
 _WIDTH = 2.0
 

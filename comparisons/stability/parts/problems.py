@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from scipy.sparse import csr_array
 
-from cea.body import Floats
+from cea.arrays import Floats
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.matrices import distributed

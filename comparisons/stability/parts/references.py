@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.body import Complexes
+from cea.arrays import Complexes
 from comparisons.stability.parts.dense import dense_eigenvalues
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
 

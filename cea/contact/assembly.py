@@ -1,0 +1,86 @@
+"""Contact operators of one interface from its points: closures, slips, projections."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.body import Body
+from cea.contact.half_pass import HalfPass, friction_at
+from cea.contact.interface import jump_along
+from cea.contact.lumping import lumped_matrices
+from cea.contact.mortar import MortarProjection
+from cea.contact.operators import Contact
+from cea.matrices import destroy, gather, one_below_the_other, system_operator
+from cea.ranks import agreed
+
+
+def assemble_contact(
+    bodies: Mapping[str, Body], name: str, half: HalfPass, *, leave_out: bool = True
+) -> Contact:
+    """Contact operators of one half pass.
+
+    Parameters
+    ----------
+    bodies
+        All bodies of the system by name, in the order of the unknowns.
+    name
+        Name of the half pass.
+    half
+        The half pass.
+    leave_out
+        Whether the slip operator and K_f are left out where mu = 0.
+    """
+    interface, sides = half.interface, (half.a, half.b)
+    points = interface.local_points
+    projection = None
+    if half.projected:
+        # Of a linear law, open points have no part in the projection: their compliance is infinite.
+        bearing = half.stiffness > 0 if half.law.linear else None
+        projection = MortarProjection.of(interface, bearing)
+
+    def operator(direction: Floats) -> Any:
+        parts = dict(zip(sides, jump_along(interface, direction), strict=True))
+        jump = system_operator(bodies, parts, len(points))
+        if projection is None:
+            return jump
+        integrals = projection.integrals(jump)
+        destroy(jump)
+        return integrals
+
+    if half.coupling == "bonded":
+        axes = [operator(np.tile(axis, (len(points), 1))) for axis in np.eye(interface.a.dim)]
+        gap = one_below_the_other(axes)
+        destroy(*axes)
+    else:
+        gap = operator(points.normal)
+    slip = direction = None
+    field, mu = friction_at(half)
+    keeps = not leave_out and half.coupling != "bonded"
+    if half.friction is not None and (half.friction.acts or keeps):
+        with agreed(interface.comm):
+            direction = half.friction.direction.at(points.x, points.normal)
+        slip = operator(field[:, None] * direction)
+    lumped = None
+    if half.coupling == "lumped":
+        weight = points.weight * half.stiffness[interface.rows]
+        lumped = lumped_matrices(bodies, sides, interface, weight, direction, field)
+    closed = prescribed_closure(bodies, half)
+    return Contact(name, half, gap, slip, mu, projection, lumped, closed)
+
+
+def prescribed_closure(bodies: Mapping[str, Body], half: HalfPass) -> Floats | None:
+    """What displacements that supports prescribe close of the gap at all points (m), shape (n,).
+
+    None where nothing is prescribed, or nothing of it reaches the contact.
+    """
+    interface = half.interface
+    jumps = jump_along(interface, interface.local_points.normal)
+    closed = np.zeros(len(interface.local_points))
+    for name, jump in zip((half.a, half.b), jumps, strict=True):
+        prescribed = bodies[name].prescribed
+        if prescribed is not None:
+            closed += jump @ gather(prescribed)
+    every = np.concatenate(interface.comm.allgather(closed))
+    return every if every.any() else None

@@ -1,0 +1,56 @@
+"""Scenes small enough for a deck to be read in a test."""
+
+from scenes import load_scene, read_scene
+
+P2 = {"cell": "tetrahedron", "degree": 2, "geometry_degree": 1}
+STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
+ROUND = [
+    {"surface": "inner", "components": ["radial", "axial"], "axis": [0.0, 0.0, 1.0]},
+    {"surface": "bottom"},
+]
+SLIDING = [
+    {"surface": "outer", "components": ["circumferential"], "axis": [0.0, 0.0, 1.0]},
+    {"surface": "top", "components": ["z"]},
+]
+ELEMENTS = {
+    "C3D4": ("tetrahedron", 1),
+    "C3D8": ("hexahedron", 1),
+    "C3D10": ("tetrahedron", 2),
+    "CPE3": ("triangle", 1),
+    "CPE4": ("quadrilateral", 1),
+    "CPE6": ("triangle", 2),
+}
+
+
+def body(cell, degree, *, supports=None, elements=None):
+    """A ring, or a ring in the plane, of steel."""
+    size = {"inner_radius": 0.1, "outer_radius": 0.2}
+    mesh = {"cell": cell, "degree": degree, "geometry_degree": 1}
+    if cell in ("triangle", "quadrilateral"):
+        geometry, elements = {"shape": "ring", **size}, elements or [3, 16]
+    else:
+        geometry, elements = {"shape": "annulus", **size, "bottom": 0.0, "top": 0.05}, [2, 12, 1]
+    return {
+        "backend": "fe",
+        "geometry": geometry,
+        "material": STEEL,
+        "supports": supports or [{"surface": "inner"}],
+        "mesh": {"fe": {**mesh, "elements": elements}},
+    }
+
+
+def alone(cell, degree, **options):
+    bodies = {"part": body(cell, degree, **options)}
+    analysis = {"kind": "cea", "max_frequency": 1e4}
+    return read_scene({"name": "alone", "bodies": bodies, "analysis": analysis})
+
+
+def in_contact(**changes):
+    """Disc and pad on a few quadratic tetrahedra."""
+    fields = {
+        "bodies.pad.mesh.fe": {**P2, "elements": [2, 3, 1]},
+        "bodies.disc.mesh.fe": {**P2, "elements": [3, 16, 1]},
+        "contacts.pad_disc.formulation": {"method": "segments"},
+        "analysis.max_frequency": 9000.0,
+    }
+    return load_scene("disc_pad", backend="fe").change(fields | changes)

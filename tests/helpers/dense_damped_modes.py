@@ -1,0 +1,21 @@
+"""Modes of damped scenes beside the dense eigenvalues of their matrices."""
+
+import numpy as np
+
+from comparisons.stability.parts.dense_damped import damped_eigenvalues
+from scenes.read import read_scene
+from scenes.run import run_modes
+
+
+def in_window(values, window):
+    """Eigenvalues of the upper half that a window holds."""
+    inside = (values.imag >= 0) & (values.imag <= 2 * np.pi * window.max_frequency)
+    return np.sort_complex(values[inside & (values.real >= window.min_growth)])
+
+
+def assert_modes_are_dense(data):
+    """Every mode of a scene is an eigenvalue of its dense matrices, and all of the window are."""
+    modes = run_modes(read_scene(data)).modes
+    expected = in_window(damped_eigenvalues(data), modes.window)
+    assert len(expected) > 5
+    np.testing.assert_allclose(np.sort_complex(modes.eigenvalues), expected, rtol=1e-9, atol=1e-9)

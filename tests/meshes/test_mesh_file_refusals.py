@@ -1,0 +1,179 @@
+"""Mesh files that are refused, each by what is wrong with it."""
+
+import gmsh
+import pytest
+from boxes_in_files import file_of, made, two_boxes
+from mesh_writers import write
+
+from cea.errors import InputError
+from meshes.gmsh_model import gmsh_session
+from meshes.mesh_file import MeshFile
+
+CUBE = """*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+*ELEMENT, TYPE=C3D8, ELSET=CUBE
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*NSET, NSET=TOP
+5, 6, 7, 8
+"""
+SHELL = "*ELEMENT, TYPE=S4, ELSET=SKIN\n2, 5, 6, 7, 8\n"
+WEDGE = "*ELEMENT, TYPE=C3D6\n2, 1, 2, 3, 5, 6, 7\n"
+TET = "*ELEMENT, TYPE=C3D4, ELSET=TET\n2, 1, 2, 3, 5\n"
+AGAIN = "*NODE\n11,0,0,1\n12,1,0,1\n13,1,1,1\n14,0,1,1\n15,0,0,2\n16,1,0,2\n17,1,1,2\n18,0,1,2\n"
+AGAIN += "*ELEMENT, TYPE=C3D8, ELSET=NEXT\n3, 11, 12, 13, 14, 15, 16, 17, 18\n"
+FAR = AGAIN.replace(",1\n", ",5\n").replace(",2\n", ",6\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "changes", "field", "words"),
+    [
+        (CUBE, {"unit": None}, "unit", "one of m, cm, mm"),
+        (CUBE, {"part": "NONE"}, "part", "a set of elements: CUBE"),
+        (CUBE, {"faces": {"wanted": "SIDE"}}, "faces", "one of the sets of the file: CUBE"),
+        (CUBE, {"faces": {"wanted": "nodes:CUBE"}}, "faces", "one of the sets"),
+        (CUBE + "*NSET, NSET=EDGE\n5, 6\n", {"faces": {"wanted": "EDGE"}}, "faces.wanted",
+         "nowhere on the boundary"),
+        (CUBE + AGAIN.replace("11, 12, 13, 14", "5, 6, 7, 8") + "*SURFACE, NAME=IN\n1, S2\n",
+         {"faces": {"wanted": "IN"}}, "faces.wanted", "between two elements"),
+        (CUBE + "*ELSET, ELSET=TOP\n1\n", {"faces": {"wanted": "TOP"}}, "faces.wanted",
+         "elements:TOP or nodes:TOP"),
+        (CUBE + SHELL, {}, "part", "solid elements alone, here are S4"),
+        (CUBE + "*ELEMENT, TYPE=SPRINGA\n9, 1, 2\n", {}, "part", "here are SPRINGA"),
+        (CUBE + WEDGE, {}, "part", "of one kind"),
+        (CUBE + TET, {}, "part", "of one kind"),
+        (SHELL, {}, "file", "a number of a node"),
+        (CUBE.replace("C3D8", "S4R").replace(", 5, 6, 7, 8\n*NSET", "\n*NSET"), {}, "part", "S4R"),
+        (CUBE + FAR, {}, "part", "these elements make 2"),
+        (CUBE + AGAIN, {}, "part", "make 2 that share no nodes.* merge_nodes: 4 pairs"),
+        (CUBE + AGAIN.replace("11, 12", "5, 6"), {}, "merge_nodes", "2 pairs of nodes lie in one"),
+        (CUBE + AGAIN, {"merge_nodes": 0.6}, "merge_nodes", "less than half the shortest edge"),
+        (CUBE.replace("2, 3, 4, 5", "2, 4, 3, 5"), {}, "file", "Jacobian is positive"),
+        (CUBE.replace("1, 2, 3, 4, 5, 6, 7, 8\n*", "5, 6, 7, 8, 1, 2, 3, 4\n*"), {}, "file",
+         "the first 1"),
+        (CUBE.replace("3, 4, 5", "2, 4, 5"), {}, "file", "corners are apart"),
+        (CUBE.replace("7, 8\n*NSET", "7\n*NSET"), {}, "file", "9 for each element"),
+        (CUBE.replace("7, 8\n*NSET", "7, 9\n*NSET"), {}, "file", "a node that the file has"),
+        (CUBE.replace("7, 1, 1, 1", "7, 1, x, 1"), {}, "file", "numbers in its data"),
+        (CUBE.replace("7, 1, 1, 1", "7, 1, nan, 1"), {}, "file", "finite numbers"),
+        (CUBE.replace("7, 1, 1, 1", "7, 1, 1"), {}, "file", "coordinates in each"),
+        (CUBE + "*NGEN\n1, 8\n", {}, "file", "without this keyword"),
+        (CUBE.replace("*NODE", "*NODE, SYSTEM=C"), {}, "file", "cartesian"),
+        (CUBE + "*NSET, NSET=A\nB\n*NSET, NSET=B\nA\n", {}, "file", "inside each other"),
+        (CUBE + "*NSET, NSET=A, GENERATE\n1, 999999999999999\n", {}, "file", "first, last"),
+        (CUBE + "*SURFACE, NAME=A\n1, S7\n", {}, "file", "faces S1 to S6"),
+        ("", {}, "file", "not empty"),
+        ("nothing of the kind", {}, "file", r"\*NODE and \*ELEMENT"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(tmp_path, text, changes, field, words):
+    file = tmp_path / "cube.inp"
+    file.write_text(text)
+    with pytest.raises(InputError, match=words) as refused:
+        made({"file": str(file), "unit": "m"}, **changes).mesh(["wanted"] if "faces" in changes
+                                                               else [])  # fmt: skip
+    assert refused.value.field == field
+
+
+def test_shells_may_be_named_as_marks_or_left_out_by_the_choice_of_a_part(tmp_path):
+    (tmp_path / "cube.inp").write_text(CUBE + SHELL)
+    data = {"file": str(tmp_path / "cube.inp"), "unit": "m"}
+    named = made(data, faces={"skin": "SKIN"}).mesh(["skin"])
+    chosen = made(data, part="CUBE").mesh(["TOP"])
+    assert set(named.points[named.surfaces["skin"]][..., 2].ravel()) == {1.0}
+    assert len(chosen.surfaces["TOP"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("none.msh", None, "a mesh file"),
+        ("folder.msh", "folder", "a file"),
+        ("a.step", b"ISO-10303-21;", "one that ends in .msh"),
+        ("a.msh", b"*NODE\n1, 0, 0, 0\n", "a .msh file of gmsh"),
+        ("a.bdf", b"GRID,1,,0.,0.,0.\n", "ENDDATA"),
+        ("a.bdf", b"GRID,1,5,0.,0.,0.\nENDDATA\n", "basic coordinate system"),
+        ("a.bdf", b"GRID           1       5     0.0     0.0     0.0\nENDDATA\n", "basic coord"),
+        ("a.bdf", b"INCLUDE 'b.bdf'\nENDDATA\n", "one file"),
+        ("a.xdmf", b"<Xdmf/>", "cannot be read"),
+        ("a.vtu", b"\x00\xff" * 300, "cannot be read"),
+        ("a.cdb", b"\x00\xff" * 300, "cannot be read"),
+    ],
+)
+def test_files_that_are_none(tmp_path, name, content, words):
+    file = file_of(tmp_path, name)
+    if content == "folder":
+        file.mkdir()
+    elif content is not None:
+        file.write_bytes(content)
+    with pytest.raises(InputError, match=words) as refused:
+        MeshFile(str(file), "m")
+    assert refused.value.field == "file"
+
+
+def test_nastran_elements_that_are_not_read_are_told(tmp_path):
+    data = write(two_boxes("hexahedron", 1), tmp_path / "a.bdf")["left"]
+    file = tmp_path / "a.bdf"
+    text = file.read_text().replace("ENDDATA", "CELAS2,99,1.+3,1,1\nENDDATA")
+    file.write_text(text)
+    with pytest.raises(InputError, match="here are CELAS2, Quadrilateral 4 too"):
+        made(data, part=None, faces={})
+    assert made(data).num_cells == 6
+
+
+def swept(file, order):
+    """A cube of wedges, as gmsh writes it."""
+    with gmsh_session():
+        base = gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
+        sides = gmsh.model.occ.extrude([(2, base)], 0, 0, 1, [2], recombine=True)
+        gmsh.model.occ.synchronize()
+        gmsh.model.addPhysicalGroup(3, [sides[1][1]], name="body")
+        gmsh.model.addPhysicalGroup(2, [base], name="below")
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(order)
+        gmsh.write(str(file))
+
+
+@pytest.mark.parametrize(("order", "kind"), [(1, "Prism 6"), (2, "Prism 18")])
+@pytest.mark.parametrize("part", [None, "body"])
+def test_wedges_of_gmsh_are_refused_by_their_name(tmp_path, order, kind, part):
+    file = tmp_path / "wedges.msh"
+    swept(file, order)
+    told = f"wedges.msh: {kind}" + (" in the part body" if part else "")
+    with pytest.raises(
+        InputError, match="triangles, quadrilaterals, tetrahedra or hexahedra"
+    ) as no:
+        MeshFile(str(file), "m", part=part)
+    assert (no.value.field, no.value.value) == ("file", told)
+
+
+@pytest.mark.parametrize(
+    ("kind", "nodes"), [("C3D6", 6), ("C3D15", 15), ("C3D5", 5), ("C3D15V", 15)]
+)
+def test_wedges_and_pyramids_of_abaqus_are_refused_by_their_name(tmp_path, kind, nodes):
+    points = "".join(f"{n}, {n % 2}, {n % 3}, {n}\n" for n in range(1, nodes + 1))
+    cell = ", ".join(map(str, range(1, nodes + 1)))
+    file = tmp_path / "wedge.inp"
+    file.write_text(f"*NODE\n{points}*ELEMENT, TYPE={kind}, ELSET=BODY\n1, {cell}\n")
+    with pytest.raises(
+        InputError, match="triangles, quadrilaterals, tetrahedra or hexahedra"
+    ) as no:
+        MeshFile(str(file), "m", part="BODY")
+    assert (no.value.field, no.value.value) == ("file", f"wedge.inp: {kind} in the part BODY")
+
+
+@pytest.mark.parametrize(("cell", "nodes"), [("wedge", 6), ("pyramid", 5)])
+def test_wedges_and_pyramids_of_vtu_are_refused_by_their_name(tmp_path, cell, nodes):
+    meshio = pytest.importorskip("meshio")
+    corners = [[n % 2, n % 3, n] for n in range(nodes)]
+    file = tmp_path / "a.vtu"
+    meshio.write(file, meshio.Mesh(corners, [(cell, [list(range(nodes))])]))
+    with pytest.raises(InputError) as no:
+        MeshFile(str(file), "m")
+    assert (no.value.field, no.value.value) == ("file", f"a.vtu: {cell}")
