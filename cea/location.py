@@ -8,6 +8,7 @@ residual is the distance by which the line misses the element.
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
 from cea.surface import Location, Status, SurfaceCoordinates
@@ -15,8 +16,12 @@ from cea.surface import Location, Status, SurfaceCoordinates
 TOLERANCE = 1e-8
 """Default miss allowed, relative to the local mesh size."""
 
+_CLOSE = 1 / 16
+"""Part of the reach within which points are looked for first."""
 _MAX_ITERATIONS = 40
-_CHUNK = 200_000
+_GRAZING = 1e-10
+"""Sine between line and surface below which Newton's steps are least-squares steps."""
+_CHUNK = 50_000
 
 
 class Chart(Protocol):
@@ -27,10 +32,11 @@ class Chart(Protocol):
         """Dimension of space."""
         ...
 
-    def candidates(self, x: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
+    def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
         """Pairs worth trying: point numbers, elements, starting xi (n_pairs, dim - 1).
 
-        Every element that holds the answer for a point within ``reach`` must be among them.
+        Every element that holds the answer for a point within ``reach`` along its direction must
+        be among them.
         """
         ...
 
@@ -85,91 +91,149 @@ def locate_along(
     """
     x = np.ascontiguousarray(x, dtype=float)
     direction = np.ascontiguousarray(direction, dtype=float)
-    parts = [
-        _locate_chunk(chart, x[i : i + _CHUNK], direction[i : i + _CHUNK], reach, tolerance)
-        for i in range(0, max(len(x), 1), _CHUNK)
-    ]
+    out = _nothing(len(x), chart.dim, tolerance)
+    for start in range(0, len(x), _CHUNK):
+        points = np.arange(start, min(start + _CHUNK, len(x)))
+        # What is met close by is the nearest: nothing farther off has to be tried.
+        for limit in (_CLOSE * reach, reach):
+            _locate(chart, x, direction, points, limit, reach, out)
+            far = ~(np.abs(out.distance[points]) <= limit)
+            points = points[far | out.missed[points]]
+            if not points.size:
+                break
+    return out
+
+
+def _nothing(n: int, dim: int, tolerance: float) -> Location:
+    """Every point missed, and nothing near any."""
     return Location(
-        at=SurfaceCoordinates(
-            np.concatenate([p.at.element for p in parts]), np.concatenate([p.at.xi for p in parts])
-        ),
-        distance=np.concatenate([p.distance for p in parts]),
-        miss=np.concatenate([p.miss for p in parts]),
-        status=np.concatenate([p.status for p in parts]),
-        tolerance=tolerance,
-    )
-
-
-def _locate_chunk(
-    chart: Chart, x: Floats, direction: Floats, reach: float, tolerance: float
-) -> Location:
-    point, element, xi = chart.candidates(x, reach)
-    xi, distance, miss = _newton(chart, element, xi, x[point], direction[point], tolerance)
-    relative = miss / chart.size(element)
-    hit = (relative <= tolerance) & (np.abs(distance) <= reach)
-
-    # Hits before misses; hits by distance, rounded so that one edge seen from two elements ties.
-    rank = np.where(hit, np.round(np.abs(distance) / reach, 10), relative)
-    order = np.lexsort((element, rank, ~hit, point))
-    found, first = np.unique(point[order], return_index=True)
-    best = order[first]
-
-    n = len(x)
-    out = Location(
-        at=SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, chart.dim - 1))),
+        at=SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, dim - 1))),
         distance=np.full(n, np.nan),
         miss=np.full(n, np.inf),
         status=np.full(n, Status.MISSED, dtype=np.int8),
         tolerance=tolerance,
     )
+
+
+def _locate(
+    chart: Chart,
+    x: Floats,
+    direction: Floats,
+    points: Ints,
+    limit: float,
+    reach: float,
+    out: Location,
+) -> None:
+    """Locate some of the points, none farther off than a limit, and write down what is found."""
+    aim, tolerance = direction[points], out.tolerance
+    point, element, xi = chart.candidates(x[points], aim, limit)
+    size = chart.size(element)
+    xi, distance, miss = _newton(chart, element, xi, x[points[point]], aim[point], tolerance)
+    relative = miss / size
+    hit = (relative <= tolerance) & (np.abs(distance) <= limit)
+
+    # Hits before misses; hits by distance, rounded so that one edge seen from two elements ties.
+    rank = np.where(hit, np.round(np.abs(distance) / reach, 10), relative)
+    best = _first_of_each(point, element, rank, hit)
+    found = points[point[best]]
     out.at.element[found] = element[best]
     out.at.xi[found] = xi[best]
     out.distance[found] = distance[best]
     out.miss[found] = miss[best]
     edge = chart.on_edge(element[best], xi[best], 10 * tolerance)
     out.status[found] = np.where(
-        hit[best], np.where(edge, Status.EDGE, Status.INSIDE), out.status[found]
+        hit[best], np.where(edge, Status.EDGE, Status.INSIDE), Status.MISSED
     )
-    return out
+
+
+def _first_of_each(
+    point: Ints, element: Ints, rank: Floats, hit: NDArray[np.bool_]
+) -> NDArray[np.intp]:
+    """The best pair of each point that has any."""
+    rivals = np.bincount(point)[point] > 1
+    alone, several = np.flatnonzero(~rivals), np.flatnonzero(rivals)
+    order = several[np.lexsort((element[several], rank[several], ~hit[several], point[several]))]
+    first = np.ones(len(order), dtype=bool)
+    first[1:] = point[order[1:]] != point[order[:-1]]
+    return np.concatenate([alone, order[first]])
 
 
 def _newton(
-    chart: Chart, element: Ints, xi: Floats, x: Floats, direction: Floats, tolerance: float
+    chart: Chart,
+    element: Ints,
+    xi: Floats,
+    x: Floats,
+    direction: Floats,
+    tolerance: float,
 ) -> tuple[Floats, Floats, Floats]:
     """Clamped Newton on every pair at once; pairs whose xi no longer moves drop out."""
     xi = chart.clamp(element, xi)
+    offset = np.empty(x.shape)
     active = np.arange(len(element))
-    size = chart.size(element)
     for _ in range(_MAX_ITERATIONS):
         if not active.size:
             break
-        e, d = element[active], direction[active]
-        position, tangents = chart.tangents(e, xi[active])
-        jacobian = np.concatenate([tangents, -d[:, :, None]], axis=2)
-        step = _solve_or_project(jacobian, x[active] - position, size[active])
-        moved = chart.clamp(e, xi[active] + step[:, :-1])
-        change = np.abs(moved - xi[active]).max(axis=1)
-        xi[active] = moved
-        active = active[change > 1e-3 * tolerance]
-    position, _ = chart.tangents(element, xi)
-    offset = position - x
+        # At first, and often to the end, all are active: no copies are made of them.
+        some = slice(None) if len(active) == len(xi) else active
+        e, before = element[some], xi[some]
+        position, tangents = chart.tangents(e, before)
+        rest = x[some] - position
+        step = newton_step(tangents, direction[some], rest)
+        moved = chart.clamp(e, before + step)
+        way = moved - before
+        xi[some] = moved
+        # Steps that end the iteration are so short that tangents tell the position after them.
+        offset[some] = np.einsum("nij,nj->ni", tangents, way) - rest
+        active = active[np.abs(way).max(axis=1) > 1e-3 * tolerance]
+    if active.size:
+        offset[active] = chart.tangents(element[active], xi[active])[0] - x[active]
     distance = np.einsum("ij,ij->i", offset, direction)
     miss = np.linalg.norm(offset - distance[:, None] * direction, axis=1)
     return xi, distance, miss
 
 
-def _solve_or_project(jacobian: Floats, rhs: Floats, size: Floats) -> Floats:
-    """Solve the small systems; where the line grazes the surface, take the least-squares step."""
-    scaled = jacobian.copy()
-    scaled[:, :, -1] *= size[:, None]
-    volume = np.abs(np.linalg.det(scaled))
-    bound = np.prod(np.linalg.norm(scaled, axis=1), axis=1)
-    regular = volume > 1e-10 * bound
-    step = np.zeros(rhs.shape)
-    if regular.any():
-        step[regular] = np.linalg.solve(jacobian[regular], rhs[regular, :, None])[..., 0]
-    if not regular.all():
-        inverse = np.linalg.pinv(scaled[~regular], rcond=1e-8)
-        step[~regular] = np.einsum("nij,nj->ni", inverse, rhs[~regular])
-        step[~regular, -1] *= size[~regular]
+def newton_step(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
+    """Newton's step of xi: t_1 a + t_2 b - s d = rest by Cramer's rule.
+
+    Where the line grazes the surface, the least-squares step.
+
+    Parameters
+    ----------
+    tangents
+        Derivatives dx_i/dxi_j, shape (n, dim, dim - 1).
+    direction
+        Unit directions d, shape (n, dim).
+    rest
+        What is missing of the points (m), shape (n, dim).
+
+    Returns
+    -------
+    ndarray
+        a and b, shape (n, dim - 1).
+    """
+    normal = cross(tangents)
+    volume = np.einsum("ni,ni->n", normal, direction)
+    squares = np.einsum("nij,nij->nj", tangents, tangents).prod(axis=1)
+    grazing = ~(np.abs(volume) > _GRAZING * np.sqrt(squares))
+    step = _across(tangents, direction, rest) / np.where(grazing, 1.0, volume)[:, None]
+    if grazing.any():
+        # The direction as long as the tangents, so that neither is taken for nothing.
+        length = np.linalg.norm(tangents[grazing], axis=1).max(axis=1)
+        along = -length[:, None, None] * direction[grazing, :, None]
+        inverse = np.linalg.pinv(np.concatenate([tangents[grazing], along], axis=2), rcond=1e-8)
+        step[grazing] = np.einsum("nij,nj->ni", inverse[:, :-1], rest[grazing])
     return step
+
+
+def _across(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
+    """Numerators of Cramer's rule: rest in the place of each tangent, along the direction."""
+    if tangents.shape[1] == 2:
+        return rest[:, 1:] * direction[:, :1] - rest[:, :1] * direction[:, 1:]
+    turned = np.cross(direction, rest)
+    return np.stack(
+        [
+            np.einsum("ni,ni->n", tangents[:, :, 1], turned),
+            -np.einsum("ni,ni->n", tangents[:, :, 0], turned),
+        ],
+        axis=1,
+    )

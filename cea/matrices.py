@@ -1,6 +1,6 @@
 """Small operations on distributed PETSc matrices that contact and driver share."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-from cea.body import Body
 from cea.petsc import PETSc
 
 
@@ -43,53 +42,11 @@ def one_below_the_other(blocks: Sequence[Any]) -> Any:
     return PETSc.Mat().createNest([[block] for block in blocks]).convert("aij")
 
 
-def free_operator(operator: csr_array, body: Body) -> Any:
-    """Restrict an operator on full dofs, distributed by rows, to free dofs.
-
-    Parameters
-    ----------
-    operator
-        The rows of this rank, shape (n_local, dim * num_scalar_dofs).
-    body
-        The body whose dofs are its columns.
-
-    Returns
-    -------
-    PETSc.Mat
-        AIJ matrix (n x free dofs), the rows of the ranks one after the other.
-    """
-    full = distributed(operator, body.expansion.getSizes()[0], body.comm)
-    free = full.matMult(body.expansion)
-    destroy(full)
-    return free
-
-
-def system_operator(bodies: Mapping[str, Body], parts: Mapping[str, csr_array], rows: int) -> Any:
-    """Operators on full dofs of some bodies as one on the unknowns of the whole system.
-
-    Parameters
-    ----------
-    bodies
-        All bodies by name, in the order of the unknowns.
-    parts
-        The rows of this rank by body, shape (rows, dim * num_scalar_dofs); others are zero.
-    rows
-        Rows of this rank.
-    """
-    row = []
-    for name, body in bodies.items():
-        nothing = csr_array((rows, body.dim * body.num_scalar_dofs))
-        row.append(free_operator(parts.get(name, nothing), body))
-    operator = PETSc.Mat().createNest([row]).convert("aij")
-    destroy(*row)
-    return operator
-
-
 def product(left: Any, right: Any, factor: Any) -> Any:
     """L^T diag(factor) R."""
     scaled = right.copy()
     scaled.diagonalScale(L=factor)
-    result = left.transposeMatMult(scaled)
+    result = _alone(left.transposeMatMult(scaled))
     destroy(scaled)
     return result
 
@@ -104,11 +61,18 @@ def symmetric_product(gap: Any, weight: Any) -> Any:
     root.sqrtabs()
     scaled = gap.copy()
     scaled.diagonalScale(L=root)
-    result = scaled.transposeMatMult(scaled)
+    result = _alone(scaled.transposeMatMult(scaled))
     if result.comm.size > 1:
         symmetrised(result)
     result.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     destroy(root, scaled)
+    return result
+
+
+def _alone(product: Any) -> Any:
+    """A product without its factors and their transposes, which PETSc keeps beside it."""
+    result = product.copy()
+    destroy(product)
     return result
 
 

@@ -125,14 +125,29 @@ class FacetLayer:
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """Positions (m), (n, dim), and their derivatives along xi, (n, dim, dim - 1)."""
+        if self._affine is not None:
+            corner, edges = (part[element] for part in self._affine)
+            return corner + np.einsum("nij,nj->ni", edges, xi), edges
         n, dim = len(element), self.dim
         x, dx = np.empty((n, dim)), np.empty((n, dim, dim - 1))
         for rows in slices(n, 16 * dim * self.facet_nodes.shape[1]):
             table = self.geometry.facet.tabulate(1, xi[rows])[..., 0]
-            nodes = self.facet_nodes[element[rows]]
-            x[rows] = np.einsum("nk,nki->ni", table[0], nodes)
-            dx[rows] = np.einsum("jnk,nki->nij", table[1:], nodes)
+            both = table.transpose(1, 0, 2) @ self.facet_nodes[element[rows]]
+            x[rows], dx[rows] = both[:, 0], both[:, 1:].swapaxes(1, 2)
         return x, dx
+
+    @cached_property
+    def _affine(self) -> tuple[Floats, Floats] | None:
+        """First corners (n, dim) and edges (n, dim, dim - 1) where all facets are affine images.
+
+        As far as rounding of their coordinates tells; None where some facet is bent or skewed.
+        """
+        nodes, points = self.facet_nodes, self.geometry.facet.points
+        corner = nodes[:, 0]
+        edges = (nodes[:, 1 : self.dim] - corner[:, None]).swapaxes(1, 2)
+        straight = corner[:, None] + np.einsum("nij,kj->nki", edges, points)
+        rounding = 4 * np.finfo(float).eps * np.abs(nodes).max(initial=0.0)
+        return (corner, edges) if np.abs(straight - nodes).max(initial=0.0) <= rounding else None
 
     def trace_values(self, xi: Floats) -> Floats:
         """Values at facet coordinates of the basis functions of a facet, (n, n_dofs)."""

@@ -68,6 +68,11 @@ class FacetBounds:
         return self.layer.facet_nodes[:, :count]
 
     @cached_property
+    def _trees(self) -> dict[float, Any]:
+        """Trees of the boxes by reach."""
+        return {}
+
+    @cached_property
     def _intervals(self) -> Any:
         """One interval for each facet, from corner to corner of its box (dolfinx)."""
         dim = self.layer.dim
@@ -80,13 +85,19 @@ class FacetBounds:
         dim = self.layer.dim
         padded = np.zeros((len(x), 3))
         padded[:, :dim] = x
-        mesh = self._intervals
-        # Room for rounding, beside a reach that may be zero.
-        room = 1e-6 * 2 * float(self.balls[1].max())
-        tree = bb_tree(mesh, mesh.topology.dim, padding=reach + room)
-        found = compute_collisions_points(tree, padded)
+        found = compute_collisions_points(self._tree(reach), padded)
         point = np.repeat(np.arange(len(x)), np.diff(found.offsets))
-        return point, mesh.topology.original_cell_index[found.array].astype(np.int64)
+        number = self._intervals.topology.original_cell_index
+        return point, number[found.array].astype(np.int64)
+
+    def _tree(self, reach: float) -> Any:
+        """Tree of the boxes, widened by a reach (dolfinx); few reaches are ever asked for."""
+        if reach not in self._trees:
+            mesh = self._intervals
+            # Room for rounding, beside a reach that may be zero.
+            room = 1e-6 * 2 * float(self.balls[1].max())
+            self._trees[reach] = bb_tree(mesh, mesh.topology.dim, padding=reach + room)
+        return self._trees[reach]
 
     def near_lines(
         self, point: Ints, element: Ints, x: Floats, direction: Floats, reach: float

@@ -13,15 +13,11 @@ from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.location import cross, locate_along
 from cea.surface import Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
-from fe_cea.facets import FacetLayer, slices
+from fe_cea.facets import FacetLayer
 from fe_cea.search import FacetBounds
 
 _MERGE = 1e-7
 """Grid points nearer than this, relative to the spacing of the smallest facet, are one."""
-
-_BYTES_PER_POINT = 2048
-"""Temporaries of point location, with about four facets tried for each point."""
-
 
 _OUTLINES = {
     basix.CellType.interval: np.array([[0.0], [1.0]]),
@@ -220,8 +216,16 @@ class FESurface:
 
         A row holds the functions of the nodes of its facet; all others vanish there.
         """
-        columns = self._layer.facet_dofs[self._known(at)]
-        return self._rows(self._layer.trace_values(at.xi), columns)
+        dofs, order = self._rising
+        element = self._known(at)
+        values = np.take_along_axis(self._layer.trace_values(at.xi), order[element], axis=1)
+        return self._rows(values, dofs[element])
+
+    @cached_property
+    def _rising(self) -> tuple[Ints, Ints]:
+        """Scalar dofs of each facet, rising, and their places in it, (n_facets, n_nodes)."""
+        order = np.argsort(self._layer.facet_dofs, axis=1)
+        return np.take_along_axis(self._layer.facet_dofs, order, axis=1), order
 
     def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
         """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
@@ -253,24 +257,14 @@ class FESurface:
         reach
             Largest distance (m) along the direction, either way.
         """
-        found = [
-            locate_along(_Aimed(self, direction[rows]), x[rows], direction[rows], reach)
-            for rows in slices(max(len(x), 1), _BYTES_PER_POINT)
-        ]
-        return Location(
-            at=SurfaceCoordinates(
-                np.concatenate([part.at.element for part in found]),
-                np.concatenate([part.at.xi for part in found]),
-            ),
-            distance=np.concatenate([part.distance for part in found]),
-            miss=np.concatenate([part.miss for part in found]),
-            status=np.concatenate([part.status for part in found]),
-            tolerance=found[0].tolerance,
-        )
+        return locate_along(self, x, direction, reach)
 
-    def candidates(self, x: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
-        """Facets whose box comes within reach of each point, tried from their centres."""
-        point, element = self._bounds.within(x, reach)
+    def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
+        """Facets that the line through each point may meet, tried from their centres."""
+        bounds = self._bounds
+        point, element = bounds.within(x, reach)
+        near = bounds.near_lines(point, element, x, direction, reach)
+        point, element = point[near], element[near]
         return point, element, np.full((len(point), self.dim - 1), 1 / self.dim)
 
     @cached_property
@@ -298,30 +292,3 @@ class FESurface:
     def size(self, element: Ints) -> Floats:
         """Diameter (m) of each facet, (n,)."""
         return self._sizes[element]
-
-
-class _Aimed:
-    """Chart of a surface for points whose directions are known before they are tried.
-
-    Parameters
-    ----------
-    surface
-        The surface.
-    direction
-        Unit directions of the points that will be asked for, shape (n, dim).
-    """
-
-    def __init__(self, surface: FESurface, direction: Floats) -> None:
-        self._direction = direction
-        self._surface = surface
-        self.dim = surface.dim
-        self.tangents = surface.tangents
-        self.clamp = surface.clamp
-        self.on_edge = surface.on_edge
-        self.size = surface.size
-
-    def candidates(self, x: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
-        """Those of the surface that the line through each point may meet."""
-        point, element, start = self._surface.candidates(x, reach)
-        near = self._surface._bounds.near_lines(point, element, x, self._direction, reach)
-        return point[near], element[near], start[near]

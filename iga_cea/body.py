@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, kron, vstack
+from scipy.sparse import csr_array, vstack
 
 from cea.arrays import Floats
 from cea.checks import check_density
@@ -33,6 +33,8 @@ from iga_cea.inputs import check_faces, check_patches, checked_continuity, check
 from iga_cea.multipatch import End, Multipatch, join
 from iga_cea.patch import PatchGeometry, outward, refine, subdivided, tensor_cells
 from iga_cea.pattern import Pattern
+from iga_cea.springs import foundation
+from iga_cea.storage import Kept
 from iga_cea.supports import face_constraints
 from iga_cea.surface import NurbsSurface
 
@@ -151,15 +153,15 @@ class NurbsBody:
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
-        whole = transport.gyroscopic(
-            self.multipatch, self._pattern, self._density, rotation, self.comm
-        )
+        space = self.multipatch, self._pattern
+        whole = transport.gyroscopic(*space, self._density, rotation, self.comm, self._kept)
         return self._restricted(whole, antisymmetrised)
 
     def convective_stiffness(self, rotation: Rotation) -> Any:
         """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
+        space = self.multipatch, self._pattern
         whole = transport.convective_stiffness(
-            self.multipatch, self._pattern, self._density, rotation, self.comm
+            *space, self._density, rotation, self.comm, self._kept
         )
         return self._restricted(whole)
 
@@ -175,9 +177,18 @@ class NurbsBody:
 
     def full_stiffness(self) -> Any:
         """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
-        K = assembly.stiffness(self.multipatch, self._pattern, self.material.lame, self.comm)
+        return self._elastic(None)
+
+    def _elastic(self, kept: Kept | None) -> Any:
+        """Stiffness with springs of the unknowns that are kept."""
+        space = self.multipatch, self._pattern
+        K = assembly.stiffness(*space, self.material.lame, self.comm, kept)
         for spring in self._springs:
             foundation = self._foundation(spring)
+            if kept is not None:
+                whole = foundation
+                foundation = self._constraints.restrict(whole, self.expansion)
+                whole.destroy()
             K.axpy(1.0, foundation, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
             foundation.destroy()
         return K
@@ -189,9 +200,8 @@ class NurbsBody:
     def geometric_stiffness(self, displacement: Floats) -> Any:
         """Stiffness that stresses of a displacement make, PETSc AIJ (free x free), N/m."""
         u = displacement.reshape(-1, self.dim)
-        whole = prestress.geometric_stiffness(
-            self.multipatch, self._pattern, self.material, u, self.comm
-        )
+        space = self.multipatch, self._pattern
+        whole = prestress.geometric_stiffness(*space, self.material, u, self.comm, self._kept)
         return self._restricted(whole)
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
@@ -244,7 +254,7 @@ class NurbsBody:
 
     @cached_property
     def _stiffness(self) -> Any:
-        return self._restricted(self.full_stiffness())
+        return self._restricted(self._elastic(self._kept))
 
     @cached_property
     def _spring_stiffness(self) -> Any | None:
@@ -253,12 +263,16 @@ class NurbsBody:
         foundations = [self._foundation(spring) for spring in self._springs]
         whole = total(foundations)
         destroy(*foundations)
-        return self._restricted(whole)
+        if self._kept is None:
+            return self._restricted(whole)
+        restricted = self._constraints.restrict(whole, self.expansion)
+        whole.destroy()
+        return restricted
 
     @cached_property
     def _mass(self) -> Any:
-        mass = assembly.mass(self.multipatch, self._pattern, self._density, self.comm)
-        return self._restricted(mass)
+        space = self.multipatch, self._pattern
+        return self._restricted(assembly.mass(*space, self._density, self.comm, self._kept))
 
     @property
     def _density(self) -> float:
@@ -299,30 +313,21 @@ class NurbsBody:
         destroy(volumes, uniform)
 
     def _foundation(self, spring: Spring) -> Any:
-        """Matrix of a spring, all dofs: int k_c N_a N_b on the diagonal of components."""
-        surface = self.surfaces[spring.surface]
-        points = surface.gauss_points(max(self.degree) + 1)
-        scaled = diags_array(np.sqrt(points.weight)) @ surface.trace(points.at)
-        scalar = csr_array(scaled.T @ scaled)
-        whole = csr_array(kron(scalar, diags_array(np.asarray(spring.stiffness)), format="csr"))
-        rows = whole[self._owned]
-        owned = rows.shape[0]
-        return PETSc.Mat().createAIJ(
-            size=((owned, whole.shape[0]), (owned, whole.shape[1])),
-            csr=(
-                rows.indptr.astype(PETSc.IntType),
-                rows.indices.astype(PETSc.IntType),
-                rows.data,
-            ),
-            comm=self.comm,
-        )
+        """Matrix of a spring, all dofs."""
+        points = max(self.degree) + 1
+        return foundation(self.surfaces[spring.surface], spring, points, self._owned, self.comm)
+
+    @cached_property
+    def _kept(self) -> Kept | None:
+        """Unknowns that supports leave, where matrices are assembled for them alone."""
+        constraints = self._constraints
+        return constraints.kept if constraints.any and constraints.selects else None
 
     def _restricted(self, matrix: Any, exactly: Callable[[Any], Any] = symmetrised) -> Any:
-        """Rows and columns of the free unknowns, symmetric or skew to the last bit."""
+        """Rows and columns of the free unknowns, where the matrix is not assembled for them."""
+        if self._kept is not None or not self._constraints.any:
+            return matrix
         restricted = self._constraints.restrict(matrix, self.expansion)
-        if not self._constraints.selects or self.comm.size > 1:
-            # Products with a turned frame, and sums over ranks, are so up to rounding only.
-            exactly(restricted)
-        if restricted is not matrix:
-            matrix.destroy()
+        exactly(restricted)  # products with a turned frame are so up to rounding only
+        matrix.destroy()
         return restricted

@@ -6,15 +6,20 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats, Ints
+from cea.location import newton_step
 from iga_cea.chunks import chunks
 from iga_cea.face import PatchFace, grid_points
 from iga_cea.patch import subdivided
 
-_SAMPLES = 4
-"""Pieces of each knot span between samples, per direction."""
+_SAMPLES = (4, 2)
+"""Pieces of each knot span between samples, per direction: of few spans, and of many."""
+
+_MANY = 16
+"""Spans along a direction that are many."""
 
 _BLOCKS = 3
 """Blocks of samples of each face, per direction: each may start its own Newton iteration."""
@@ -28,12 +33,32 @@ _ASIDE = 0.1
 
 @dataclass(frozen=True)
 class _Block:
-    """Samples of a part of a face; every point of the part lies within ``radius`` of one."""
+    """Samples of a part of a face; every point of the part lies within ``radius`` of one.
+
+    With positions and tangents for a first step of Newton's method; none on collapsed edges, where
+    ``xi`` has been moved aside.
+    """
 
     element: int
     xi: Floats
     tree: KDTree
+    tangents: Floats
+    stuck: NDArray[np.bool_]
     radius: float
+
+    def starts(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Floats]:
+        """Points that may meet the part within a reach, and xi to start from."""
+        # A relative margin: a point just at the reach must not be lost to rounding.
+        bound = (reach + self.radius) * (1 + 1e-9)
+        boxed = (x >= self.tree.mins - bound) & (x <= self.tree.maxes + bound)
+        near = np.flatnonzero(boxed.all(axis=1))
+        distance, nearest = self.tree.query(x[near], distance_upper_bound=bound)
+        found = np.isfinite(distance)
+        near, nearest = near[found], nearest[found]
+        rest = x[near] - self.tree.data[nearest]
+        step = newton_step(self.tangents[nearest], direction[near], rest)
+        step[self.stuck[nearest]] = 0.0
+        return near, self.xi[nearest] + step
 
 
 class FaceChart:
@@ -53,24 +78,22 @@ class FaceChart:
         """Dimension of space."""
         return self.faces[0].dim
 
-    def candidates(self, x: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
+    def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
         """Pairs worth trying: point numbers, faces, starting xi.
 
         An answer y lies within ``reach`` of its point, and some sample of y's block within the
         block's radius of y, so that sample lies within reach + radius of the point: no block that
-        holds an answer is left out. Each block in reach starts from its sample nearest the point.
-        A short reach leaves one or two starts, all near the answer; a long one, under which
-        Newton's method could be drawn to the wrong end of a curved face, leaves starts all over it.
+        holds an answer is left out. Each block in reach starts from a step of Newton's method at
+        its sample nearest the point. A short reach leaves one or two starts, all near the answer;
+        a long one, under which Newton's method could be drawn to the wrong end of a curved face,
+        leaves starts all over it.
         """
         points, elements, starts = [], [], []
         for block in self._blocks:
-            # A relative margin: a point just at the reach must not be lost to rounding.
-            bound = (reach + block.radius) * (1 + 1e-9)
-            distance, nearest = block.tree.query(x, distance_upper_bound=bound)
-            near = np.flatnonzero(np.isfinite(distance))
+            near, xi = block.starts(x, direction, reach)
             points.append(near)
             elements.append(np.full(len(near), block.element))
-            starts.append(block.xi[nearest[near]])
+            starts.append(xi)
         return np.concatenate(points), np.concatenate(elements), np.concatenate(starts)
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
@@ -121,10 +144,11 @@ def _blocks_of(number: int, face: PatchFace) -> Iterator[_Block]:
     parts = []
     for breaks in face.breaks:
         spans = np.array_split(np.arange(len(breaks) - 1), min(_BLOCKS, len(breaks) - 1))
-        parts.append([subdivided(breaks[s[0] : s[-1] + 2], _SAMPLES) for s in spans])
+        samples = _SAMPLES[len(breaks) > _MANY]
+        parts.append([subdivided(breaks[s[0] : s[-1] + 2], samples) for s in spans])
     for parameters in product(*parts):
         xi = grid_points(parameters)
-        x, tangents = face.tangents(xi)
+        x, tangents = face.tangents_on(parameters)
         # A collapsed edge has no tangent along it to start Newton's method with.
         speed = np.linalg.norm(tangents, axis=1)
         stuck = speed.min(axis=1) <= _STUCK * speed.max()
@@ -132,4 +156,4 @@ def _blocks_of(number: int, face: PatchFace) -> Iterator[_Block]:
         net = x.reshape(*(len(p) for p in parameters), face.dim)
         # Twice the half diagonal of a cell of samples: room for its curvature.
         sides = [np.linalg.norm(np.diff(net, axis=k), axis=-1).max() for k in range(face.dim - 1)]
-        yield _Block(number, xi, KDTree(x), float(sum(sides)))
+        yield _Block(number, xi, KDTree(x), tangents, stuck, float(sum(sides)))

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
+from cea.location import cross
 from iga_cea.botella import botella
 from iga_cea.patch import Patch
-from iga_cea.splines import basis_functions, greville
+from iga_cea.splines import basis_functions, basis_matrix, greville
 
 _SINGULAR = 1e-12
 """Jacobian taken for zero, relative to the power of its longest tangent."""
@@ -132,24 +134,55 @@ class PatchFace:
     def trace(self, xi: Floats) -> tuple[Ints, Floats]:
         """Functions with a value on the face: their dofs and values, both (n, functions)."""
         at, splines, _ = self._splines(xi, derivatives=False)
-        weighted = splines * self._weights[at, 0]
-        return self._dofs[at, 0], weighted / weighted.sum(axis=1, keepdims=True)
+        weighted = splines * self._outer_weights[at]
+        weighted /= weighted.sum(axis=1, keepdims=True)
+        return self._outer_dofs[at], weighted
 
     def tangents(self, xi: Floats) -> tuple[Floats, Floats]:
         """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
         at, splines, slopes = self._splines(xi, derivatives=True)
-        values, derivatives = self._rational(at, splines, slopes)
-        points = self._points[at, 0]
-        x = np.einsum("na,nai->ni", values, points)
-        return x, np.stack([np.einsum("na,nai->ni", d, points) for d in derivatives], axis=2)
+        return _projected(np.stack([splines, *slopes], axis=1) @ self._homogeneous[at])
+
+    def tangents_on(self, parameters: tuple[Floats, ...]) -> tuple[Floats, Floats]:
+        """The same on a tensor grid of parameters, points in C order: one direction at a time."""
+        net = self._homogeneous.reshape(*self.weights.shape[:-1], self.dim + 1)
+        parts = [net] * self.dim
+        for k, (knots, p) in enumerate(zip(self.knots, self.degrees, strict=True)):
+            values, slopes = (basis_matrix(knots, p, parameters[k], d) for d in (0, 1))
+            parts = [
+                _along(slopes if number == k + 1 else values, part, k)
+                for number, part in enumerate(parts)
+            ]
+        return _projected(np.stack(parts, axis=-2).reshape(-1, self.dim, self.dim + 1))
 
     def normals(self, xi: Floats) -> tuple[Floats, Floats, Floats]:
         """Positions (n, dim), outward unit normals (n, dim), area per reference area (n,).
 
-        The normal is J^-T of the outward reference normal, whatever the handedness of the patch.
+        By Nanson's formula det J J^-T maps the outward reference normal to the cross product of
+        the tangents. On collapsed edges, where that vanishes, limits are taken from close by.
         """
-        _, _, x, jacobian = self._jacobian(xi)
-        return x, *_normals(jacobian)
+        return self._normals(xi, *self.tangents(xi))
+
+    def normals_on(self, parameters: tuple[Floats, ...]) -> tuple[Floats, Floats, Floats]:
+        """The same on a tensor grid of parameters, points in C order."""
+        return self._normals(grid_points(parameters), *self.tangents_on(parameters))
+
+    def _normals(self, xi: Floats, x: Floats, tangents: Floats) -> tuple[Floats, Floats, Floats]:
+        vector = cross(tangents)
+        area = np.linalg.norm(vector, axis=1)
+        longest = np.linalg.norm(tangents, axis=1).max(axis=1)
+        singular = np.flatnonzero(area <= _SINGULAR * longest ** (self.dim - 1))
+        if len(singular):
+            vector[singular] = cross(self.tangents(self._beside(xi[singular]))[1])
+            area[singular] = np.linalg.norm(vector[singular], axis=1)
+        return x, self._handedness * vector / area[:, None], area
+
+    @cached_property
+    def _handedness(self) -> float:
+        """Sign that turns the cross product of the tangents outward, from the middle of a face."""
+        middle = np.array([[(b[len(b) // 2 - 1] + b[len(b) // 2]) / 2 for b in self.breaks]])
+        _, _, _, jacobian = self._jacobian(middle)
+        return float(np.sign(cross(jacobian[:, :, :-1])[0] @ jacobian[0, :, -1]))
 
     def gradient(self, xi: Floats) -> tuple[Ints, Floats]:
         """Physical derivatives of the functions of both layers.
@@ -176,6 +209,20 @@ class PatchFace:
     @cached_property
     def _dofs(self) -> Ints:
         return self.dofs.reshape(-1, 2)
+
+    @cached_property
+    def _outer_weights(self) -> Floats:
+        return self._weights[:, 0].copy()
+
+    @cached_property
+    def _outer_dofs(self) -> Ints:
+        return self._dofs[:, 0].copy()
+
+    @cached_property
+    def _homogeneous(self) -> Floats:
+        """Control points of the outer layer times their weights, and these, (n, dim + 1)."""
+        weights = self._outer_weights[:, None]
+        return np.hstack([self._points[:, 0] * weights, weights])
 
     def _splines(self, xi: Floats, derivatives: bool) -> tuple[Ints, Floats, list[Floats]]:
         """Flat numbers, values and derivatives of the splines along the face, (n, functions)."""
@@ -213,10 +260,14 @@ class PatchFace:
         largest = np.linalg.norm(jacobian, axis=1).max(axis=1)
         singular = np.flatnonzero(np.abs(np.linalg.det(jacobian)) <= _SINGULAR * largest**self.dim)
         if len(singular):
-            middle = np.array([(k[0] + k[-1]) / 2 for k in self.knots])
-            beside = xi[singular] + _BESIDE * (middle - xi[singular])
+            beside = self._beside(xi[singular])
             at[singular], derivatives[singular], _, jacobian[singular] = self._jacobian_at(beside)
         return at, derivatives, x, jacobian
+
+    def _beside(self, xi: Floats) -> Floats:
+        """Parameters a little nearer to the middle."""
+        middle = np.array([(k[0] + k[-1]) / 2 for k in self.knots])
+        return xi + _BESIDE * (middle - xi)
 
     def _jacobian_at(self, xi: Floats) -> tuple[Ints, Floats, Floats, Floats]:
         at, splines, slopes = self._splines(xi, derivatives=True)
@@ -244,8 +295,22 @@ def _outer(a: Floats, b: Floats) -> Floats:
     return (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)
 
 
-def _normals(jacobian: Floats) -> tuple[Floats, Floats]:
-    """Outward unit normals and area per reference area (Nanson's formula)."""
-    area_vector = np.abs(np.linalg.det(jacobian))[:, None] * np.linalg.inv(jacobian)[:, -1]
-    area = np.linalg.norm(area_vector, axis=1)
-    return area_vector / area[:, None], area
+def _along(matrix: csr_array, net: Floats, axis: int) -> Floats:
+    """A matrix applied to one axis of a net."""
+    turned = np.moveaxis(net, axis, 0)
+    product = matrix @ turned.reshape(len(turned), -1)
+    return np.moveaxis(product.reshape(-1, *turned.shape[1:]), 0, axis)
+
+
+def _projected(homogeneous: Floats) -> tuple[Floats, Floats]:
+    """Positions and derivatives from those of w x and w: (w x)' = w' x + w x'.
+
+    Parameters
+    ----------
+    homogeneous
+        Values, then a derivative along each parameter, shape (n, dim, dim + 1).
+    """
+    weight = homogeneous[:, 0, -1]
+    x = homogeneous[:, 0, :-1] / weight[:, None]
+    turned = homogeneous[:, 1:, :-1] - homogeneous[:, 1:, -1:] * x[:, None]
+    return x, (turned / weight[:, None, None]).swapaxes(1, 2)

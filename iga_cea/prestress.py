@@ -5,16 +5,20 @@ One scalar matrix for all components,
     g_ab = int sigma_ij dN_a/dx_i dN_b/dx_j,    sigma = lambda tr(eps) 1 + 2 mu eps.
 """
 
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.material import IsotropicMaterial
-from iga_cea.assembly import distributed_matrix
+from iga_cea.entries import entries
+from iga_cea.metric import Metric
 from iga_cea.multipatch import Multipatch
 from iga_cea.pattern import Pattern
-from iga_cea.quadrature import batches
+from iga_cea.separation import Coefficients
+from iga_cea.storage import Kept, component_matrix
+from iga_cea.sum_factorisation import Form
 
 
 def geometric_stiffness(
@@ -23,8 +27,9 @@ def geometric_stiffness(
     material: IsotropicMaterial,
     displacement: Floats,
     comm: Any,
+    kept: Kept | None = None,
 ) -> Any:
-    """The matrix of all dofs.
+    """The matrix.
 
     Parameters
     ----------
@@ -38,20 +43,24 @@ def geometric_stiffness(
         Displacement of all scalar dofs (m), shape (num_scalar_dofs, dim).
     comm
         MPI communicator.
+    kept
+        Unknowns that stay; None of all.
 
     Returns
     -------
     PETSc.Mat
-        AIJ matrix of block size dim (N/m), exactly symmetric in serial.
+        AIJ matrix (N/m), exactly symmetric; of block size dim where all unknowns stay.
     """
-    data = np.zeros(len(pattern.columns))
-    local = displacement[pattern.dofs]
-    for batch in batches(multipatch, pattern, comm.rank, components=1):
-        slope = local[batch.rows].swapaxes(1, 2)[:, None] @ batch.gradients
-        stress = material.stress(slope) * batch.measure[..., None, None]
-        pulled = batch.gradients @ stress
-        g = np.einsum("epai,epbi->eab", pulled, batch.gradients, optimize=True)
-        g = 0.5 * (g + g.swapaxes(1, 2))
-        for a, row, place in batch.places:
-            data[pattern.starts[row][:, None] + place] += g[:, a]
-    return distributed_matrix(multipatch, pattern, pattern.expanded(data, multipatch.dim), comm)
+
+    def coefficients(metric: Metric) -> Coefficients:
+        slope = np.moveaxis(metric.field_gradient, (0, 1), (-2, -1))
+        stress = np.moveaxis(material.stress(slope), (-2, -1), (0, 1)) * metric.measure
+        pulled = {k: np.einsum("ab...,b...->a...", stress, g) for k, g in metric.gradients.items()}
+        return {
+            (k, m): np.sum(metric.gradients[k] * pulled[m], axis=0)[None]
+            for k, m in product(pulled, repeat=2)
+        }
+
+    form = Form(1, coefficients, displacement)
+    data = entries(multipatch, pattern, form, comm)
+    return component_matrix(pattern, data, multipatch.dim, kept, comm)

@@ -53,28 +53,39 @@ def basis_functions(
     x = np.asarray(x, dtype=float)
     span = find_span(knots, degree, x)
     values = np.zeros((derivatives + 1, len(x), degree + 1))
-    for k in range(min(derivatives, degree) + 1):
-        values[k] = _derivative(knots, degree, span, x, k)
+    most = min(derivatives, degree)
+    lower = np.ones((len(x), 1))
+    for q in range(degree + 1):
+        if q:
+            lower = _raised(knots, q, span, x, lower)
+        order = degree - q
+        if order <= most:
+            values[order] = _differentiated(knots, q, span, lower, order)
     return span - degree, values
 
 
-def _derivative(knots: Floats, degree: int, span: Ints, x: Floats, order: int) -> Floats:
-    """Derivative of one order, raising the degree from 0; the last ``order`` steps differentiate.
+def _raised(knots: Floats, q: int, span: Ints, x: Floats, lower: Floats) -> Floats:
+    """Functions of degree q from those of degree q - 1.
 
     A function of degree q - 1 on the knots [left, right] is shared by two functions of degree q.
     """
-    values = np.ones((len(x), 1))
-    for q in range(1, degree + 1):
-        after = span[:, None] + 1 + np.arange(q)
-        left, right = knots[after - q], knots[after]
-        share = values / (right - left)
-        values = np.zeros((len(x), q + 1))
-        if q > degree - order:
-            values[:, :-1] -= q * share
-            values[:, 1:] += q * share
-        else:
-            values[:, :-1] += (right - x[:, None]) * share
-            values[:, 1:] += (x[:, None] - left) * share
+    after = span[:, None] + 1 + np.arange(q)
+    left, right = knots[after - q], knots[after]
+    share = lower / (right - left)
+    values = np.zeros((len(span), q + 1))
+    values[:, :-1] += (right - x[:, None]) * share
+    values[:, 1:] += (x[:, None] - left) * share
+    return values
+
+
+def _differentiated(knots: Floats, q: int, span: Ints, values: Floats, order: int) -> Floats:
+    """Derivatives of functions of degree q + order from values of those of degree q."""
+    for degree in range(q + 1, q + order + 1):
+        after = span[:, None] + 1 + np.arange(degree)
+        share = degree * (values / (knots[after] - knots[after - degree]))
+        values = np.zeros((len(span), degree + 1))
+        values[:, :-1] -= share
+        values[:, 1:] += share
     return values
 
 

@@ -10,24 +10,32 @@ A skew, and W v = a x v, the components of Y and Z are
     Y = A (x) 1 - 2 m (x) W     Z = B (x) 1 + A (x) W + m (x) W^T W         without
 """
 
+from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, kron
 
 from cea.arrays import Floats
-from cea.petsc import PETSc
 from cea.rotation import Rotation
-from iga_cea.assembly import distributed_matrix, gram
+from iga_cea.entries import entries
+from iga_cea.metric import VALUE, Metric
 from iga_cea.multipatch import Multipatch
 from iga_cea.pattern import Pattern
-from iga_cea.quadrature import batches
+from iga_cea.separation import Coefficients
+from iga_cea.storage import Kept, block_matrix, combined, component_matrix
+from iga_cea.sum_factorisation import Form
 
 
 def gyroscopic(
-    multipatch: Multipatch, pattern: Pattern, rho: float, rotation: Rotation, comm: Any
+    multipatch: Multipatch,
+    pattern: Pattern,
+    rho: float,
+    rotation: Rotation,
+    comm: Any,
+    kept: Kept | None = None,
 ) -> Any:
-    """Y at 1 rad/s, all dofs.
+    """Y at 1 rad/s.
 
     Parameters
     ----------
@@ -41,65 +49,100 @@ def gyroscopic(
         The rotation.
     comm
         MPI communicator.
+    kept
+        Unknowns that stay; None of all.
 
     Returns
     -------
     PETSc.Mat
-        AIJ matrix of block size dim (kg), exactly skew in serial.
+        AIJ matrix (kg), exactly skew; of block size dim where all unknowns stay.
     """
-    mass, transport, _ = _scalar_matrices(multipatch, pattern, rho, rotation, comm.rank)
-    spin = rotation.spin(multipatch.dim)
-    whole = kron(transport, np.eye(len(spin)), format="csr")
+    scalar = _ScalarMatrices(multipatch, pattern, rho, rotation, comm)
+    parts = [(scalar.transport(), np.eye(multipatch.dim))]
     if not rotation.coriolis:
-        whole = whole - 2 * kron(mass, spin, format="csr")
-    return _matrix(multipatch, pattern, csr_array(whole), comm)
+        parts.append((scalar.mass(), -2 * rotation.spin(multipatch.dim)))
+    return _matrix(pattern, parts, multipatch.dim, kept, comm)
 
 
 def convective_stiffness(
-    multipatch: Multipatch, pattern: Pattern, rho: float, rotation: Rotation, comm: Any
+    multipatch: Multipatch,
+    pattern: Pattern,
+    rho: float,
+    rotation: Rotation,
+    comm: Any,
+    kept: Kept | None = None,
 ) -> Any:
-    """Z, all dofs: AIJ matrix of block size dim (kg), exactly symmetric in serial.
+    """Z: AIJ matrix (kg), exactly symmetric; of block size dim where all unknowns stay.
 
     Parameters are those of :func:`gyroscopic`.
     """
-    mass, transport, square = _scalar_matrices(multipatch, pattern, rho, rotation, comm.rank)
-    spin = rotation.spin(multipatch.dim)
-    whole = kron(square, np.eye(len(spin)), format="csr")
+    scalar = _ScalarMatrices(multipatch, pattern, rho, rotation, comm)
+    parts = [(scalar.square(), np.eye(multipatch.dim))]
     if not rotation.coriolis:
-        whole = whole + kron(transport, spin, format="csr")
-        whole = whole + kron(mass, spin.T @ spin, format="csr")
-    return _matrix(multipatch, pattern, csr_array(whole), comm)
+        spin = rotation.spin(multipatch.dim)
+        parts += [(scalar.transport(), spin), (scalar.mass(), spin.T @ spin)]
+    return _matrix(pattern, parts, multipatch.dim, kept, comm)
 
 
-def _scalar_matrices(
-    multipatch: Multipatch, pattern: Pattern, rho: float, rotation: Rotation, rank: int
-) -> tuple[csr_array, csr_array, csr_array]:
-    """m, A and B on the local scalar dofs of a rank (kg)."""
-    dim = multipatch.dim
-    spin, origin = rotation.spin(dim), np.asarray(rotation.origin[:dim])
-    points = multipatch.control_points[pattern.dofs]
-    mass, transport, square = (np.zeros(len(pattern.columns)) for _ in range(3))
-    for batch in batches(multipatch, pattern, rank, components=1):
-        root = np.sqrt(rho * batch.measure)[..., None]
-        velocity = (batch.values @ points[batch.rows] - origin) @ spin.T
-        values: Floats = batch.values * root
-        slopes: Floats = (batch.gradients @ velocity[..., None])[..., 0] * root
-        moved = values.swapaxes(1, 2) @ slopes
-        parts = gram(values), moved - moved.swapaxes(1, 2), gram(slopes)
-        for a, row, place in batch.places:
-            at = pattern.starts[row][:, None] + place
-            for whole, part in zip((mass, transport, square), parts, strict=True):
-                whole[at] += part[:, a]
-    n = len(pattern.dofs)
+class _ScalarMatrices:
+    """Entries of m, A and B of the rows of a rank (kg)."""
 
-    def matrix(data: Floats) -> csr_array:
-        return csr_array((data, pattern.columns, pattern.starts), shape=(n, n))
+    def __init__(
+        self, multipatch: Multipatch, pattern: Pattern, rho: float, rotation: Rotation, comm: Any
+    ) -> None:
+        self._space = multipatch, pattern
+        self._comm, self._rho = comm, rho
+        self._spin = rotation.spin(multipatch.dim)
+        self._origin = np.asarray(rotation.origin[: multipatch.dim])
 
-    return matrix(mass), matrix(transport), matrix(square)
+    def mass(self) -> Floats:
+        """M."""
+
+        def coefficients(metric: Metric) -> Coefficients:
+            return {(VALUE, VALUE): self._rho * metric.measure[None]}
+
+        return entries(*self._space, Form(1, coefficients), self._comm)
+
+    def transport(self) -> Floats:
+        """The transport A."""
+
+        def coefficients(metric: Metric) -> Coefficients:
+            found: Coefficients = {}
+            for k, speed in self._speeds(metric).items():
+                if k != VALUE:
+                    found[VALUE, k] = (self._rho * metric.measure * speed)[None]
+                    found[k, VALUE] = -found[VALUE, k]
+            return found
+
+        return entries(*self._space, Form(1, coefficients), self._comm, sign=-1)
+
+    def square(self) -> Floats:
+        """The square B."""
+
+        def coefficients(metric: Metric) -> Coefficients:
+            speeds, weight = self._speeds(metric), self._rho * metric.measure
+            return {
+                (k, m): (weight * (speeds[k] * speeds[m]))[None]
+                for k, m in product(speeds, repeat=2)
+            }
+
+        return entries(*self._space, Form(1, coefficients), self._comm)
+
+    def _speeds(self, metric: Metric) -> dict[int, Floats]:
+        """Velocity along each parameter at 1 rad/s."""
+        arm = metric.x - self._origin[:, None, None, None]
+        velocity = np.tensordot(self._spin, arm, axes=1)
+        return {k: np.sum(velocity * g, axis=0) for k, g in metric.gradients.items()}
 
 
-def _matrix(multipatch: Multipatch, pattern: Pattern, local: csr_array, comm: Any) -> Any:
-    """AIJ matrix of the sums over ranks."""
-    local.sort_indices()
-    indptr, indices = (part.astype(PETSc.IntType) for part in (local.indptr, local.indices))
-    return distributed_matrix(multipatch, pattern, (indptr, indices, local.data), comm)
+def _matrix(
+    pattern: Pattern,
+    parts: Sequence[tuple[Floats, Floats]],
+    dim: int,
+    kept: Kept | None,
+    comm: Any,
+) -> Any:
+    """Sum of Kronecker products of scalar matrices, the first alone with 1, with small ones."""
+    if len(parts) == 1:
+        return component_matrix(pattern, parts[0][0], dim, kept, comm)
+    return block_matrix(pattern, combined(pattern, parts, dim), dim, kept, comm)

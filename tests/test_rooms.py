@@ -39,6 +39,8 @@ APPLICATIONS = sorted(
     if (folder / "__init__.py").is_file() and folder.name not in ("kit", "cli")
 )
 SOLVERS = {"petsc4py", "slepc4py", "mpi4py", "dolfinx_solver"}
+BESIDE_US = {"comparisons.bench.assembly.programs.plain_dolfinx"}
+"""Programs that assembly is compared with and that come with this one."""
 DRAWING = {
     *("scenes.drawing", "scenes.decimation", "scenes.pictures", "scenes.paraview", "scenes.vtu"),
     *("scenes.scene_picture", "scenes.paraview_steps"),
@@ -143,7 +145,14 @@ def test_flint_stays_in_exact_cea():
 
 def test_dolfinx_stays_in_fe_cea():
     dolfinx = {"dolfinx", "ufl", "basix", "ffcx"}
-    assert offending(lambda module: package_of(module) == "fe_cea", dolfinx) == {}
+    assert offending(lambda m: package_of(m) == "fe_cea" or m in BESIDE_US, dolfinx) == {}
+
+
+def test_programs_beside_this_one_are_used_by_nothing_else():
+    graph = imports_within(MODULES)
+    assert {folder_of(m, MODULES) for m in graph if graph[m] & BESIDE_US} <= {
+        folder_of(module, MODULES) for module in BESIDE_US
+    }
 
 
 def test_typer_stays_in_the_command_line():

@@ -12,8 +12,9 @@ from cea.contact.interface import jump_along
 from cea.contact.lumping import lumped_matrices
 from cea.contact.mortar import MortarProjection
 from cea.contact.operators import Contact
-from cea.matrices import destroy, gather, one_below_the_other, system_operator
+from cea.matrices import destroy, gather, one_below_the_other
 from cea.ranks import agreed
+from cea.unknowns import system_operator
 
 
 def assemble_contact(
@@ -76,6 +77,8 @@ def prescribed_closure(bodies: Mapping[str, Body], half: HalfPass) -> Floats | N
     None where nothing is prescribed, or nothing of it reaches the contact.
     """
     interface = half.interface
+    if all(bodies[name].prescribed is None for name in (half.a, half.b)):
+        return None
     jumps = jump_along(interface, interface.local_points.normal)
     closed = np.zeros(len(interface.local_points))
     for name, jump in zip((half.a, half.b), jumps, strict=True):

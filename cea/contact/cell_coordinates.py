@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
 from cea.errors import ConvergenceError
+from cea.location import newton_step
 from cea.surface import Surface, SurfaceCoordinates
 
 _NEWTON = 1e-9
@@ -121,9 +122,8 @@ class _Lines:
         met = np.zeros(len(xi), dtype=bool)
         active = np.arange(len(xi))
         damping = np.ones(len(xi))
-        position, tangents = self.surface.tangents(self.element[cell], xi)
-        jacobian = self._jacobian(cell, tangents)
-        step = _solve(jacobian, x - position)
+        position, known = self.surface.tangents(self.element[cell], xi)
+        step = newton_step(known, self.normal[cell], x - position)
         # What is tried too far out overflows, or meets a pole of a rational face.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             for _ in range(_MAX_ITERATIONS):
@@ -139,14 +139,14 @@ class _Lines:
                 rest = x[active] - position
                 trusted = self._trusted(at, position, tangents)
                 nearer = np.zeros(len(active), dtype=bool)
-                again = _solve(jacobian[active[trusted]], rest[trusted])
+                again = newton_step(known[active[trusted]], self.normal[at[trusted]], rest[trusted])
                 nearer[trusted] = self._size(at[trusted], again) <= (
                     1 - factor[trusted] / 4
                 ) * self._size(at[trusted], step[active[trusted]])
                 taken = active[nearer]
                 xi[taken] = tried[nearer]
-                jacobian[taken] = self._jacobian(at[nearer], tangents[nearer])
-                step[taken] = _solve(jacobian[taken], rest[nearer])
+                known[taken] = tangents[nearer]
+                step[taken] = newton_step(known[taken], self.normal[at[nearer]], rest[nearer])
                 damping[active] = np.where(nearer, np.minimum(1.0, 2 * factor), factor / 2)
         return xi, met
 
@@ -154,9 +154,6 @@ class _Lines:
         """Go on from xi to points in the tangent planes at the centres."""
         position, _ = self.surface.tangents(self.element[cell], xi)
         return xi + np.einsum("nij,nj->ni", self.inverse[cell, :-1], x - position)
-
-    def _jacobian(self, cell: Ints, tangents: Floats) -> Floats:
-        return np.concatenate([tangents, -self.normal[cell, :, None]], axis=2)
 
     def _size(self, cell: Ints, step: Floats) -> Floats:
         """Largest component of a step, relative to the cell."""
@@ -174,9 +171,3 @@ class _Lines:
         folded = np.linalg.det(change) <= _FOLDED * trace ** change.shape[1]
         trusted[trusted] = ~folded & (trace > 0)
         return trusted
-
-
-def _solve(jacobian: Floats, rest: Floats) -> Floats:
-    """Newton's steps, without the distance along the normal."""
-    step: Floats = np.linalg.solve(jacobian, rest[:, :, None])[:, :-1, 0]
-    return step

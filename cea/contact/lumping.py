@@ -21,10 +21,10 @@ from cea.matrices import (
     distributed,
     product,
     symmetrised,
-    system_operator,
     total,
 )
 from cea.petsc import MPI, PETSc
+from cea.unknowns import system_operator
 
 
 def lumped_matrices(

@@ -11,6 +11,7 @@ there face nothing and are dropped.
 
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 import shapely
@@ -33,6 +34,8 @@ surfaces, and d at their rims.
 """
 _SLIVER = 1e-14
 """Segments below this part of their cell's area are dropped."""
+_CHUNK = 10_000
+"""Pairs of cells that are worked on at once."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,9 @@ class _Pairs:
 
     a: Ints
     b: Ints
+
+    def __getitem__(self, rows: Any) -> "_Pairs":
+        return _Pairs(self.a[rows], self.b[rows])
 
 
 def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> SurfacePoints:
@@ -77,16 +83,17 @@ def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> 
         element, xi, weight = _intervals(a, cells_a, b, cells_b, pairs, points)
         return _on_surface(a, element, xi, weight)
     parts = [none]
-    pairs, straight = _crossing(a, cells_a, b, cells_b, pairs)
-    for pieces, chosen in ((1, straight), (_POLYLINE, ~straight)):
-        some = _Pairs(pairs.a[chosen], pairs.b[chosen])
-        if not len(some.a):
-            continue
-        owner, xi, weight = _polygons(a, cells_a, b, cells_b, some, points, pieces)
-        part = _on_surface(a, cells_a.element[some.a[owner]], xi, weight)
-        if pieces > 1 and len(part):
-            part = part[_facing(part, b, cells_b, some.b[owner], reach)]
-        parts.append(part)
+    for start in range(0, len(pairs.a), _CHUNK):
+        near, straight = _crossing(a, cells_a, b, cells_b, pairs[start : start + _CHUNK])
+        for pieces, chosen in ((1, straight), (_POLYLINE, ~straight)):
+            some = near[chosen]
+            if not len(some.a):
+                continue
+            owner, xi, weight = _polygons(a, cells_a, b, cells_b, some, points, pieces)
+            part = _on_surface(a, cells_a.element[some.a[owner]], xi, weight)
+            if pieces > 1 and len(part):
+                part = part[_facing(part, b, cells_b, some.b[owner], reach)]
+            parts.append(part)
     return _joined(parts)
 
 
@@ -135,7 +142,7 @@ def _near(
     near = apart <= radius_a[i] + radius_b[j] + reach
     normal_a, normal_b = _middle_normals(a, cells_a), _middle_normals(b, cells_b)
     near &= np.einsum("ij,ij->i", normal_a[i], normal_b[j]) < 0
-    return _Pairs(i[near], j[near])
+    return _Pairs(i, j)[near]
 
 
 def _middle_normals(surface: Surface, cells: SurfaceCells) -> Floats:
@@ -250,7 +257,7 @@ def _crossing(
     least, most = edges.min(axis=2) - room, edges.max(axis=2) + room
     touching = ((least < 1) & (most > 0)).all(axis=2)
     near = ((least.min(axis=1) < 1) & (most.max(axis=1) > 0)).all(axis=1)
-    return _Pairs(pairs.a[near], pairs.b[near]), (straight | ~touching).all(axis=1)[near]
+    return pairs[near], (straight | ~touching).all(axis=1)[near]
 
 
 def _simplified(outlines: Floats, pieces: int, extent: Floats) -> NDArray[np.object_]:

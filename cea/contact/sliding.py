@@ -24,9 +24,10 @@ from cea.contact.half_pass import friction_at
 from cea.contact.interface import jump_along
 from cea.contact.operators import Contact
 from cea.errors import InputError
-from cea.matrices import destroy, product, symmetric_product, symmetrised, system_operator
+from cea.matrices import destroy, product, symmetric_product, symmetrised
 from cea.petsc import PETSc
 from cea.ranks import agreed
+from cea.unknowns import system_operator
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, hstack
 from scipy.sparse.linalg import splu
 
@@ -95,6 +96,13 @@ class Constraints:
         alone = len(np.unique(self.rows.indices)) == self.rows.nnz
         return bool(alone and np.all(self.rows.data == 1.0))
 
+    @property
+    def kept(self) -> NDArray[np.bool_]:
+        """Where Z picks components: which, shape (dim * num_scalar_dofs,)."""
+        kept = np.ones(self.dim * self.num_scalar_dofs, dtype=bool)
+        kept[_components(self.dofs, self.dim)] = np.diff(self.rows.indptr) > 0
+        return kept
+
     def first_free(self, dofs: Ints) -> Ints:
         """Number of the first free unknown at each scalar dof, or of the next one."""
         return _first_free(self.dim, self.dofs, self.removed, dofs)
@@ -168,11 +176,7 @@ class Constraints:
             half.destroy()
             return product
         first, last = expansion.getOwnershipRange()
-        held = slice(*np.searchsorted(self.dofs, np.array([first, last]) // self.dim))
-        kept = np.ones(last - first, dtype=bool)
-        part = self.rows[self.dim * held.start : self.dim * held.stop]
-        kept[_components(self.dofs[held], self.dim) - first] = np.diff(part.indptr) > 0
-        chosen = (first + np.flatnonzero(kept)).astype(PETSc.IntType)
+        chosen = (first + np.flatnonzero(self.kept[first:last])).astype(PETSc.IntType)
         free = PETSc.IS().createGeneral(chosen, comm=matrix.comm)
         return matrix.createSubMatrix(free, free)
 

@@ -9,6 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 import cea
+from comparisons.cli.bench import app as bench_app
 from comparisons.cli.brake import brake
 from comparisons.cli.doctor import doctor
 from comparisons.cli.exact import app as exact_app
@@ -61,6 +62,7 @@ _COMMANDS = (
 for _each in _COMMANDS:
     app.command()(_each)
 app.add_typer(exact_app, name="exact")
+app.add_typer(bench_app, name="bench")
 app.add_typer(scene_app, name="scene")
 
 

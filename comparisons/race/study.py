@@ -69,7 +69,7 @@ def race(
     if repeats < 1:
         raise InputError("repeats", repeats, "1 or more")
     if not scene.damping:
-        raise InputError("damping", {}, "some: the race is one of quadratic problems")
+        raise InputError("damping", {}, "one matrix or more: the race is one of quadratic problems")
     begun = perf_counter()
     assembled = AssembledMatrices(scene)
     first = assembled.modes()

@@ -35,7 +35,7 @@ class Grid:
         cell = np.stack(np.unravel_index(element, self.shape), axis=1)
         return self.low + (cell + xi) * self.step
 
-    def candidates(self, x, reach):
+    def candidates(self, x, direction, reach):
         """The element of the foot and its neighbours."""
         cell = np.floor((self.foot(x) - self.low) / self.step).astype(int)
         points, elements = [], []
@@ -235,3 +235,67 @@ def test_no_points_are_no_error():
     found = locate_along(CHARTS[0], np.zeros((0, 3)), np.zeros((0, 3)), reach=0.1)
     assert len(found.at) == len(found.status) == 0
     assert found.at.xi.shape == (0, 2)
+
+
+class Recorder:
+    """A chart that keeps how far it was asked to look, and for how many points."""
+
+    def __init__(self, chart):
+        self._chart = chart
+        self.asked = []
+
+    def __getattr__(self, name):
+        return getattr(self._chart, name)
+
+    def candidates(self, x, direction, reach):
+        """As the chart, written down."""
+        self.asked.append((reach, len(x)))
+        return self._chart.candidates(x, direction, reach)
+
+
+def test_only_points_with_nothing_close_by_are_looked_for_farther_off():
+    chart = Recorder(CHARTS[0])
+    _, x, normal, _ = cloud(chart, 1000, margin=-0.5)
+    distance = np.where(np.arange(1000) < 900, 1e-4, 0.9)
+    found = locate_along(chart, x - distance[:, None] * normal, normal, reach=1.0)
+    (close, every), (reach, rest) = chart.asked
+    assert close < 0.1
+    assert reach == 1.0
+    assert (every, rest) == (1000, 100)
+    np.testing.assert_allclose(found.distance, distance, atol=1e-12)
+
+
+class Floors(Plane):
+    """Two planes: the upper half of the elements lies below the other, one above the other."""
+
+    depth = 0.05
+
+    def candidates(self, x, direction, reach):
+        """Elements of both floors within reach."""
+        point, element, start = super().candidates(x, direction, reach)
+        count = self.shape[0] * self.shape[1]
+        point, start = np.tile(point, 2), np.tile(start, (2, 1))
+        element = np.concatenate([element, element + count])
+        height = np.where(element < count, 0.0, -self.depth)
+        near = np.abs(x[point, 2] - height) <= reach
+        return point[near], element[near], start[near]
+
+    def tangents(self, element, xi):
+        """Positions and derivatives, those of the lower floor farther down."""
+        count = self.shape[0] * self.shape[1]
+        x, derivatives = super().tangents(element % count, xi)
+        x[:, 2] -= np.where(element < count, 0.0, self.depth)
+        return x, derivatives
+
+
+@pytest.mark.parametrize("height", [0.001, 0.02, -0.02, -0.03, -0.049, -0.06])
+def test_the_nearer_of_two_floors_is_met(height):
+    """Whether it lies close by, or as far as both are looked for."""
+    floors = Floors((-1.0, 0.5), (2.0, 2.5), (9, 7))
+    x = np.column_stack([*np.random.default_rng(3).uniform((-0.9, 0.6), (1.9, 2.4), (500, 2)).T,
+                         np.full(500, height)])  # fmt: skip
+    up = np.tile([0.0, 0.0, 1.0], (500, 1))
+    found = locate_along(floors, x, up, reach=0.2)
+    nearest = min((-height, -floors.depth - height), key=abs)
+    assert not found.missed.any()
+    np.testing.assert_allclose(found.distance, nearest, atol=1e-12)

@@ -196,7 +196,7 @@ class EveryPair:
     def __getattr__(self, name):
         return getattr(self._surface, name)
 
-    def candidates(self, x, reach):
+    def candidates(self, x, direction, reach):
         """Every point with every facet."""
         count = self._surface.num_elements
         point = np.repeat(np.arange(len(x)), count)

@@ -54,17 +54,32 @@ def slow_matrices(part: NurbsBody) -> tuple[np.ndarray, np.ndarray]:
     dim = part.dim
     size = dim * part.num_scalar_dofs
     K, M = np.zeros((2, size, size))
-    for patch, dofs in zip(part.multipatch.patches, part.multipatch.dofs, strict=True):
-        _add_patch(part, patch, dofs.ravel(), K, M)
-    return K, M
-
-
-def _add_patch(part, patch, order, K, M) -> None:
-    dim = patch.dim
     pairs = {2: [(0, 0), (1, 1), (0, 1)], 3: [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]}[dim]
     lam, mu = part.material.lame
     D = np.diag([2 * mu] * dim + [mu] * (len(pairs) - dim))
     D[:dim, :dim] += lam
+    for dof, R, grad, dV, _ in slow_points(part):
+        B = np.zeros((len(pairs), len(R), dim))
+        for row, (i, j) in enumerate(pairs):
+            B[row, :, i] = grad[j]
+            B[row, :, j] = grad[i]
+        B = B.reshape(len(pairs), -1)
+        full = (dim * dof[:, None] + np.arange(dim)).ravel()
+        np.add.at(K, np.ix_(full, full), dV * B.T @ D @ B)
+        for c in range(dim):
+            at = np.ix_(dim * dof + c, dim * dof + c)
+            np.add.at(M, at, dV * part.material.rho * np.outer(R, R))
+    return K, M
+
+
+def slow_points(part: NurbsBody):
+    """At each Gauss point: scalar dofs, their functions, gradients, weight (m^dim), position."""
+    for patch, dofs in zip(part.multipatch.patches, part.multipatch.dofs, strict=True):
+        yield from _points(patch, dofs.ravel())
+
+
+def _points(patch, order):
+    dim = patch.dim
     tables = []
     for knots, n, p in zip(patch.knots, patch.shape, patch.degrees, strict=True):
         spline = BSpline(knots, np.eye(n), p)
@@ -90,14 +105,4 @@ def _add_patch(part, patch, order, K, M) -> None:
             J = X[near].T @ dR.T
             grad = np.linalg.solve(J.T, dR)
             dV = np.prod([p[2] for p in point]) * abs(np.linalg.det(J))
-            B = np.zeros((len(pairs), len(R), dim))
-            for row, (i, j) in enumerate(pairs):
-                B[row, :, i] = grad[j]
-                B[row, :, j] = grad[i]
-            B = B.reshape(len(pairs), -1)
-            dof = order[near]
-            full = (dim * dof[:, None] + np.arange(dim)).ravel()
-            np.add.at(K, np.ix_(full, full), dV * B.T @ D @ B)
-            for c in range(dim):
-                at = np.ix_(dim * dof + c, dim * dof + c)
-                np.add.at(M, at, dV * part.material.rho * np.outer(R, R))
+            yield order[near], R, grad, dV, X[near].T @ R

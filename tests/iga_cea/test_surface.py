@@ -7,6 +7,7 @@ from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.surface import Status
 from iga_cea import NurbsBody
+from iga_cea.face import grid_points
 from iga_cea.surface import NurbsSurface
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
@@ -263,3 +264,19 @@ def test_unknown_abscissae_and_bad_counts_are_refused(ring: NurbsBody) -> None:
 def test_mesh_size_is_that_of_the_largest_span() -> None:
     part = body(Box((3.0, 4.0, 1.0)), (1, 2, 1), (1, 1, 1), Placement())
     assert part.surfaces["z_max"].mesh_size == pytest.approx(np.hypot(3, 2))
+
+
+@pytest.mark.parametrize("shape", [BOX, SECTOR, ANNULUS], ids=lambda shape: type(shape).__name__)
+def test_grids_are_evaluated_as_scattered_points_are(shape: Shape) -> None:
+    """Direction by direction, to rounding; so are normals and areas."""
+    for surface in body(shape).surfaces.values():
+        for face in surface.faces:
+            parameters = tuple(np.linspace(k[0], k[-1], 7) for k in face.knots)
+            xi = grid_points(parameters)
+            pairs = zip(
+                (*face.tangents_on(parameters), *face.normals_on(parameters)),
+                (*face.tangents(xi), *face.normals(xi)),
+                strict=True,
+            )
+            for found, expected in pairs:
+                np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14 * 10)

@@ -1,0 +1,1 @@
+"""What solving, assembling and more ranks cost, beside other programs: `cea bench`."""

@@ -1,0 +1,1 @@
+"""Stiffness and mass by this program and others, on the same body: `cea bench assembly`."""

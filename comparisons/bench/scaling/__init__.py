@@ -1,0 +1,1 @@
+"""What more unknowns, higher degrees and more ranks cost: `cea bench scaling`."""

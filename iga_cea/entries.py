@@ -1,0 +1,162 @@
+"""Entries of the matrix of a form on joined patches, exactly symmetric or skew on any ranks.
+
+The rows of a rank are its own: it computes all that goes into them, from every patch, so that
+ranks have nothing to add up. With n components, the entries of a scalar row lie as n rows, in each
+the columns in turn with their n components.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Floats, Ints
+from cea.ranks import agreed
+from iga_cea.metric import Map, factors_of, lines_of
+from iga_cea.multipatch import Multipatch
+from iga_cea.pattern import Pattern
+from iga_cea.sum_factorisation import Form, slabs
+
+
+def entries(
+    multipatch: Multipatch,
+    pattern: Pattern,
+    form: Form,
+    comm: Any,
+    *,
+    sign: int = 1,
+) -> Floats:
+    """Entries of the rows of this rank, flat.
+
+    Parameters
+    ----------
+    multipatch
+        The joined patches.
+    pattern
+        Pattern of this rank.
+    form
+        The form.
+    comm
+        MPI communicator.
+    sign
+        1 of a symmetric form, -1 of a skew one.
+
+    Raises
+    ------
+    InputError
+        When a patch is folded.
+    """
+    n = form.components
+    # One more place takes the entries of partners that do not exist.
+    data = np.zeros((n * len(pattern.columns) + 1, n))
+    with agreed(comm):
+        for number in range(len(multipatch.patches)):
+            _add_patch(data, multipatch, pattern, form, number)
+    flat = data[:-1].reshape(-1)
+    _mirror(flat, pattern, n, sign)
+    if comm.size > 1:
+        _exchange(flat, multipatch, pattern, n, sign, comm)
+    return flat
+
+
+def _add_patch(
+    data: Floats, multipatch: Multipatch, pattern: Pattern, form: Form, number: int
+) -> None:
+    patch, n = multipatch.patches[number], form.components
+    factors = factors_of(patch.weights)
+    lines = lines_of(patch, factors)
+
+    field = None if form.field is None else form.field[multipatch.dofs[number]]
+
+    def patch_map(across: list[tuple[Floats, Floats]]) -> Map:
+        return Map(patch, factors is not None, across, field, f"patches[{number}]")
+
+    rows, table = pattern.rows[number], pattern.tables[number]
+    rows = rows.reshape(*rows.shape, *(1,) * (3 - rows.ndim))
+    place_of = (np.cumsum(rows >= 0) - 1).reshape(rows.shape)
+    alone = len(multipatch.patches) == 1
+    several = any(line.any() for line in patch.collapsed)
+    for box in pattern.boxes(number):
+        for i, part, slab in slabs(patch_map, lines, form, box):
+            here = (i, part, box[2])
+            row = rows[here].ravel()
+            if factors is None:
+                slab = slab * _weights(patch.weights.reshape(rows.shape), lines, here)
+            place = table[place_of[here].ravel()][:, None, :]
+            at = (
+                place
+                + (n * pattern.starts[row][:, None] + pattern.counts[row][:, None] * np.arange(n))[
+                    :, :, None
+                ]
+            )
+            at[np.broadcast_to(place < 0, at.shape)] = len(data) - 1
+            if several:
+                np.add.at(
+                    data.reshape(-1), (at[..., None] * n + np.arange(n)).ravel(), slab.ravel()
+                )
+            elif alone:
+                data[at] = slab
+            else:
+                data[at] += slab
+
+
+def _weights(weights: Floats, lines: Any, here: Any) -> Floats:
+    """Products of the weights of functions of a slab and of their partners."""
+    padded = np.pad(weights, [(line.degree, line.degree) for line in lines])
+    windows = np.lib.stride_tricks.sliding_window_view(padded, [line.offsets for line in lines])
+    own = windows[here].reshape(-1, int(np.prod([line.offsets for line in lines])))
+    return (weights[here].reshape(-1, 1) * own)[:, None, :, None]
+
+
+def _tuples(pattern: Pattern, at: Ints, row: Ints, n: int) -> Ints:
+    """Tuples of columns that scalar entries have in the first of their rows.
+
+    In the next row they are as many further as the row has entries.
+    """
+    return at + (n - 1) * pattern.starts[row]
+
+
+def _mirror(data: Floats, pattern: Pattern, n: int, sign: int) -> None:
+    """Entries below the diagonal from those above."""
+    tuples, rows = data.reshape(-1, n), pattern.row
+    above, below = pattern.mirrored
+    source, step = _tuples(pattern, above, rows[above], n), pattern.counts[rows[above]]
+    target, jump = _tuples(pattern, below, rows[below], n), pattern.counts[rows[below]]
+    for a in range(n):
+        values = tuples[source + a * step]
+        if sign < 0:
+            values = -values
+        for b in range(n):
+            tuples[target + b * jump, a] = values[:, b]
+    diagonal = np.flatnonzero(pattern.columns == pattern.first + rows)
+    at, step = _tuples(pattern, diagonal, rows[diagonal], n), pattern.counts
+    for a in range(n):
+        if sign < 0:
+            tuples[at + a * step, a] = 0.0
+        for b in range(a + 1, n):
+            tuples[at + b * step, a] = sign * tuples[at + a * step, b]
+
+
+def _exchange(
+    data: Floats, multipatch: Multipatch, pattern: Pattern, n: int, sign: int, comm: Any
+) -> None:
+    """Entries whose column is a lower rank's from that rank."""
+    tuples, rows, ranges = data.reshape(-1, n), pattern.row, multipatch.dof_ranges
+
+    def places(low: int, high: int, *, by_columns: bool) -> Ints:
+        """Tuples of entries with columns in a range, (entries, rows of them)."""
+        at = np.flatnonzero((pattern.columns >= low) & (pattern.columns < high))
+        if by_columns:
+            at = at[np.argsort(pattern.columns[at], kind="stable")]
+        step = pattern.counts[rows[at]]
+        return _tuples(pattern, at, rows[at], n)[:, None] + step[:, None] * np.arange(n)
+
+    # In the order of the rank that gets them, by its rows, which are columns here.
+    send = [
+        sign * tuples[places(*ranges[rank : rank + 2], by_columns=True)].swapaxes(1, 2)
+        if rank > comm.rank
+        else None
+        for rank in range(comm.size)
+    ]
+    for rank, values in enumerate(comm.alltoall(send)):
+        if values is not None:
+            tuples[places(*ranges[rank : rank + 2], by_columns=False)] = values

@@ -1,0 +1,150 @@
+"""One parameter of a patch at its Gauss points: what tensor products are made of.
+
+A function i of a parameter is seen over its *window*: the degree + 1 spans that may lie in its
+support (all of them where there are fewer). Its partners are the functions i + o with offsets
+o = -degree .. degree. So whatever couples i and its partners is a full array over offsets and
+points of the window, with zeros where a partner or a span is not theirs.
+
+Parameters are counted in mean spans, so that slopes along different ones compare.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cea.arrays import Floats, Ints
+from iga_cea.patch import Patch
+from iga_cea.splines import basis_functions, gauss_rule
+
+
+@dataclass(frozen=True)
+class Line:
+    """Functions of one parameter and their slopes at the Gauss points.
+
+    Parameters
+    ----------
+    degree
+        Degree.
+    functions
+        Number of functions.
+    first
+        First function on each span, shape (spans,).
+    tables
+        Values and slopes of the functions of each span, (2, spans, points, degree + 1).
+    weights
+        Gauss weights, (spans, points).
+    """
+
+    degree: int
+    functions: int
+    first: Ints
+    tables: Floats
+    weights: Floats
+
+    @classmethod
+    def of(cls, patch: Patch, axis: int, weights: Floats | None = None) -> "Line":
+        """One parameter of a patch.
+
+        Parameters
+        ----------
+        patch
+            The patch.
+        axis
+            The parameter.
+        weights
+            Factors of the rational weights along it: functions are then rational.
+        """
+        degree, first = patch.degrees[axis], patch.first_functions[axis]
+        x, rule = gauss_rule(patch.breaks[axis], degree + 1)
+        _, tables = basis_functions(patch.knots[axis], degree, x.ravel(), 1)
+        breaks = patch.breaks[axis]
+        span = (breaks[-1] - breaks[0]) / (len(breaks) - 1)
+        tables = tables.reshape(2, *x.shape, degree + 1)
+        tables[1] *= span
+        rule /= span
+        if weights is not None:
+            weighted = tables * weights[first[:, None] + np.arange(degree + 1)][:, None]
+            total = weighted.sum(axis=-1, keepdims=True)
+            values = weighted[0] / total[0]
+            tables = np.stack([values, (weighted[1] - values * total[1]) / total[0]])
+        return cls(degree, patch.shape[axis], first, tables, rule)
+
+    @classmethod
+    def trivial(cls) -> "Line":
+        """The third parameter of the plane: one function, which is 1."""
+        one = np.ones((1, 1))
+        tables = np.stack([one, np.zeros((1, 1))])[..., None]
+        return cls(0, 1, np.zeros(1, dtype=np.int64), tables, one)
+
+    @property
+    def spans(self) -> int:
+        """Number of spans."""
+        return len(self.first)
+
+    @property
+    def points(self) -> int:
+        """Gauss points of a span."""
+        return self.weights.shape[1]
+
+    @property
+    def offsets(self) -> int:
+        """Number of partners of a function, those that do not exist too."""
+        return 2 * self.degree + 1
+
+    @property
+    def window(self) -> int:
+        """Spans of a window."""
+        return min(self.degree + 1, self.spans)
+
+    @property
+    def starts(self) -> Ints:
+        """First span of the window of each function, shape (functions,)."""
+        last = np.searchsorted(self.first, np.arange(self.functions), side="right") - 1
+        return np.maximum(last - self.window + 1, 0)
+
+    @property
+    def coupled(self) -> np.ndarray:
+        """True where function i shares a span with function i + o, shape (functions, offsets)."""
+        coupled = np.zeros((self.functions, self.offsets), dtype=bool)
+        local = np.arange(self.degree + 1)
+        for a in local:
+            coupled[self.first[:, None] + a, local - a + self.degree] = True
+        return coupled
+
+    def matrix(self, spans: slice, derivative: int) -> Floats:
+        """Functions, or their slopes, at the points of spans, shape (points, functions)."""
+        first, tables = self.first[spans], self.tables[derivative, spans]
+        whole = np.zeros((*tables.shape[:2], self.functions))
+        columns = first[:, None, None] + np.arange(self.degree + 1)
+        np.put_along_axis(whole, np.broadcast_to(columns, tables.shape), tables, axis=2)
+        return whole.reshape(-1, self.functions)
+
+    def pairs(self, left: int, right: int, functions: slice) -> Floats:
+        """Products of functions and their partners, times the Gauss weights.
+
+        Parameters
+        ----------
+        left, right
+            Derivatives of the function and of its partner, 0 or 1.
+        functions
+            The functions.
+
+        Returns
+        -------
+        ndarray
+            Shape (functions, offsets, points of a window).
+        """
+        i = np.arange(self.functions)[functions]
+        span = self.starts[functions][:, None] + np.arange(self.window)
+
+        def at(derivative: int, function: Ints, span: Ints) -> Floats:
+            """A derivative of functions on spans, zero where they vanish, (..., points)."""
+            local = function - self.first[span]
+            inside = (local >= 0) & (local <= self.degree)
+            values = self.tables[derivative, span, :, np.where(inside, local, 0)]
+            return values * inside[..., None]
+
+        partner = i[:, None, None] + np.arange(self.offsets)[:, None] - self.degree
+        own = at(left, i[:, None], span) * self.weights[span]
+        products = own[:, None] * at(right, partner, span[:, None])
+        return products.reshape(len(i), self.offsets, -1)

@@ -1,0 +1,142 @@
+"""PETSc matrices from the entries of the rows of each rank, those of held unknowns left out.
+
+A scalar entry of row r at place t becomes, for each component a of the row, one tuple of columns:
+all n components in a full block, or component a alone. Rows lie one after the other, those of the
+components of a scalar row too.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.arrays import Floats, Ints
+from cea.petsc import PETSc
+from iga_cea.chunks import chunks
+from iga_cea.pattern import Pattern
+
+Kept = NDArray[np.bool_]
+"""Whether each of all full dofs is kept, shape (dim * num_scalar_dofs,)."""
+
+
+def block_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None, comm: Any) -> Any:
+    """AIJ matrix whose scalar entries are dim x dim blocks.
+
+    Parameters
+    ----------
+    pattern
+        Pattern of this rank.
+    data
+        Entries as :func:`iga_cea.entries.entries` gives them of dim components; they become those
+        of the matrix.
+    dim
+        Dimension of space.
+    kept
+        Unknowns that stay; None of all.
+    comm
+        MPI communicator.
+    """
+    columns = pattern.columns.astype(PETSc.IntType)[:, None] * dim
+    columns = columns + np.arange(dim, dtype=PETSc.IntType)
+    indices = np.empty((dim * len(columns), dim), dtype=PETSc.IntType)
+    for _, at in _places(pattern, dim):
+        indices[at] = columns
+    return _matrix(pattern, data, indices.reshape(-1), dim, kept, comm)
+
+
+def component_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None, comm: Any) -> Any:
+    """AIJ matrix that has a scalar matrix in each component.
+
+    Parameters
+    ----------
+    pattern
+        Pattern of this rank.
+    data
+        Entries as :func:`iga_cea.entries.entries` gives them of one component.
+    dim
+        Dimension of space.
+    kept
+        Unknowns that stay; None of all.
+    comm
+        MPI communicator.
+    """
+    columns = pattern.columns.astype(PETSc.IntType) * dim
+    indices = np.empty(dim * len(columns), dtype=PETSc.IntType)
+    values = np.empty(dim * len(columns))
+    for component, at in _places(pattern, dim):
+        indices[at] = columns + component
+        values[at] = data
+    return _matrix(pattern, values, indices, dim, kept, comm)
+
+
+def combined(pattern: Pattern, parts: Sequence[tuple[Floats, Floats]], dim: int) -> Floats:
+    """Entries of a sum of Kronecker products, as :func:`block_matrix` takes them.
+
+    Parameters
+    ----------
+    pattern
+        Pattern of this rank.
+    parts
+        Entries of a scalar matrix and the dim x dim matrix that goes with it, of each product.
+    dim
+        Dimension of space.
+    """
+    data = np.zeros((dim * len(pattern.columns), dim))
+    for component, at in _places(pattern, dim):
+        for scalar, factor in parts:
+            data[at] += scalar[:, None] * factor[component]
+    return data.reshape(-1)
+
+
+def _places(pattern: Pattern, dim: int) -> Iterator[tuple[int, Ints]]:
+    """For each component of rows, where the scalar entries lie."""
+    at = np.arange(len(pattern.columns))
+    at += np.repeat((dim - 1) * pattern.starts[:-1], pattern.counts)
+    step = np.repeat(pattern.counts, pattern.counts)
+    for component in range(dim):
+        if component:
+            at += step
+        yield component, at
+
+
+def _matrix(
+    pattern: Pattern, data: Floats, indices: Any, dim: int, kept: Kept | None, comm: Any
+) -> Any:
+    lengths = np.repeat(pattern.counts * (len(indices) // (dim * len(pattern.columns) or 1)), dim)
+    indptr = np.concatenate([[0], np.cumsum(lengths)])
+    block = dim
+    if kept is not None:
+        own = kept[dim * pattern.first : dim * pattern.last]
+        indptr, indices, data = _compressed(indptr, indices, data, own, kept)
+        block = 1
+    local = len(indptr) - 1
+    csr: Any = (indptr.astype(PETSc.IntType), indices, data)
+    size: Any = ((local, None), (local, None))
+    return PETSc.Mat().createAIJWithArrays(size, csr, bsize=block, comm=comm)
+
+
+def _compressed(
+    indptr: Ints, indices: Any, data: Floats, own: Kept, kept: Kept
+) -> tuple[Ints, Any, Floats]:
+    """Kept rows and columns, renumbered, in the memory of all."""
+    number = np.where(kept, np.cumsum(kept) - 1, -1).astype(indices.dtype)
+    lengths, done = np.diff(indptr), 0
+    left = np.empty(len(own), dtype=np.int64)
+    for rows in _row_chunks(indptr):
+        part = slice(indptr[rows.start], indptr[rows.stop])
+        column = number[indices[part]]
+        stays = (column >= 0) & np.repeat(own[rows], lengths[rows])
+        before = np.concatenate([[0], np.cumsum(stays)])
+        left[rows] = np.diff(before[indptr[rows.start : rows.stop + 1] - part.start])
+        end = done + int(before[-1])
+        # What is written here has been read already.
+        indices[done:end], data[done:end] = column[stays], data[part][stays]
+        done = end
+    starts = np.concatenate([[0], np.cumsum(left[own])])
+    return starts, indices[:done], data[:done]
+
+
+def _row_chunks(indptr: Ints) -> Iterator[slice]:
+    """Rows in chunks of bounded memory."""
+    yield from chunks(len(indptr) - 1, 32.0 * max(1.0, indptr[-1] / max(1, len(indptr) - 1)))

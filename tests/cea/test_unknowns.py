@@ -1,0 +1,91 @@
+"""Operators on full dofs as operators on unknowns, against dense products with expansions."""
+
+import numpy as np
+import pytest
+from blocks import two_blocks
+from lagrange_bodies import csr
+from scipy.sparse import csr_array, random_array
+from supported import ABOUT_Z, BOX, RING, build, on
+
+from cea.contact.interface import along, jump_along
+from cea.timing import StageTimer
+from cea.unknowns import free_operator, system_operator
+from scenes.build import build_bodies, build_interfaces
+from scenes.read import read_scene
+
+SUPPORTS = {
+    "free": (BOX, []),
+    "held": (BOX, [{"surface": "x_min"}, {"surface": "z_max", "components": ["y"]}]),
+    "oblique": (RING, on(("inner", "outer"), "radial", **ABOUT_Z)),
+}
+
+
+@pytest.fixture
+def bodies(backend):
+    """A free body, one whose supports select dofs, one whose supports mix them."""
+    return {
+        name: build(backend, shape, supports, [2, 8, 1] if shape is RING else [2, 2, 1])
+        for name, (shape, supports) in SUPPORTS.items()
+    }
+
+
+def operator_on(body, rows, density=0.02):
+    size = body.dim * body.num_scalar_dofs
+    rng = np.random.default_rng(size)
+    return csr_array(random_array((rows, size), density=density, format="csr", rng=rng))
+
+
+@pytest.mark.parametrize("density", [0.0, 0.02, 0.5])
+@pytest.mark.parametrize("name", SUPPORTS)
+def test_operators_are_restricted_to_free_dofs(bodies, name, density):
+    operator = operator_on(bodies[name], 30, density)
+    found = csr(free_operator(operator, bodies[name]))
+    expected = operator @ csr(bodies[name].expansion)
+    assert found.shape == expected.shape
+    assert abs(found - expected).max() < 1e-14
+    assert all(np.all(np.diff(row) > 0) for row in np.split(found.indices, found.indptr[1:-1]))
+
+
+@pytest.mark.parametrize(
+    "touched", [("free", "oblique"), ("oblique", "held"), ("held",)], ids="-".join
+)
+def test_bodies_follow_each_other_among_the_unknowns(bodies, touched):
+    """Bodies that are not touched, between others or at the ends, have columns of zeros."""
+    parts = {name: operator_on(bodies[name], 20) for name in touched}
+    found = csr(system_operator(bodies, parts, 20))
+    blocks = [
+        (parts[name] @ csr(body.expansion)).toarray()
+        if name in parts
+        else np.zeros((20, body.expansion.getSize()[1]))
+        for name, body in bodies.items()
+    ]
+    np.testing.assert_allclose(found.toarray(), np.hstack(blocks), rtol=0, atol=1e-14)
+
+
+def touching(backend, angle):
+    """Interface of two blocks, turned, on meshes that do not match."""
+    placement = {"axis": [1.0, 2.0, 0.5], "angle": angle}
+    data = two_blocks(backend, {"method": "gpts", "points": 3}, placement if angle else None)
+    scene = read_scene(data)
+    bodies = build_bodies(scene, StageTimer())
+    (interface,) = build_interfaces(scene, bodies, StageTimer()).values()
+    return interface
+
+
+@pytest.mark.parametrize("many", [False, True])
+@pytest.mark.parametrize("angle", [0.0, 30.0])
+def test_components_without_a_part_have_no_entries(backend, angle, many, monkeypatch):
+    """Of many points a plane along axes needs one component, any other plane three."""
+    interface = touching(backend, angle)
+    if many:
+        monkeypatch.setattr("cea.contact.interface._MANY_POINTS", 1)
+    normal = interface.local_points.normal.copy()
+    if not angle:
+        normal[:, 0], normal[:, 1] = 0.0, 1e-17
+    traces = interface.trace_a, interface.trace_b
+    components = 3 if angle else 1 if many else 2
+    for sign, jump, trace in zip((1, -1), jump_along(interface, normal), traces, strict=True):
+        whole = along(trace, sign * normal)
+        assert whole.nnz == 3 * trace.nnz
+        assert jump.nnz == components * trace.nnz
+        assert abs(jump - whole).max() <= 1e-16

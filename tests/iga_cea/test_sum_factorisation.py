@@ -1,0 +1,160 @@
+"""Sum factorisation of maps that are no tensor products, and of those that nearly are."""
+
+import numpy as np
+import pytest
+from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, slow_points
+
+from cea.rotation import Rotation
+from cea.supports.boundary import Spring, Support
+from iga_cea import NurbsBody
+from iga_cea.patch import refine
+from iga_cea.pattern import boxes_of
+from iga_cea.separation import holds, separate
+from meshes.breaks import breaks_of
+from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
+from meshes.shapes import Box, Disc, Hub, RingSector, Sector
+
+SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
+RING_SECTOR = RingSector(0.8, 1.7, 20.0, 85.0)
+
+
+def distorted(shape, elements, *, weights: bool) -> NurbsPatch:
+    """Patch of a shape with its control points moved, and its weights changed if wanted."""
+    placement = TILTED if len(elements) == 3 else TURNED
+    (whole,) = nurbs_shape(shape, breaks_of(shape, elements), placement).patches
+    fine = refine(whole, whole.degrees, [p - 1 for p in whole.degrees])
+    rng = np.random.default_rng(3)
+    moved = fine.control_points + 0.02 * rng.uniform(-1, 1, fine.control_points.shape)
+    factors = 1 + 0.2 * rng.uniform(-1, 1, fine.weights.shape) if weights else 1.0
+    return NurbsPatch(fine.degrees, fine.knots, moved, fine.weights * factors, whole.breaks)
+
+
+def distorted_body(shape, elements, degree, *, weights: bool, **options) -> NurbsBody:
+    patch = distorted(shape, elements, weights=weights)
+    return NurbsBody("part", [patch], {}, degree, material=STEEL, **options)
+
+
+def assert_agrees_with_slow_loops(part: NurbsBody) -> None:
+    for ours, slow in zip((part.stiffness(), part.mass()), slow_matrices(part), strict=True):
+        A = scipy_of(ours)
+        assert np.abs(A.toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
+        assert abs(A - A.T).max() == 0
+
+
+@pytest.mark.parametrize("weights", [False, True])
+@pytest.mark.parametrize(
+    "degree", [(1, 2, 1), (2, 2, 2), (1, 3, 2), (1, 4, 1), (5, 2, 1), (1, 2, 6)]
+)
+def test_distorted_maps_in_space(degree: tuple[int, ...], weights: bool) -> None:
+    assert_agrees_with_slow_loops(distorted_body(SECTOR, (2, 2, 1), degree, weights=weights))
+
+
+@pytest.mark.parametrize("weights", [False, True])
+@pytest.mark.parametrize("continuity", [None, (0, 1), (2, 0)])
+def test_distorted_maps_in_the_plane(continuity, weights: bool) -> None:
+    """More spans than a window has, so that windows move."""
+    part = distorted_body(RING_SECTOR, (6, 5), (3, 3), weights=weights, continuity=continuity)
+    assert_agrees_with_slow_loops(part)
+
+
+def test_a_bulge_between_the_samples_is_seen() -> None:
+    """One control point of a box moved, where the points tried first do not feel it."""
+    (whole,) = nurbs_shape(
+        Box((1.0, 12.0, 1.0)), breaks_of(Box((1.0, 12.0, 1.0)), (3, 12, 1))
+    ).patches
+    fine = refine(whole, (1, 1, 1), (0, 0, 0))
+    moved = fine.control_points.copy()
+    moved[1, 4, 0] += 0.1
+    patch = NurbsPatch(fine.degrees, fine.knots, moved, fine.weights, whole.breaks)
+    part = NurbsBody("part", [patch], {}, (2, 1, 1), material=STEEL)
+    assert_agrees_with_slow_loops(part)
+
+
+def test_sums_of_products_are_found_and_others_refused() -> None:
+    """Rank 3 of 40 points is found to rounding; a difference at one point is not overlooked."""
+    q, x = np.linspace(0, 1, 40), np.linspace(0, 2, 11)
+    c = sum(np.multiply.outer(q**k, np.cos(k * x)) for k in range(3)) + 2.0
+    every = {(1, 1): c[None, :, :, None]}
+    few = {pair: values[:, :, ::2] for pair, values in every.items()}
+    found = separate(few, most=5)
+    assert found is not None
+    assert len(found[0, 0].rows) == 3
+
+    def skeleton(pair):
+        return every[pair][:, found[0, 0].rows]
+
+    assert holds(found, skeleton, iter([(slice(0, 40), every)]), 1)
+    other = {(1, 1): every[1, 1].copy()}
+    other[1, 1][0, 7, 3, 0] *= 1 + 1e-12
+    assert not holds(found, skeleton, iter([(slice(0, 40), other)]), 1)
+    assert separate(few, most=2) is None
+
+
+def test_boxes_make_up_a_set() -> None:
+    rng = np.random.default_rng(0)
+    for shape in ((4, 3, 5), (1, 1, 1), (2, 6, 1)):
+        mask = rng.uniform(size=shape) < 0.6
+        count = np.zeros(shape, dtype=int)
+        for box in boxes_of(mask):
+            count[box] += 1
+        assert np.array_equal(count, mask)
+    assert list(boxes_of(np.ones((4, 3, 5), dtype=bool))) == [
+        (slice(0, 4), slice(0, 3), slice(0, 5))
+    ]
+    assert not list(boxes_of(np.zeros((4, 3), dtype=bool)))
+
+
+@pytest.mark.parametrize("coriolis", [True, False])
+@pytest.mark.parametrize("shape", ["disc", "distorted"])
+def test_matrices_of_rotation(shape: str, coriolis: bool) -> None:
+    """Y and Z against slow loops, where weights are a product and where not, and at an axis."""
+    part = (
+        body(Disc(1.2, -0.1, 0.2), (1, 4, 1), (2, 2, 1))
+        if shape == "disc"
+        else distorted_body(SECTOR, (2, 2, 1), (2, 2, 1), weights=True)
+    )
+    rotation = Rotation(1.0, (0.2, -0.5, 1.0), (0.3, 0.1, -0.2), coriolis=coriolis)
+    spin, n = rotation.spin(3), part.num_scalar_dofs
+    m, A, B = np.zeros((3, n, n))
+    for dof, R, grad, dV, x in slow_points(part):
+        t = (spin @ (x - rotation.origin)) @ grad
+        dV *= STEEL.rho
+        at = np.ix_(dof, dof)
+        np.add.at(m, at, dV * np.outer(R, R))
+        np.add.at(A, at, dV * (np.outer(R, t) - np.outer(t, R)))
+        np.add.at(B, at, dV * np.outer(t, t))
+    Y, Z = np.kron(A, np.eye(3)), np.kron(B, np.eye(3))
+    if not coriolis:
+        Y -= 2 * np.kron(m, spin)
+        Z += np.kron(A, spin) + np.kron(m, spin.T @ spin)
+    for ours, slow in ((part.gyroscopic(rotation), Y), (part.convective_stiffness(rotation), Z)):
+        assert np.abs(scipy_of(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
+
+
+@pytest.mark.parametrize("weights", [False, True])
+def test_geometric_stiffness(weights: bool) -> None:
+    part = distorted_body(SECTOR, (2, 2, 1), (2, 2, 1), weights=weights)
+    u = np.random.default_rng(5).uniform(-1, 1, (part.num_scalar_dofs, 3))
+    slow = np.zeros((part.num_scalar_dofs,) * 2)
+    for dof, _, grad, dV, _ in slow_points(part):
+        stress = STEEL.stress(u[dof].T @ grad.T)
+        np.add.at(slow, np.ix_(dof, dof), dV * grad.T @ stress @ grad)
+    ours = scipy_of(part.geometric_stiffness(u.ravel())).toarray()
+    slow = np.kron(slow, np.eye(3))
+    assert np.abs(ours - slow).max() <= 1e-13 * np.abs(slow).max()
+
+
+def test_held_unknowns_are_left_out() -> None:
+    """Matrices of what supports leave are picked from those of all, to the last bit."""
+    part = body(
+        Hub(0.3, 0.8, 1.7, -0.1, 0.2, -0.2, 0.2),
+        (2, 4, 2),
+        (2, 2, 1),
+        supports=[Support("bottom", (0, 2))],
+        springs=[Spring("top", (1.0, 2.0, 3.0))],
+    )
+    Z = scipy_of(part.expansion)
+    whole = scipy_of(part.full_stiffness())
+    free = scipy_of(part.stiffness())
+    assert free.shape[0] < whole.shape[0]
+    assert abs(Z.T @ whole @ Z - free).max() == 0
