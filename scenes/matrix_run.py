@@ -9,6 +9,7 @@ from scipy.sparse import csr_array
 from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
+from cea.eigen.search import Solver
 from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
 from cea.petsc import MPI
@@ -95,8 +96,12 @@ class AssembledMatrices:
     ----------
     scene
         The scene.
+    solver
+        What searches for modes, as :class:`cea.eigen.krylov_schur.KrylovSchur` takes it.
     listener
         Called with the name of each stage as it begins.
+    solver
+        What searches for modes, as :class:`cea.eigen.krylov_schur.KrylovSchur` takes it.
 
     Attributes
     ----------
@@ -113,13 +118,19 @@ class AssembledMatrices:
         When a file holds no such matrix, their sizes differ, or the mass is not symmetric.
     """
 
-    def __init__(self, scene: MatrixScene, listener: Callable[[str], None] | None = None) -> None:
+    def __init__(
+        self,
+        scene: MatrixScene,
+        listener: Callable[[str], None] | None = None,
+        *,
+        solver: Solver = "block",
+    ) -> None:
         self.scene = scene
         self.timer = StageTimer(listener)
         with self.timer("reading"):
             self.pieces = read_pieces(scene, MPI.COMM_WORLD)
         self._pencil = matrix_pencil(scene, self.pieces)
-        self._driver = KrylovSchur(self._pencil)
+        self._driver = KrylovSchur(self._pencil, solver=solver)
         self._checked: tuple[float, ...] | None = None
 
     @property
@@ -223,6 +234,7 @@ def run_matrices(
     scene: MatrixScene,
     *,
     left: bool = False,
+    solver: Solver = "block",
     listener: Callable[[str], None] | None = None,
 ) -> MatrixResult:
     """Modes of a scene of matrices.
@@ -243,7 +255,7 @@ def run_matrices(
     ConvergenceError
         When the window cannot be filled; the modes found so far are attached.
     """
-    assembled = AssembledMatrices(scene, listener)
+    assembled = AssembledMatrices(scene, listener, solver=solver)
     result = assembled.modes(left=left, listener=listener)
     for stage, seconds in assembled.timer.seconds.items():
         result.timer.add(stage, seconds)

@@ -8,6 +8,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.search import Solver
 from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.petsc import Vec
@@ -51,13 +52,17 @@ class RunOptions(TypedDict, total=False):
     listener: Callable[[str], None] | None
 
 
-def run_scene(scene: Scene, **options: Unpack[RunOptions]) -> ModesResult | StaticResult:
+def run_scene(
+    scene: Scene, *, solver: Solver = "block", **options: Unpack[RunOptions]
+) -> ModesResult | StaticResult:
     """Run a scene.
 
     Parameters
     ----------
     scene
         The scene.
+    solver
+        What searches for modes, as :class:`cea.eigen.krylov_schur.KrylovSchur` takes it.
     options
         See :class:`RunOptions`.
 
@@ -68,11 +73,15 @@ def run_scene(scene: Scene, **options: Unpack[RunOptions]) -> ModesResult | Stat
         not the memory it takes.
     """
     if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-        return run_modes(scene, **options)
+        return run_modes(scene, solver=solver, **options)
+    if solver != "block":
+        raise InputError("solver", solver, "left out: a static analysis has no modes")
     return run_static(scene, **options)
 
 
-def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]) -> ModesResult:
+def run_modes(
+    scene: Scene, *, left: bool = False, solver: Solver = "block", **options: Unpack[RunOptions]
+) -> ModesResult:
     """Modes of a scene whose analysis asks for them.
 
     Parameters
@@ -81,6 +90,8 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
         The scene.
     left
         Whether left eigenvectors are wanted too, for sensitivities and true condition numbers.
+    solver
+        What searches for modes, as :class:`cea.eigen.krylov_schur.KrylovSchur` takes it.
     options
         See :class:`RunOptions`.
 
@@ -95,7 +106,7 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
     top, decay = scene.analysis.max_frequency, scene.analysis.min_growth
-    modes = solve_modes(pencil, top, min_growth=decay, left=left, timer=timer)
+    modes = solve_modes(pencil, top, min_growth=decay, left=left, solver=solver, timer=timer)
     return with_warnings(ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes))
 
 

@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Floats
 from cea.eigen.blocks import image_of
+from cea.eigen.dense_products import inner
 from cea.eigen.krylov_run import KrylovRun
+from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.subspace import InvariantSubspace
 from cea.timing import StageTimer
@@ -122,13 +123,9 @@ class BlockSearch(ABC):
     def image(self, block: NDArray[Any]) -> NDArray[Any]:
         """A block times the matrix of the inner product."""
 
-    def diagonal(self, left: NDArray[Any], right: NDArray[Any]) -> Floats:
-        """Inner products of the columns of two blocks, one with one."""
-        return self.comm.allreduce(np.einsum("ij,ij->j", left.conj(), right).real)
-
     def inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
         """Inner products of every column of one block with every column of another."""
-        return self.comm.allreduce((left.T @ right.conj()).conj())  # the right is the smaller
+        return self.comm.allreduce(inner(left, right))
 
 
 class BlockKrylov(BlockSearch):
@@ -136,11 +133,11 @@ class BlockKrylov(BlockSearch):
 
     Parameters
     ----------
-    mass
-        M, PETSc AIJ, symmetric positive definite.
+    matrices
+        The pencil at given parameters.
     factors
         The pencil factorised at the shift.
-    finite, tolerance, max_restarts, timer
+    tolerance, max_restarts, timer
         Those of :class:`BlockSearch`.
     transposed
         Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
@@ -148,9 +145,8 @@ class BlockKrylov(BlockSearch):
 
     def __init__(
         self,
-        mass: Any,
+        matrices: Matrices,
         factors: Shifted,
-        finite: int,
         *,
         tolerance: float,
         max_restarts: int,
@@ -158,15 +154,15 @@ class BlockKrylov(BlockSearch):
         transposed: bool = False,
     ) -> None:
         super().__init__(
-            int(mass.getSize()[0]),
-            finite,
+            matrices.size,
+            matrices.size - matrices.tied,
             factors.kappa,
-            mass.comm.tompi4py(),
+            matrices.mass.comm.tompi4py(),
             tolerance=tolerance,
             max_restarts=max_restarts,
             timer=timer,
         )
-        self._mass, self._factors, self._transposed = mass, factors, transposed
+        self._mass, self._factors, self._transposed = matrices.mass, factors, transposed
 
     def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
         """OP on a block whose product with M is given."""

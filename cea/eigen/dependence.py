@@ -99,7 +99,7 @@ class Dependence:
             c_c (m/N) of each contact, zero where it is infinitely stiff.
         """
         images = [
-            times(compliance, (block / length[:, None]).astype(complex)).real
+            times(compliance, block / length[:, None])
             for compliance, block, length in zip(
                 compliances, self.blocks, self.lengths, strict=True
             )
@@ -182,7 +182,7 @@ def _null_vectors(unit: Mat, tolerance: float) -> Floats:
         first = sum(map(len, parts[: comm.rank]))
         vectors = np.linalg.qr(np.vstack(parts))[0][first : first + rows]
     factors.free()
-    image = transposed_times(unit, vectors.astype(complex)).real
+    image = transposed_times(unit, vectors)
     triangle = np.vstack(comm.allgather(np.linalg.qr(image, mode="r")))
     _, sizes, turned = np.linalg.svd(triangle)
     below = np.append(sizes, np.zeros(near - len(sizes))) < tolerance

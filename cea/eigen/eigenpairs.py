@@ -1,8 +1,11 @@
 """Eigenpairs as a driver found them, normalised, with residuals and condition numbers."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import (
@@ -16,6 +19,7 @@ from cea.eigen.blocks import (
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.sizes import Sizes
+from cea.eigen.subspace import conditions_of
 from cea.matrices import destroy
 
 SMALL = 1e-8
@@ -59,7 +63,11 @@ class Eigenpairs:
 
 
 def checked(
-    matrices: Matrices, factors: Shifted, kappa: Complexes, vectors: Complexes
+    matrices: Matrices,
+    factors: Shifted,
+    kappa: Complexes,
+    vectors: Complexes,
+    conditions: Floats | None = None,
 ) -> Eigenpairs:
     """Normalise eigenpairs and find their residuals, condition numbers and backward errors.
 
@@ -82,49 +90,82 @@ def checked(
     kappa
         Eigenvalues (1/s^2), shape (n,).
     vectors
-        Eigenvectors, the rows of this rank, shape (n_local, n). They are normalised in place.
+        Eigenvectors, the rows of this rank, shape (n_local, n). They are normalised in place. That
+        of a conjugate which follows its eigenvalue is the conjugate.
+    conditions
+        Condition numbers where they are known.
     """
     n, mass, comm = len(kappa), matrices.mass, matrices.stiffness.comm
-    kappa, residuals, gram = kappa.copy(), np.empty(n), np.zeros((n, n), dtype=complex)
-    errors, contact, sizes = np.empty(n), [], Sizes(matrices)
+    kappa, residuals, errors, sizes = kappa.copy(), np.empty(n), np.empty(n), Sizes(matrices)
+    forces = np.empty((factors.multipliers, n), dtype=complex)
     diagonal = mass.getDiagonal()
     root = np.sqrt(diagonal.array_r)
     destroy(diagonal)
-    for block in column_blocks(n):
-        x = vectors[:, block]
-        f = np.empty((0, x.shape[1]), dtype=complex)
+    twins = _twins(kappa)
+    for block, x in _blocks(kappa, vectors, twins):
+        value = kappa[block] if np.iscomplexobj(x) else kappa[block].real
+        f = np.empty((0, x.shape[1]), dtype=x.dtype)
         if matrices.multipliers is not None:
-            x, f = inverse_step(matrices, factors, kappa[block], x)
+            x, f = inverse_step(matrices, factors, value, x)
         force, inertia = _internal_forces(matrices, x, f), times(mass, x)
         size = np.sqrt(columns_inner(x, inertia, comm).real)
         x, f, force, inertia = x / size, f / size, force / size, inertia / size
-        vectors[:, block] = x
-        contact.append(f)
+        vectors[:, block], forces[:, block] = x, f
         if matrices.symmetric:  # the Rayleigh quotient has the square of the vector's error
-            kappa[block] = columns_inner(x, force, comm).real
-        else:
-            gram[block, : block.stop] = all_inner(inertia, vectors[:, : block.stop], comm)
+            value = columns_inner(x, force, comm).real
+            kappa[block] = value
         rounding = np.finfo(float).eps * sizes.works(x, f)
-        defect = force - inertia * kappa[block]
-        scale = np.maximum(np.abs(kappa[block]), rounding)
+        defect: NDArray[Any] = force - inertia * value
+        scale = np.maximum(np.abs(value), rounding)
         residuals[block] = norms(defect, comm) / (scale * norms(inertia, comm))
         error = LUMPED * norms(defect / root[:, None], comm)
-        large = np.flatnonzero(error > SMALL * np.abs(kappa[block]))
+        large = np.flatnonzero(error > SMALL * np.abs(value))
         if len(large):  # solves cost as much as all the rest
             step = solved(factors, defect[:, large])
             length = np.sqrt(np.abs(columns_inner(step, times(mass, step), comm)))
-            inverse = np.abs(kappa[block][large] - factors.kappa) * length
+            inverse = np.abs(value[large] - factors.kappa) * length
             error[large] = np.minimum(error[large], inverse)
         errors[block] = rounding + error
     sizes.free()
-    conditions = np.ones(n) if matrices.symmetric else _conditions(gram)
-    nothing = np.empty((len(contact[0]) if contact else 0, 0), dtype=complex)
-    forces, bounds = np.hstack([nothing, *contact]), np.full(n, np.inf)
-    return Eigenpairs(kappa, vectors, forces, residuals, conditions, errors, bounds)
+    for each in (vectors, forces):
+        each[:, twins] = each[:, twins - 1].conj()
+    residuals[twins], errors[twins] = residuals[twins - 1], errors[twins - 1]
+    if conditions is None:
+        conditions = np.ones(n) if matrices.symmetric else conditions_of(_gram(mass, vectors))
+    return Eigenpairs(kappa, vectors, forces, residuals, conditions, errors, np.full(n, np.inf))
 
 
-def solved(factors: Shifted, columns: Complexes) -> Complexes:
-    """(K - sigma M)^-1 times a block of complex columns."""
+def _twins(kappa: Complexes) -> NDArray[np.int64]:
+    """Numbers of the eigenvalues that are the conjugates of those before them."""
+    return 1 + np.flatnonzero((kappa[:-1].imag > 0) & (kappa[1:] == kappa[:-1].conj()))
+
+
+def _blocks(
+    kappa: Complexes, vectors: Complexes, twins: NDArray[np.int64]
+) -> Iterator[tuple[NDArray[np.int64], NDArray[Any]]]:
+    """Numbers of eigenvalues with their vectors, real ones in real numbers; without twins."""
+    real = kappa.imag == 0
+    other = ~real
+    other[twins] = False
+    for chosen, part in ((real, np.real), (other, np.asarray)):
+        numbers = np.flatnonzero(chosen)
+        for columns in column_blocks(len(numbers)):
+            block = numbers[columns]
+            yield block, np.asfortranarray(part(vectors[:, block]))
+
+
+def _gram(mass: Any, vectors: Complexes) -> Complexes:
+    """Inner products of unit eigenvectors."""
+    gram = np.empty((vectors.shape[1],) * 2, dtype=complex)
+    for block in column_blocks(len(gram)):
+        gram[block] = all_inner(times(mass, vectors[:, block]), vectors, mass.comm)
+    return gram
+
+
+def solved(factors: Shifted, columns: NDArray[Any]) -> NDArray[Any]:
+    """(K - sigma M)^-1 times a block of columns, real or complex."""
+    if not np.iscomplexobj(columns):
+        return factors.solve_block(columns)
     n = columns.shape[1]
     parts = factors.solve_block(np.hstack([columns.real, columns.imag]))
     return parts[:, :n] + 1j * parts[:, n:]
@@ -133,11 +174,11 @@ def solved(factors: Shifted, columns: Complexes) -> Complexes:
 def inverse_step(
     matrices: Matrices,
     factors: Shifted,
-    kappa: Complexes,
-    vectors: Complexes,
+    kappa: NDArray[Any],
+    vectors: NDArray[Any],
     *,
     transposed: bool = False,
-) -> tuple[Complexes, Complexes]:
+) -> tuple[NDArray[Any], NDArray[Any]]:
     """One step of inverse iteration, scaled as the vectors are: displacements and contact forces.
 
     Parameters
@@ -145,17 +186,19 @@ def inverse_step(
     matrices, factors
         The pencil, and factorised.
     kappa, vectors
-        Eigenvalues and the rows of this rank of their vectors.
+        Eigenvalues and the rows of this rank of their vectors, both real or both complex.
     transposed
         Whether the vectors are left ones.
     """
     n = vectors.shape[1]
     inertia = times(matrices.mass, vectors * (kappa - factors.kappa))
+    if not np.iscomplexobj(inertia):
+        return factors.solve_with_forces(inertia, transposed=transposed)
     x, f = factors.solve_with_forces(np.hstack([inertia.real, inertia.imag]), transposed=transposed)
     return x[:, :n] + 1j * x[:, n:], f[:, :n] + 1j * f[:, n:]
 
 
-def _internal_forces(matrices: Matrices, x: Complexes, f: Complexes) -> Complexes:
+def _internal_forces(matrices: Matrices, x: NDArray[Any], f: NDArray[Any]) -> NDArray[Any]:
     """K x + L^T f."""
     force = times(matrices.stiffness, x)
     if matrices.unsymmetric is not None:
@@ -163,16 +206,3 @@ def _internal_forces(matrices: Matrices, x: Complexes, f: Complexes) -> Complexe
     if matrices.multipliers is not None:
         force += transposed_times(matrices.multipliers.reaction, f)
     return force
-
-
-def _conditions(gram: Complexes) -> Floats:
-    """Condition numbers from the Gram matrix of unit eigenvectors: sqrt of diag of its inverse.
-
-    Parameters
-    ----------
-    gram
-        Gram matrix, of which the lower triangle is read.
-    """
-    values, vectors = np.linalg.eigh(gram, UPLO="L")
-    values = np.maximum(values, np.finfo(float).eps * values.max(initial=1.0))
-    return np.sqrt(np.maximum((np.abs(vectors) ** 2 / values).sum(axis=1), 1.0))

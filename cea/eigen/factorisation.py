@@ -200,18 +200,20 @@ class Applied:
     ----------
     factors
         What solves.
+    transposed
+        Whether it is the transposed matrix that is meant.
     """
 
-    def __init__(self, factors: Factorisation) -> None:
-        self._factors = factors
+    def __init__(self, factors: Factorisation, *, transposed: bool = False) -> None:
+        self._factors, self._transposed = factors, transposed
 
     def apply(self, _: Any, b: Any, x: Any) -> None:
         """Solve with the matrix."""
-        self._factors.solve(b, x)
+        self._factors.solve(b, x, transposed=self._transposed)
 
     def applyTranspose(self, _: Any, b: Any, x: Any) -> None:
         """Solve with the transposed matrix."""
-        self._factors.solve(b, x, transposed=True)
+        self._factors.solve(b, x, transposed=not self._transposed)
 
 
 def matrix_size(matrix: Any) -> int:

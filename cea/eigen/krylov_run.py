@@ -1,4 +1,4 @@
-"""One search of a block Krylov-Schur method: its space, restarts, and what it locks."""
+"""One search of a block Krylov-Schur method: when it looks at its space, restarts it, and locks."""
 
 from typing import Any, Protocol
 
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.linalg import schur
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.krylov_space import InnerProduct, KrylovSpace
 from cea.eigen.subspace import InvariantSubspace, small_eigenpairs, symmetric_part
 from cea.errors import ConvergenceError
 
@@ -15,13 +16,9 @@ _BLOCK = 8
 _LEAST = 6
 """Blocks of a space before it is looked at: an eigenvalue must have had time to show."""
 _GROWTH = 1.3
-"""Growth of the Krylov space between two looks at its eigenvalues."""
+"""Most growth of the Krylov space between two looks at its eigenvalues."""
 _RESTART = 2.5
 """Size of the space, relative to the eigenvalues wanted of it, at which it is restarted."""
-_NOISE = 1e-12
-"""Part of a vector that projections leave below which it lies in the space already."""
-_ORTHONORMAL = 1e-12
-"""Distance of inner products from those of orthonormal vectors that is good enough."""
 _PAIR = 1e-9
 """Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
 _AROUND = 0.1
@@ -43,7 +40,7 @@ class CrowdedError(ConvergenceError):
         super().__init__(f"a disc holds {number} eigenvalues or more")
 
 
-class ShiftInvert(Protocol):
+class ShiftInvert(InnerProduct, Protocol):
     """An operator OP with eigenvalues theta = 1 / (kappa - sigma), and its inner product.
 
     Attributes
@@ -54,8 +51,6 @@ class ShiftInvert(Protocol):
         sigma.
     comm
         Communicator (mpi4py).
-    dtype
-        Of its vectors, float or complex.
     unknown
         What the eigenvalues kappa are called.
     cleansing
@@ -72,36 +67,34 @@ class ShiftInvert(Protocol):
     finite: int
     shift: complex
     comm: Any
-    dtype: type
     unknown: str
     cleansing: int
     tolerance: float
     max_restarts: int
     most: int
 
-    def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
-        """OP on a block whose image is given."""
-        ...
-
-    def image(self, block: NDArray[Any]) -> NDArray[Any]:
-        """A block times the matrix of the inner product."""
-        ...
-
-    def diagonal(self, left: NDArray[Any], right: NDArray[Any]) -> Floats:
-        """Inner products of the columns of two blocks, one with one."""
-        ...
-
-    def inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
-        """Inner products of every column of one block with every column of another."""
-        ...
-
 
 class KrylovRun:
-    """One search: its Krylov space V, M-orthonormal and beside Q, with OP on it.
+    """One search: its Krylov space V beside what is known, with OP on it.
 
-    Vectors stand in one array: those of Q, those of V, and a block U that OP is applied to next,
+    Parameters
+    ----------
+    owner
+        OP, and what is asked of a search.
+    known
+        Q.
+    radius
+        Radius of the disc about the shift.
+    seed
+        Of the random start vectors.
+    both_ends
+        Whether the far end of the spectrum is to be seen too.
 
-        OP V = Q C + [V U] H.
+    Attributes
+    ----------
+    farthest
+        Largest modulus of an eigenvalue that the space knows of; infinite where it does not see the
+        far end of the spectrum.
     """
 
     def __init__(
@@ -120,11 +113,8 @@ class KrylovRun:
         self._shift = owner.shift
         self._room = owner.size - known.size
         self._finite = owner.finite - known.size
-        room = (len(known.basis), known.size + 8 * _BLOCK)
-        self._vectors: NDArray[Any] = np.empty(room, dtype=owner.dtype, order="F")
-        self._vectors[:, : known.size] = known.basis
-        self._size = self._next = 0
-        self._coupling, self._operator = np.empty((known.size, 0)), np.empty((0, 0))
+        self._worst: tuple[int, int, float] | None = None
+        self._space = KrylovSpace(owner, known.basis, self._room)
         if self._finite > 0:
             columns = min(_BLOCK, self._room)
             random = np.random.default_rng([seed, owner.comm.rank])
@@ -132,19 +122,21 @@ class KrylovRun:
             start: NDArray[Any] = random.standard_normal(size).astype(owner.dtype)
             if owner.dtype is complex:
                 start += 1j * random.standard_normal(size)
+            start = np.asfortranarray(start)
             # OP takes what is far away out of a vector, ties above all.
             far = both_ends and owner.finite == owner.size
             for _ in range(0 if far else owner.cleansing):
                 start = owner.apply(start, owner.image(start))
-            self._append(start)
+            self._space.start(start)
 
     def complete(self) -> InvariantSubspace:
         """The known with all that is in the disc."""
         restarts, look = 0, _LEAST * _BLOCK
         while self._finite > 0:
-            exhausted = not self._next or self._size >= self._room
-            if self._size < look and not exhausted:
-                self._extend()
+            size = self._space.size
+            exhausted = not self._space.next or size >= self._room
+            if size < look and not exhausted:
+                self._space.extend()
                 continue
             theta, residuals = self._ritz()
             inside = np.abs(theta) >= self._least
@@ -160,7 +152,7 @@ class KrylovRun:
             wanted = int(inside.sum())
             if wanted > self._owner.most:
                 raise CrowdedError(wanted)
-            if self._size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
+            if size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
                 if restarts == self._owner.max_restarts:
                     where = f"{self._owner.unknown} = {self._shift:.4g}"
                     raise ConvergenceError(
@@ -169,83 +161,36 @@ class KrylovRun:
                         best=self._locked(theta, converged),
                     )
                 restarts += 1
-                self._restart(theta, wanted + 3 * _BLOCK)
-            look = max(self._size + _BLOCK, int(_GROWTH * self._size))
+                self._space.restart(*self._leading(theta, wanted + 3 * _BLOCK))
+                self._worst = None
+            look = self._next_look(theta, residuals, inside)
         return self._known
 
-    def _extend(self) -> None:
-        """Take U into V, and OP U beside them as the next U."""
-        size, columns = self._size, self._next
-        first = self._known.size + size
-        block = self._vectors[:, first : first + columns]
-        fresh = self._owner.apply(block, self._image)
-        self._size += columns
-        coefficients = self._append(fresh)
-        known = self._known.size
-        shape = (self._size + self._next, self._size)
-        whole: NDArray[Any] = np.zeros(shape, dtype=self._owner.dtype)
-        whole[: len(self._operator), :size] = self._operator
-        whole[:, size:] = coefficients[known:]
-        self._operator = whole
-        self._coupling = np.hstack([self._coupling, coefficients[:known]])
-
-    def _append(self, w: NDArray[Any]) -> NDArray[Any]:
-        """Put the part of a block outside Q and V behind them: w = [Q V U] c.
-
-        Columns of w that lie in Q and V but for rounding leave no column of U.
-
-        Returns
-        -------
-        ndarray
-            c.
-        """
-        owner, first = self._owner, self._known.size + self._size
-        before = self._vectors[:, :first]
-        most = self._room - self._size  # more directions there are not, but of rounding
-        image = owner.image(w)
-        squares = owner.diagonal(w, image)
-        lengths = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
-        u, image = w / lengths, image / lengths
-        inside, rest, least = np.zeros((first, w.shape[1]), w.dtype), np.diag(lengths), _NOISE
-        for _ in range(3):  # a third time, for the first leaves small vectors far from orthogonal
-            part = owner.inner(before, image)
-            inside += part @ rest
-            u -= before @ part
-            image = owner.image(u)
-            gram = owner.inner(u, image)
-            if np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
-                break
-            axes = np.linalg.eigh(gram)[1]
-            u, image = u @ axes, image @ axes
-            # Of small vectors beside large ones the lengths say more than the eigenvalues.
-            lengths = np.sqrt(np.maximum(owner.diagonal(u, image), 0.0))
-            kept = np.flatnonzero(lengths > least)
-            kept = kept[max(0, len(kept) - most) :]
-            u, image = u[:, kept] / lengths[kept], image[:, kept] / lengths[kept]
-            rest = (axes[:, kept] * lengths[kept]).conj().T @ rest
-            least = 0.3  # what a second projection takes most of was rounding
-        self._next, self._image = u.shape[1], image
-        if first + self._next > self._vectors.shape[1]:
-            wider = np.empty((len(u), int(1.5 * first) + _BLOCK), dtype=u.dtype, order="F")
-            wider[:, :first] = before
-            self._vectors = wider
-        self._vectors[:, first : first + self._next] = u
-        return np.vstack([inside, rest])
-
     def _square(self) -> NDArray[Any]:
-        square = self._operator[: self._size]
+        square = self._space.square
         return symmetric_part(square) if self._known.symmetric else square
-
-    def _space(self, vectors: NDArray[Any]) -> NDArray[Any]:
-        """V times columns."""
-        known = self._known.size
-        return self._vectors[:, known : known + self._size] @ vectors
 
     def _ritz(self) -> tuple[Complexes, Floats]:
         """Eigenvalues of OP on the space and the residuals of their vectors."""
         theta, vectors = small_eigenpairs(self._square(), symmetric=self._known.symmetric)
-        rest = self._operator[self._size :]
+        rest = self._space.operator[self._space.size :]
         return theta, np.linalg.norm(rest @ vectors, axis=0)
+
+    def _next_look(self, theta: Complexes, residuals: Floats, inside: NDArray[np.bool_]) -> int:
+        """Size of the space at which it is worth looking again.
+
+        The worst residual in the disc falls the faster the larger the space: where it fell since
+        the last look, its rate says when it will have converged, or a little earlier.
+        """
+        size, wanted = self._space.size, int(inside.sum())
+        relative = residuals[inside] / (self._owner.tolerance * np.abs(theta[inside]))
+        worst = float(np.log(max(relative.max(initial=0.0), 1.0)))
+        before, self._worst = self._worst, (size, wanted, worst)
+        most = int(_GROWTH * size)
+        if before is not None and before[1] == wanted and worst < before[2]:
+            rate = (before[2] - worst) / (size - before[0])
+            most = min(most, size + int(worst / rate))
+        return max(size + _BLOCK, most)
 
     def _clear(self, theta: Complexes, residuals: Floats, inside: NDArray[np.bool_]) -> bool:
         """Whether the first eigenvalue outside has converged enough to be outside."""
@@ -282,20 +227,6 @@ class KrylovRun:
         )
         return form[:kept, :kept], vectors[:, :kept]
 
-    def _restart(self, theta: Complexes, number: int) -> None:
-        """Keep the leading eigenvalues, and U."""
-        form, vectors = self._leading(theta, number)
-        known, size = self._known.size, self._size
-        block = self._vectors[:, known + size : known + size + self._next].copy()
-        kept = self._space(vectors)
-        rest = self._operator[size:] @ vectors
-        self._size = len(form)
-        end = known + self._size
-        self._vectors[:, known:end] = kept
-        self._vectors[:, end : end + self._next] = block
-        self._operator = np.vstack([form, rest])
-        self._coupling = self._coupling @ vectors
-
     def _largest(self, theta: Complexes) -> NDArray[np.bool_]:
         """So many eigenvalues as are finite."""
         chosen = np.zeros(len(theta), dtype=bool)
@@ -312,5 +243,5 @@ class KrylovRun:
         if not number:
             return self._known
         form, vectors = self._leading(theta, number)
-        coupling = self._coupling @ vectors
-        return self._known.extended(self._space(vectors), coupling, form, self._shift)
+        coupling = self._space.coupling @ vectors
+        return self._known.extended(self._space.combined(vectors), coupling, form, self._shift)

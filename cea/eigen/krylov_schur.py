@@ -10,28 +10,24 @@ rotation the problem is quadratic in lambda, and another driver takes it
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Self
+from typing import Any, Self, get_args
 
 import numpy as np
 
 from cea.eigen.clusters import cluster_bounds
-from cea.eigen.eigenpairs import Eigenpairs, checked, inverse_step
+from cea.eigen.eigenpairs import checked
+from cea.eigen.found import Found, nearest_window, upper_end
+from cea.eigen.kept import Kept
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.nearest import NearestSearch
-from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.quadratic import QuadraticDriver
-from cea.eigen.search import Found, WindowSearch, upper_end
-from cea.eigen.sensitivity import LeftVectors, biorthonormal
-from cea.eigen.shifted import Shifted, count_below
-from cea.eigen.spectrum import Window
+from cea.eigen.search import Solver, WindowSearch
+from cea.eigen.sensitivity import left_vectors_of
+from cea.eigen.shifted import Shifted
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
-
-_NEARBY_STEPS = 3
-"""Steps of refinement up to which factors of nearby parameters are worth keeping."""
-_BESIDE = 0.997
-"""Part of a shift that is an eigenvalue at which another is tried."""
 
 
 class KrylovSchur:
@@ -48,28 +44,39 @@ class KrylovSchur:
         Relative tolerance of the Krylov iteration on 1 / (kappa - shift).
     max_restarts
         Restarts of the Krylov iteration before it is given up.
+    solver
+        What searches a window: ``"block"``, or ``"krylov-schur"``, that of SLEPc, as a reference;
+        it is slower, and takes neither damping nor rotation.
 
     Attributes
     ----------
-    factorisations
-        Factorisations made so far, inertia counts included.
     solves
         Eigenvalue problems solved so far.
     """
 
     def __init__(
-        self, pencil: Pencil, *, tolerance: float = 1e-13, max_restarts: int = 200
+        self,
+        pencil: Pencil,
+        *,
+        tolerance: float = 1e-13,
+        max_restarts: int = 200,
+        solver: Solver = "block",
     ) -> None:
+        if solver not in get_args(Solver):
+            raise InputError("solver", solver, " or ".join(map(repr, get_args(Solver))))
         if not any(term.role == "mass" for term in pencil.terms):
             raise InputError("mass", None, "a mass: modes have none without")
         self.pencil = pencil
-        self.factorisations = 0
+        self.solver: Solver = solver
         self.solves = 0
+        self._searched = 0
         self._tolerance, self._max_restarts = tolerance, max_restarts
-        self._counts: dict[tuple[float, ...], int] = {}
-        self._summed: tuple[dict[str, float], Matrices] | None = None
-        self._factors: Shifted | None = None
-        self._at: tuple[dict[str, float], float] = ({}, np.nan)
+        self._kept = Kept(pencil)
+
+    @property
+    def factorisations(self) -> int:
+        """Factorisations made so far, inertia counts included."""
+        return self._kept.factorisations + self._searched
 
     def __enter__(self) -> Self:
         return self
@@ -79,12 +86,7 @@ class KrylovSchur:
 
     def free(self) -> None:
         """Free factors and sums; what was counted is kept."""
-        if self._factors is not None:
-            self._factors.free()
-            self._factors = None
-        if self._summed is not None:
-            release(self._summed[1])
-            self._summed = None
+        self._kept.free()
 
     def solve(
         self,
@@ -125,23 +127,26 @@ class KrylovSchur:
             raise InputError("min_growth", min_growth, "zero or a negative number (1/s), or none")
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
-            matrices = self._matrices(values)
+            matrices = self._kept.matrices(values)
         if matrices.quadratic:
+            if self.solver != "block":
+                raise InputError("solver", self.solver, "'block' with damping or rotation")
             return self._quadratic(matrices, values, max_frequency, min_growth, timer, left=left)
         top = (2 * np.pi * max_frequency) ** 2
         shift, upper, counted = 0.5 * top, upper_end(top), None
         with timer("factorisation"):
-            factors = self._in_the_middle(matrices, values, shift)
+            factors = self._kept.in_the_middle(matrices, values, shift)
             if matrices.symmetric:
-                counted = self._count(matrices, values, upper)
+                counted = self._kept.count(matrices, values, upper)
         search = WindowSearch(
             matrices,
             factors,
             tolerance=self._tolerance,
             max_restarts=self._max_restarts,
             timer=timer,
+            solver=self.solver,
         )
-        self._at = ({}, np.nan)  # the search moves the factors; where it fails they are no more
+        self._kept.lost()  # the search moves the factors; where it fails they are no more
         try:
             found = search.complex(top) if counted is None else search.real(top, counted)
         except ConvergenceError as error:
@@ -150,8 +155,8 @@ class KrylovSchur:
             raise
         finally:
             self.solves += 1
-            self.factorisations += search.factorisations
-        self._at = (values, factors.kappa)
+            self._searched += search.factorisations
+        self._kept.moved(values, factors.kappa)
         modes = self._judged(matrices, values, factors, found, top, timer, search if left else None)
         if counted is not None and not modes.window.complete:
             raise ConvergenceError(
@@ -177,7 +182,7 @@ class KrylovSchur:
             return driver.solve(max_frequency, min_growth, left=left)
         finally:
             self.solves += 1
-            self.factorisations += driver.factorisations
+            self._searched += driver.factorisations
 
     def _judged(
         self,
@@ -191,28 +196,21 @@ class KrylovSchur:
     ) -> Modes:
         """Modes of what was found, with their errors; with left vectors where a search is given."""
         kappa, vectors = found.subspace.eigenpairs()
-        upper = upper_end(top)
-        window = Window(
-            max_frequency=float(np.sqrt(top)) / (2 * np.pi),
-            shift=found.discs[0].centre if found.discs else 0.5 * top,
-            radius=found.discs[0].radius if found.discs else 0.0,
-            found=len(kappa),
-            discs=len(found.discs),
-            max_growth=np.inf if found.bounded else float(np.sqrt(max(found.depth, 0.0))),
-            bounded=found.bounded,
-            odd=found.odd,
-            upper=upper,
-            found_below=int(np.sum(kappa.real < upper)),
-            symmetric_count=found.counted,
-        )
+        window = found.window(top, kappa)
         with timer("post-processing"):  # those around the window show too what rounding does
-            pairs = checked(matrices, factors, kappa, vectors)
+            conditions = found.subspace.conditions()
+            pairs = checked(matrices, factors, kappa, vectors, conditions)
             if not matrices.symmetric:
                 bounds = cluster_bounds(
                     found.subspace.projected, pairs.kappa, pairs.errors, pairs.conditions
                 )
                 pairs = replace(pairs, bounds=bounds)
-        left_vectors = self._left(matrices, factors, pairs, search, timer) if search else None
+        left_vectors = None
+        if search is not None:
+            kappa, vectors = search.left()
+            self._kept.moved(values, factors.kappa)
+            with timer("post-processing"):
+                left_vectors = left_vectors_of(matrices, factors, pairs, kappa, vectors)
         return modes_of(self.pencil, values, matrices, pairs, left_vectors, window)
 
     def nearest(
@@ -251,32 +249,20 @@ class KrylovSchur:
             raise InputError("wanted", wanted, "1 or more")
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
-            matrices = self._matrices(values)
+            matrices = self._kept.matrices(values)
         if matrices.quadratic:
             return self._nearest_quadratic(matrices, values, complex(kappa), wanted, timer)
         if isinstance(kappa, complex):
             raise InputError("kappa", kappa, "a real number where nothing damps or rotates")
         with timer("factorisation"):
-            factors = self._nearby(matrices, values, kappa)
+            factors = self._kept.nearby(matrices, values, kappa)
         search = NearestSearch(matrices, factors, self._tolerance, self._max_restarts, timer)
         found, vectors = search.nearest(wanted)
         self.solves += 1
-        window = Window(
-            max_frequency=np.inf,
-            shift=kappa,
-            radius=float(np.abs(found - kappa).max(initial=0.0)),
-            found=len(found),
-            discs=1,
-            max_growth=0.0,
-            bounded=False,
-            odd=False,
-            upper=np.inf,
-            found_below=len(found),
-            symmetric_count=None,
-        )
+        window = nearest_window(kappa, found)
         with timer("post-processing"):
             pairs = checked(matrices, factors, found, vectors)
-        if factors is not self._factors:
+        if not self._kept.is_own(factors):
             factors.free()
         return modes_of(self.pencil, values, matrices, pairs, None, window)
 
@@ -297,7 +283,7 @@ class KrylovSchur:
             return driver.nearest(place if place.imag >= 0 else -place, wanted)
         finally:
             self.solves += 1
-            self.factorisations += driver.factorisations
+            self._searched += driver.factorisations
 
     def _of_quadratic(
         self, matrices: Matrices, values: dict[str, float], timer: StageTimer
@@ -308,75 +294,11 @@ class KrylovSchur:
 
     def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:
         """Whether the pencil is damped or rotates at given parameters."""
-        return self._matrices(self.pencil.values(changes)).quadratic
+        return self._kept.matrices(self.pencil.values(changes)).quadratic
 
     def mass(self, values: Mapping[str, float]) -> Any:
         """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
-        return self._matrices(self.pencil.values(values)).mass
-
-    def _matrices(self, values: dict[str, float]) -> Matrices:
-        if self._summed is None:
-            self._summed = (values, self.pencil.at(values))
-        elif self._summed[0] != values:
-            before, matrices = self._summed
-            self._summed = None  # an interruption leaves nothing that was freed
-            self._summed = (values, self.pencil.moved(matrices, before, values))
-        return self._summed[1]
-
-    def _count(self, matrices: Matrices, values: dict[str, float], upper: float) -> int:
-        key = (*self.pencil.symmetric_values(values), upper)
-        if key not in self._counts:
-            self._counts[key] = count_below(matrices, upper)
-            self.factorisations += 1
-        return self._counts[key]
-
-    def _factorised(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
-        """Factors at a shift, those of the last solve where they are the same."""
-        known = self._factors is not None and self._factors.matrices is matrices
-        if self._factors is None or not known or self._at != (values, kappa):
-            if self._factors is not None:
-                self._factors.free()
-                self._factors = None
-            self._factors = Shifted(matrices, kappa)
-            self._at = (values, kappa)
-            self.factorisations += 1
-        return self._factors
-
-    def _in_the_middle(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
-        """Factors at a shift, or beside it where it is an eigenvalue."""
-        try:
-            return self._factorised(matrices, values, kappa)
-        except ConvergenceError:
-            return self._factorised(matrices, values, _BESIDE * kappa)
-
-    def _nearby(self, matrices: Matrices, values: dict[str, float], kappa: float) -> Shifted:
-        """Factors at a shift, or those made there at parameters near enough, refined."""
-        if self._factors is not None and self._at[1] == kappa and self._at[0] != values:
-            refined = Shifted(matrices, kappa, near=self._factors)
-            if refined.steps() <= _NEARBY_STEPS:
-                return refined
-            refined.free()
-        return self._factorised(matrices, values, kappa)
-
-    def _left(
-        self,
-        matrices: Matrices,
-        factors: Shifted,
-        pairs: Eigenpairs,
-        search: WindowSearch,
-        timer: StageTimer,
-    ) -> LeftVectors:
-        """Left vectors of the eigenpairs found."""
-        if matrices.symmetric:
-            return LeftVectors(pairs.vectors, pairs.forces)
-        kappa, vectors = search.left()
-        self._at = (self._at[0], factors.kappa)
-        with timer("post-processing"):
-            y = biorthonormal(matrices.mass, pairs.kappa, pairs.vectors, kappa, vectors)
-            g = np.empty((0, len(pairs.kappa)), dtype=complex)
-            if matrices.multipliers is not None:
-                y, g = inverse_step(matrices, factors, pairs.kappa.conj(), y, transposed=True)
-        return LeftVectors(y, g)
+        return self._kept.matrices(self.pencil.values(values)).mass
 
 
 def solve_modes(
@@ -388,11 +310,14 @@ def solve_modes(
     left: bool = False,
     tolerance: float = 1e-13,
     max_restarts: int = 200,
+    solver: Solver = "block",
     timer: StageTimer | None = None,
 ) -> Modes:
     """All modes of a pencil up to a frequency: one solve of a :class:`KrylovSchur` driver.
 
     Parameters and errors are those of the driver and of :meth:`KrylovSchur.solve`.
     """
-    with KrylovSchur(pencil, tolerance=tolerance, max_restarts=max_restarts) as driver:
+    with KrylovSchur(
+        pencil, tolerance=tolerance, max_restarts=max_restarts, solver=solver
+    ) as driver:
         return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes
+from cea.arrays import Complexes, Floats
 from cea.eigen.factorisation import Applied
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
@@ -29,6 +29,8 @@ class NearestSearch:
         Restarts before a run is given up.
     timer
         Counts krylov.
+    transposed
+        Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
     """
 
     def __init__(
@@ -38,38 +40,69 @@ class NearestSearch:
         tolerance: float,
         max_restarts: int,
         timer: StageTimer,
+        *,
+        transposed: bool = False,
     ) -> None:
         self._matrices = matrices
         self._size = matrices.size - matrices.tied
         self._shift = factors.kappa
-        self._inverse = Applied(factors)
+        self._inverse = Applied(factors, transposed=transposed)
         self._limits = tolerance, max_restarts
         self._timer = timer
 
-    def nearest(self, wanted: int) -> tuple[Complexes, Complexes]:
+    def nearest(
+        self, wanted: int, known: Floats | None = None, seed: int | None = None
+    ) -> tuple[Complexes, Complexes]:
         """So many eigenvalues nearest to the shift, or a few more, and their vectors.
+
+        Parameters
+        ----------
+        wanted
+            How many.
+        known
+            Vectors of an invariant subspace that is left out, the rows of this rank; the others
+            are then eigenvectors beside it.
+        seed
+            Of a random start vector; None leaves it to SLEPc.
 
         Raises
         ------
         ConvergenceError
             When fewer converge.
         """
-        wanted = min(wanted, self._size)
-        kappa, vectors = self._krylov(wanted, 3 * wanted)
-        if len(kappa) < wanted:
-            raise ConvergenceError(f"{len(kappa)} of {wanted} eigenvalues converged", best=kappa)
-        return kappa, vectors
-
-    def _krylov(self, wanted: int, basis: int) -> tuple[Complexes, Complexes]:
-        """One run for the eigenvalues nearest the shift."""
+        left_out = 0 if known is None else known.shape[1]
+        size = self._size - left_out
+        wanted = min(wanted, size)
         solver = self._solver()
-        ncv = min(basis, self._matrices.size)
+        ncv = min(3 * wanted, self._matrices.size - left_out)
         solver.setDimensions(nev=wanted, ncv=ncv, mpd=ncv)
+        if known is not None and left_out:
+            self._leave_out(solver, known)
+        if seed is not None:
+            self._begin(solver, seed)
         with self._timer("krylov"):
             solver.solve()
             kappa, vectors = _eigenpairs(solver, self._matrices.mass)
         destroy(solver)
-        return kappa[: self._size], vectors[:, : self._size]  # ties have infinite ones, found last
+        if len(kappa) < wanted:
+            raise ConvergenceError(f"{len(kappa)} of {wanted} eigenvalues converged", best=kappa)
+        return kappa[:size], vectors[:, :size]  # ties have infinite ones, found last
+
+    def _leave_out(self, solver: Any, known: Floats) -> None:
+        space = []
+        for column in known.T:
+            vector = self._matrices.mass.createVecRight()
+            vector.array[:] = column
+            space.append(vector)
+        solver.setDeflationSpace(space)
+        destroy(*space)
+
+    def _begin(self, solver: Any, seed: int) -> None:
+        vector = self._matrices.mass.createVecRight()
+        random = np.random.default_rng([seed, vector.comm.rank])
+        vector.array[:] = random.standard_normal(vector.getLocalSize())
+        solver.setInitialSpace([vector])
+        destroy(vector)
 
     def _solver(self) -> Any:
         solver: Any = SLEPc.EPS().create(self._matrices.stiffness.comm)

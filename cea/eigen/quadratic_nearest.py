@@ -74,9 +74,9 @@ class _NearestRun(KrylovRun):
         """What is wanted, all of it converged."""
         restarts, look = 0, 2 * self._wanted + _ROOM
         while True:
-            exhausted = not self._next or self._size >= self._room
-            if self._size < look and not exhausted:
-                self._extend()
+            exhausted = not self._space.next or self._space.size >= self._room
+            if self._space.size < look and not exhausted:
+                self._space.extend()
                 continue
             theta, residuals = self._ritz()
             converged = residuals <= self._owner.tolerance * np.abs(theta)
@@ -88,7 +88,7 @@ class _NearestRun(KrylovRun):
                 chosen[nearest] = True
                 return self._locked(theta, converged & chosen)
             kept = len(nearest) + _ROOM
-            if self._size >= _FULL * kept:
+            if self._space.size >= _FULL * kept:
                 if restarts == self._owner.max_restarts:
                     raise ConvergenceError(
                         f"{int(converged[nearest].sum())} of {len(nearest)} eigenvalues next to "
@@ -96,8 +96,8 @@ class _NearestRun(KrylovRun):
                         best=self._locked(theta, converged),
                     )
                 restarts += 1
-                self._restart(theta, kept)
-            look = self._size + 1
+                self._space.restart(*self._leading(theta, kept))
+            look = self._space.size + 1
 
     def _nearest(self, theta: np.ndarray) -> np.ndarray:
         """Of which theta stand for those wanted and all that are nearer."""

@@ -7,8 +7,8 @@ whole window with another disc. Where friction might move eigenvalues farther to
 disc reaches, further discs follow.
 """
 
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -16,14 +16,14 @@ from cea.arrays import Complexes
 from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.coverage import distance_of_cone, distance_within, touching_disc
 from cea.eigen.field_of_values import FieldOfValues, field_of_values
+from cea.eigen.found import Disc, Found, upper_end
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
+from cea.eigen.slepc_search import SlepcSearch
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
-_MARGIN = 1.05
-"""Radius of the disc about the middle of the window relative to half the window."""
 _DEPTH = 0.1
 """Depth X of the first covering disc relative to omega^2, where friction reaches no farther."""
 _AROUND = 1.5
@@ -48,50 +48,11 @@ _WIDER = 10.0
 """Radius of a disc around an empty one, relative to it."""
 _STEPS_ASIDE = 4
 """Most such steps."""
+
+Solver = Literal["block", "krylov-schur"]
+"""What searches discs: by blocks, or Krylov-Schur of SLEPc as a reference."""
 _INSIDE = 1 + 1e-9
 """Radius of a disc of left eigenvalues relative to the farthest right one in it."""
-
-
-@dataclass(frozen=True)
-class Disc:
-    """A disc of kappa = -lambda^2 in which every eigenvalue was found.
-
-    Parameters
-    ----------
-    centre, radius
-        In 1/s^2.
-    """
-
-    centre: float
-    radius: float
-
-
-@dataclass(frozen=True)
-class Found:
-    """What a search of a window found.
-
-    Parameters
-    ----------
-    subspace
-        Invariant subspace of the eigenvalues found.
-    discs
-        Discs that are full.
-    depth
-        Every eigenvalue of the window with Re kappa >= -depth was found (1/s^2).
-    bounded
-        Whether no eigenvalue of the window has Re kappa < -depth.
-    odd
-        Whether the sign of a determinant shows that a real kappa is missing.
-    counted
-        Without friction, eigenvalues below :func:`upper_end` by inertia.
-    """
-
-    subspace: InvariantSubspace
-    discs: tuple[Disc, ...] = ()
-    depth: float = 0.0
-    bounded: bool = False
-    odd: bool = False
-    counted: int | None = None
 
 
 class WindowSearch:
@@ -107,6 +68,8 @@ class WindowSearch:
         Of each search (:class:`cea.eigen.block_krylov.BlockKrylov`).
     timer
         Counts factorisation and krylov.
+    solver
+        What searches a disc.
 
     Attributes
     ----------
@@ -122,13 +85,14 @@ class WindowSearch:
         tolerance: float,
         max_restarts: int,
         timer: StageTimer,
+        solver: Solver = "block",
     ) -> None:
         self._matrices, self._factors = matrices, factors
         self._middle = factors.kappa
         self.factorisations = 0
         self._finite = matrices.size - matrices.tied
         self._limits = tolerance, max_restarts
-        self._timer = timer
+        self._timer, self._solver = timer, solver
         self._searches = 0
         self._discs: list[Disc] = []
         self._farthest: dict[float, float] = {}
@@ -227,8 +191,13 @@ class WindowSearch:
         return known
 
     def left(self) -> tuple[Complexes, Complexes]:
-        """Left eigenvectors, with the conjugates of their eigenvalues, of all that was found."""
+        """Left eigenvectors, with the conjugates of their eigenvalues, of all that was found.
+
+        Without friction they are the right ones, and none are searched.
+        """
         known = self._nothing()
+        if self._matrices.symmetric:
+            return known.eigenpairs()
         for shift, distance in self._farthest.items():
             self._move(shift)
             known = self._filled(known, _INSIDE * distance, transposed=True)
@@ -259,16 +228,7 @@ class WindowSearch:
     ) -> InvariantSubspace:
         """Search a disc, once or again and again beside what was found until nothing more is."""
         factors = self._factors
-        tolerance, max_restarts = self._limits
-        krylov = BlockKrylov(
-            self._matrices.mass,
-            factors,
-            self._finite,
-            tolerance=tolerance,
-            max_restarts=max_restarts,
-            timer=self._timer,
-            transposed=transposed,
-        )
+        krylov = self._searcher(transposed=transposed)
         for _ in range(1 if once else _MOST_SEARCHES):
             before = known.size
             known = krylov.search(known, radius, self._searches, both_ends=not once)
@@ -291,6 +251,22 @@ class WindowSearch:
             self._discs.append(Disc(factors.kappa, radius))
         return known
 
+    def _searcher(self, *, transposed: bool) -> BlockKrylov | SlepcSearch:
+        """What searches discs about the shift."""
+        tolerance, max_restarts = self._limits
+        kind: Any = BlockKrylov if self._solver == "block" else SlepcSearch
+        return cast(
+            BlockKrylov | SlepcSearch,
+            kind(
+                self._matrices,
+                self._factors,
+                tolerance=tolerance,
+                max_restarts=max_restarts,
+                timer=self._timer,
+                transposed=transposed,
+            ),
+        )
+
     def _move(self, kappa: float) -> None:
         if kappa != self._factors.kappa:
             with self._timer("factorisation"):
@@ -307,11 +283,6 @@ class WindowSearch:
     def _nothing(self) -> InvariantSubspace:
         rows = self._matrices.stiffness.getLocalSize()[0]
         return InvariantSubspace.empty(rows, symmetric=self._matrices.symmetric)
-
-
-def upper_end(top: float) -> float:
-    """Upper end of the disc about the middle of a window that ends at omega^2 (1/s^2)."""
-    return 0.5 * top * (1 + _MARGIN)
 
 
 def _below(known: InvariantSubspace, kappa: float) -> int:

@@ -15,8 +15,10 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, column_blocks, times
+from cea.eigen.eigenpairs import Eigenpairs, inverse_step
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
-from cea.eigen.pencil import Pencil, Role
+from cea.eigen.pencil import Matrices, Pencil, Role
+from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
 from cea.petsc import Mat
 
@@ -47,6 +49,29 @@ class LeftVectors:
 
     def __getitem__(self, modes: Any) -> "LeftVectors":
         return LeftVectors(self.vectors[:, modes], self.forces[:, modes])
+
+
+def left_vectors_of(
+    matrices: Matrices, factors: Shifted, pairs: Eigenpairs, kappa: Complexes, vectors: Complexes
+) -> LeftVectors:
+    """Left vectors of eigenpairs, in their order.
+
+    Parameters
+    ----------
+    matrices, factors
+        The pencil, and factorised.
+    pairs
+        Eigenpairs.
+    kappa, vectors
+        Eigenvectors of K^T and their eigenvalues; none without friction, where right ones serve.
+    """
+    if matrices.symmetric:
+        return LeftVectors(pairs.vectors, pairs.forces)
+    y = biorthonormal(matrices.mass, pairs.kappa, pairs.vectors, kappa, vectors)
+    g = np.empty((0, len(pairs.kappa)), dtype=complex)
+    if matrices.multipliers is not None:
+        y, g = inverse_step(matrices, factors, pairs.kappa.conj(), y, transposed=True)
+    return LeftVectors(y, g)
 
 
 def biorthonormal(

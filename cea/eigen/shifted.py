@@ -77,6 +77,13 @@ class Shifted:
         destroy(operator)
         return whole
 
+    @property
+    def multipliers(self) -> int:
+        """Number of contact forces on this rank that are unknowns."""
+        return (
+            0 if self._multipliers is None else int(self._multipliers.compliance.getLocalSize()[0])
+        )
+
     def move(self, kappa: float) -> None:
         """Factorise at another shift instead.
 

@@ -42,7 +42,7 @@ class Sizes:
         for part in self._stiffness:
             total += image_of(part, x)
         if self._reaction is not None:
-            total += transposed_times(self._reaction, f.astype(complex)).real
+            total += transposed_times(self._reaction, f)
         return total
 
     def works(self, x: NDArray[Any], f: NDArray[Any]) -> Floats:

@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.dense_products import beside, combined
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,16 @@ class InvariantSubspace:
         if not self.size:
             return np.empty(0, dtype=complex), np.empty((len(self.basis), 0), dtype=complex)
         values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
-        return values, self.basis @ vectors.real + 1j * (self.basis @ vectors.imag)
+        if not vectors.imag.any():
+            return values, combined(self.basis, vectors.real).astype(complex)
+        return values, combined(self.basis, vectors)
+
+    def conditions(self) -> Floats:
+        """Condition numbers of the eigenvalues within the subspace, in the order of the pairs."""
+        if self.symmetric:
+            return np.ones(self.size)
+        _, vectors = small_eigenpairs(self.projected, symmetric=False)
+        return conditions_of(vectors.conj().T @ vectors)
 
     def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
         """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
@@ -59,7 +69,7 @@ class InvariantSubspace:
         own = own + shift * np.eye(len(form))
         nothing = np.zeros((len(form), self.size))
         projected = np.block([[self.projected, across], [nothing, own]])
-        return type(self)(np.hstack([self.basis, basis]), projected, self.symmetric)
+        return type(self)(beside(self.basis, basis), projected, self.symmetric)
 
 
 def symmetric_part(matrix: Floats) -> Floats:
@@ -71,3 +81,10 @@ def small_eigenpairs(matrix: Floats, *, symmetric: bool) -> tuple[Complexes, Com
     """Eigenvalues and vectors of a small matrix."""
     values, vectors = np.linalg.eigh(symmetric_part(matrix)) if symmetric else np.linalg.eig(matrix)
     return values.astype(complex), vectors.astype(complex)
+
+
+def conditions_of(gram: Complexes) -> Floats:
+    """Condition numbers from the Gram matrix of unit eigenvectors: sqrt of diag of its inverse."""
+    values, vectors = np.linalg.eigh(gram)
+    values = np.maximum(values, np.finfo(float).eps * values.max(initial=1.0))
+    return np.sqrt(np.maximum((np.abs(vectors) ** 2 / values).sum(axis=1), 1.0))

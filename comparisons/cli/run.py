@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 if TYPE_CHECKING:
+    from cea.eigen.search import Solver
     from comparisons.cli.progress import Working
     from scenes.matrix_run import MatrixResult
     from scenes.matrix_scene import MatrixScene
@@ -23,6 +24,10 @@ def run(
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
+    solver: Annotated[
+        Literal["block", "krylov-schur"],
+        typer.Option(help="What searches for modes; krylov-schur is slower, a reference."),
+    ] = "block",
     out: Annotated[Path, typer.Option(help="Folder for result.json and all else.")] = Path(
         "results/run"
     ),
@@ -38,19 +43,21 @@ def run(
     from scenes.matrix_scene import is_of_matrices, load_matrices
 
     inputs = {"scene": scene, "set": set_ or [], "backend": backend}
+    if solver != "block":
+        inputs["solver"] = solver
     if is_of_matrices(scene):
         _refuse("backend", backend, "left out: a scene of matrices has no bodies")
         if explain:
             explain_matrices(scene, set_ or [], data)
             return
         chosen = load_matrices(scene, set_ or (), data)
-        report_matrices(chosen, out, {**inputs, "data": data}, report=report)
+        report_matrices(chosen, out, {**inputs, "data": data}, report=report, solver=solver)
         return
     _refuse("data", data, "left out: a scene of bodies reads no matrices")
     if explain:
         explain_bodies(scene, set_ or [], backend)
         return
-    _run_bodies(scene, set_ or [], backend, out, inputs, report=report)
+    _run_bodies(scene, set_ or [], backend, out, inputs, report=report, solver=solver)
 
 
 def _refuse(option: str, value: str | None, allowed: str) -> None:
@@ -61,7 +68,12 @@ def _refuse(option: str, value: str | None, allowed: str) -> None:
 
 
 def report_matrices(
-    scene: "MatrixScene", out: Path, inputs: dict[str, Any], *, report: bool = False
+    scene: "MatrixScene",
+    out: Path,
+    inputs: dict[str, Any],
+    *,
+    report: bool = False,
+    solver: "Solver" = "block",
 ) -> None:
     """Run a scene of matrices, print its modes and write its result.json."""
     from comparisons.cli.extras import need
@@ -76,7 +88,7 @@ def report_matrices(
         check_out(out)
         if report:
             need("pictures")
-        result = run_matrices(scene, listener=work.stage)
+        result = run_matrices(scene, solver=solver, listener=work.stage)
     _write(result, out, inputs, report=report)
 
 
@@ -88,6 +100,7 @@ def _run_bodies(
     inputs: dict[str, Any],
     *,
     report: bool,
+    solver: "Solver",
 ) -> None:
     """Run a scene of bodies and write its result.json, pictures and files for ParaView."""
     from comparisons.cli.extras import need
@@ -104,7 +117,7 @@ def _run_bodies(
         check_out(out)
         if chosen.output.pictures or chosen.output.paraview or report:
             need("pictures")
-        result = run_scene(chosen, listener=work.stage)
+        result = run_scene(chosen, solver=solver, listener=work.stage)
     _write(result, out, inputs, report=report)
 
 

@@ -225,11 +225,11 @@ def test_what_is_known_does_not_change_where_a_far_search_adds_to_it():
     matrices = pencil_of([*band(100), pair(2.0, 0.1), [[-1e14]]]).at()
     factors = Shifted(matrices, 1.0)
     options = {"tolerance": 1e-13, "max_restarts": 50, "timer": StageTimer()}
-    near = BlockKrylov(matrices.mass, factors, matrices.size, **options)
+    near = BlockKrylov(matrices, factors, **options)
     known = near.search(InvariantSubspace.empty(matrices.size, symmetric=False), 5.0, 0)
     before = np.sort_complex(known.eigenvalues())
     factors.move(-1.2e14)
-    far = BlockKrylov(matrices.mass, factors, matrices.size, **options)
+    far = BlockKrylov(matrices, factors, **options)
     both = far.search(known, 0.5e14, 1, both_ends=True)
     assert both.size == known.size + 1
     after = np.sort_complex(both.eigenvalues())

@@ -1,0 +1,189 @@
+"""The space of a block Krylov method: orthonormal vectors, and an operator on them.
+
+A block is projected twice: where friction acts, what an operator makes of it lies in all vectors.
+"""
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.eigen.dense_products import combined, subtract
+
+_NOISE = 1e-12
+"""Part of a vector that projections leave below which it lies in the space already."""
+_ORTHONORMAL = 1e-12
+"""Distance of inner products from those of orthonormal vectors that is good enough."""
+_WIDER, _FEW = 1.5, 64
+"""Growth of the room for vectors, and that of little room."""
+
+
+class InnerProduct(Protocol):
+    """An inner product and an operator OP on blocks of distributed vectors.
+
+    Attributes
+    ----------
+    dtype
+        Of its vectors, float or complex.
+    """
+
+    dtype: type
+
+    def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
+        """OP on a block whose image is given, a new block."""
+        ...
+
+    def image(self, block: NDArray[Any]) -> NDArray[Any]:
+        """A block times the matrix of the inner product, a new block."""
+        ...
+
+    def inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
+        """Inner products of every column of one block with every column of another."""
+        ...
+
+
+class KrylovSpace:
+    """Vectors in one array: those of Q, known before, those of V, and a block U that is next.
+
+    They hold OP V = Q C + [V U] H.
+
+    Parameters
+    ----------
+    owner
+        OP and the inner product in which all vectors are orthonormal.
+    known
+        Q, the rows of this rank, shape (n_local, k).
+    room
+        Most vectors of V and U: there are no more directions.
+
+    Attributes
+    ----------
+    size, next
+        Vectors of V, and of U.
+    operator, coupling
+        H and C.
+    """
+
+    def __init__(self, owner: InnerProduct, known: NDArray[Any], room: int) -> None:
+        self._owner, self._room = owner, room
+        self._known = known.shape[1]
+        self._vectors: NDArray[Any] = np.empty((len(known), 0), dtype=owner.dtype, order="F")
+        self._widen(self._known + 1)
+        self._vectors[:, : self._known] = known
+        self._image = self._vectors[:, :0]
+        self.size = self.next = 0
+        self.operator: NDArray[Any] = np.empty((0, 0), dtype=owner.dtype)
+        self.coupling: NDArray[Any] = np.empty((self._known, 0), dtype=owner.dtype)
+
+    @property
+    def square(self) -> NDArray[Any]:
+        """The rows of H that are those of V."""
+        return self.operator[: self.size]
+
+    def start(self, block: NDArray[Any]) -> None:
+        """Begin with a block; V is empty."""
+        self._append(block)
+
+    def extend(self) -> None:
+        """Take U into V, and OP U beside them as the next U."""
+        size, columns = self.size, self.next
+        first = self._known + size
+        fresh = self._owner.apply(self._vectors[:, first : first + columns], self._image)
+        self.size += columns
+        coefficients = self._append(np.asfortranarray(fresh))
+        shape = (self.size + self.next, self.size)
+        whole: NDArray[Any] = np.zeros(shape, dtype=self._owner.dtype)
+        whole[: len(self.operator), :size] = self.operator
+        whole[:, size:] = coefficients[self._known :]
+        self.operator = whole
+        self.coupling = np.hstack([self.coupling, coefficients[: self._known]])
+
+    def combined(self, coefficients: NDArray[Any]) -> NDArray[Any]:
+        """V times columns."""
+        return combined(self._vectors[:, self._known : self._known + self.size], coefficients)
+
+    def restart(self, form: NDArray[Any], vectors: NDArray[Any]) -> None:
+        """Keep an invariant subspace of the square, and U.
+
+        Parameters
+        ----------
+        form, vectors
+            Its Schur form, and its orthonormal vectors.
+        """
+        first = self._known + self.size
+        block = self._vectors[:, first : first + self.next].copy(order="F")
+        kept = self.combined(vectors)
+        rest = self.operator[self.size :] @ vectors
+        self.size = len(form)
+        end = self._known + self.size
+        self._vectors[:, self._known : end] = kept
+        self._vectors[:, end : end + self.next] = block
+        self.operator = np.vstack([form, rest])
+        self.coupling = self.coupling @ vectors
+
+    def _append(self, w: NDArray[Any]) -> NDArray[Any]:
+        """Put the part of a block outside Q and V behind them: w = [Q V U] c.
+
+        Columns of w that lie in Q and V but for rounding leave no column of U.
+
+        Parameters
+        ----------
+        w
+            The block, in Fortran order; it is overwritten.
+
+        Returns
+        -------
+        ndarray
+            c.
+        """
+        owner, first = self._owner, self._known + self.size
+        before = self._vectors[:, :first]
+        most = self._room - self.size  # more directions there are not, but of rounding
+        image = owner.image(w)
+        squares = np.einsum("ii->i", owner.inner(w, image)).real
+        lengths = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
+        w /= lengths
+        u, image = w, image / lengths
+        inside: NDArray[Any] = np.zeros((first, w.shape[1]), w.dtype)
+        rest: NDArray[Any] = np.diag(lengths).astype(w.dtype)
+        least = _NOISE
+        for _ in range(3):  # a third time, for the first leaves small vectors far from orthogonal
+            part = owner.inner(before, image)
+            inside += part @ rest
+            subtract(u, before, part)
+            image = owner.image(u)
+            gram = owner.inner(u, image)
+            if np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
+                break
+            axes = np.linalg.eigh(gram)[1]
+            u, image = combined(u, axes), combined(image, axes)
+            # Of small vectors beside large ones the lengths say more than the eigenvalues.
+            squares = np.einsum("ii->i", owner.inner(u, image)).real
+            lengths = np.sqrt(np.maximum(squares, 0.0))
+            kept = np.flatnonzero(lengths > least)
+            kept = kept[max(0, len(kept) - most) :]
+            u, image = _columns(u, kept), _columns(image, kept)
+            u /= lengths[kept]
+            image /= lengths[kept]
+            rest = (axes[:, kept] * lengths[kept]).conj().T @ rest
+            least = 0.3  # what a second projection takes most of was rounding
+        self._image, self.next = image, u.shape[1]
+        if first + self.next > self._vectors.shape[1]:
+            self._widen(first + self.next)
+        self._vectors[:, first : first + self.next] = u
+        return np.vstack([inside, rest])
+
+    def _widen(self, columns: int) -> None:
+        """Room for more vectors; those there are stay."""
+        before = self._vectors.shape[1]
+        columns = max(columns, min(int(_WIDER * columns) + _FEW, self._known + self._room))
+        wider: NDArray[Any] = np.empty(
+            (len(self._vectors), columns), dtype=self._owner.dtype, order="F"
+        )
+        wider[:, :before] = self._vectors
+        self._vectors = wider
+
+
+def _columns(block: NDArray[Any], kept: NDArray[np.int64]) -> NDArray[Any]:
+    """Some columns of a block in Fortran order, in that order again."""
+    return block if len(kept) == block.shape[1] else np.asfortranarray(block[:, kept])
