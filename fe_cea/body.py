@@ -18,7 +18,7 @@ from cea.supports.constraints import Constraints
 from cea.supports.prescribed import add_prescribed
 from cea.volume import VolumeCells, VolumeSample
 from fe_cea.cells import lagrange_cells
-from fe_cea.distribution import distribute
+from fe_cea.distribution import distribute, lasting_communicator
 from fe_cea.elasticity import Elasticity
 from fe_cea.facets import gather_facets
 from fe_cea.inputs import check_degrees, check_tags
@@ -79,6 +79,7 @@ class FEBody:
     ) -> None:
         self._name = name
         self._mesh = mesh
+        self._comm = lasting_communicator(mesh.comm)
         self._facet_tags = facet_tags
         self._surface_tags = dict(surface_tags)
         self._material = material
@@ -165,7 +166,7 @@ class FEBody:
     @property
     def comm(self) -> Any:
         """MPI communicator (mpi4py)."""
-        return self._mesh.comm
+        return self._comm
 
     @property
     def material(self) -> IsotropicMaterial:

@@ -12,6 +12,7 @@ from dolfinx.mesh import create_mesh, meshtags_from_entities
 
 from cea.errors import InputError
 from cea.mesh import DIMENSION, SIMPLICES, Cell, Floats, Ints, Mesh, lattice, matching_nodes
+from cea.petsc import MPI
 
 
 class TaggedMesh(NamedTuple):
@@ -20,6 +21,19 @@ class TaggedMesh(NamedTuple):
     mesh: Any
     facet_tags: Any
     surface_tags: Mapping[str, int]
+
+
+def lasting_communicator(comm: Any) -> Any:
+    """A communicator of the same ranks that is never freed, where there is one.
+
+    That of a dolfinx mesh is freed together with it, and a PETSc matrix made on it is then of no
+    more use, though contacts and pencils outlive their meshes.
+    """
+    same = (MPI.IDENT, MPI.CONGRUENT)
+    for known in (MPI.COMM_WORLD, MPI.COMM_SELF):
+        if MPI.Comm.Compare(comm, known) in same:
+            return known
+    return comm
 
 
 def distribute(mesh: Mesh | None, comm: Any, field: str) -> TaggedMesh:

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 from cea.arrays import Ints
 from cea.matrices import destroy, distributed
 from cea.petsc import PETSc
+from fe_cea.distribution import lasting_communicator
 
 Indices = NDArray[np.integer]
 Truths = NDArray[np.bool_]
@@ -28,7 +29,7 @@ class NodeGraph:
     """
 
     def __init__(self, V: Any) -> None:
-        self._comm = V.mesh.comm
+        self._comm = lasting_communicator(V.mesh.comm)
         self._nodes = V.dofmap.index_map
         cells = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
         self._cells = V.dofmap.list[:cells]
@@ -53,6 +54,8 @@ class NodeGraph:
         )
         layout = (int(np.count_nonzero(own)), PETSc.DETERMINE)
         matrix = PETSc.Mat().createAIJ((layout, layout), nnz=room, comm=self._comm)
+        # Said on every rank: ranks without rows give no room, and would look for new entries alone.
+        matrix.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, True)
         places: Any = known.astype(PETSc.IntType).ravel()
         table = PETSc.LGMap().create(places, comm=self._comm)
         matrix.setLGMap(table, table)

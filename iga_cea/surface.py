@@ -220,8 +220,8 @@ class NurbsSurface(FaceChart):
     def _operator(self, starts: Ints, columns: Ints, values: Floats) -> csr_array:
         """Rows of points; where control points have collapsed to one their functions are added."""
         shape = (len(starts) - 1, self.num_scalar_dofs)
-        operator = csr_array((values.copy(), columns.copy(), starts), shape=shape)
-        operator.sum_duplicates()
+        operator = csr_array((values, columns, starts), shape=shape, copy=True)
+        operator.sum_duplicates()  # in place, and other operators are made of the same arrays
         return operator
 
     def _normals(self, at: SurfaceCoordinates) -> tuple[Floats, Floats, Floats]:

@@ -1,5 +1,7 @@
 """Operators on full dofs as operators on unknowns, against dense products with expansions."""
 
+import gc
+
 import numpy as np
 import pytest
 from blocks import two_blocks
@@ -13,6 +15,7 @@ from cea.unknowns import free_operator, system_operator
 from scenes.build import build_bodies, build_interfaces
 from scenes.read import read_scene
 
+RNG = np.random.default_rng(3)
 SUPPORTS = {
     "free": (BOX, []),
     "held": (BOX, [{"surface": "x_min"}, {"surface": "z_max", "components": ["y"]}]),
@@ -60,6 +63,19 @@ def test_bodies_follow_each_other_among_the_unknowns(bodies, touched):
         for name, body in bodies.items()
     ]
     np.testing.assert_allclose(found.toarray(), np.hstack(blocks), rtol=0, atol=1e-14)
+
+
+def test_matrices_outlive_the_bodies_they_are_made_for(backend):
+    body = build(backend, *SUPPORTS["held"], [2, 2, 1])
+    matrices = [free_operator(operator_on(body, 20), body), body.stiffness(), body.mass()]
+    entries = [csr(matrix) for matrix in matrices]
+    del body
+    gc.collect()
+    for matrix, kept in zip(matrices, entries, strict=True):
+        x, y = matrix.createVecs()
+        x.array[:] = RNG.random(x.getSize())
+        matrix.mult(x, y)
+        np.testing.assert_allclose(y.array, kept @ x.array, rtol=1e-13, atol=1e-13)
 
 
 def touching(backend, angle):
