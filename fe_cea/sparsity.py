@@ -55,7 +55,8 @@ class NodeGraph:
         layout = (int(np.count_nonzero(own)), PETSc.DETERMINE)
         matrix = PETSc.Mat().createAIJ((layout, layout), nnz=room, comm=self._comm)
         # Said on every rank: ranks without rows give no room, and would look for new entries alone.
-        matrix.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, True)
+        no_more: Any = PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR
+        matrix.setOption(no_more, True)
         places: Any = known.astype(PETSc.IntType).ravel()
         table = PETSc.LGMap().create(places, comm=self._comm)
         matrix.setLGMap(table, table)
