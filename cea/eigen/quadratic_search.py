@@ -21,6 +21,7 @@ from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_coverage import bounded_growth, largest_growth
 from cea.eigen.quadratic_shifted import QuadraticShifted
 from cea.eigen.quadratic_window import QuadraticFound, ShiftedDisc
+from cea.eigen.sensitivity import SAME
 from cea.eigen.shifted import count_below
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
@@ -57,8 +58,9 @@ _ASIDE = 1e-3
 """Step of a shift aside relative to itself, from an eigenvalue that is the square as near."""
 _STEPS_ASIDE = 4
 """Most such steps."""
-_INSIDE = 1 + 1e-9
-"""Radius of a disc of left eigenvalues relative to the farthest right one in it."""
+_INSIDE = 1 + SAME
+"""Radius of a disc of left eigenvalues relative to the farthest right one in it: those that are the
+same but for rounding, which is large of rigid motions and near coalescence, are inside."""
 
 
 class QuadraticSearch:

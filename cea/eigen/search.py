@@ -18,6 +18,7 @@ from cea.eigen.coverage import distance_of_cone, distance_within, touching_disc
 from cea.eigen.field_of_values import FieldOfValues, field_of_values
 from cea.eigen.found import Disc, Found, upper_end
 from cea.eigen.pencil import Matrices
+from cea.eigen.sensitivity import SAME
 from cea.eigen.shifted import Shifted
 from cea.eigen.slepc_search import SlepcSearch
 from cea.eigen.subspace import InvariantSubspace
@@ -51,7 +52,7 @@ _STEPS_ASIDE = 4
 
 Solver = Literal["block", "krylov-schur"]
 """What searches discs: by blocks, or Krylov-Schur of SLEPc as a reference."""
-_INSIDE = 1 + 1e-9
+_INSIDE = 1 + SAME
 """Radius of a disc of left eigenvalues relative to the farthest right one in it."""
 
 
