@@ -105,6 +105,27 @@ def scaling(
     _shown(REPORT, run, out, redraw=redraw)
 
 
+@app.command()
+def contact(
+    elements: Annotated[
+        list[int] | None,
+        typer.Option("--elements", help="Elements along a side; may be repeated."),
+    ] = None,
+    repeats: Annotated[int, typer.Option(help="Runs of each by turns; medians count.")] = 1,
+    redraw: Annotated[bool, typer.Option("--redraw", help=_REDRAW)] = False,
+    out: Annotated[Path, typer.Option(help=_OUT)] = Path("results/bench/contact"),
+) -> None:
+    """Search and assemble contacts of up to a million points, beside evaluating bases there."""
+    from comparisons.bench.contact.page import REPORT
+    from comparisons.bench.contact.study import ContactStudy, run_contact
+
+    def run(progress: "Progress") -> "Iterator[dict[str, Any]]":
+        counts = tuple(elements) if elements else ContactStudy.elements
+        return run_contact(ContactStudy(counts, repeats), progress)
+
+    _shown(REPORT, run, out, redraw=redraw)
+
+
 def _shown(
     report: "Report",
     run: "Callable[[Progress], Iterable[dict[str, Any]]]",

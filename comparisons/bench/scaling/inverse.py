@@ -6,8 +6,6 @@ is made of the symmetric part and knows the rigid motions of the bodies. It need
 positive definite: that is so at shifts left of all eigenvalues, and no more inside the window.
 """
 
-import sys
-from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
@@ -18,13 +16,13 @@ from scipy.sparse.linalg import spsolve
 from cea.arrays import Floats
 from cea.body import Body
 from cea.matrices import destroy
-from cea.petsc import MPI, PETSc, SLEPc
+from cea.petsc import PETSc, SLEPc
 from cea.system.coupled import CoupledSystem
 from comparisons.bench import memory
+from comparisons.bench.launch import answer_file
 from comparisons.bench.rigid import rigid_motions
 from comparisons.bench.scaling.cases import scene_of
 from scenes.run import coupled
-from scenes.stored import read_record, write_record
 
 _TRIALS = 3
 """Systems with random right sides that are timed."""
@@ -179,12 +177,5 @@ def _applications() -> int:
     return int(PETSc.Log.Event("STApply").getPerfInfo()["count"])
 
 
-def main(file: Path) -> None:
-    """Answer the question that a file holds."""
-    found = answer(read_record(file))
-    if MPI.COMM_WORLD.rank == 0:
-        write_record(found, file)
-
-
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    answer_file(answer)

@@ -3,16 +3,14 @@
 The file holds a case as plain data; the answer takes its place.
 """
 
-import sys
-from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from cea.petsc import MPI
 from comparisons.bench import memory
+from comparisons.bench.launch import answer_file
 from comparisons.bench.scaling.cases import scene_of
 from scenes.run import run_modes
-from scenes.stored import read_record, write_record
 
 
 def answer(case: dict[str, Any]) -> dict[str, Any]:
@@ -43,12 +41,5 @@ def answer(case: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def main(file: Path) -> None:
-    """Answer the question that a file holds."""
-    found = answer(read_record(file))
-    if MPI.COMM_WORLD.rank == 0:
-        write_record(found, file)
-
-
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    answer_file(answer)

@@ -5,7 +5,6 @@ The file holds the question: ``method``, ``modes`` where it projects, ``folder``
 ranks all of them work on it.
 """
 
-import sys
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter, process_time
@@ -18,9 +17,9 @@ from cea.eigen.blocks import image_of
 from cea.matrices import destroy
 from cea.petsc import MPI, PETSc
 from comparisons.bench import memory
+from comparisons.bench.launch import answer_file
 from comparisons.bench.solve.methods.method import Answer
 from comparisons.bench.solve.methods.problem import Problem
-from scenes.stored import read_record, write_record
 
 _LU_RUNS = 2
 _EVENTS = {
@@ -113,12 +112,5 @@ def _counts() -> dict[str, int]:
     }
 
 
-def main(file: Path) -> None:
-    """Answer the question that a file holds."""
-    found = answer(read_record(file))
-    if MPI.COMM_WORLD.rank == 0:
-        write_record(found, file)
-
-
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    answer_file(answer)

@@ -1,0 +1,1 @@
+"""What ``cea bench contact`` measures: search and assembly of a contact beside evaluating bases."""
