@@ -147,6 +147,9 @@ def load_matrices(
         With one line for each fault.
     """
     tables, file = tables_of(scene), scene_file(scene)
+    if "bodies" in tables and "files" not in tables:
+        allowed = "a scene of matrices; one of bodies is read by load_scene"
+        raise SceneError([InputError("scene", str(scene), allowed)])
     comes_with_the_project = file.parent == OF_MATRICES
     if not comes_with_the_project and isinstance(tables.get("data", ""), str):
         tables["data"] = str(file.parent / tables.get("data", ""))
