@@ -140,8 +140,10 @@ class _Run:
         self, asked: AskedMap, scene: Mapped, store: Store, progress: Callable[[str], None]
     ) -> None:
         self._asked, self._scene, self._store, self._progress = asked, scene, store, progress
-        self._model = ReducedModel(scene.pencil, scene.box, scene.max_frequency)
-        self._full = Timed(scene.driver)
+        self._model = ReducedModel(
+            scene.pencil, scene.box, scene.max_frequency, scene.min_growth
+        )
+        self._full = Timed(scene)
         self._basis = Enrichment(
             self._model,
             self._full,

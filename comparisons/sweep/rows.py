@@ -1,7 +1,8 @@
 """Rows of a map: all values along its first axis at one value of each other."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from cea.reduced.onsets import Onset, PairLostError, onset, span_of
 from cea.reduced.rows import along
 from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
+from cea.reduced.zero_growth import zero_growth
 from comparisons.sweep.mapped import Mapped
 
 STABLE, UNSTABLE, UNDECIDED = 0, 1, 2
@@ -41,6 +43,8 @@ class Row:
         What the basis makes of the worst mean, relative to its speed, shape (values,).
     onsets
         Where flutter begins and ends.
+    lost
+        Thresholds between two values that could not be followed to where they are.
     """
 
     growth: Floats
@@ -51,6 +55,7 @@ class Row:
     verdict: NDArray[np.int8]
     worst: Floats
     onsets: tuple[Onset, ...]
+    lost: int = 0
 
 
 def map_row(
@@ -85,20 +90,46 @@ def map_row(
     numbers = [start[0]]
     branches.back_to(spectra[0], start[0])
     numbers += [branches.follow(found) for found in spectra[1:]]
-    onsets = []
-    for still, flutters, pair in _beginnings(spectra):
+
+    def at(value: float) -> ReducedSpectrum:
+        return basis.at(parameters(value))
+
+    seek = _crossings if small.damped else _coalescences
+    onsets, lost = [], 0
+    for sought in seek(at, values, spectra, numbers):
         try:
-            onsets.append(
-                onset(
-                    lambda value: basis.at(parameters(value)),
-                    values[still],
-                    values[flutters],
-                    span_of(pair),
-                )
-            )
+            onsets.append(sought())
         except PairLostError:
-            continue
-    return _table(spectra, numbers, tuple(onsets), asked)
+            lost += 1
+    return replace(_table(spectra, numbers, tuple(onsets), asked), lost=lost)
+
+
+def _coalescences(
+    at: Callable[[float], ReducedSpectrum],
+    values: Sequence[float],
+    spectra: Sequence[ReducedSpectrum],
+    _: Sequence[Ints],
+) -> Iterator[Callable[[], Onset]]:
+    """What seeks each threshold of an undamped pencil."""
+    for still, flutters, pair in _beginnings(spectra):
+        yield partial(onset, at, values[still], values[flutters], span_of(pair))
+
+
+def _crossings(
+    at: Callable[[float], ReducedSpectrum],
+    values: Sequence[float],
+    spectra: Sequence[ReducedSpectrum],
+    numbers: Sequence[Ints],
+) -> Iterator[Callable[[], Onset]]:
+    """What seeks each threshold of a damped pencil: branches whose growth surely changes sign."""
+    for i, (before, after) in enumerate(zip(spectra[:-1], spectra[1:], strict=True)):
+        _, here, there = np.intersect1d(numbers[i], numbers[i + 1], return_indices=True)
+        one, other = before[here], after[there]
+        changes = one.eigenvalues.real * other.eigenvalues.real < 0
+        for found in (one, other):
+            changes &= found.inside & (np.abs(found.eigenvalues.real) > found.uncertainties)
+        for mode in np.flatnonzero(changes)[:, None]:
+            yield partial(zero_growth, at, (values[i], values[i + 1]), one[mode], other[mode])
 
 
 def _beginnings(spectra: Sequence[ReducedSpectrum]) -> Iterator[tuple[int, int, Any]]:
@@ -135,7 +166,7 @@ def _table(
     onsets: tuple[Onset, ...],
     asked: Mapped,
 ) -> Row:
-    inside = [found.eigenvalues.imag <= found.settings.end for found in spectra]
+    inside = [found.inside for found in spectra]
     shape = (len(spectra), max(int(each.sum()) for each in inside))
     growth, frequency, uncertainty, mean = (np.full(shape, np.nan) for _ in range(4))
     branch, verdict = np.full(shape, -1, dtype=np.int64), np.full(shape, -1, dtype=np.int8)

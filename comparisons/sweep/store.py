@@ -16,6 +16,7 @@ import numpy as np
 from cea.files import write_whole
 from cea.reduced.greedy import Snapshot
 from cea.reduced.onsets import Onset
+from cea.warned import ResultWarning
 from comparisons.sweep.netcdf import ENGINE
 from comparisons.sweep.rows import Row
 
@@ -61,6 +62,7 @@ class Store:
                 "tested": None if snapshot.tested is None else float(snapshot.tested),
                 "complete": bool(snapshot.complete),
                 "safety": safety,
+                "warnings": [warning.plain() for warning in snapshot.warnings],
             }
             write_whole(json.dumps(told).encode(), self._told(self._count))
         self._count += 1
@@ -72,7 +74,9 @@ class Store:
             told = self._comm.bcast(json.loads(self._told(self._count).read_text()))
             grown = np.load(self._part(self._count))
             fields = {name: told[name] for name in ("point", "rounding", "tested", "complete")}
-            found.append((Snapshot(grown=grown, **fields), told["safety"]))
+            warnings = tuple(ResultWarning(**each) for each in told["warnings"])
+            snapshot = Snapshot(grown=grown, warnings=warnings, **fields)
+            found.append((snapshot, told["safety"]))
             self._count += 1
         return found
 
@@ -94,6 +98,7 @@ class Store:
                 f"onset_{name}": (("onset",), np.array([getattr(o, name) for o in onsets], float))
                 for name in _ONSET
             },
+            "lost": ((), row.lost),
             "onset_re": (("onset",), np.array([o.eigenvalue.real for o in onsets], float)),
             "onset_im": (("onset",), np.array([o.eigenvalue.imag for o in onsets], float)),
             "onset_begins": (("onset",), np.array([o.begins for o in onsets], np.int8)),
@@ -121,7 +126,8 @@ class Store:
             )
             for i in range(len(get["onset_value"]))
         )
-        return Row(**{name: get[name] for name in _FIELDS}, onsets=onsets)
+        fields = {name: get[name] for name in _FIELDS}
+        return Row(**fields, onsets=onsets, lost=int(get["lost"]))
 
     def discard(self) -> None:
         """Remove the folder: its map is finished."""

@@ -246,9 +246,11 @@ def test_axes_that_are_none_are_refused(changes, told):
 def test_axes_that_are_no_parameters_are_refused_or_solved_in_full():
     with pytest.raises(NoMapError, match="one of"):
         mapped("blocks", [read_axis("analysis.max_frequency=0.1:0.3:3")], (), None)
-    with pytest.raises(NoMapError, match="damping") as refused:
-        mapped("disc_pad_damped", [read_axis("mu=0:1:3")], COARSE_PAD, None)
-    assert refused.value.paths == ("contacts.pad_disc.mu",)
+    modal = 'bodies.disc.damping={modal={ratio=0.01,max_frequency=2000.0}}'
+    with pytest.raises(NoMapError, match="modes were found that are damped") as refused:
+        axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
+        mapped("disc_pad_damped", [axis], (*COARSE_PAD, modal), None)
+    assert refused.value.paths == ("bodies.disc.material.E",)
     with pytest.raises(InputError, match="other parameters than mu"):
         mapped("blocks", [read_axis("mu=0:1:3"), read_axis(f"{MU}=0:1:3")], (), None)
     with pytest.raises(InputError, match="zero or positive"):
