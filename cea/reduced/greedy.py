@@ -6,7 +6,7 @@ bound that was passed raises the factor that all bounds are made with.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -72,6 +72,16 @@ class Snapshot:
     tested: float | None
     complete: bool
     warnings: tuple[ResultWarning, ...] = ()
+
+    def plain(self) -> dict[str, Any]:
+        """It as plain data, without the vectors."""
+        return {
+            "point": {name: float(value) for name, value in self.point.items()},
+            "rounding": float(self.rounding),
+            "tested": None if self.tested is None else float(self.tested),
+            "complete": bool(self.complete),
+            "warnings": [warning.plain() for warning in self.warnings],
+        }
 
 
 @dataclass

@@ -66,15 +66,7 @@ def record_of(
         "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
         "max_frequency": scene.max_frequency,
         "basis": basis.model.size,
-        "snapshots": [
-            {
-                "point": dict(each.point),
-                "tested": each.tested,
-                "complete": bool(each.complete),
-                "warnings": [warning.plain() for warning in each.warnings],
-            }
-            for each in basis.snapshots
-        ],
+        "snapshots": [each.plain() for each in basis.snapshots],
         "stored_before": spent.stored,
         "failed": [{"point": dict(point), "reason": why} for point, why in basis.failed],
         "values": len(worst),
@@ -132,39 +124,30 @@ def warnings_of(data: dict[str, Any], tolerance: float) -> list[dict[str, Any]]:
         )
     if data["failed"]:
         found.append(("no-answer", f"{len(data['failed'])} full solves gave no answer"))
-    incomplete = sum(not each["complete"] for each in data["snapshots"])
-    if incomplete:
-        found.append(
-            (
-                "window-not-complete",
-                f"the windows of {incomplete} of {len(data['snapshots'])} full solves were not "
-                "shown to be complete",
-            )
-        )
     if data["thresholds_lost"]:
         found.append(
             (
                 "thresholds-lost",
-                f"{data['thresholds_lost']} times a pair or a branch could not be followed to where "
-                "it begins or ends to grow: thresholds may be missing between two values",
+                f"{data['thresholds_lost']} times a pair or a branch could not be followed to "
+                "where it begins or ends to grow: thresholds may be missing between two values",
             )
         )
     told = [{"kind": kind, "message": message, "data": {}} for kind, message in found]
-    return told + _of_full_solves(data["snapshots"])
+    return told + of_full_solves(data["snapshots"])
 
 
-def _of_full_solves(snapshots: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def of_full_solves(snapshots: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Warnings of full solves, one of each kind, with the places where they were given."""
     given: dict[str, list[dict[str, Any]]] = {}
     for each in snapshots:
         for warning in each["warnings"]:
-            if warning["kind"] != "window-not-complete":  # told of all together
-                given.setdefault(warning["kind"], []).append(each["point"] | {"told": warning})
+            place = {"point": each["point"], "message": warning["message"], "data": warning["data"]}
+            given.setdefault(warning["kind"], []).append(place)
     return [
         {
             "kind": kind,
-            "message": f"{len(places)} of {len(snapshots)} full solves: the first of them "
-            f"warns that {places[0]['told']['message']}",
+            "message": f"of {len(places)} of {len(snapshots)} full solves, the first of which says "
+            f"that {places[0]['message']}",
             "data": {"places": places},
         }
         for kind, places in given.items()

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import Protocol
 
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
@@ -13,7 +14,6 @@ from cea.errors import InputError
 from cea.reduced.norm import shift_of
 from cea.reduced.pieces import check_pencil
 from cea.warned import ResultWarning
-from comparisons.sweep.axes import Axis
 from scenes.assembled import AssembledScene
 from scenes.matrix_pencil import symmetrised_pieces
 from scenes.matrix_run import AssembledMatrices
@@ -21,6 +21,25 @@ from scenes.matrix_scene import is_of_matrices, load_matrices
 from scenes.read import load_scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.swept import no_two_alike, parameters_meant
+
+
+class Varied(Protocol):
+    """A field whose values a map or samples have."""
+
+    @property
+    def name(self) -> str:
+        """The field as it was given."""
+        ...
+
+    @property
+    def values(self) -> list[float]:
+        """The values."""
+        ...
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and greatest value."""
+        ...
 
 
 class NoMapError(InputError):
@@ -58,13 +77,13 @@ class Mapped:
     """
 
     driver: KrylovSchur
-    axes: tuple[Axis, ...]
+    axes: tuple[Varied, ...]
     names: tuple[tuple[str, ...], ...]
     max_frequency: float
     growth_threshold: float | None
     min_growth: float | None = None
-    warnings: Callable[[Modes, Mapping[str, float]], tuple[ResultWarning, ...]] = (
-        lambda modes, _: modes.warnings
+    warnings: Callable[[Modes, Mapping[str, float]], tuple[ResultWarning, ...]] = lambda modes, _: (
+        modes.warnings
     )
 
     @property
@@ -97,7 +116,7 @@ class Mapped:
 
 
 def mapped(
-    scene: str | Path, axes: Sequence[Axis], overrides: Sequence[str], data: str | None
+    scene: str | Path, axes: Sequence[Varied], overrides: Sequence[str], data: str | None
 ) -> Mapped:
     """Assemble a scene; where a contact becomes too stiff for a penalty its forces are unknowns.
 
@@ -160,7 +179,7 @@ def mapped(
 
 
 def _names(
-    pencil: Pencil, axes: Sequence[Axis], bonded: Sequence[str]
+    pencil: Pencil, axes: Sequence[Varied], bonded: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
     names: tuple[tuple[str, ...], ...] = ()
     try:
@@ -178,7 +197,7 @@ def _names(
 
 def _check_definite(
     pencil: Pencil,
-    axes: Sequence[Axis],
+    axes: Sequence[Varied],
     names: tuple[tuple[str, ...], ...],
     max_frequency: float,
 ) -> None:

@@ -56,14 +56,7 @@ class Store:
             np.save(stream, snapshot.grown)
         self._comm.barrier()
         if self._comm.rank == 0:
-            told = {
-                "point": dict(snapshot.point),
-                "rounding": snapshot.rounding,
-                "tested": None if snapshot.tested is None else float(snapshot.tested),
-                "complete": bool(snapshot.complete),
-                "safety": safety,
-                "warnings": [warning.plain() for warning in snapshot.warnings],
-            }
+            told = snapshot.plain() | {"safety": safety}
             write_whole(json.dumps(told).encode(), self._told(self._count))
         self._count += 1
 

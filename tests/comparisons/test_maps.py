@@ -246,7 +246,7 @@ def test_axes_that_are_none_are_refused(changes, told):
 def test_axes_that_are_no_parameters_are_refused_or_solved_in_full():
     with pytest.raises(NoMapError, match="one of"):
         mapped("blocks", [read_axis("analysis.max_frequency=0.1:0.3:3")], (), None)
-    modal = 'bodies.disc.damping={modal={ratio=0.01,max_frequency=2000.0}}'
+    modal = "bodies.disc.damping={modal={ratio=0.01,max_frequency=2000.0}}"
     with pytest.raises(NoMapError, match="modes were found that are damped") as refused:
         axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
         mapped("disc_pad_damped", [axis], (*COARSE_PAD, modal), None)
