@@ -268,10 +268,13 @@ class AssembledScene:
         self._driver.free()
 
 
-def _numbers(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
-    """Parameters that are numbers of a scene; those that are factors on expressions are not."""
+def _numbers(scene: Scene, values: Mapping[str, float]) -> dict[str, float | None]:
+    """Parameters that are numbers of a scene; those that are factors on expressions are not.
+
+    Where it gives p, uniform, P takes its place.
+    """
     sections: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "contacts": scene.contacts}
-    found = {}
+    found: dict[str, float | None] = {}
     for path, value in values.items():
         first, name, *fields = path.split(".")
         at: Any = sections[first][name]
@@ -279,6 +282,8 @@ def _numbers(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
             at = getattr(at, field, None)
         if isinstance(at, float):
             found[path] = value
+        elif fields == ["P"] and isinstance(sections[first][name].p, float):
+            found |= {path: value, f"{first}.{name}.p": None}
     return found
 
 

@@ -22,7 +22,7 @@ from cea.matrices import destroy, scaled_total
 
 
 def shift_of(max_frequency: float) -> float:
-    """s (1/s^2) of the norm for a window (Hz)."""
+    """Shift s (1/s^2) of the norm for a window (Hz)."""
     return (SLOW * 2 * np.pi * max_frequency) ** 2
 
 

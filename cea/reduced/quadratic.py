@@ -8,7 +8,7 @@ Outside of the basis P acts as its Schur complement does: to first order an eige
 
 r = P x and s = P^H y in the norm of X^-1 (:mod:`cea.reduced.spectrum` for the undamped problem).
 Eigenvalues that nearly coalesce are judged together. With the invariant subspace Q of their
-companion form, its dual Z and the block B, X the displacements of Q and Y those that Z is loaded by,
+companion form, its dual Z and the block B, X the displacements of Q, Y those that Z is loaded by,
 
     R = K X + D X B + M X B^2,    S^H = Y^H K + B Y^H D + B^2 Y^H M,
 
@@ -148,8 +148,13 @@ class _Judged:
                 if (values[members].imag < 0).any():  # the mean is told of a part of them
                     means[members] = reduction[members] = errors[members]
         speeds = 2 * np.abs(values)
-        squares = (each * (speeds + each) for each in (errors, means, reduction))
-        return Certificate(*squares, clusters, np.maximum(speeds * slopes, 1.0))
+        return Certificate(
+            errors * (speeds + errors),
+            means * (speeds + means),
+            reduction * (speeds + reduction),
+            clusters,
+            np.maximum(speeds * slopes, 1.0),
+        )
 
     def _lengths(self, pairs: _Pairs) -> list[Floats]:
         """Norms of the residuals of right and left vectors, shape (n,) each."""

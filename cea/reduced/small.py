@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cea.arrays import Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Role
+from cea.eigen.sensitivity import POWERS
 from cea.reduced.pieces import Values
 from cea.reduced.quadratic import quadratic_spectrum
 from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
@@ -99,6 +100,37 @@ class SmallPencil:
         else:
             found = reduced_spectrum(K, M, self.settings, rounding)
         return found if self.axes is None else found.lifted(self.axes)
+
+    def derivatives(self, found: ReducedSpectrum, values: Values, name: str) -> Complexes:
+        """Derivatives of eigenvalues lambda in a parameter, shape (n,).
+
+        - y^H (lambda^2 dM + lambda dD + dK) x / y^H (2 lambda M + D) x; infinite at a coalescence.
+
+        Parameters
+        ----------
+        found
+            Eigenvalues, their coordinates in this basis.
+        values
+            Values of all parameters there.
+        name
+            The parameter.
+        """
+        x, y, eigenvalues = found.right, found.left.conj(), found.eigenvalues
+        change: Complexes = np.zeros(len(found), dtype=complex)
+        turned: Complexes = np.zeros(len(found), dtype=complex)
+        for piece in self.pieces:
+            slope = piece.coefficient.derivative(name, values)
+            factor = piece.coefficient.at(values) if piece.role != "stiffness" else 0.0
+            if not (slope or factor):
+                continue
+            projected = np.einsum("ij,ij->j", y, piece.square @ x)
+            change += slope * eigenvalues ** POWERS[piece.role] * projected
+            if factor:
+                speeds = 2 * eigenvalues if piece.role == "mass" else 1.0
+                turned += factor * speeds * projected
+        with np.errstate(divide="ignore", invalid="ignore"):
+            moved: Complexes = -change / turned
+        return moved
 
     def local(self, vectors: Floats) -> "SmallPencil":
         """The pencil on the span of some coordinates; its residuals are as full as before.

@@ -13,7 +13,8 @@ _ALONE = 10.0
 def real_vectors(norm: EnergyNorm, modes: Modes) -> Floats:
     """Real and imaginary parts of right and left vectors, each complex vector of X-norm one.
 
-    Of conjugate pairs of kappa one is enough; damped pencils have none. Phases are such that real parts are as long as can be.
+    Of conjugate pairs of kappa one is enough; damped pencils have none. Phases are such that real
+    parts are as long as can be.
 
     Parameters
     ----------

@@ -128,14 +128,14 @@ def _map(asked: Any, out: Path) -> None:
     with working("map") as work:
         found, rows, store = run_map(asked, out, work.stage)
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        picture = new.final(write_result(found, rows, new.part))
+        page = new.final(write_result(found, rows, new.part))
     store.discard()
     print_table(summary_table(found))
     print_table(onsets_table(found))
     for warning in found["warnings"]:
         typer.echo(f"warning: {warning['message']}")
     typer.echo(f"Every value: {out / 'sweep.nc'}")
-    typer.echo(f"The picture to open: {picture}")
+    typer.echo(f"The page to open: {page}")
 
 
 def _each_in_full(
@@ -192,8 +192,8 @@ def _draw_anew(scene: str, axes: "list[Axis]", out: Path) -> None:
     refuse_another(asked, found["inputs"])
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
         written = write_sweep(found, new.part) if rows is None else None
-        picture = new.final(written or write_result(found, rows or [], new.part))
-    typer.echo(f"The picture to open: {picture}")
+        made = new.final(written or write_result(found, rows or [], new.part))
+    typer.echo(f"The {'picture' if rows is None else 'page'} to open: {made}")
 
 
 def threshold(

@@ -223,8 +223,8 @@ def _check_definite(
         release(matrices)
     if negative:
         told = f"{negative} negative eigenvalues of its symmetric part"
-        error = InputError("stiffness", told, "none, for a map, where parameters are least")
-        raise _no_map(error, names)
+        allowed = "none, for a map, where parameters are least"
+        raise _no_map(InputError("stiffness", told, allowed), names)
 
 
 def _of(contact: str) -> str:

@@ -3,12 +3,13 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.spectrum import RELATIVE_GROWTH
 from cea.reduced.branches import Branches
 from cea.reduced.onsets import Onset, PairLostError, onset, span_of
@@ -41,6 +42,9 @@ class Row:
         0 stable, 1 unstable, 2 undecided, shape (values, modes).
     worst
         What the basis makes of the worst mean, relative to its speed, shape (values,).
+    growth_slope, frequency_slope
+        Derivatives of growth rates (1/s) and frequencies (Hz) in the axes, in their units, shape
+        (values, modes, axes).
     onsets
         Where flutter begins and ends.
     lost
@@ -54,6 +58,8 @@ class Row:
     branch: Ints
     verdict: NDArray[np.int8]
     worst: Floats
+    growth_slope: Floats
+    frequency_slope: Floats
     onsets: tuple[Onset, ...]
     lost: int = 0
 
@@ -101,7 +107,17 @@ def map_row(
             onsets.append(sought())
         except PairLostError:
             lost += 1
-    return replace(_table(spectra, numbers, tuple(onsets), asked), lost=lost)
+    slopes = [
+        np.stack(
+            [
+                sum(small.derivatives(found.window, parameters(value), name) for name in names)
+                for names in asked.names
+            ],
+            axis=1,
+        )
+        for value, found in zip(values, spectra, strict=True)
+    ]
+    return replace(_table(spectra, numbers, slopes, tuple(onsets), asked), lost=lost)
 
 
 def _coalescences(
@@ -122,7 +138,7 @@ def _crossings(
     numbers: Sequence[Ints],
 ) -> Iterator[Callable[[], Onset]]:
     """What seeks each threshold of a damped pencil: branches whose growth surely changes sign."""
-    for i, (before, after) in enumerate(zip(spectra[:-1], spectra[1:], strict=True)):
+    for i, (before, after) in enumerate(pairwise(spectra)):
         _, here, there = np.intersect1d(numbers[i], numbers[i + 1], return_indices=True)
         one, other = before[here], after[there]
         changes = one.eigenvalues.real * other.eigenvalues.real < 0
@@ -163,12 +179,14 @@ _REAL = 1e-9
 def _table(
     spectra: Sequence[ReducedSpectrum],
     numbers: Sequence[Ints],
+    slopes: Sequence[Complexes],
     onsets: tuple[Onset, ...],
     asked: Mapped,
 ) -> Row:
     inside = [found.inside for found in spectra]
     shape = (len(spectra), max(int(each.sum()) for each in inside))
     growth, frequency, uncertainty, mean = (np.full(shape, np.nan) for _ in range(4))
+    growth_slope, frequency_slope = np.full((2, *shape, len(asked.axes)), np.nan)
     branch, verdict = np.full(shape, -1, dtype=np.int64), np.full(shape, -1, dtype=np.int8)
     for i, (found, chosen, number) in enumerate(zip(spectra, inside, numbers, strict=True)):
         window, n = found.window, int(chosen.sum())
@@ -176,6 +194,8 @@ def _table(
             window.eigenvalues.real,
             window.eigenvalues.imag / (2 * np.pi),
         )
+        growth_slope[i, :n] = slopes[i].real
+        frequency_slope[i, :n] = slopes[i].imag / (2 * np.pi)
         uncertainty[i, :n] = window.uncertainties
         mean[i, :n] = window.certificate.means / (2 * window.speeds**2)
         branch[i, :n] = number[chosen]
@@ -186,4 +206,7 @@ def _table(
         may = window.eigenvalues.real + window.uncertainties > limit
         verdict[i, :n] = np.where(surely, UNSTABLE, np.where(may, UNDECIDED, STABLE))
     worst = np.array([found.worst for found in spectra])
-    return Row(growth, frequency, uncertainty, mean, branch, verdict, worst, onsets)
+    return Row(
+        *(growth, frequency, uncertainty, mean, branch, verdict, worst),
+        *(growth_slope, frequency_slope, onsets),
+    )

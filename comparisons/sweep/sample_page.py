@@ -69,12 +69,12 @@ def _write_netcdf(
     variables: dict[str, Any] = {
         each.name: (("sample",), each.values, {"long_name": "drawn"}) for each in drawn
     }
-    for name, (unit, about) in _VARIABLES.items():
+    for name, (unit, meaning) in _VARIABLES.items():
         values = getattr(found, name)
         if values.dtype == bool:
             values = values.astype(np.int8)
         dims = ("sample", "mode")[: values.ndim]
-        variables[name] = (dims, values, {"units": unit, "long_name": about})
+        variables[name] = (dims, values, {"units": unit, "long_name": meaning})
     part = file.with_suffix(f".{os.getpid()}.part")
     about = {"seed": data["inputs"]["seed"]}
     xarray.Dataset(variables, attrs=about).to_netcdf(part, engine=ENGINE)

@@ -22,6 +22,7 @@ from comparisons.sweep.rows import Row
 
 _ABOUT = "map.json"
 _FIELDS = ("growth", "frequency", "uncertainty", "mean_error", "branch", "verdict", "worst")
+_SLOPES = ("growth_slope", "frequency_slope")
 _ONSET = ("value", "error", "slope")
 
 
@@ -87,6 +88,7 @@ class Store:
             "branch": (over, row.branch),
             "verdict": (over, row.verdict),
             "worst": (("value",), row.worst),
+            **{name: ((*over, "axis"), getattr(row, name)) for name in _SLOPES},
             **{
                 f"onset_{name}": (("onset",), np.array([getattr(o, name) for o in onsets], float))
                 for name in _ONSET
@@ -119,7 +121,7 @@ class Store:
             )
             for i in range(len(get["onset_value"]))
         )
-        fields = {name: get[name] for name in _FIELDS}
+        fields = {name: get[name] for name in (*_FIELDS, *_SLOPES)}
         return Row(**fields, onsets=onsets, lost=int(get["lost"]))
 
     def discard(self) -> None:

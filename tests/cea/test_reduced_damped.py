@@ -144,7 +144,7 @@ def test_a_threshold_of_growth_is_that_of_full_solves(maps, backend):
     values = np.linspace(0.5, 1, 9)
     growths = [built.at(point | {MU: mu}).window.eigenvalues.real.max() for mu in values]
     first = int(np.argmax(np.array(growths) > 0))
-    assert 0 < first, "nothing begins to grow"
+    assert first > 0, "nothing begins to grow"
     ends = float(values[first - 1]), float(values[first])
     before, after = (built.at(point | {MU: mu}).window for mu in ends)
     grows = int(np.argmax(after.eigenvalues.real))

@@ -55,18 +55,14 @@ def test_twenty_random_values_of_a_large_map(backend):
     model = ReducedModel(scene.pencil, scene.box, top)
     built = Enrichment(model, scene.driver, top)
     assert built.cover([scene.point(each) for each in product(*(a.values for a in axes))]) == 0.0
-    print(f"{len(built.snapshots)} full solves, basis of {model.size}")
     assert len(built.snapshots) <= 30
     tested = [each.tested for each in built.snapshots if each.tested is not None]
     assert max(tested, default=0.0) <= 1
     for mu, decade in zip(RNG.uniform(0, 1, 20), RNG.uniform(6, 14, 20), strict=True):
         point = scene.point((mu, 10**decade))
         modes, found = scene.driver.solve(MARGIN * top, point), built.at(point)
-        off = errors_of_means(found, -(modes.eigenvalues**2)).max()
-        ratio = largest_ratio(found, modes)
-        print(f"mu {mu:.4f} P {10**decade:.3e}: off {off:.1e}, of its bound {ratio:.1e}")
-        assert off < 1e-8
-        assert ratio <= 1
+        assert errors_of_means(found, -(modes.eigenvalues**2)).max() < 1e-8
+        assert largest_ratio(found, modes) <= 1
         window = found.window
         rows, columns = assign(np.abs(window.eigenvalues[:, None] - modes.eigenvalues))
         apart = np.abs(window.eigenvalues[rows] - modes.eigenvalues[columns])
