@@ -210,5 +210,7 @@ def _varies_widely(piece: Piece, corners: list[dict[str, float]]) -> bool:
     """Whether a symmetric stiffness varies by decades over a map."""
     if not piece.symmetric or piece.role != "stiffness":
         return False
-    sizes = [abs(piece.coefficient.at(corner)) for corner in corners]
+    sizes = [piece.coefficient.at(corner) for corner in corners]
+    if min(sizes) < 0:  # it softens, as rotation does
+        return False
     return max(sizes) > _STIFFER * min(sizes)

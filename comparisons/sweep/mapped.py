@@ -103,7 +103,8 @@ class Mapped:
         matrices = [term.matrix for term in self.pencil.terms]
         matrices += [forces.closure for forces in self.pencil.forces]
         norms = [f"{matrix.getSize()} {matrix.norm():.10e}" for matrix in matrices]
-        return [*parameters, *norms, f"{self.max_frequency!r}"]
+        norms += [f"{float(term.piece.weights.sum()):.10e}" for term in self.pencil.low_rank]
+        return [*parameters, *norms, f"{self.max_frequency!r} {self.min_growth!r}"]
 
     def point(self, values: Sequence[float]) -> dict[str, float]:
         """Parameters at a value of each axis."""

@@ -29,6 +29,8 @@ _TRAINING = 48
 """Samples at which bounds are looked at first, beside those in the corners."""
 _CORNERS = 6
 """Fields up to which samples in all corners are looked at, rather than at ends alone."""
+_AT_ONCE = 64
+"""Samples without a certificate, the worst, at which bounds are looked at before all are again."""
 _LOCAL = 0.5
 """Part of the tolerance that a local basis may use up."""
 
@@ -167,7 +169,7 @@ class _Run:
         while True:
             found = self._solved()
             open_ = np.flatnonzero(found.worst > self._asked.tolerance)
-            worst_first = open_[np.argsort(-found.worst[open_], kind="stable")].tolist()
+            worst_first = open_[np.argsort(-found.worst[open_], kind="stable")][:_AT_ONCE].tolist()
             if not self._filling.improve([self._point(number) for number in worst_first]):
                 return found
 

@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray
+from mpi import on_ranks
 from reduced_blocks import MESHES, flutter_of_the_blocks
 from reference_data import plane_meshes, stored
+from same_numbers import assert_same
 from scipy.stats import kstest, lognorm, norm, truncnorm
 
 from cea.eigen.eigenvalue_matching import assign
@@ -80,6 +82,7 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backen
     assert data["certified"] == data["samples"] == 800
 
 
+@pytest.mark.slow
 def test_the_probability_is_that_of_the_exact_threshold_on_a_fine_mesh(tmp_path):
     """The blocks' own threshold of their exact solution, on cubic elements: off by 1.4e-4."""
     fine = plane_meshes("fe", 3, {"upper": [16, 4], "lower": [12, 6]})
@@ -280,3 +283,9 @@ def test_commands_that_ask_for_no_samples_are_refused(words, told, monkeypatch, 
         main()
     assert end.value.code
     assert told in capsys.readouterr().err
+
+
+@pytest.mark.mpi
+def test_samples_are_the_same_on_several_ranks():
+    alone = on_ranks(1, "sampled_numbers.numbers")
+    assert_same(on_ranks(2, "sampled_numbers.numbers"), alone, rel=1e-8)
