@@ -4,13 +4,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from cea.body import Body
 from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.modes import Modes
 from cea.eigen.thresholds import Threshold, ThresholdDriver, flutter_threshold
 from cea.errors import InputError
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
+from cea.warned import ResultWarning
 from scenes.following import FollowingDriver, kept_state_warning, moves_the_state
 from scenes.parameter_changes import parameters_changed, same_points
 from scenes.read import Scene
@@ -126,6 +130,28 @@ class AssembledScene:
         result = ModesResult(scene, self._system, self.interfaces, timer, skipped_by(scene), modes)
         return with_warnings(result)
 
+    def warnings(
+        self, modes: Modes, max_frequency: float, values: Mapping[str, float]
+    ) -> tuple[ResultWarning, ...]:
+        """What modes up to a frequency must be read with, solved at other parameters; collective.
+
+        Parameters
+        ----------
+        modes
+            Modes of its pencil, perhaps of a longer window.
+        max_frequency
+            Frequency (Hz) up to which they count.
+        values
+            Parameters of the pencil that differ from their own values.
+        """
+        scene = self.scene.change(_numbers(self.scene, values))
+        inside = np.flatnonzero(modes.frequencies <= max_frequency)
+        result = ModesResult(
+            *(scene, self._system, self.interfaces, StageTimer(), skipped_by(scene)),
+            modes[inside],
+        )
+        return with_warnings(result).warnings
+
     def threshold(
         self,
         parameter: str,
@@ -240,6 +266,25 @@ class AssembledScene:
     def free(self) -> None:
         """Free factors kept between solves."""
         self._driver.free()
+
+
+def _numbers(scene: Scene, values: Mapping[str, float]) -> dict[str, float | None]:
+    """Parameters that are numbers of a scene; those that are factors on expressions are not.
+
+    Where it gives p, uniform, P takes its place.
+    """
+    sections: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "contacts": scene.contacts}
+    found: dict[str, float | None] = {}
+    for path, value in values.items():
+        first, name, *fields = path.split(".")
+        at: Any = sections[first][name]
+        for field in fields:
+            at = getattr(at, field, None)
+        if isinstance(at, float):
+            found[path] = value
+        elif fields == ["P"] and isinstance(sections[first][name].p, float):
+            found |= {path: value, f"{first}.{name}.p": None}
+    return found
 
 
 def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:

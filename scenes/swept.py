@@ -10,8 +10,11 @@ _SHORT = {
     "P": "contacts.*.P",
     "E": "bodies.*.material.E",
     "rho": "bodies.*.material.rho",
+    "alpha": "bodies.*.damping.alpha",
+    "beta": "bodies.*.damping.beta",
+    "Omega": "bodies.*.rotation.rate",
 }
-"""Short names of what every contact or body has."""
+"""Short names of what contacts and bodies have."""
 
 
 def is_one_of(name: str, pattern: str) -> bool:
@@ -31,7 +34,8 @@ def parameters_meant(pencil: Pencil, name: str, bonded: Iterable[str] = ()) -> l
         The pencil.
     name
         A path, with asterisks for any name; or ``mu`` and ``P`` of every contact that can slide,
-        ``E`` and ``rho`` of every body.
+        ``E`` and ``rho`` of every body, ``alpha``, ``beta`` and ``Omega`` of those that have such
+        damping or rotate.
     bonded
         Contacts that cannot slide.
 

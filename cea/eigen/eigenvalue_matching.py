@@ -70,6 +70,8 @@ def group(values: Complexes, tolerance: float = DEGENERATE) -> list[Ints]:
 
 def connected(linked: NDArray[np.bool_]) -> list[Ints]:
     """Sets of indices joined by a symmetric relation, shape (n, n), by their first members."""
+    if np.count_nonzero(linked) == np.count_nonzero(np.diag(linked)):
+        return list(np.arange(len(linked))[:, None])
     count, label = connected_components(csr_array(linked), directed=False)
     return [np.flatnonzero(label == i) for i in range(count)]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenpairs import Eigenpairs
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.sensitivity import LeftVectors, derivatives, dual_norms
@@ -44,6 +44,19 @@ class Modes(Spectrum):
     values: Mapping[str, float]
 
     __repr__ = Spectrum.__str__
+
+    def __getitem__(self, modes: Ints) -> "Modes":
+        """Some of them, by their numbers from zero."""
+        return replace(
+            self,
+            eigenvalues=self.eigenvalues[modes],
+            residuals=self.residuals[modes],
+            conditions=self.conditions[modes],
+            growth_uncertainties=self.growth_uncertainties[modes],
+            vectors=self.vectors[:, modes],
+            forces=self.forces[:, modes],
+            left=self.left[modes] if self.left is not None else None,
+        )
 
     def vector(self, mode: int) -> tuple[Any, Any]:
         """Real and imaginary part of an eigenvector as PETSc vectors."""

@@ -26,7 +26,7 @@ SAME = 1e-4
 """Relative distance of left and right eigenvalues beyond which they are not the same."""
 
 
-_POWERS: dict[Role, int] = {"mass": 2, "damping": 1, "stiffness": 0}
+POWERS: dict[Role, int] = {"mass": 2, "damping": 1, "stiffness": 0}
 """Powers of lambda that go with the pieces of a pencil."""
 
 
@@ -152,7 +152,7 @@ def derivatives(
     for term in pencil.terms:
         slope = term.coefficient.derivative(name, values)
         if slope:
-            power = eigenvalues ** _POWERS[term.role]
+            power = eigenvalues ** POWERS[term.role]
             change += slope * power * _projected(term.matrix, left.vectors, vectors)
     comm, first = pencil.comm, 0
     for piece in pencil.low_rank:

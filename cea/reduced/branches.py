@@ -8,7 +8,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign, group
-from cea.eigen.mode_matching import subspace_assurance
+from cea.eigen.mode_matching import modal_assurance, subspace_assurance
 from cea.reduced.spectrum import ReducedSpectrum
 
 _NEAR = 0.05
@@ -42,7 +42,7 @@ class Branches:
         n = len(found)
         numbers, before = np.full(n, -1, dtype=np.int64), np.full(n, np.nan + 0j)
         if self._last is not None and len(self._last) and n:
-            for i, j in zip(*assign(self._cost(found), 1.0 + _NEAR), strict=True):
+            for i, j in pairs_of(self._last, self._foreseen(), found):
                 numbers[j], before[j] = self._numbers[i], self._last.eigenvalues[i]
         fresh = np.flatnonzero(numbers < 0)
         numbers[fresh] = self._next + np.arange(len(fresh))
@@ -55,15 +55,42 @@ class Branches:
         self._last, self._numbers = found, numbers
         self._before = np.full(len(found), np.nan + 0j)
 
-    def _cost(self, found: ReducedSpectrum) -> Floats:
+    def _foreseen(self) -> Complexes:
+        """Eigenvalues (1/s) where branches were going."""
         assert self._last is not None
-        last, next_ = self._last.eigenvalues, found.eigenvalues
-        straight = np.isnan(self._before)
-        foreseen = np.where(straight, last, 2 * last - np.where(straight, last, self._before))
-        groups = group(last, _TOGETHER), group(next_, _TOGETHER)
-        likeness = np.maximum(
-            subspace_assurance(self._last.right, found.right, groups[1]),
-            subspace_assurance(found.right, self._last.right, groups[0]).T,
-        )
-        near = np.abs(foreseen[:, None] - next_) / found.speeds
-        return 1 - likeness + np.minimum(near / _NEAR, 10.0)
+        last, straight = self._last.eigenvalues, np.isnan(self._before)
+        return np.where(straight, last, 2 * last - np.where(straight, last, self._before))
+
+
+def pairs_of(
+    known: ReducedSpectrum, foreseen: Complexes, found: ReducedSpectrum
+) -> list[tuple[int, int]]:
+    """Which eigenvalues continue which: numbers of both.
+
+    Parameters
+    ----------
+    known
+        Eigenvalues at some values of the parameters.
+    foreseen
+        Where they are thought to be at the next (1/s), shape (n,).
+    found
+        Eigenvalues there, their coordinates in the same basis.
+    """
+    groups = group(known.eigenvalues, _TOGETHER), group(found.eigenvalues, _TOGETHER)
+    likeness = np.maximum(
+        _likeness(known.right, found.right, groups[1]),
+        _likeness(found.right, known.right, groups[0]).T,
+    )
+    near = np.abs(foreseen[:, None] - found.eigenvalues) / found.speeds
+    cost = 1 - likeness + np.minimum(near / _NEAR, 10.0)
+    return list(zip(*(each.tolist() for each in assign(cost, 1.0 + _NEAR)), strict=True))
+
+
+def _likeness(left: Complexes, right: Complexes, groups: list[Ints]) -> Floats:
+    """Part of every vector that lies in the space of each group of the other side's."""
+    likeness = modal_assurance(left, right)
+    for members in groups:
+        if len(members) > 1:
+            together = [np.arange(len(members))]
+            likeness[:, members] = subspace_assurance(left, right[:, members], together)
+    return likeness

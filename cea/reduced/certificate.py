@@ -19,7 +19,7 @@ import numpy as np
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import connected
 
-_TOUCH = 10.0
+TOUCH = 10.0
 """Bound of an eigenvalue, in its distance from the next, from the inverse of which on they are
 judged together."""
 
@@ -122,7 +122,7 @@ def certify(
     errors = reduction + conditions * rounding
     means, clusters = errors.copy(), np.arange(len(kappa))
     distance = np.abs(kappa[:, None] - kappa)
-    near = distance <= _TOUCH * np.minimum(errors[:, None], errors)
+    near = distance <= TOUCH * np.minimum(errors[:, None], errors)
     for number, members in enumerate(connected(near)):
         clusters[members] = number
         if len(members) > 1:

@@ -6,7 +6,7 @@ bound that was passed raises the factor that all bounds are made with.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError
 from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import MARGIN, ReducedSpectrum
+from cea.warned import ResultWarning
 
 Point = Mapping[str, float]
 """Values of the parameters that vary."""
@@ -31,7 +32,15 @@ _REACH = 0.5
 class FullDriver(Protocol):
     """What solves the pencil itself."""
 
-    def solve(self, max_frequency: float, changes: Point, /, *, left: bool = False) -> Modes:
+    def solve(
+        self,
+        max_frequency: float,
+        changes: Point,
+        /,
+        *,
+        min_growth: float | None = None,
+        left: bool = False,
+    ) -> Modes:
         """All modes up to a frequency (Hz)."""
         ...
 
@@ -53,6 +62,8 @@ class Snapshot:
         missing; None where the bounds were too large to tell.
     complete
         Whether the window of the full solve was shown to be complete.
+    warnings
+        What the full solve must be read with.
     """
 
     point: Point
@@ -60,6 +71,17 @@ class Snapshot:
     rounding: float
     tested: float | None
     complete: bool
+    warnings: tuple[ResultWarning, ...] = ()
+
+    def plain(self) -> dict[str, Any]:
+        """It as plain data, without the vectors."""
+        return {
+            "point": {name: float(value) for name, value in self.point.items()},
+            "rounding": float(self.rounding),
+            "tested": None if self.tested is None else float(self.tested),
+            "complete": bool(self.complete),
+            "warnings": [warning.plain() for warning in self.warnings],
+        }
 
 
 @dataclass
@@ -146,7 +168,9 @@ class Enrichment:
         """
         self.tell(point, worst)
         try:
-            modes = self.driver.solve(MARGIN * self.max_frequency, point, left=True)
+            modes = self.driver.solve(
+                MARGIN * self.max_frequency, point, min_growth=self._least_growth, left=True
+            )
         except ConvergenceError as error:
             self.failed.append((point, str(error)))
             return None
@@ -157,7 +181,9 @@ class Enrichment:
                 self.model.raise_safety(2 * tested * self.model.small.settings.safety)
         grown = self.model.take(modes)
         rounding = self.model.small.roundings[-1][0]
-        taken = Snapshot(point, grown, rounding, tested, modes.window.complete)
+        taken = Snapshot(
+            point, grown, rounding, tested, modes.window.complete, tuple(modes.warnings)
+        )
         self.keep(taken)
         self.snapshots.append(replace(taken, grown=np.empty((0, 0))))
         return tested
@@ -182,6 +208,11 @@ class Enrichment:
             stood = stood and (tested is None or tested <= 1)
         return stood
 
+    @property
+    def _least_growth(self) -> float | None:
+        """Growth rate (1/s) down to which full solves go where there is damping or rotation."""
+        return -self.model.small.settings.reach if self.model.small.damped else None
+
     def _worst(self, point: Point) -> float:
         """The worst bound at a point, the same on every rank."""
         return float(self.model.norm.comm.bcast(self.at(point).worst))
@@ -200,22 +231,27 @@ def largest_ratio(found: ReducedSpectrum, modes: Modes) -> float:
     modes
         The modes there.
     """
-    kappa = -(modes.eigenvalues**2)
-    distance = np.abs(kappa[:, None] - found.kappa) / modes.speeds[:, None] ** 2
+    damped = found.settings.decay < np.inf
+    theirs, mine = -(modes.eigenvalues**2), found.kappa
+    if damped:  # lambda and -lambda are not of one motion
+        theirs, mine = modes.eigenvalues, found.eigenvalues
+    distance = np.abs(theirs[:, None] - mine) / modes.speeds[:, None] ** (1 if damped else 2)
     rows, columns = assign(distance, _REACH)
-    end = found.settings.end
-    alone = np.setdiff1d(np.arange(len(kappa)), rows)
-    extra = np.setdiff1d(np.arange(len(found)), columns)
-    if (modes.eigenvalues.imag[alone] <= end).any() or (found.eigenvalues.imag[extra] <= end).any():
+    alone = np.setdiff1d(np.arange(len(theirs)), rows)
+    extra = np.setdiff1d(np.arange(len(mine)), columns)
+    holds = found.settings.holds
+    if holds(modes.eigenvalues[alone]).any() or found.inside[extra].any():
         return np.inf
     ratio, bounds = 0.0, found.certificate
     for number in np.unique(bounds.clusters[columns]):
         members = bounds.clusters[columns] == number
-        mine, theirs = columns[members], rows[members]
-        if found.eigenvalues.imag[mine].min() > end:
+        if not found.inside[columns[members]].any():
             continue
-        error = abs((found.kappa[mine] - kappa[theirs]).mean())
-        doubt = modes.growth_uncertainties[theirs] if members.sum() == 1 else 0.0
-        known = float((2 * modes.speeds[theirs] * doubt).max(initial=0.0))
-        ratio = max(ratio, error / (bounds.means[mine].max() + known))
+        error = abs((mine[columns[members]] - theirs[rows[members]]).mean())
+        speeds = modes.speeds[rows[members]]
+        if damped:
+            error *= 2 * speeds.min() + error
+        doubt = modes.growth_uncertainties[rows[members]] if members.sum() == 1 else 0.0
+        known = float((2 * speeds * doubt).max(initial=0.0))
+        ratio = max(ratio, error / (bounds.means[columns[members]].max() + known))
     return float(ratio)

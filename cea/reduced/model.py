@@ -3,7 +3,9 @@
 With a real X-orthonormal basis V of right and left eigenvectors at some parameters (Galerkin: both
 are tested with the same space, so that errors of eigenvalues are products of residuals),
 
-    K_r(t) = sum_j c_j(t) V^T K_j V,    M_r(t) = sum_j c_j(t) V^T M_j V.
+    K_r(t) = sum_j c_j(t) V^T K_j V,    M_r(t) = sum_j c_j(t) V^T M_j V,
+
+and D of damping and rotation alike.
 
 A residual (K(t) - kappa M(t)) V y is a sum of the same kind of A_j V y. With an X-orthonormal basis
 Q of X^-1 A_j V for all pieces its norm in X^-1 is the length of sum_j c_j(t) (Q^T A_j V) y: nothing
@@ -36,6 +38,8 @@ BASIS = 1e-6
 """Part of an eigenvector, in the energy norm, that a basis leaves out; errors go by its square."""
 RESIDUAL = 1e-12
 """Part of the images of the basis that the basis of residuals leaves out."""
+_DECAY = 0.1
+"""Decay down to which a window of a damped pencil reaches by default, relative to its end."""
 _STIFFER = 10.0
 """Ratio of coefficients over the map from which on a stiffness adds static displacements."""
 
@@ -46,11 +50,14 @@ class ReducedModel:
     Parameters
     ----------
     pencil
-        The pencil, undamped.
+        The pencil.
     box
         Least and greatest value of every parameter that varies.
     max_frequency
         Upper end of the window (Hz).
+    min_growth
+        With damping or rotation, growth rate (1/s) below zero down to which eigenvalues are in the
+        window; None takes a tenth of the angular frequency of its end.
 
     Attributes
     ----------
@@ -66,7 +73,11 @@ class ReducedModel:
     """
 
     def __init__(
-        self, pencil: Pencil, box: Mapping[str, tuple[float, float]], max_frequency: float
+        self,
+        pencil: Pencil,
+        box: Mapping[str, tuple[float, float]],
+        max_frequency: float,
+        min_growth: float | None = None,
     ) -> None:
         self.pencil = pencil
         self._pieces = Pieces(pencil, box)
@@ -78,6 +89,10 @@ class ReducedModel:
         ]
         self._stiff = [piece for piece in self._pieces.all if _varies_widely(piece, corners)]
         nothing = np.empty((0, 0))
+        settings = Settings(max_frequency, self.norm.shift)
+        if pencil.damped:
+            decay = _DECAY * settings.end if min_growth is None else -min_growth
+            settings = replace(settings, decay=decay)
         self.small = SmallPencil(
             tuple(
                 SmallPiece(
@@ -86,7 +101,7 @@ class ReducedModel:
                 )
                 for piece in self._pieces.all
             ),
-            Settings(max_frequency, self.norm.shift),
+            settings,
         )
 
     @property
@@ -110,7 +125,7 @@ class ReducedModel:
         vectors = real_vectors(self.norm, modes)
         blocks = [vectors]
         for piece in self._stiff:
-            moved = self.norm.solve(piece.coefficient(modes.values) * piece.times(vectors))
+            moved = self.norm.solve(piece.coefficient.at(modes.values) * piece.times(vectors))
             blocks.append(moved / np.maximum(self.norm.lengths(moved), 1.0))
         before = self._basis.size
         self._basis.add(np.hstack(blocks))
@@ -144,7 +159,7 @@ class ReducedModel:
 
     def _round(self, rounding: float, values: Values) -> None:
         """Remember what rounding does at some parameters."""
-        stiff = tuple(piece.coefficient(values) for piece in self._stiff)
+        stiff = tuple(piece.coefficient.at(values) for piece in self._stiff)
         self.small = replace(self.small, roundings=(*self.small.roundings, (rounding, stiff)))
 
     def _extend(self, before: int) -> None:
@@ -195,5 +210,7 @@ def _varies_widely(piece: Piece, corners: list[dict[str, float]]) -> bool:
     """Whether a symmetric stiffness varies by decades over a map."""
     if not piece.symmetric or piece.role != "stiffness":
         return False
-    sizes = [abs(piece.coefficient(corner)) for corner in corners]
+    sizes = [piece.coefficient.at(corner) for corner in corners]
+    if min(sizes) < 0:  # it softens, as rotation does
+        return False
     return max(sizes) > _STIFFER * min(sizes)

@@ -21,6 +21,11 @@ from cea.errors import ConvergenceError
 from cea.matrices import destroy, scaled_total
 
 
+def shift_of(max_frequency: float) -> float:
+    """Shift s (1/s^2) of the norm for a window (Hz)."""
+    return (SLOW * 2 * np.pi * max_frequency) ** 2
+
+
 class EnergyNorm:
     """X, factorised.
 
@@ -49,7 +54,7 @@ class EnergyNorm:
         max_frequency: float,
     ) -> None:
         self.comm = pencil.comm.tompi4py()
-        self.shift = (SLOW * 2 * np.pi * max_frequency) ** 2
+        self.shift = shift_of(max_frequency)
         parts = []
         for term in pencil.terms:
             if term.symmetric and term.role in ("stiffness", "mass"):

@@ -22,7 +22,7 @@ _SAME = 1e-6
 
 @dataclass(frozen=True)
 class Onset:
-    """A coalescence.
+    """A threshold: a coalescence, or with damping or rotation a growth rate that passes zero.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class Onset:
     eigenvalue
         The common lambda (1/s).
     slope
-        Of the discriminant (1/s^4) in the parameter.
+        In the parameter, of the discriminant (1/s^4); of the growth rate (1/s) with damping.
     begins
         Whether flutter begins there as the parameter rises, rather than ends.
     """

@@ -1,6 +1,8 @@
-"""Pieces of an undamped pencil, as operators that are multiplied by blocks of vectors.
+"""Pieces of a pencil, as operators that are multiplied by blocks of vectors.
 
-    K(t) = sum_j c_j(t) K_j,    M(t) = sum_j c_j(t) M_j
+    K(t) = sum_j c_j(t) K_j,    M(t) = sum_j c_j(t) M_j,    D(t) = sum_j c_j(t) D_j
+
+D holds damping and what rotation makes of it; modal damping stays a product of its factors.
 
 Pieces that depend on the parameters in the same way are summed once. Contact forces that are
 unknowns are eliminated, f = P C^^-1 J x (:mod:`cea.eigen.multipliers`): J^T C^^-1 J is a piece with
@@ -10,16 +12,17 @@ Forces of sides that are tied stay constraints, J x = 0, of all vectors.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.blocks import image_of
 from cea.eigen.factorisation import Mumps
+from cea.eigen.low_rank import LowRank
 from cea.eigen.multipliers import ForcesOfContact
-from cea.eigen.parameters import Dependence
-from cea.eigen.pencil import Pencil
+from cea.eigen.parameters import CONSTANT, Dependence
+from cea.eigen.pencil import Pencil, Role
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
 from cea.petsc import PETSc
@@ -44,8 +47,8 @@ class Piece:
         A and A^T times a block, shape (n_local, columns); the same where A is symmetric.
     """
 
-    role: Literal["mass", "stiffness"]
-    coefficient: Callable[[Values], float]
+    role: Role
+    coefficient: Dependence
     times: Product
     transposed: Product
 
@@ -56,7 +59,7 @@ class Piece:
 
 
 class Pieces:
-    """All pieces of an undamped pencil, with what they were made of.
+    """All pieces of a pencil, with what they were made of.
 
     Parameters
     ----------
@@ -68,7 +71,7 @@ class Pieces:
     Raises
     ------
     InputError
-        When there is damping or rotation, or sides that are tied rub.
+        When sides that are tied rub.
     """
 
     def __init__(self, pencil: Pencil, free: Iterable[str]) -> None:
@@ -76,7 +79,11 @@ class Pieces:
         self._fixed = pencil.values()
         self._free = frozenset(pencil.parameter(name).name for name in free)
         self.tied = check_pencil(pencil, self._free)
-        self.all = (*self._of_terms(pencil), *self._of_forces(pencil))
+        self.all = (
+            *self._of_terms(pencil),
+            *self._of_low_rank(pencil),
+            *self._of_forces(pencil),
+        )
 
     def of(self, role: str) -> list[Piece]:
         """Pieces of one role."""
@@ -109,7 +116,13 @@ class Pieces:
             transposed = times
             if not symmetric:
                 transposed = _product(self._kept(matrix.transpose(PETSc.Mat())))
-            yield Piece(role, coefficient.at if coefficient else _one, times, transposed)
+            yield Piece(role, coefficient or CONSTANT, times, transposed)
+
+    def _of_low_rank(self, pencil: Pencil) -> Iterator[Piece]:
+        """Damping of modes one by one."""
+        for term in pencil.low_rank:
+            times = _low_rank_product(term.piece, pencil.comm)
+            yield Piece("damping", term.coefficient, times, times)
 
     def _of_forces(self, pencil: Pencil) -> Iterator[Piece]:
         """What forces of contacts come to once they are eliminated."""
@@ -122,7 +135,7 @@ class Pieces:
             def closes(x: Floats, bears: "_Rectangle" = bears, inverse: Mumps = inverse) -> Floats:
                 return bears.transposed(inverse.solve_block(bears.times(x)))
 
-            yield Piece("stiffness", _stiffness(forces.inverse_stiffness), closes, closes)
+            yield Piece("stiffness", _Stiffness(forces.inverse_stiffness), closes, closes)
             if forces.slip is None:
                 continue
             slides = _Rectangle(forces.slip)
@@ -143,7 +156,8 @@ class Pieces:
             ) -> Floats:
                 return bears.transposed(inverse.solve_block(slides.times(x)))
 
-            yield Piece("stiffness", _friction(forces), rubs, is_rubbed)
+            friction = _Friction(forces.friction, _Stiffness(forces.inverse_stiffness))
+            yield Piece("stiffness", friction, rubs, is_rubbed)
 
     def _kept[T](self, made: T) -> T:
         self._made.append(made)
@@ -163,13 +177,8 @@ def check_pencil(pencil: Pencil, free: Iterable[str]) -> tuple[ForcesOfContact, 
     Raises
     ------
     InputError
-        When there is damping or rotation, or sides that are tied rub: their forces are not to be
-        eliminated.
+        When sides that are tied rub: their forces are not to be eliminated.
     """
-    if pencil.damped:
-        raise InputError(
-            "pencil", "with damping or rotation", "without: its reduced model is not linear"
-        )
     values, free = pencil.values(), frozenset(free)
     tied = tuple(
         forces
@@ -210,13 +219,52 @@ def _product(matrix: Any) -> Product:
     return lambda block: image_of(matrix, block)
 
 
-def _one(_: Values) -> float:
-    return 1.0
+def _low_rank_product(piece: LowRank, comm: Any) -> Product:
+    def times(block: Floats) -> Floats:
+        image = np.zeros_like(block)
+        image[piece.rows] = piece.times(block, comm)
+        return image
+
+    return times
 
 
-def _stiffness(inverse: Dependence) -> Callable[[Values], float]:
-    return lambda values: 1 / inverse.at(values)
+@dataclass(frozen=True)
+class _Stiffness:
+    """P of a contact whose 1/P is known, a :class:`Dependence`."""
+
+    inverse: Dependence
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters it depends on."""
+        return self.inverse.names
+
+    def at(self, values: Values) -> float:
+        """Value at given parameters."""
+        return 1 / self.inverse.at(values)
+
+    def derivative(self, name: str, values: Values) -> float:
+        """Derivative in one parameter."""
+        return -self.inverse.derivative(name, values) * self.at(values) ** 2
 
 
-def _friction(forces: ForcesOfContact) -> Callable[[Values], float]:
-    return lambda values: -forces.friction.at(values) / forces.inverse_stiffness.at(values)
+@dataclass(frozen=True)
+class _Friction:
+    """-mu P of a contact, a :class:`Dependence`."""
+
+    friction: Dependence
+    stiffness: Dependence
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters it depends on."""
+        return self.friction.names | self.stiffness.names
+
+    def at(self, values: Values) -> float:
+        """Value at given parameters."""
+        return -self.friction.at(values) * self.stiffness.at(values)
+
+    def derivative(self, name: str, values: Values) -> float:
+        """Derivative in one parameter."""
+        slope = self.friction.derivative(name, values) * self.stiffness.at(values)
+        return -slope - self.friction.at(values) * self.stiffness.derivative(name, values)

@@ -13,13 +13,13 @@ from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
 
 _SMALL = 120
-"""Size of a basis up to which it is not reduced again."""
+"""Size of a basis up to which it is not reduced again, for as few values as a row has."""
 _MOST = 12
 """Values solved on the whole basis after which all that are not certified yet are."""
 
 
 def along(
-    small: SmallPencil, line: Sequence[Values], tolerance: float
+    small: SmallPencil, line: Sequence[Values], tolerance: float, *, least: int = _SMALL
 ) -> tuple[list[ReducedSpectrum], SmallPencil]:
     """Spectra at values along a line in parameters.
 
@@ -31,13 +31,15 @@ def along(
         Values of all parameters, one after the other along the line.
     tolerance
         Error of lambda, relative to its speed, above which a value is solved on the whole basis.
+    least
+        Size of a basis up to which it is not reduced again.
 
     Returns
     -------
     tuple
         The spectra, and the basis for values between these.
     """
-    if small.size <= _SMALL or len(line) < 4:
+    if small.size <= least or len(line) < 4:
         return [small.at(values) for values in line], small
     solved: dict[int, ReducedSpectrum] = {}
     local: dict[int, ReducedSpectrum] = {}

@@ -1,13 +1,16 @@
 """A pencil on a basis, in small matrices alone, and on few vectors of that basis once more."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
-from cea.arrays import Floats
+from cea.arrays import Complexes, Floats
+from cea.eigen.parameters import Dependence
+from cea.eigen.pencil import Role
+from cea.eigen.sensitivity import POWERS
 from cea.reduced.pieces import Values
+from cea.reduced.quadratic import quadratic_spectrum
 from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
 
 LOCAL = 1e-7
@@ -35,8 +38,8 @@ class SmallPiece:
         Whether it is a stiffness that varies over decades.
     """
 
-    role: Literal["mass", "stiffness"]
-    coefficient: Callable[[Values], float]
+    role: Role
+    coefficient: Dependence
     square: Floats
     right: Floats
     left: Floats
@@ -82,11 +85,52 @@ class SmallPencil:
         """Vectors of the basis."""
         return len(self.pieces[0].square)
 
+    @property
+    def damped(self) -> bool:
+        """Whether anything acts on velocities at some parameters."""
+        return any(piece.role == "damping" for piece in self.pieces)
+
     def at(self, values: Mapping[str, float]) -> ReducedSpectrum:
         """Eigenvalues of the window and its margin at values of all parameters."""
         K, M = (self._sum(role, values) for role in ("stiffness", "mass"))
-        found = reduced_spectrum(K, M, self.settings, self._rounding(values))
+        rounding = self._rounding(values)
+        if self.damped:
+            D = self._sum("damping", values)
+            found = quadratic_spectrum(K, D, M, self.settings, rounding)
+        else:
+            found = reduced_spectrum(K, M, self.settings, rounding)
         return found if self.axes is None else found.lifted(self.axes)
+
+    def derivatives(self, found: ReducedSpectrum, values: Values, name: str) -> Complexes:
+        """Derivatives of eigenvalues lambda in a parameter, shape (n,).
+
+        - y^H (lambda^2 dM + lambda dD + dK) x / y^H (2 lambda M + D) x; infinite at a coalescence.
+
+        Parameters
+        ----------
+        found
+            Eigenvalues, their coordinates in this basis.
+        values
+            Values of all parameters there.
+        name
+            The parameter.
+        """
+        x, y, eigenvalues = found.right, found.left.conj(), found.eigenvalues
+        change: Complexes = np.zeros(len(found), dtype=complex)
+        turned: Complexes = np.zeros(len(found), dtype=complex)
+        for piece in self.pieces:
+            slope = piece.coefficient.derivative(name, values)
+            factor = piece.coefficient.at(values) if piece.role != "stiffness" else 0.0
+            if not (slope or factor):
+                continue
+            projected = np.einsum("ij,ij->j", y, piece.square @ x)
+            change += slope * eigenvalues ** POWERS[piece.role] * projected
+            if factor:
+                speeds = 2 * eigenvalues if piece.role == "mass" else 1.0
+                turned += factor * speeds * projected
+        with np.errstate(divide="ignore", invalid="ignore"):
+            moved: Complexes = -change / turned
+        return moved
 
     def local(self, vectors: Floats) -> "SmallPencil":
         """The pencil on the span of some coordinates; its residuals are as full as before.
@@ -129,7 +173,7 @@ class SmallPencil:
         blocks = [vectors]
         for piece in self.pieces:
             if piece.stiff:
-                moved = piece.coefficient(values) * piece.square @ vectors
+                moved = piece.coefficient.at(values) * piece.square @ vectors
                 blocks.append(moved / np.maximum(np.linalg.norm(moved, axis=0), 1.0))
         return np.hstack(blocks)
 
@@ -138,18 +182,18 @@ class SmallPencil:
 
         Where it was seen at greater stiffness it is less in proportion, but no less than anywhere.
         """
-        stiff = [piece.coefficient(values) for piece in self.pieces if piece.stiff]
+        stiff = [piece.coefficient.at(values) for piece in self.pieces if piece.stiff]
         sizes = [
             size * max((min(1.0, a / b) for a, b in zip(stiff, at, strict=True)), default=1.0)
             for size, at in self.roundings
         ]
         return max([min((size for size, _ in self.roundings), default=0.0), *sizes])
 
-    def _sum(self, role: str, values: Values) -> Residuals:
+    def _sum(self, role: Role, values: Values) -> Residuals:
         parts = [
             (factor, piece)
             for piece in self.pieces
-            if piece.role == role and (factor := piece.coefficient(values))
+            if piece.role == role and (factor := piece.coefficient.at(values))
         ]
         k, q = self.size, len(self.pieces[0].right)
         square, both = np.zeros((k, k)), np.zeros((q, k))

@@ -13,7 +13,8 @@ _ALONE = 10.0
 def real_vectors(norm: EnergyNorm, modes: Modes) -> Floats:
     """Real and imaginary parts of right and left vectors, each complex vector of X-norm one.
 
-    Of conjugate pairs one is enough. Phases are such that real parts are as long as can be.
+    Of conjugate pairs of kappa one is enough; damped pencils have none. Phases are such that real
+    parts are as long as can be.
 
     Parameters
     ----------
@@ -29,6 +30,8 @@ def real_vectors(norm: EnergyNorm, modes: Modes) -> Floats:
     """
     assert modes.left is not None
     one = (-(modes.eigenvalues**2)).imag >= 0
+    if modes.pencil.damped:
+        one[:] = True
     parts = [_parts(norm, modes.vectors[:, one])]
     if modes.left.vectors is not modes.vectors:
         parts.append(_parts(norm, modes.left.vectors[:, one]))

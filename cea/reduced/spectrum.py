@@ -14,6 +14,7 @@ inverse what no factor bounds beforehand; full solves test it (:mod:`cea.reduced
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
@@ -23,6 +24,8 @@ from cea.reduced.certificate import Certificate, certify
 
 MARGIN = 1.15
 """Frequency up to which eigenvectors are taken into a basis, relative to the end of the window."""
+_FURTHER = 0.05
+"""Decay beyond that of the window, relative to its end, down to which they are."""
 _SAFETY = 2.0
 """Factor on the inverse outside of the basis."""
 
@@ -39,22 +42,45 @@ class Settings:
         s (1/s^2) of the energy norm.
     safety
         Factor on the inverse outside of the basis.
+    decay
+        Decay (1/s) down to which eigenvalues of damped pencils are in the window.
     """
 
     max_frequency: float
     shift: float
     safety: float = _SAFETY
+    decay: float = np.inf
 
     @property
     def end(self) -> float:
         """Upper end of the window (1/s)."""
         return 2 * np.pi * self.max_frequency
 
+    @property
+    def reach(self) -> float:
+        """Decay (1/s) down to which eigenvectors of damped pencils are taken into a basis."""
+        return self.decay + _FURTHER * self.end
+
+    def holds(self, eigenvalues: Complexes) -> NDArray[np.bool_]:
+        """Which eigenvalues lambda, Im lambda >= 0, the window holds."""
+        return (eigenvalues.imag <= self.end) & (eigenvalues.real >= -self.decay)
+
     def outside(self, kappa: Complexes) -> Floats:
         """G of eigenvalues, shape (n,): infinite at the end of the margin."""
         top = (MARGIN * self.end) ** 2
         room = top - np.minimum(kappa.real, self.end**2)
         return self.safety * (top + self.shift) / room
+
+    def outside_damped(self, eigenvalues: Complexes) -> Floats:
+        """G of eigenvalues lambda of a damped pencil, shape (n,).
+
+        Modes that decay faster than the basis reaches are outside of it too. Where one has the
+        frequency of an eigenvalue, P on it is about 2 |lambda| times their distance.
+        """
+        speeds = np.abs(eigenvalues)
+        room = self.reach + np.maximum(eigenvalues.real, -self.decay)
+        decaying = (speeds**2 + self.shift) / np.maximum(2 * speeds, SLOW * self.end) / room
+        return np.maximum(self.outside(-(eigenvalues**2)), self.safety * decaying)
 
 
 @dataclass(frozen=True)
@@ -79,12 +105,14 @@ class Residuals:
 
 @dataclass(frozen=True)
 class ReducedSpectrum:
-    """Eigenvalues kappa = -lambda^2 of a window, by rising frequency.
+    """Eigenvalues of a window, by rising frequency.
 
     Parameters
     ----------
     kappa
-        Eigenvalues (1/s^2), shape (n,).
+        -lambda^2 (1/s^2), shape (n,).
+    eigenvalues
+        lambda (1/s), Im lambda >= 0, shape (n,).
     right, left
         Coordinates of their vectors, shape (k, n), of M-norm one.
     certificate
@@ -94,6 +122,7 @@ class ReducedSpectrum:
     """
 
     kappa: Complexes
+    eigenvalues: Complexes
     right: Complexes
     left: Complexes
     certificate: Certificate
@@ -105,6 +134,7 @@ class ReducedSpectrum:
     def __getitem__(self, modes: Ints) -> "ReducedSpectrum":
         return ReducedSpectrum(
             self.kappa[modes],
+            self.eigenvalues[modes],
             self.right[:, modes],
             self.left[:, modes],
             self.certificate[modes],
@@ -112,14 +142,14 @@ class ReducedSpectrum:
         )
 
     @property
-    def eigenvalues(self) -> Complexes:
-        """Lambda (1/s), Im lambda >= 0, shape (n,)."""
-        return upper_root(self.kappa)
-
-    @property
     def window(self) -> "ReducedSpectrum":
         """Those of the window, without its margin."""
-        return self[np.flatnonzero(self.eigenvalues.imag <= self.settings.end)]
+        return self[np.flatnonzero(self.inside)]
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Which are in the window, shape (n,)."""
+        return self.settings.holds(self.eigenvalues)
 
     @property
     def speeds(self) -> Floats:
@@ -168,7 +198,7 @@ def reduced_spectrum(
         What rounding does to eigenvalues of condition one (1/s^2).
     """
     if not len(mass.square):
-        return _nothing(settings)
+        return without_a_basis(settings)
     root = np.linalg.cholesky(mass.square)
     factors = lu_factor(stiffness.square + settings.shift * mass.square)
     theta, left, right = eig(root.T @ lu_solve(factors, root), left=True, right=True)
@@ -177,16 +207,17 @@ def reduced_spectrum(
     eigenvalues = upper_root(kappa)
     order = np.lexsort((eigenvalues.real, eigenvalues.imag))
     order = order[eigenvalues.imag[order] <= MARGIN * settings.end]
-    kappa = kappa[order]
+    kappa, eigenvalues = kappa[order], eigenvalues[order]
     right = solve_triangular(root, right[:, order], lower=True, trans="T")
     left = solve_triangular(root, left[:, order], lower=True, trans="T")
     outside = settings.outside(kappa)
     certificate = certify(kappa, right, left, stiffness, mass, outside, rounding)
-    return ReducedSpectrum(kappa, right, left, certificate, settings)
+    return ReducedSpectrum(kappa, eigenvalues, right, left, certificate, settings)
 
 
-def _nothing(settings: Settings) -> ReducedSpectrum:
+def without_a_basis(settings: Settings) -> ReducedSpectrum:
     """What a basis without vectors knows."""
     none, vectors = np.empty(0), np.empty((0, 0), dtype=complex)
     certificate = Certificate(none, none, none, np.empty(0, dtype=np.int64), none)
-    return ReducedSpectrum(none.astype(complex), vectors, vectors, certificate, settings)
+    nothing = none.astype(complex)
+    return ReducedSpectrum(nothing, nothing, vectors, vectors, certificate, settings)

@@ -10,11 +10,18 @@ if TYPE_CHECKING:
     from comparisons.sweep.axes import Axis
 
 
+_CONFIRM = 3
+"""Thresholds of a map that are confirmed where no number is given."""
+
+
 def sweep(
     scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
     axes: Annotated[
         list[str],
-        typer.Argument(help="What varies: field=first:last:count, or ...:last:log:count."),
+        typer.Argument(
+            help="What varies: field=first:last:count, or ...:last:log:count; or how it is spread: "
+            "field~normal:mean:deviation, ~lognormal:median:deviation, ~uniform:low:high."
+        ),
     ],
     set_: Annotated[
         list[str] | None, typer.Option("--set", help="Override of another field.")
@@ -22,6 +29,10 @@ def sweep(
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
+    samples: Annotated[
+        int | None, typer.Option(help="Samples of fields that are spread; 10,000 by default.")
+    ] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the samples; 0 by default.")] = None,
     full: Annotated[
         bool, typer.Option("--full", help="Solve each value in full; one field only.")
     ] = False,
@@ -30,7 +41,9 @@ def sweep(
     ] = 1e-8,
     solves: Annotated[int, typer.Option(help="Most full solves of a map.")] = 150,
     checks: Annotated[int, typer.Option(help="Full solves at random values that test a map.")] = 2,
-    confirm: Annotated[int, typer.Option(help="Thresholds of a map that full solves confirm.")] = 3,
+    confirm: Annotated[
+        int, typer.Option(help="Thresholds of a map that full solves confirm.")
+    ] = _CONFIRM,
     redraw: Annotated[
         bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
     ] = False,
@@ -38,23 +51,42 @@ def sweep(
 ) -> None:
     """Follow the modes of a scene along its fields: what grows where, and from where on.
 
-    Parameters of an undamped scene (mu and P of contacts, E and rho of bodies) are swept by a
-    basis of a few full solves with a bound for every value, one other field by a full solve at
-    each value.
+    Parameters of a scene (mu and P of contacts, E, rho, damping and rotation of bodies) are swept
+    by a basis of a few full solves with a bound for every value, one other field by a full solve
+    at each value. Of fields that are spread samples tell how probable it is that each mode grows.
     """
+    from cea.errors import InputError
     from comparisons.cli.extras import need
     from comparisons.cli.redraw import refuse_with_redraw
+    from comparisons.cli.samples import are_distributions, sample
     from comparisons.sweep.axes import read_axis
     from scenes.out_folder import check_out
 
     need("pictures")
     refuse_with_redraw(redraw, {"set": set_, "data": data})
+    overrides = tuple(set_ or ())
+    if are_distributions(axes):
+        _refuse_beside_samples(full=full, confirm=confirm)
+        need_maps()
+        options = {
+            "count": samples,
+            "seed": seed,
+            "overrides": overrides,
+            "data": data,
+            "tolerance": tolerance,
+            "most": solves,
+            "checks": checks,
+        }
+        sample(scene, axes, options, out, redraw=redraw)
+        return
+    for name, value in (("samples", samples), ("seed", seed)):
+        if value is not None:
+            raise InputError(name, value, "left out but for distributions: mu~normal:0.4:0.05")
     asked = [read_axis(axis) for axis in axes]
     if redraw:
         _draw_anew(scene, asked, out)
         return
     check_out(out)
-    overrides = tuple(set_ or ())
     if full:
         _each_in_full(scene, asked, overrides, data, "--full", out)
         return
@@ -73,6 +105,16 @@ def sweep(
         _each_in_full(scene, asked, overrides, data, str(error), out)
 
 
+def _refuse_beside_samples(*, full: bool, confirm: int) -> None:
+    """Refuse options that samples have no use for."""
+    from cea.errors import InputError
+
+    if full:
+        raise InputError("full", True, "left out for samples: they are solved on a basis")
+    if confirm != _CONFIRM:
+        raise InputError("confirm", confirm, "left out for samples: they have no thresholds")
+
+
 def _map(asked: Any, out: Path) -> None:
     """Make a map and tell of it."""
     from cea.petsc import MPI
@@ -86,14 +128,14 @@ def _map(asked: Any, out: Path) -> None:
     with working("map") as work:
         found, rows, store = run_map(asked, out, work.stage)
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        picture = new.final(write_result(found, rows, new.part))
+        page = new.final(write_result(found, rows, new.part))
     store.discard()
     print_table(summary_table(found))
     print_table(onsets_table(found))
     for warning in found["warnings"]:
         typer.echo(f"warning: {warning['message']}")
     typer.echo(f"Every value: {out / 'sweep.nc'}")
-    typer.echo(f"The picture to open: {picture}")
+    typer.echo(f"The page to open: {page}")
 
 
 def _each_in_full(
@@ -150,8 +192,8 @@ def _draw_anew(scene: str, axes: "list[Axis]", out: Path) -> None:
     refuse_another(asked, found["inputs"])
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
         written = write_sweep(found, new.part) if rows is None else None
-        picture = new.final(written or write_result(found, rows or [], new.part))
-    typer.echo(f"The picture to open: {picture}")
+        made = new.final(written or write_result(found, rows or [], new.part))
+    typer.echo(f"The {'picture' if rows is None else 'page'} to open: {made}")
 
 
 def threshold(

@@ -15,7 +15,8 @@ _NEIGHBOURS = 4
 def confirmed(driver: KrylovSchur, point: Mapping[str, float], found: Onset) -> float:
     """How far the threshold of the pencil itself is from that of a reduced model.
 
-    The discriminant of the pair by a full solve at the threshold found, over its slope.
+    The discriminant of the pair by a full solve at the threshold found, or with damping or rotation
+    the growth rate of the mode, over its slope.
 
     Parameters
     ----------
@@ -26,6 +27,11 @@ def confirmed(driver: KrylovSchur, point: Mapping[str, float], found: Onset) -> 
     found
         The threshold.
     """
+    if driver.pencil.damped:
+        lam = found.eigenvalue * (1 + _ASIDE)
+        modes = driver.nearest(-(lam**2), _NEIGHBOURS, point)
+        own = modes.eigenvalues[np.argmin(np.abs(modes.eigenvalues - found.eigenvalue))]
+        return float(-own.real / found.slope)
     mean = float(-(found.eigenvalue**2).real)
     modes = driver.nearest((1 + _ASIDE) * mean, _NEIGHBOURS, point)
     kappa = -(modes.eigenvalues**2)

@@ -1,13 +1,12 @@
 """The record of a map: what it is and how sure it is, without its values."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from time import process_time
 from typing import Any
 
 import numpy as np
 
-from cea.eigen.krylov_schur import KrylovSchur
 from cea.reduced.greedy import Enrichment
 from comparisons.sweep.confirmed import confirmed
 from comparisons.sweep.mapped import Mapped
@@ -67,10 +66,7 @@ def record_of(
         "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
         "max_frequency": scene.max_frequency,
         "basis": basis.model.size,
-        "snapshots": [
-            {"point": dict(each.point), "tested": each.tested, "complete": bool(each.complete)}
-            for each in basis.snapshots
-        ],
+        "snapshots": [each.plain() for each in basis.snapshots],
         "stored_before": spent.stored,
         "failed": [{"point": dict(point), "reason": why} for point, why in basis.failed],
         "values": len(worst),
@@ -88,6 +84,7 @@ def record_of(
             for others, row in zip(scene.rows(), rows, strict=True)
             for each in row.onsets
         ],
+        "thresholds_lost": sum(row.lost for row in rows),
         "processor_seconds": spent.plain(),
     }
 
@@ -127,28 +124,47 @@ def warnings_of(data: dict[str, Any], tolerance: float) -> list[dict[str, Any]]:
         )
     if data["failed"]:
         found.append(("no-answer", f"{len(data['failed'])} full solves gave no answer"))
-    incomplete = sum(not each["complete"] for each in data["snapshots"])
-    if incomplete:
+    if data["thresholds_lost"]:
         found.append(
             (
-                "window-not-complete",
-                f"the windows of {incomplete} of {len(data['snapshots'])} full solves were not "
-                "shown to be complete",
+                "thresholds-lost",
+                f"{data['thresholds_lost']} times a pair or a branch could not be followed to "
+                "where it begins or ends to grow: thresholds may be missing between two values",
             )
         )
-    return [{"kind": kind, "message": message, "data": {}} for kind, message in found]
+    told = [{"kind": kind, "message": message, "data": {}} for kind, message in found]
+    return told + of_full_solves(data["snapshots"])
+
+
+def of_full_solves(snapshots: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Warnings of full solves, one of each kind, with the places where they were given."""
+    given: dict[str, list[dict[str, Any]]] = {}
+    for each in snapshots:
+        for warning in each["warnings"]:
+            place = {"point": each["point"], "message": warning["message"], "data": warning["data"]}
+            given.setdefault(warning["kind"], []).append(place)
+    return [
+        {
+            "kind": kind,
+            "message": f"of {len(places)} of {len(snapshots)} full solves, the first of which says "
+            f"that {places[0]['message']}",
+            "data": {"places": places},
+        }
+        for kind, places in given.items()
+    ]
 
 
 class Timed:
-    """A driver whose processor time is counted."""
+    """The driver of a map: its processor time is counted, its modes have warnings of the scene."""
 
-    def __init__(self, driver: KrylovSchur) -> None:
-        self._driver, self.seconds = driver, 0.0
+    def __init__(self, scene: Mapped) -> None:
+        self._scene, self.seconds = scene, 0.0
 
-    def solve(self, max_frequency: float, changes: Any, /, *, left: bool = False) -> Any:
+    def solve(self, max_frequency: float, changes: Any, /, **options: Any) -> Any:
         """All modes up to a frequency (Hz)."""
         before = process_time()
         try:
-            return self._driver.solve(max_frequency, changes, left=left)
+            modes = self._scene.driver.solve(max_frequency, changes, **options)
+            return replace(modes, warnings=self._scene.warnings(modes, changes))
         finally:
             self.seconds += process_time() - before

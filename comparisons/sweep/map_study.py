@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from cea.errors import ConvergenceError, InputError
+from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
 from cea.reduced.branches import Branches
-from cea.reduced.greedy import TOLERANCE, Enrichment, Snapshot
-from cea.reduced.model import ReducedModel
+from cea.reduced.greedy import TOLERANCE
 from comparisons.sweep.axes import Axis
-from comparisons.sweep.map_record import Spent, Timed, confirm_some, record_of, warnings_of
+from comparisons.sweep.filling import Filling
+from comparisons.sweep.map_record import Spent, confirm_some, record_of, warnings_of
 from comparisons.sweep.mapped import Mapped, mapped
 from comparisons.sweep.rows import Row, map_row
 from comparisons.sweep.store import Store
@@ -27,8 +27,6 @@ _TRAINING = 17
 """Values of an axis over decades at which bounds are looked at while the basis is made."""
 _FEW = 5
 """The same of other axes."""
-_ROUNDS = 4
-"""Times that full solves may find fault with a basis before it is given up."""
 _LOCAL = 0.5
 """Part of the tolerance that a local basis may use up."""
 
@@ -140,46 +138,21 @@ class _Run:
         self, asked: AskedMap, scene: Mapped, store: Store, progress: Callable[[str], None]
     ) -> None:
         self._asked, self._scene, self._store, self._progress = asked, scene, store, progress
-        self._model = ReducedModel(scene.pencil, scene.box, scene.max_frequency)
-        self._full = Timed(scene.driver)
-        self._basis = Enrichment(
-            self._model,
-            self._full,
-            scene.max_frequency,
-            asked.tolerance,
-            asked.most,
-            keep=self._keep,
-            tell=self._tell,
-        )
+        self._filling = Filling(asked, scene, store, progress)
         self._online = (0.0, 0)
-        self._kept = 0
-        self._begun = process_time()
-        for snapshot, safety in store.snapshots():
-            progress(f"full solve {len(self._basis.snapshots) + 1}, stored before")
-            self._kept += 1
-            try:
-                self._basis.restore(snapshot, safety)
-            except ValueError as error:
-                allowed = f"without what an interrupted sweep of something else left ({error})"
-                raise InputError("out", str(store.folder), allowed) from error
 
     def fill(self) -> None:
         """Enrich the basis until bounds are small and full solves agree with them."""
         generator = np.random.default_rng(0)
-        for _ in range(_ROUNDS):
-            self._basis.cover(self._training())
-            if len(self._basis.snapshots) >= self._asked.most:
-                return
-            picked = [
-                [axis.values[generator.integers(axis.count)] for axis in self._asked.axes]
+
+        def picked() -> list[dict[str, float]]:
+            values = [
+                [axis.values[generator.integers(len(axis.values))] for axis in self._scene.axes]
                 for _ in range(self._asked.checks)
             ]
-            if self._basis.confirm([self._scene.point(each) for each in picked]):
-                return
-        raise ConvergenceError(
-            f"full solves found modes or errors that the reduced model had not told of, "
-            f"{_ROUNDS} times; more solves at first, or a lower max_frequency, may help"
-        )
+            return [self._scene.point(each) for each in values]
+
+        self._filling.fill(self._training(), picked)
 
     def rows(self) -> list[Row]:
         """All rows; where a value is not certified the pencil itself is solved."""
@@ -192,14 +165,8 @@ class _Run:
                 for number, row in rows.items()
                 for i in np.flatnonzero(row.worst > self._asked.tolerance).tolist()
             ]
-            failed = [point for point, _ in self._basis.failed]
             points = [self._point(i, others[number]) for _, number, i in sorted(open_)[::-1]]
-            points = [point for point in points if point not in failed]
-            if not points or len(self._basis.snapshots) >= self._asked.most:
-                return [rows[number] for number in range(len(others))]
-            size = self._model.size
-            self._basis.cover(points)
-            if size == self._model.size:
+            if not self._filling.improve(points):
                 return [rows[number] for number in range(len(others))]
             for number in {number for _, number, _ in open_}:
                 del rows[number]
@@ -224,7 +191,7 @@ class _Run:
         self._progress(f"row {number + 1} of {len(others)}")
         before = process_time()
         tolerance = _LOCAL * self._asked.tolerance
-        row = map_row(self._model.small, self._scene, others[number], start, tolerance)
+        row = map_row(self._filling.model.small, self._scene, others[number], start, tolerance)
         spent, values = self._online
         self._online = spent + process_time() - before, values + len(row.worst)
         self._store.keep_row(number, row)
@@ -234,7 +201,7 @@ class _Run:
         """Branches at the first value of each row, and a number that no other row begins at."""
         first, branches, numbers = self._asked.axes[0].values[0], Branches(), []
         for each in others:
-            found = self._basis.at(self._scene.point((first, *each)))
+            found = self._filling.basis.at(self._scene.point((first, *each)))
             numbers.append(branches.follow(found))
         room = 10 * max(len(each) for each in numbers) + 10
         return [(each, branches.next + i * room) for i, each in enumerate(numbers)]
@@ -250,21 +217,13 @@ class _Run:
     def _point(self, number: int, others: Sequence[float]) -> dict[str, float]:
         return self._scene.point((self._asked.axes[0].values[number], *others))
 
-    def _keep(self, snapshot: Snapshot) -> None:
-        self._store.keep(snapshot, self._model.small.settings.safety)
-
-    def _tell(self, point: Any, worst: float) -> None:
-        shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
-        self._progress(f"full solve {len(self._basis.snapshots) + 1}: {shown}, bound {worst:.1e}")
-
     def told(self, rows: Sequence[Row]) -> dict[str, Any]:
         """What the map is, without its values."""
-        (spent, values), full = self._online, self._full.seconds
-        basis = max(process_time() - self._begun - full - spent, 0.0)
-        took = Spent(full, basis, spent, values, self._kept)
-        return record_of(self._scene, self._basis, rows, took)
+        spent, values = self._online
+        full, basis = self._filling.seconds(spent)
+        took = Spent(full, basis, spent, values, self._filling.kept)
+        return record_of(self._scene, self._filling.basis, rows, took)
 
     def free(self) -> None:
         """Free factors."""
-        self._model.free()
-        self._scene.driver.free()
+        self._filling.free()

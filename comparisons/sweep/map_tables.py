@@ -98,7 +98,7 @@ def values_table(data: Data, rows: Sequence[Row]) -> Table:
         ),
         [
             (*at, *_fastest(row.growth[i], row.frequency[i], row.verdict[i]), float(row.worst[i]))
-            for at, row, i in _places(data, rows)
+            for at, row, i in places(data, rows)
         ],
     )
 
@@ -117,7 +117,7 @@ def modes_table(data: Data, rows: Sequence[Row]) -> Table | None:
         ),
         [
             (*at, *(getattr(row, name)[i, mode].item() for name in names))
-            for at, row, i in _places(data, rows)
+            for at, row, i in places(data, rows)
             for mode in np.flatnonzero(row.branch[i] >= 0)
         ],
     )
@@ -131,7 +131,7 @@ def _fastest(growth: Any, frequency: Any, verdict: Any) -> tuple[Any, ...]:
     return int(there.sum()), int((verdict == UNSTABLE).sum()), float(growth[top]), frequency[top]
 
 
-def _places(data: Data, rows: Sequence[Row]) -> list[tuple[tuple[float, ...], Row, int]]:
+def places(data: Data, rows: Sequence[Row]) -> list[tuple[tuple[float, ...], Row, int]]:
     """Values of the axes with the row and the place in it."""
     first, *others = [axis["values"] for axis in data["axes"]]
     return [

@@ -1,21 +1,45 @@
 """What is mapped: a scene, its pencil, and the axes as parameters of that."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import Protocol
 
 from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.pencil import Pencil
+from cea.eigen.modes import Modes
+from cea.eigen.pencil import Pencil, release
+from cea.eigen.shifted import count_below
 from cea.errors import InputError
+from cea.reduced.norm import shift_of
 from cea.reduced.pieces import check_pencil
-from comparisons.sweep.axes import Axis
+from cea.warned import ResultWarning
 from scenes.assembled import AssembledScene
+from scenes.matrix_pencil import symmetrised_pieces
 from scenes.matrix_run import AssembledMatrices
 from scenes.matrix_scene import is_of_matrices, load_matrices
 from scenes.read import load_scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.swept import no_two_alike, parameters_meant
+
+
+class Varied(Protocol):
+    """A field whose values a map or samples have."""
+
+    @property
+    def name(self) -> str:
+        """The field as it was given."""
+        ...
+
+    @property
+    def values(self) -> list[float]:
+        """The values."""
+        ...
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and greatest value."""
+        ...
 
 
 class NoMapError(InputError):
@@ -46,13 +70,21 @@ class Mapped:
         Upper end of the window (Hz).
     growth_threshold
         Growth rate (1/s) above which a mode is unstable; None where it is relative.
+    min_growth
+        Growth rate (1/s) down to which modes are sought where there is damping or rotation.
+    warnings
+        What modes must be read with at some parameters.
     """
 
     driver: KrylovSchur
-    axes: tuple[Axis, ...]
+    axes: tuple[Varied, ...]
     names: tuple[tuple[str, ...], ...]
     max_frequency: float
     growth_threshold: float | None
+    min_growth: float | None = None
+    warnings: Callable[[Modes, Mapping[str, float]], tuple[ResultWarning, ...]] = lambda modes, _: (
+        modes.warnings
+    )
 
     @property
     def pencil(self) -> Pencil:
@@ -71,7 +103,8 @@ class Mapped:
         matrices = [term.matrix for term in self.pencil.terms]
         matrices += [forces.closure for forces in self.pencil.forces]
         norms = [f"{matrix.getSize()} {matrix.norm():.10e}" for matrix in matrices]
-        return [*parameters, *norms, f"{self.max_frequency!r}"]
+        norms += [f"{float(term.piece.weights.sum()):.10e}" for term in self.pencil.low_rank]
+        return [*parameters, *norms, f"{self.max_frequency!r} {self.min_growth!r}"]
 
     def point(self, values: Sequence[float]) -> dict[str, float]:
         """Parameters at a value of each axis."""
@@ -84,7 +117,7 @@ class Mapped:
 
 
 def mapped(
-    scene: str | Path, axes: Sequence[Axis], overrides: Sequence[str], data: str | None
+    scene: str | Path, axes: Sequence[Varied], overrides: Sequence[str], data: str | None
 ) -> Mapped:
     """Assemble a scene; where a contact becomes too stiff for a penalty its forces are unknowns.
 
@@ -100,8 +133,15 @@ def mapped(
         matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
         names = _names(matrices.driver.pencil, axes, ())
         window = matrices.scene.window
+        _check_definite(matrices.driver.pencil, axes, names, window.max_frequency)
         return Mapped(
-            matrices.driver, tuple(axes), names, window.max_frequency, window.growth_threshold
+            matrices.driver,
+            tuple(axes),
+            names,
+            window.max_frequency,
+            window.growth_threshold,
+            window.min_growth,
+            lambda modes, _: (*modes.warnings, *symmetrised_pieces(matrices.pieces)),
         )
     if data is not None:
         raise InputError("data", data, "left out: a scene of bodies reads no matrices")
@@ -127,17 +167,20 @@ def mapped(
         assembled = AssembledScene(read.change(forces))
     analysis = assembled.scene.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    _check_definite(assembled.driver.pencil, axes, names, analysis.max_frequency)
     return Mapped(
         assembled.driver,
         tuple(axes),
         names,
         analysis.max_frequency,
         analysis.growth_threshold,
+        analysis.min_growth,
+        lambda modes, values: assembled.warnings(modes, analysis.max_frequency, values),
     )
 
 
 def _names(
-    pencil: Pencil, axes: Sequence[Axis], bonded: Sequence[str]
+    pencil: Pencil, axes: Sequence[Varied], bonded: Sequence[str]
 ) -> tuple[tuple[str, ...], ...]:
     names: tuple[tuple[str, ...], ...] = ()
     try:
@@ -151,6 +194,38 @@ def _names(
             for end in axis.ends:
                 pencil.parameter(name).check(end)
     return names
+
+
+def _check_definite(
+    pencil: Pencil,
+    axes: Sequence[Varied],
+    names: tuple[tuple[str, ...], ...],
+    max_frequency: float,
+) -> None:
+    """Refuse a damped pencil whose stiffness makes no norm where parameters are least.
+
+    That of bodies at rest does; with rotation or in matrices from elsewhere it may not.
+    """
+    if not pencil.damped:
+        return
+    least, most = (
+        {name: axis.ends[end] for axis, group in zip(axes, names, strict=True) for name in group}
+        for end in (0, 1)
+    )
+    try:
+        for each in (least, most):  # modes that are damped one by one may be others there
+            pencil.low_rank_at(pencil.values(each))
+    except InputError as error:
+        raise _no_map(error, names) from error
+    matrices = pencil.at(least)
+    try:
+        negative = count_below(matrices, -shift_of(max_frequency))
+    finally:
+        release(matrices)
+    if negative:
+        told = f"{negative} negative eigenvalues of its symmetric part"
+        allowed = "none, for a map, where parameters are least"
+        raise _no_map(InputError("stiffness", told, allowed), names)
 
 
 def _of(contact: str) -> str:

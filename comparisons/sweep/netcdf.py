@@ -21,6 +21,8 @@ _VARIABLES = {
     "branch": ("1", "number of the branch"),
     "verdict": ("1", "verdict"),
     "worst": ("1", "worst error that the basis makes, relative"),
+    "growth_slope": ("1/s", "derivative of the growth rate in each axis, in its unit"),
+    "frequency_slope": ("Hz", "derivative of the frequency in each axis, in its unit"),
 }
 """Unit and meaning of what is stored of each mode."""
 
@@ -47,19 +49,19 @@ def write_map(rows: Sequence[Row], axes: Sequence[Mapping[str, Any]], file: Path
         parts = []
         for row in rows:
             values = getattr(row, name)
-            if values.ndim == 2:
+            if values.ndim > 1:
                 gone = np.nan if values.dtype.kind == "f" else -1
-                wider = ((0, 0), (0, modes - values.shape[1]))
+                wider = ((0, 0), (0, modes - values.shape[1]), *[(0, 0)] * (values.ndim - 2))
                 values = np.pad(values, wider, constant_values=gone)
             parts.append(values)
         whole = np.stack(parts, axis=1)
         whole = whole.reshape(*counts, *whole.shape[2:])
-        dims = [*names, "mode"] if whole.ndim > len(counts) else names
+        dims = [*names, "mode", "axis"][: whole.ndim]
         data[name] = (dims, whole, {"units": unit, "long_name": about})
     data["verdict"][2].update(
         flag_values=np.array([0, 1, 2], np.int8), flag_meanings="stable unstable undecided"
     )
-    coordinates = {each["name"]: each["values"] for each in axes}
+    coordinates = {each["name"]: each["values"] for each in axes} | {"axis": names}
     part = file.with_suffix(f".{os.getpid()}.part")
     xarray.Dataset(data, coordinates).to_netcdf(part, engine=ENGINE)
     part.replace(file)
@@ -81,7 +83,7 @@ def read_map(data: Mapping[str, Any], file: Path) -> list[Row]:
     with xarray.open_dataset(file, engine=ENGINE) as opened:
         get = {name: np.array(opened[name]) for name in _VARIABLES}
     count = len(first["values"])
-    flat = {
+    flat: dict[str, Any] = {
         name: each.reshape(count, -1, *each.shape[len(data["axes"]) :])
         for name, each in get.items()
     }

@@ -1,19 +1,22 @@
 """Rows of a map: all values along its first axis at one value of each other."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.spectrum import RELATIVE_GROWTH
 from cea.reduced.branches import Branches
 from cea.reduced.onsets import Onset, PairLostError, onset, span_of
 from cea.reduced.rows import along
 from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
+from cea.reduced.zero_growth import zero_growth
 from comparisons.sweep.mapped import Mapped
 
 STABLE, UNSTABLE, UNDECIDED = 0, 1, 2
@@ -39,8 +42,13 @@ class Row:
         0 stable, 1 unstable, 2 undecided, shape (values, modes).
     worst
         What the basis makes of the worst mean, relative to its speed, shape (values,).
+    growth_slope, frequency_slope
+        Derivatives of growth rates (1/s) and frequencies (Hz) in the axes, in their units, shape
+        (values, modes, axes).
     onsets
         Where flutter begins and ends.
+    lost
+        Thresholds between two values that could not be followed to where they are.
     """
 
     growth: Floats
@@ -50,7 +58,10 @@ class Row:
     branch: Ints
     verdict: NDArray[np.int8]
     worst: Floats
+    growth_slope: Floats
+    frequency_slope: Floats
     onsets: tuple[Onset, ...]
+    lost: int = 0
 
 
 def map_row(
@@ -85,20 +96,56 @@ def map_row(
     numbers = [start[0]]
     branches.back_to(spectra[0], start[0])
     numbers += [branches.follow(found) for found in spectra[1:]]
-    onsets = []
-    for still, flutters, pair in _beginnings(spectra):
+
+    def at(value: float) -> ReducedSpectrum:
+        return basis.at(parameters(value))
+
+    seek = _crossings if small.damped else _coalescences
+    onsets, lost = [], 0
+    for sought in seek(at, values, spectra, numbers):
         try:
-            onsets.append(
-                onset(
-                    lambda value: basis.at(parameters(value)),
-                    values[still],
-                    values[flutters],
-                    span_of(pair),
-                )
-            )
+            onsets.append(sought())
         except PairLostError:
-            continue
-    return _table(spectra, numbers, tuple(onsets), asked)
+            lost += 1
+    slopes = [
+        np.stack(
+            [
+                sum(small.derivatives(found.window, parameters(value), name) for name in names)
+                for names in asked.names
+            ],
+            axis=1,
+        )
+        for value, found in zip(values, spectra, strict=True)
+    ]
+    return replace(_table(spectra, numbers, slopes, tuple(onsets), asked), lost=lost)
+
+
+def _coalescences(
+    at: Callable[[float], ReducedSpectrum],
+    values: Sequence[float],
+    spectra: Sequence[ReducedSpectrum],
+    _: Sequence[Ints],
+) -> Iterator[Callable[[], Onset]]:
+    """What seeks each threshold of an undamped pencil."""
+    for still, flutters, pair in _beginnings(spectra):
+        yield partial(onset, at, values[still], values[flutters], span_of(pair))
+
+
+def _crossings(
+    at: Callable[[float], ReducedSpectrum],
+    values: Sequence[float],
+    spectra: Sequence[ReducedSpectrum],
+    numbers: Sequence[Ints],
+) -> Iterator[Callable[[], Onset]]:
+    """What seeks each threshold of a damped pencil: branches whose growth surely changes sign."""
+    for i, (before, after) in enumerate(pairwise(spectra)):
+        _, here, there = np.intersect1d(numbers[i], numbers[i + 1], return_indices=True)
+        one, other = before[here], after[there]
+        changes = one.eigenvalues.real * other.eigenvalues.real < 0
+        for found in (one, other):
+            changes &= found.inside & (np.abs(found.eigenvalues.real) > found.uncertainties)
+        for mode in np.flatnonzero(changes)[:, None]:
+            yield partial(zero_growth, at, (values[i], values[i + 1]), one[mode], other[mode])
 
 
 def _beginnings(spectra: Sequence[ReducedSpectrum]) -> Iterator[tuple[int, int, Any]]:
@@ -132,12 +179,14 @@ _REAL = 1e-9
 def _table(
     spectra: Sequence[ReducedSpectrum],
     numbers: Sequence[Ints],
+    slopes: Sequence[Complexes],
     onsets: tuple[Onset, ...],
     asked: Mapped,
 ) -> Row:
-    inside = [found.eigenvalues.imag <= found.settings.end for found in spectra]
+    inside = [found.inside for found in spectra]
     shape = (len(spectra), max(int(each.sum()) for each in inside))
     growth, frequency, uncertainty, mean = (np.full(shape, np.nan) for _ in range(4))
+    growth_slope, frequency_slope = np.full((2, *shape, len(asked.axes)), np.nan)
     branch, verdict = np.full(shape, -1, dtype=np.int64), np.full(shape, -1, dtype=np.int8)
     for i, (found, chosen, number) in enumerate(zip(spectra, inside, numbers, strict=True)):
         window, n = found.window, int(chosen.sum())
@@ -145,6 +194,8 @@ def _table(
             window.eigenvalues.real,
             window.eigenvalues.imag / (2 * np.pi),
         )
+        growth_slope[i, :n] = slopes[i].real
+        frequency_slope[i, :n] = slopes[i].imag / (2 * np.pi)
         uncertainty[i, :n] = window.uncertainties
         mean[i, :n] = window.certificate.means / (2 * window.speeds**2)
         branch[i, :n] = number[chosen]
@@ -155,4 +206,7 @@ def _table(
         may = window.eigenvalues.real + window.uncertainties > limit
         verdict[i, :n] = np.where(surely, UNSTABLE, np.where(may, UNDECIDED, STABLE))
     worst = np.array([found.worst for found in spectra])
-    return Row(growth, frequency, uncertainty, mean, branch, verdict, worst, onsets)
+    return Row(
+        *(growth, frequency, uncertainty, mean, branch, verdict, worst),
+        *(growth_slope, frequency_slope, onsets),
+    )

@@ -16,11 +16,13 @@ import numpy as np
 from cea.files import write_whole
 from cea.reduced.greedy import Snapshot
 from cea.reduced.onsets import Onset
+from cea.warned import ResultWarning
 from comparisons.sweep.netcdf import ENGINE
 from comparisons.sweep.rows import Row
 
 _ABOUT = "map.json"
 _FIELDS = ("growth", "frequency", "uncertainty", "mean_error", "branch", "verdict", "worst")
+_SLOPES = ("growth_slope", "frequency_slope")
 _ONSET = ("value", "error", "slope")
 
 
@@ -55,13 +57,7 @@ class Store:
             np.save(stream, snapshot.grown)
         self._comm.barrier()
         if self._comm.rank == 0:
-            told = {
-                "point": dict(snapshot.point),
-                "rounding": snapshot.rounding,
-                "tested": None if snapshot.tested is None else float(snapshot.tested),
-                "complete": bool(snapshot.complete),
-                "safety": safety,
-            }
+            told = snapshot.plain() | {"safety": safety}
             write_whole(json.dumps(told).encode(), self._told(self._count))
         self._count += 1
 
@@ -72,7 +68,9 @@ class Store:
             told = self._comm.bcast(json.loads(self._told(self._count).read_text()))
             grown = np.load(self._part(self._count))
             fields = {name: told[name] for name in ("point", "rounding", "tested", "complete")}
-            found.append((Snapshot(grown=grown, **fields), told["safety"]))
+            warnings = tuple(ResultWarning(**each) for each in told["warnings"])
+            snapshot = Snapshot(grown=grown, warnings=warnings, **fields)
+            found.append((snapshot, told["safety"]))
             self._count += 1
         return found
 
@@ -90,10 +88,12 @@ class Store:
             "branch": (over, row.branch),
             "verdict": (over, row.verdict),
             "worst": (("value",), row.worst),
+            **{name: ((*over, "axis"), getattr(row, name)) for name in _SLOPES},
             **{
                 f"onset_{name}": (("onset",), np.array([getattr(o, name) for o in onsets], float))
                 for name in _ONSET
             },
+            "lost": ((), row.lost),
             "onset_re": (("onset",), np.array([o.eigenvalue.real for o in onsets], float)),
             "onset_im": (("onset",), np.array([o.eigenvalue.imag for o in onsets], float)),
             "onset_begins": (("onset",), np.array([o.begins for o in onsets], np.int8)),
@@ -121,7 +121,8 @@ class Store:
             )
             for i in range(len(get["onset_value"]))
         )
-        return Row(**{name: get[name] for name in _FIELDS}, onsets=onsets)
+        fields = {name: get[name] for name in (*_FIELDS, *_SLOPES)}
+        return Row(**fields, onsets=onsets, lost=int(get["lost"]))
 
     def discard(self) -> None:
         """Remove the folder: its map is finished."""

@@ -27,6 +27,7 @@ from comparisons.sweep.map_study import AskedMap, run_map
 from comparisons.sweep.map_tables import modes_table, onsets_table, summary_table, values_table
 from comparisons.sweep.mapped import NoMapError, mapped
 from comparisons.sweep.netcdf import read_map
+from comparisons.sweep.sensitivities import sensitivities_table
 from comparisons.sweep.store import Store
 from scenes.swept import parameters_meant
 
@@ -123,6 +124,27 @@ def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     driver.free()
 
 
+def test_sensitivities_of_a_map_are_those_of_full_solves(made, backend):
+    """Of every mode in both parameters, where none coalesce."""
+    wanted, data, rows, _ = made(backend)
+    scene = mapped(wanted.scene, wanted.axes, wanted.overrides, None)
+    row, others, i = rows[1], scene.rows()[1], 13
+    point = scene.point((wanted.axes[0].values[i], *others))
+    modes = scene.driver.solve(scene.max_frequency, point, left=True)
+    there = np.isfinite(row.growth[i])
+    found = row.growth[i][there] + 2j * np.pi * row.frequency[i][there]
+    ours, theirs = assign(np.abs(found[:, None] - modes.eigenvalues))
+    assert len(ours) == there.sum()
+    for axis, name in enumerate((MU, P)):
+        slope = row.growth_slope[i][there, axis] + 2j * np.pi * row.frequency_slope[i][there, axis]
+        expected = modes.sensitivity(name)
+        off = np.abs(slope[ours] - expected[theirs])
+        assert (off < 1e-4 * np.abs(expected[theirs]) + 1e-7 * np.abs(expected).max()).all()
+    table = sensitivities_table(data, rows)
+    assert len(table.rows) == sum((each.verdict == 1).any(axis=1).sum() for each in rows)
+    scene.driver.free()
+
+
 def test_branches_keep_their_numbers_along_a_row(made, backend):
     _, _, rows, _ = made(backend)
     for row in rows:
@@ -203,10 +225,12 @@ def test_the_command_threshold_confirms_what_it_finds(tmp_path, monkeypatch, cap
 
 def test_one_axis_gives_branches_and_a_root_locus(tmp_path):
     data, rows, store = run_map(asked("iga", "mu=0:2:11", checks=0, confirm=0), tmp_path / "out")
-    picture = write_result(data, rows, tmp_path / "out")
+    page = write_result(data, rows, tmp_path / "out")
     store.discard()
-    assert picture.name == "sweep.png"
-    assert picture.exists()
+    assert page.name == "report.html"
+    for name in ("sweep.png", "sensitivities.png"):
+        assert (page.parent / name).exists()
+        assert name in page.read_text()
     assert len(rows) == 1
 
 
@@ -246,9 +270,11 @@ def test_axes_that_are_none_are_refused(changes, told):
 def test_axes_that_are_no_parameters_are_refused_or_solved_in_full():
     with pytest.raises(NoMapError, match="one of"):
         mapped("blocks", [read_axis("analysis.max_frequency=0.1:0.3:3")], (), None)
-    with pytest.raises(NoMapError, match="damping") as refused:
-        mapped("disc_pad_damped", [read_axis("mu=0:1:3")], COARSE_PAD, None)
-    assert refused.value.paths == ("contacts.pad_disc.mu",)
+    modal = "bodies.disc.damping={modal={ratio=0.01,max_frequency=2000.0}}"
+    axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
+    with pytest.raises(NoMapError, match="modes were found that are damped") as refused:
+        mapped("disc_pad_damped", [axis], (*COARSE_PAD, modal), None)
+    assert refused.value.paths == ("bodies.disc.material.E",)
     with pytest.raises(InputError, match="other parameters than mu"):
         mapped("blocks", [read_axis("mu=0:1:3"), read_axis(f"{MU}=0:1:3")], (), None)
     with pytest.raises(InputError, match="zero or positive"):
@@ -264,6 +290,23 @@ def test_a_field_without_a_map_is_solved_in_full(tmp_path, monkeypatch, capsys):
     told = capsys.readouterr()
     assert not end.value.code, told.err
     assert "Solved in full at each value: parameter = 'contacts.interface.p'" in told.out
+
+
+def test_warnings_of_full_solves_reach_the_map(tmp_path):
+    """Collocation where the contact is soft, at every full solve that is told of it."""
+    soft = asked("iga", "mu=0:0.5:3", "P=0.1:1:2", checks=0, confirm=0)
+    crude = "contacts.interface.formulation={method='greville'}"
+    soft = replace(soft, overrides=(*soft.overrides, crude))
+    data, _, store = run_map(soft, tmp_path / "out")
+    store.discard()
+    told = {each["kind"]: each for each in data["warnings"]}
+    assert set(told) == {"point-rule"}
+    places = told["point-rule"]["data"]["places"]
+    assert len(places) == len(data["snapshots"])
+    for place in places:  # it is judged at the stiffness there
+        assert place["data"]["stiffness"] == pytest.approx(3 * place["point"][P])
+    given = [each["kind"] for solve in data["snapshots"] for each in solve["warnings"]]
+    assert set(told) == set(given)
 
 
 def test_another_scene_does_not_go_on_from_what_one_left(tmp_path):

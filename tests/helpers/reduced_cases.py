@@ -6,12 +6,14 @@ from petsc_matrices import to_petsc
 from scipy.linalg import eig
 
 from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.pencil import Pencil
+from cea.eigen.parameters import Coefficient, Parameter
+from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import upper_root
 
 MU, P = "contacts.interface.mu", "contacts.interface.P"
+ALPHA, RATIO = "bodies.upper.damping.alpha", "bodies.lower.damping.modal.ratio"
 
 
 def enrichment(pencil, box, top, **options):
@@ -40,6 +42,18 @@ def blocks_pencil(backend, *, method="gpts", stiffness=3.0, **contact):
     """Two small blocks that rub, held at bottom and top."""
     formulation = {"method": method} | ({"points": 3} if method == "gpts" else {})
     scene = coarse(two_blocks(backend, formulation, held=True, P=stiffness))
+    scene["contacts"]["interface"] |= contact
+    return assemble(scene, leave_out=False).pencil(leave_out=False)
+
+
+def damped_blocks_pencil(backend, values=None, **contact):
+    """Two small blocks that rub, one with Rayleigh damping, the other with that of its modes."""
+    at = {P: 3.0, ALPHA: 0.05, RATIO: 0.02} | (values or {})
+    scene = two_blocks(backend, {"method": "gpts", "points": 3}, held=True, P=at[P])
+    scene = coarse(scene)
+    scene["bodies"]["upper"]["damping"] = {"alpha": at[ALPHA], "beta": 0.0}
+    modal = {"ratio": at[RATIO], "max_frequency": 0.7}
+    scene["bodies"]["lower"]["damping"] = {"modal": modal}
     scene["contacts"]["interface"] |= contact
     return assemble(scene, leave_out=False).pencil(leave_out=False)
 
@@ -82,6 +96,67 @@ def dense(matrices, s):
     S, M, F = matrices
     kappa = eig(S - s * F, M, right=False)
     return kappa[np.argsort(upper_root(kappa).imag)]
+
+
+def random_damped_pencil(seed, n=40, *, equal=False):
+    """A dense pencil of s and Omega, damped and turning, with its matrices.
+
+    Parameters
+    ----------
+    seed
+        Of the random numbers.
+    n
+        Its size.
+    equal
+        Whether its damping is 0.04 M, its friction between two modes alone: lambda is known then,
+        and the two coalesce at s = 1.
+    """
+    rng = np.random.default_rng(seed)
+    axes, _ = np.linalg.qr(rng.standard_normal((n, n)))
+    kappa = np.arange(1.0, n + 1) ** 1.5
+    coupling = rng.standard_normal((n, n)) / (1 + 0.05 * np.add.outer(kappa, kappa) ** 0.5)
+    if equal:  # kappa^2 - (a + b) kappa + a b + c^2 s^2 has a double root at s = 1
+        kappa[:2], coupling = (1.5**2 - 0.3, 1.5**2 + 0.3), np.zeros((n, n))
+        coupling[0, 1], coupling[1, 0] = 0.3, -0.3
+    root = np.diag(rng.uniform(0.7, 1.4, n))
+    S = root @ axes @ np.diag(kappa) @ axes.T @ root
+    F = root @ axes @ coupling @ axes.T @ root
+    S, M = 0.5 * (S + S.T), root @ root
+    part = rng.standard_normal((n, n)) / n
+    C, G = (0.04 * M, 0 * M) if equal else (0.02 * M + part @ part.T, part - part.T)
+    s, turning = Coefficient.of({FRICTION: (1.0, 1.0)}, -1.0), Coefficient.of({"Omega": (1.0, 1.0)})
+    terms = [
+        Term("stiffness", to_petsc(S)),
+        Term("mass", to_petsc(M)),
+        Term("stiffness", to_petsc(F), s, symmetric=False),
+        Term("damping", to_petsc(C)),
+        Term("damping", to_petsc(G), turning, symmetric=False),
+    ]
+    parameters = [Parameter(FRICTION, 1.0), Parameter("Omega", 0.0)]
+    return Pencil(terms, parameters), (S, M, F, C, G)
+
+
+def dense_damped(matrices, s, turning):
+    """Eigenvalues lambda of a dense damped pencil with Im lambda >= 0."""
+    S, M, F, C, G = matrices
+    nothing, one = np.zeros_like(M), np.eye(len(M))
+    first = np.block([[nothing, one], [-(S - s * F), -(C + turning * G)]])
+    second = np.block([[one, nothing], [nothing, M]])
+    values = eig(first, second, right=False)
+    return values[values.imag >= 0]
+
+
+def damped_numbers(backend):
+    """What a damped map of the blocks comes to, in plain numbers that hang on no basis."""
+    pencil = damped_blocks_pencil(backend)
+    built = enrichment(pencil, {MU: (0.5, 1.0), ALPHA: (0.0, 0.1)}, 0.4)
+    built.cover([{MU: mu, ALPHA: a} for mu in (0.5, 1.0) for a in (0.0, 0.1)])
+    rows = []
+    for mu, alpha in ((0.61, 0.07), (0.83, 0.02)):
+        found = built.at({MU: mu, ALPHA: alpha}).window
+        sums = [found.eigenvalues.sum(), (found.eigenvalues**2).sum()]
+        rows.append([len(found), *(part for z in sums for part in (z.real, z.imag))])
+    return {"rows": rows, "solves": len(built.snapshots)}
 
 
 def map_numbers(backend):

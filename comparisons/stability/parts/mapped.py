@@ -40,7 +40,7 @@ class OfMap:
         top = data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
         system, _, _ = coupled(read_scene(data), leave_out=False)
         pencil = system.pencil(leave_out=False)
-        built = _built(pencil, self.axes, top)
+        built = _built(pencil, self.axes, top, data["analysis"].get("min_growth"))
         found = built.at({}).window
         eigenvalues, errors = found.eigenvalues, found.uncertainties
         limits = RELATIVE_GROWTH * found.speeds
@@ -72,10 +72,12 @@ class OfMap:
         )
 
 
-def _built(pencil: Pencil, axes: Mapping[str, Sequence[float]], top: float) -> Enrichment:
+def _built(
+    pencil: Pencil, axes: Mapping[str, Sequence[float]], top: float, min_growth: float | None
+) -> Enrichment:
     """A reduced model with full solves where its bounds were worst."""
     box = {name: (float(np.min(each)), float(np.max(each))) for name, each in axes.items()}
-    built = Enrichment(ReducedModel(pencil, box, top), KrylovSchur(pencil), top)
+    built = Enrichment(ReducedModel(pencil, box, top, min_growth), KrylovSchur(pencil), top)
     points = [dict(zip(axes, values, strict=True)) for values in product(*axes.values())]
     built.cover(points)
     return built

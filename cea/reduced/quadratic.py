@@ -1,0 +1,204 @@
+"""Eigenvalues of a reduced model with damping or rotation, with bounds on their errors.
+
+    P(lambda) = lambda^2 M + lambda D + K
+
+Outside of the basis P acts as its Schur complement does: to first order an eigenvalue is off by
+
+    |lambda - lambda_pencil| <= g |r| |s| / |y^H (2 lambda M + D) x|,
+
+r = P x and s = P^H y in the norm of X^-1 (:mod:`cea.reduced.spectrum` for the undamped problem).
+Eigenvalues that nearly coalesce are judged together. With the invariant subspace Q of their
+companion form, its dual Z and the block B, X the displacements of Q, Y those that Z is loaded by,
+
+    R = K X + D X B + M X B^2,    S^H = Y^H K + B Y^H D + B^2 Y^H M,
+
+the block is off by e = g |R| |S| at most, its mean by no more, its members as
+:mod:`cea.reduced.certificate` says.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
+
+from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.eigenvalue_matching import connected
+from cea.reduced.certificate import TOUCH, Certificate
+from cea.reduced.spectrum import MARGIN, ReducedSpectrum, Residuals, Settings, without_a_basis
+
+_BELOW = 0.05
+"""Part of the window below the real axis whose eigenvalues help to judge those next to it."""
+
+
+@dataclass(frozen=True)
+class _Pairs:
+    """Eigenpairs of a window and around it.
+
+    Parameters
+    ----------
+    values
+        lambda (1/s), shape (n,).
+    right, left
+        Coordinates of x and y, of M-norm one, shape (k, n).
+    states, duals
+        Right and left vectors of the companion form on an M-orthonormal basis, shape (2 k, n).
+    """
+
+    values: Complexes
+    right: Complexes
+    left: Complexes
+    states: Complexes
+    duals: Complexes
+
+    def __getitem__(self, modes: Ints) -> "_Pairs":
+        return _Pairs(
+            self.values[modes],
+            self.right[:, modes],
+            self.left[:, modes],
+            self.states[:, modes],
+            self.duals[:, modes],
+        )
+
+
+def quadratic_spectrum(
+    stiffness: Residuals, damping: Residuals, mass: Residuals, settings: Settings, rounding: float
+) -> ReducedSpectrum:
+    """Eigenvalues of a window and its margin.
+
+    Parameters
+    ----------
+    stiffness, damping, mass
+        The reduced matrices.
+    settings
+        What bounds are made with.
+    rounding
+        What rounding does to eigenvalues of condition one (1/s^2).
+    """
+    if not len(mass.square):
+        return without_a_basis(settings)
+    root = np.linalg.cholesky(mass.square)
+    judged = _Judged(stiffness, damping, mass, root, settings, rounding)
+    pairs = _pairs(stiffness.square, damping.square, root, settings)
+    certificate = judged.certificate(pairs)
+    upper = np.flatnonzero(pairs.values.imag >= 0)
+    values = pairs.values[upper]
+    return ReducedSpectrum(
+        -(values**2),
+        values,
+        pairs.right[:, upper],
+        pairs.left[:, upper],
+        certificate[upper],
+        settings,
+    )
+
+
+def _pairs(K: Floats, D: Floats, root: Floats, settings: Settings) -> _Pairs:
+    """Eigenpairs by the companion form, inverted about a real shift of growth."""
+    k, shift, gamma = len(K), np.sqrt(settings.shift), settings.end
+    K, D = (_between(root, each) for each in (K, D))
+    one = np.eye(k)
+    inverse = lu_solve(lu_factor(shift**2 * one + shift * D + K), np.hstack([D + shift * one, one]))
+    of_motion, of_speed = -inverse[:, :k], -gamma * inverse[:, k:]
+    inverted = np.block(
+        [[of_motion, of_speed], [(one + shift * of_motion) / gamma, shift * of_speed / gamma]]
+    )
+    mu, duals, states = eig(inverted, left=True, right=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        values = shift + 1 / mu
+    order = np.lexsort((values.real, values.imag))
+    inside = (values.imag >= -_BELOW * gamma) & (values.imag <= MARGIN * gamma)
+    inside &= np.isfinite(values) & (values.real >= -settings.reach)
+    order = order[inside[order]]
+    x, y = states[:k, order], duals[k:, order]
+    x, y = (each / np.linalg.norm(each, axis=0) for each in (x, y))
+    right = solve_triangular(root, x, lower=True, trans="T")
+    left = solve_triangular(root, y, lower=True, trans="T")
+    return _Pairs(values[order], right, left, states[:, order], duals[:, order])
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """What bounds of eigenpairs are made of; parameters as of :func:`quadratic_spectrum`."""
+
+    stiffness: Residuals
+    damping: Residuals
+    mass: Residuals
+    root: Floats
+    settings: Settings
+    rounding: float
+
+    def certificate(self, pairs: _Pairs) -> Certificate:
+        """Bounds for lambda^2 that are those for lambda: e becomes e (2 |lambda| + e)."""
+        values, outside = pairs.values, self.settings.outside_damped(pairs.values)
+        turned = self.mass.square @ pairs.right * (2 * values) + self.damping.square @ pairs.right
+        overlap = np.abs(np.einsum("ij,ij->j", pairs.left.conj(), turned))
+        slopes = 1 / np.maximum(overlap, np.finfo(float).tiny)
+        lengths = self._lengths(pairs)
+        reduction = slopes * outside * lengths[0] * lengths[1]
+        errors = reduction + slopes * self.rounding
+        means, clusters = errors.copy(), np.arange(len(values))
+        near = np.abs(values[:, None] - values) <= TOUCH * np.minimum(errors[:, None], errors)
+        for number, members in enumerate(connected(near)):
+            clusters[members] = number
+            if len(members) > 1:
+                own, doubt, spread = self._together(pairs[members], float(outside[members].max()))
+                e, p = own + doubt, len(members)
+                reduction[members], means[members] = own, e
+                errors[members] = (2 * spread + e) ** (1 - 1 / p) * e ** (1 / p)
+                if (values[members].imag < 0).any():  # the mean is told of a part of them
+                    means[members] = reduction[members] = errors[members]
+        speeds = 2 * np.abs(values)
+        return Certificate(
+            errors * (speeds + errors),
+            means * (speeds + means),
+            reduction * (speeds + reduction),
+            clusters,
+            np.maximum(speeds * slopes, 1.0),
+        )
+
+    def _lengths(self, pairs: _Pairs) -> list[Floats]:
+        """Norms of the residuals of right and left vectors, shape (n,) each."""
+        K, D, M = self.stiffness, self.damping, self.mass
+        values, speeds = pairs.values, np.abs(pairs.values)
+        lost = K.lost + speeds * D.lost + speeds**2 * M.lost
+        x, y, back = pairs.right, pairs.left, values.conj()
+        r = K.right @ x + (D.right @ x) * values + (M.right @ x) * values**2
+        s = K.left @ y + (D.left @ y) * back + (M.left @ y) * back**2
+        return [
+            np.linalg.norm(defect, axis=0) + lost * np.linalg.norm(vectors, axis=0)
+            for defect, vectors in ((r, x), (s, y))
+        ]
+
+    def _together(self, pairs: _Pairs, outside: float) -> tuple[float, float, float]:
+        """Error of the block of a cluster, rounding of it, distance from a multiple of one."""
+        k, gamma = len(self.root), self.settings.end
+        q, _, _ = np.linalg.svd(pairs.states, full_matrices=False)
+        z, _, _ = np.linalg.svd(pairs.duals, full_matrices=False)
+        try:
+            z = z @ np.linalg.inv(z.conj().T @ q).conj().T
+            # The block in coordinates of q: its vectors are combinations of the pairs'.
+            within = q.conj().T @ pairs.states
+            block = within @ np.diag(pairs.values) @ np.linalg.inv(within)
+        except np.linalg.LinAlgError:
+            return np.inf, np.inf, np.inf
+        x, y = q[:k], z[k:] / gamma
+        sizes = [float(np.linalg.norm(each, 2)) for each in (x, y)]
+        x, y = (solve_triangular(self.root, each, lower=True, trans="T") for each in (x, y))
+        K, D, M, back = self.stiffness, self.damping, self.mass, block.conj().T
+        r = K.right @ x + D.right @ x @ block + M.right @ x @ block @ block
+        s = K.left @ y + D.left @ y @ back + M.left @ y @ back @ back
+        speed = float(np.linalg.norm(block, 2))
+        lost = K.lost + speed * D.lost + speed**2 * M.lost
+        lengths = [
+            float(np.linalg.norm(defect, 2) + lost * np.linalg.norm(vectors, 2))
+            for defect, vectors in ((r, x), (s, y))
+        ]
+        mean = np.trace(block) / len(block)
+        spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
+        return outside * lengths[0] * lengths[1], self.rounding * sizes[0] * sizes[1], spread
+
+
+def _between(root: Floats, matrix: Floats) -> Floats:
+    """L^-1 A L^-T."""
+    half = solve_triangular(root, matrix, lower=True)
+    return solve_triangular(root, half.T, lower=True).T

@@ -1,0 +1,72 @@
+"""Thresholds of stability on a reduced model: where the growth rate of a branch passes zero.
+
+With damping or rotation modes decay before they grow, and lambda is smooth in the parameter there.
+The bound of lambda over the slope of its growth bounds the error of the threshold.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.optimize import brentq
+
+from cea.reduced.onsets import Onset, PairLostError
+from cea.reduced.spectrum import ReducedSpectrum
+
+_LEAST_PART = 0.5
+"""Least part of an eigenvector in the span of those at both ends that it is taken to continue."""
+_ZERO = 1e-6
+"""Growth at a root, relative to that at the ends: larger, and it is a jump between branches."""
+
+
+def zero_growth(
+    at: Callable[[float], ReducedSpectrum],
+    ends: tuple[float, float],
+    before: ReducedSpectrum,
+    after: ReducedSpectrum,
+) -> Onset:
+    """Where the growth rate of a branch passes zero.
+
+    Parameters
+    ----------
+    at
+        Spectra at values of the parameter, their coordinates in one basis.
+    ends
+        Values, rising or falling, near to each other.
+    before, after
+        The one eigenvalue of the branch at each, of growth rates of opposite signs.
+
+    Raises
+    ------
+    PairLostError
+        When the branch is lost on the way.
+    """
+    span, _ = np.linalg.qr(np.hstack([before.right, after.right]))
+    here, there = complex(before.eigenvalues[0]), complex(after.eigenvalues[0])
+
+    def followed(value: float) -> tuple[ReducedSpectrum, int]:
+        found = at(value)
+        part = np.linalg.norm(span.conj().T @ found.right, axis=0)
+        part /= np.linalg.norm(found.right, axis=0)
+        foreseen = here + (there - here) * (value - ends[0]) / (ends[1] - ends[0])
+        distance = np.where(part >= _LEAST_PART, np.abs(found.eigenvalues - foreseen), np.inf)
+        if not np.isfinite(distance).any():
+            raise PairLostError
+        return found, int(np.argmin(distance))
+
+    def growth(value: float) -> float:
+        found, mode = followed(value)
+        return float(found.eigenvalues[mode].real)
+
+    if not growth(ends[0]) * growth(ends[1]) < 0:
+        raise PairLostError
+    scale = max(map(abs, ends))
+    value = float(brentq(growth, *ends, xtol=1e-14 * scale, rtol=1e-14))
+    found, mode = followed(value)
+    root = complex(found.eigenvalues[mode])
+    doubt = float(found.uncertainties[mode])
+    if abs(root.real) > doubt + _ZERO * max(abs(here.real), abs(there.real)):
+        raise PairLostError
+    step = 1e-3 * (ends[1] - ends[0])
+    slope = (growth(value + step) - growth(value - step)) / (2 * step)
+    begins = (there.real > here.real) == (ends[1] > ends[0])
+    return Onset(value, doubt / abs(slope), 1j * root.imag, slope, begins=begins)

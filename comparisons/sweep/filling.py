@@ -1,0 +1,140 @@
+"""A reduced model of what is mapped, filled until its bounds are small and full solves agree."""
+
+from collections.abc import Callable, Iterable, Sequence
+from time import process_time
+from typing import Any, Protocol
+
+from cea.errors import ConvergenceError, InputError
+from cea.reduced.greedy import Enrichment, Point, Snapshot
+from cea.reduced.model import ReducedModel
+from comparisons.sweep.map_record import Timed
+from comparisons.sweep.mapped import Mapped
+from comparisons.sweep.store import Store
+
+_ROUNDS = 4
+"""Times that full solves may find fault with a basis before it is given up."""
+
+
+class Asked(Protocol):
+    """How well a model is to be filled."""
+
+    @property
+    def tolerance(self) -> float:
+        """Error of lambda, relative to its speed, up to which a value is certified."""
+        ...
+
+    @property
+    def most(self) -> int:
+        """Most full solves."""
+        ...
+
+
+class Filling:
+    """A reduced model that full solves fill; those that a store holds are taken over.
+
+    Parameters
+    ----------
+    asked
+        How well.
+    scene
+        What is mapped.
+    store
+        Keeps what each full solve adds.
+    progress
+        Called with what begins.
+
+    Attributes
+    ----------
+    model, basis
+        The reduced model, and what enriches it.
+    kept
+        Full solves that the store held.
+
+    Raises
+    ------
+    InputError
+        When the store holds what is of something else.
+    """
+
+    def __init__(
+        self, asked: Asked, scene: Mapped, store: Store, progress: Callable[[str], None]
+    ) -> None:
+        self._scene, self._store, self._progress = scene, store, progress
+        self._most = asked.most
+        self.model = ReducedModel(scene.pencil, scene.box, scene.max_frequency, scene.min_growth)
+        self._full = Timed(scene)
+        self.basis = Enrichment(
+            self.model,
+            self._full,
+            scene.max_frequency,
+            asked.tolerance,
+            asked.most,
+            keep=self._keep,
+            tell=self._tell,
+        )
+        self.kept = 0
+        self._begun = process_time()
+        for snapshot, safety in store.snapshots():
+            progress(f"full solve {len(self.basis.snapshots) + 1}, stored before")
+            self.kept += 1
+            try:
+                self.basis.restore(snapshot, safety)
+            except ValueError as error:
+                allowed = f"without what an interrupted sweep of something else left ({error})"
+                raise InputError("out", str(store.folder), allowed) from error
+
+    def fill(self, training: Sequence[Point], picked: Callable[[], Iterable[Point]]) -> None:
+        """Enrich the basis until bounds are small and full solves agree with them.
+
+        Parameters
+        ----------
+        training
+            Points at which bounds are looked at.
+        picked
+            Gives points at which full solves test the model, others each time.
+
+        Raises
+        ------
+        ConvergenceError
+            When full solves keep passing the bounds.
+        """
+        for _ in range(_ROUNDS):
+            self.basis.cover(training)
+            if self.spent or self.basis.confirm(list(picked())):
+                return
+        raise ConvergenceError(
+            f"full solves found modes or errors that the reduced model had not told of, "
+            f"{_ROUNDS} times; more solves at first, or a lower max_frequency, may help"
+        )
+
+    def improve(self, points: Sequence[Point]) -> bool:
+        """Solve where values are not certified, the worst first; whether that helped."""
+        failed = [point for point, _ in self.basis.failed]
+        points = [point for point in points if point not in failed]
+        if not points or self.spent:
+            return False
+        size = self.model.size
+        self.basis.cover(points)
+        return self.model.size > size
+
+    @property
+    def spent(self) -> bool:
+        """Whether there were as many full solves as there may be."""
+        return len(self.basis.snapshots) >= self._most
+
+    def seconds(self, online: float) -> tuple[float, float]:
+        """Processor seconds of full solves, and of the basis: all but these and those online."""
+        full = self._full.seconds
+        return full, max(process_time() - self._begun - full - online, 0.0)
+
+    def _keep(self, snapshot: Snapshot) -> None:
+        self._store.keep(snapshot, self.model.small.settings.safety)
+
+    def _tell(self, point: Any, worst: float) -> None:
+        shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
+        self._progress(f"full solve {len(self.basis.snapshots) + 1}: {shown}, bound {worst:.1e}")
+
+    def free(self) -> None:
+        """Free factors."""
+        self.model.free()
+        self._scene.driver.free()
