@@ -116,19 +116,21 @@ class NodeGraph:
             return np.arange(here.nnz, dtype=np.int32)
         cuts = own + np.append(np.searchsorted(ghosts, comm.allgather(self._first)), len(ghosts))
         cuts[0] = own
-        parts = [slice(*here.indptr[cuts[rank : rank + 2]]) for rank in range(comm.size)]
+        end = here.indptr[own]
+        parts = [slice(*here.indptr[cuts[rank : rank + 2]] - end) for rank in range(comm.size)]
         known = self.nodes
-        rows, columns = np.repeat(known, np.diff(here.indptr)), known[here.indices]
+        rows = np.repeat(known[own:], np.diff(here.indptr[own:]))
+        columns = known[here.indices[end:]]
         told = comm.alltoall([(rows[part], columns[part]) for part in parts])
 
         came = np.concatenate([pairs[1] for pairs in told])
         far = came[(came < self._first) | (came >= self._first + own)]
         self._others = np.union1d(ghosts, far)
         shape = (own, own + len(self._others))
-        end = here.indptr[own]
-        entries = (here.data[:end], (rows[:end] - self._first, self._number(columns[:end])))
-        mine = csr_array(entries, shape)
+        columns = self._number(known).astype(np.int32)[here.indices[:end]]
+        of_cells = csr_array((here.data[:end], columns, here.indptr[: own + 1]), shape)
         received = [(r - self._first, self._number(c)) for r, c in told]
+        mine = of_cells
         for pair in received:
             mine = mine + csr_array((np.ones(len(pair[0]), dtype=np.int8), pair), shape)
         mine = _sorted(mine)
@@ -141,11 +143,11 @@ class NodeGraph:
         number[~within] = np.arange(np.count_nonzero(within), mine.nnz)
         self.exchange = Exchange(
             comm,
-            [slice(part.start - end, part.stop - end) for part in parts],
+            parts,
             [_at(mine, number, *pair) for pair in received],
         )
         self.num_entries = int(mine.nnz + here.nnz - end)
-        of_own = _at(mine, number, entries[1][0], entries[1][1])
+        of_own = _at(mine, number, np.repeat(np.arange(own), np.diff(of_cells.indptr)), columns)
         return np.append(of_own, mine.nnz + np.arange(here.nnz - end, dtype=np.int32))
 
     def _number(self, nodes: Ints) -> Ints:

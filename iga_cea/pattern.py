@@ -125,9 +125,14 @@ class Pattern:
         ndarray
             Shape (functions, offsets), or (functions, 1) where it is one for all.
         """
-        if self.outer is None:
+        if self.outer is None or not self._has_outer[patch][place].any():
             return row[:, None]
         return row[:, None] + (self.last - self.first) * self.outer[patch][place]
+
+    @cached_property
+    def _has_outer(self) -> tuple[Any, ...]:
+        """For each patch which functions are coupled with those of another rank, (functions,)."""
+        return tuple(table.any(axis=1) for table in self.outer or ())
 
     @cached_property
     def counts(self) -> Ints:
