@@ -10,7 +10,8 @@ free directions B, directions T solved for, and held ones, so that u = B v + T s
 Where supports prescribe values, d . u_i = g and C u = c, a displacement u_D is added to that
 (:mod:`cea.supports.prescribed`).
 
-They are eliminated in :mod:`cea.supports.elimination`. Every rank holds all constraints: there are as many as a surface has dofs.
+They are eliminated in :mod:`cea.supports.elimination`. Every rank holds all constraints: there are
+as many as a surface has dofs.
 """
 
 from dataclasses import dataclass
