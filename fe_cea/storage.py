@@ -117,9 +117,8 @@ class CoupledStorage:
         counts, component = self._unknowns.counts, np.arange(self._unknowns.dim)
         ends = self._first[entries, None] + component * self._width[entries, None]
         rows, columns = self._graph.pairs(entries)
-        there = (component < counts[rows, None])[:, :, None] & (component < counts[columns, None])[
-            :, None
-        ]
+        in_rows, in_columns = component < counts[rows, None], component < counts[columns, None]
+        there = in_rows[:, :, None] & in_columns[:, None]
         return np.where(there, ends[:, :, None] + component, self._end)
 
     def _csr(self, block: Block, part: slice, entry: int, first: int) -> Rows:
@@ -128,10 +127,9 @@ class CoupledStorage:
         every = slice(entry, entry + len(block.columns))
         at, width = self._first[every] - part.start, self._width[every]
         columns = np.empty(part.stop - part.start, dtype=PETSc.IntType)
-        numbers = unknowns.numbers.astype(PETSc.IntType)
-        whole = ~(
-            np.repeat(unknowns.held[: unknowns.own], block.counts) | unknowns.held[block.columns]
-        )
+        numbers = (unknowns.numbers - first).astype(PETSc.IntType)
+        of_rows = np.repeat(unknowns.held[: unknowns.own], block.counts)
+        whole = ~(of_rows | unknowns.held[block.columns])
         if whole.any():
             tuples = sliding_window_view(columns, dim, writeable=True)
             chosen: Any = slice(None) if whole.all() else whole
