@@ -110,7 +110,7 @@ class NodeGraph:
         own, comm = self.own, self.comm
         self._others = ghosts
         if comm.size == 1:
-            self.inner, self.outer = _block(here), _block(csr_array((own, 0), dtype=np.int8))
+            self.inner, self.outer = _block(here), _block(csr_array((own, 0)))
             self.exchange = Exchange(comm, [slice(0, 0)], [here.indices[:0]])
             self.num_entries = int(here.nnz)
             return np.arange(here.nnz, dtype=np.int32)
@@ -128,11 +128,11 @@ class NodeGraph:
         self._others = np.union1d(ghosts, far)
         shape = (own, own + len(self._others))
         columns = self._number(known).astype(np.int32)[here.indices[:end]]
-        of_cells = csr_array((here.data[:end], columns, here.indptr[: own + 1]), shape)
+        # Odd are those to which cells of this rank add.
+        mine = csr_array((np.ones(end, dtype=np.int32), columns, here.indptr[: own + 1]), shape)
         received = [(r - self._first, self._number(c)) for r, c in told]
-        mine = of_cells
         for pair in received:
-            mine = mine + csr_array((np.ones(len(pair[0]), dtype=np.int8), pair), shape)
+            mine = mine + csr_array((np.full(len(pair[0]), 2, dtype=np.int32), pair), shape)
         mine = _sorted(mine)
         self.inner, outer = _block(mine[:, :own]), _block(mine[:, own:])
         self.outer = Block(outer.starts, own + outer.columns)
@@ -147,7 +147,7 @@ class NodeGraph:
             [_at(mine, number, *pair) for pair in received],
         )
         self.num_entries = int(mine.nnz + here.nnz - end)
-        of_own = _at(mine, number, np.repeat(np.arange(own), np.diff(of_cells.indptr)), columns)
+        of_own = number[mine.data % 2 == 1]
         return np.append(of_own, mine.nnz + np.arange(here.nnz - end, dtype=np.int32))
 
     def _number(self, nodes: Ints) -> Ints:
@@ -159,7 +159,7 @@ class NodeGraph:
 def _sharing(cells: Indices, count: int) -> csr_array:
     """Which of so many nodes share cells, those of each row rising."""
     starts = np.arange(0, cells.size + 1, cells.shape[1], dtype=np.int32)
-    ones = np.ones(cells.size, dtype=np.int8)
+    ones = np.ones(cells.size, dtype=np.int32)
     nodes = csr_array((ones, cells.ravel(), starts), shape=(len(cells), count))
     return _sorted(nodes.T.tocsr() @ nodes)
 
