@@ -10,6 +10,9 @@ from scipy.sparse import csr_array
 from cea.arrays import Floats
 from cea.petsc import PETSc
 
+type Rows = tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]], Floats]
+"""Where each row starts and the last ends, columns, values."""
+
 
 def distributed(rows: csr_array, columns: tuple[int, int], comm: Any) -> Any:
     """PETSc AIJ matrix of the rows of every rank, one rank's after another's.
@@ -28,6 +31,27 @@ def distributed(rows: csr_array, columns: tuple[int, int], comm: Any) -> Any:
         csr=(rows.indptr.astype(PETSc.IntType), rows.indices.astype(PETSc.IntType), rows.data),
         comm=comm,
     )
+
+
+def from_blocks(inner: Rows, outer: Rows, comm: Any, *, block_size: int | None = None) -> Any:
+    """Square PETSc AIJ matrix of the rows of every rank; their memory is shared.
+
+    Parameters
+    ----------
+    inner
+        Rows of this rank in its own columns, which are counted from its first.
+    outer
+        Those in columns of other ranks, rising in each row; none on one rank.
+    comm
+        Communicator.
+    block_size
+        Rows and columns that belong together.
+    """
+    rows = len(inner[0]) - 1
+    parts = tuple((starts.astype(PETSc.IntType), *rest) for starts, *rest in (inner, outer))
+    csr: Any = parts[0] if comm.size == 1 else parts
+    size: Any = ((rows, None), (rows, None))
+    return PETSc.Mat().createAIJWithArrays(size, csr, bsize=block_size, comm=comm)
 
 
 def local_part(matrix: Any) -> csr_array:

@@ -1,11 +1,10 @@
 """Stiffness and mass of a Lagrange space, assembled straight into the numbers of free unknowns.
 
-PETSc passes over rows and columns of number -1: where supports hold plain components there is no
-larger matrix from which a smaller one is cut. The stiffness couples all components, the mass each
-with itself.
+Where supports hold plain components there is no larger matrix from which a smaller one is cut. The
+stiffness couples all components, the mass each with itself.
 
 Element matrices are symmetric to the last bit, and an entry and its mirror image add the same
-numbers in the same order. On several ranks the order of what comes from others is not known.
+numbers in the same order, on any number of ranks.
 """
 
 from functools import cached_property
@@ -13,12 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from cea.arrays import Floats, Ints
-from cea.petsc import PETSc
 from cea.supports.constraints import Constraints
 from fe_cea.element_matrices import ElementMatrices
 from fe_cea.quadrature import mass_degree, stiffness_degree
 from fe_cea.sparsity import NodeGraph
+from fe_cea.storage import CoupledStorage, ScalarStorage, Unknowns
 
 
 class Assembly:
@@ -33,9 +31,6 @@ class Assembly:
     def __init__(self, V: Any) -> None:
         self._space = V
         self._dim = V.mesh.geometry.dim
-        cells = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
-        self._cells = V.dofmap.list[:cells]
-        self._elements = ElementMatrices(V, self._cells)
 
     def stiffness(self, lame: tuple[float, float], held: Constraints | None = None) -> Any:
         """Elastic stiffness (N/m), PETSc AIJ, symmetric.
@@ -47,15 +42,12 @@ class Assembly:
         held
             Supports that hold plain components, which the matrix is without; by default none.
         """
-        elements, dim = self._elements, self._dim
+        elements = self._elements
         rule = elements.rule(stiffness_degree(self._space))
-        matrix = self._empty(held, coupled=True)
-        component = np.arange(dim, dtype=np.int32)
+        storage = CoupledStorage(self._graph, self._unknowns(held))
         for cells in elements.chunks():
-            dofs = dim * elements.dofs[cells, :, None] + component
-            _add(matrix, dofs.reshape(len(dofs), -1), elements.stiffness(cells, rule, lame))
-        matrix.assemble()
-        return matrix
+            storage.add(cells, elements.stiffness(cells, rule, lame))
+        return storage.matrix()
 
     def mass(
         self, density: float, held: Constraints | None = None, degree: int | None = None
@@ -71,28 +63,22 @@ class Assembly:
         degree
             Degree of the quadrature, by default that which is exact on affine cells.
         """
-        elements, dim = self._elements, self._dim
+        elements = self._elements
         rule = elements.rule(mass_degree(self._space) if degree is None else degree)
-        matrix = self._empty(held, coupled=False)
+        storage = ScalarStorage(self._graph, self._unknowns(held))
         for cells in elements.chunks():
-            masses = elements.mass(cells, rule, density)
-            for component in range(dim):
-                _add(matrix, dim * self._cells[cells] + component, masses)
-        matrix.assemble()
-        return matrix
+            storage.add(cells, elements.mass(cells, rule, density))
+        return storage.matrix()
 
     @cached_property
     def _graph(self) -> NodeGraph:
         return NodeGraph(self._space)
 
-    def _empty(self, held: Constraints | None, *, coupled: bool) -> Any:
-        numbers = self._every if held is None else held.numbers
-        return self._graph.matrix(numbers, coupled=coupled)
+    @cached_property
+    def _elements(self) -> ElementMatrices:
+        return ElementMatrices(self._space, len(self._graph.cells))
 
-    def _every(self, nodes: Ints) -> Ints:
-        return self._dim * nodes[:, None] + np.arange(self._dim)
-
-
-def _add(matrix: Any, dofs: Ints, values: Floats) -> None:
-    """Add element matrices (cells, n, n) at local dofs (cells, n)."""
-    matrix.setValuesLocalRCV(dofs, dofs, values, PETSc.InsertMode.ADD_VALUES)
+    def _unknowns(self, held: Constraints | None) -> Unknowns:
+        nodes = self._graph.nodes
+        every = self._dim * nodes[:, None] + np.arange(self._dim)
+        return Unknowns(every if held is None else held.numbers(nodes), self._graph.own)

@@ -7,9 +7,8 @@ symmetric product over the points of a quadrature,
     K_(ai)(bj) = lambda G_(ai)(bj) + mu G_(bi)(aj) + mu delta_ab sum_c G_(ci)(cj)
 
 (T. J. R. Hughes, The Finite Element Method, 2000, sec. 2.8 and 3.10), and the mass is the same
-scalar matrix int phi_i phi_j of every component. The functions of a cell are taken by rising
-number in the stiffness, and their components one after another: so PETSc finds their places
-fastest.
+scalar matrix int phi_i phi_j of every component. In the stiffness the components of a function
+follow one another.
 """
 
 from collections.abc import Iterator
@@ -20,7 +19,7 @@ from typing import Any
 import basix
 import numpy as np
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats
 from fe_cea.facets import geometry_element
 
 _CHUNK_BYTES = 2**20
@@ -56,11 +55,11 @@ class ElementMatrices:
     ----------
     V
         Lagrange space (dolfinx), scalar or blocked.
-    dofs
-        Scalar dofs of each cell, (cells, functions).
+    count
+        Number of cells, the first of the mesh.
     """
 
-    def __init__(self, V: Any, dofs: Ints) -> None:
+    def __init__(self, V: Any, count: int) -> None:
         mesh = V.mesh
         self._element = V.ufl_element().basix_element
         self._geometry = geometry_element(mesh)
@@ -68,9 +67,7 @@ class ElementMatrices:
         self._dim = mesh.geometry.dim
         self._nodes = mesh.geometry.dofmaps[0]
         self._x = mesh.geometry.x
-        self._order = np.argsort(dofs, axis=1)
-        self.dofs = np.take_along_axis(dofs, self._order, axis=1)
-        """Scalar dofs of each cell, rising as PETSc likes them, (cells, functions)."""
+        self._count = count
         n = self.size
         self._pair = np.empty((n, n), dtype=np.intp)
         upper = np.triu_indices(n)
@@ -84,7 +81,7 @@ class ElementMatrices:
     def chunks(self) -> Iterator[slice]:
         """Cells to do at a time."""
         step = max(1, _CHUNK_BYTES // (8 * (self._dim * self.size) ** 2))
-        return (slice(i, min(i + step, len(self.dofs))) for i in range(0, len(self.dofs), step))
+        return (slice(i, min(i + step, self._count)) for i in range(0, self._count, step))
 
     def rule(self, degree: int) -> _Rule:
         """Quadrature of a degree, and what is tabulated there."""
@@ -133,7 +130,7 @@ class ElementMatrices:
         inverse = np.ascontiguousarray(cofactors.transpose(2, 3, 0, 1))
         gradients = inverse.reshape(points, count * dim, dim) @ rule.slopes
         by_cell = gradients.reshape(points, count, dim, -1).transpose(1, 3, 2, 0)
-        return by_cell[np.arange(count)[:, None], self._order[cells]]
+        return np.ascontiguousarray(by_cell)
 
     def _jacobians(self, cells: slice, rule: _Rule) -> Floats:
         """Derivatives dx_i / dX_c, (dim, dim, points, cells)."""

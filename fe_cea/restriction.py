@@ -32,11 +32,11 @@ class Restriction:
         Parameters
         ----------
         assembled
-            Gives the matrix without what supports hold, or that of all dofs for None; on one rank
-            symmetric to the last bit.
+            Gives the matrix without what supports hold, or that of all dofs for None, symmetric to
+            the last bit.
         """
         if self._held.selects:
-            return _symmetrised_over_ranks(assembled(self._held))
+            return assembled(self._held)
         full = assembled(None)
         free = self._held.restrict(full, self._expansion)
         destroy(full)
@@ -60,20 +60,6 @@ class Restriction:
         if free is not full:
             full.destroy()
         return free
-
-
-def _symmetrised_over_ranks(matrix: Any) -> Any:
-    """Mean, in place, of a matrix and its transpose, which has entries at the same places.
-
-    One rank adds the same numbers in the same order to an entry and to its mirror image; what
-    others send comes in any order.
-    """
-    if matrix.comm.size > 1:
-        transpose = matrix.transpose(PETSc.Mat())
-        matrix.axpy(1.0, transpose, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        matrix.scale(0.5)
-        destroy(transpose)
-    return matrix
 
 
 def _without_zeros(matrix: Any) -> Any:

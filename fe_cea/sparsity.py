@@ -1,26 +1,55 @@
-"""Room for matrices on the free unknowns of nodes that share cells, made ahead of their values."""
+"""Which nodes of a Lagrange space share cells, and where each pair of a cell is kept.
 
-from collections.abc import Callable
-from functools import cached_property
+A pair of nodes is an entry. Entries are numbered row by row: first those of nodes of this rank with
+one another, then those of its nodes with nodes of others, last those of rows of other ranks to
+which cells of this rank add. The first two are the blocks that PETSc keeps apart.
+"""
+
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, csr_matrix
 
 from cea.arrays import Ints
-from cea.matrices import destroy, distributed
-from cea.petsc import PETSc
 from fe_cea.distribution import lasting_communicator
+from fe_cea.exchange import Exchange
 
-Indices = NDArray[np.integer]
-Truths = NDArray[np.bool_]
-Numbers = Callable[[Ints], Ints]
-"""Gives the number of each component of nodes in a matrix, -1 where it has none, (n, dim)."""
+Indices = NDArray[np.integer[Any]]
+
+
+@dataclass(frozen=True)
+class Block:
+    """Rows of entries.
+
+    Parameters
+    ----------
+    starts
+        First entry of each row, and the end of the last, (rows + 1,).
+    columns
+        Node of each entry, by its number in :class:`NodeGraph`.
+    """
+
+    starts: Indices
+    columns: Indices
+
+    @property
+    def counts(self) -> Indices:
+        """Entries of each row."""
+        return np.diff(self.starts)
+
+    @property
+    def rows(self) -> Ints:
+        """Row of each entry."""
+        return np.repeat(np.arange(len(self.starts) - 1), self.counts)
 
 
 class NodeGraph:
-    """Nodes of a Lagrange space that share cells, those of this rank with all others.
+    """Entries of the matrices of a Lagrange space on this rank; made collectively.
+
+    Nodes are numbered anew: first those of this rank as the space has them, then by rising global
+    number those of others that share a cell with them or are of a cell of this rank.
 
     Parameters
     ----------
@@ -29,93 +58,129 @@ class NodeGraph:
     """
 
     def __init__(self, V: Any) -> None:
-        self._comm = lasting_communicator(V.mesh.comm)
-        self._nodes = V.dofmap.index_map
-        cells = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
-        self._cells = V.dofmap.list[:cells]
-
-    def matrix(self, numbers: Numbers, *, coupled: bool) -> Any:
-        """Empty AIJ matrix, to which values are added by local numbers of components of nodes.
-
-        Parameters
-        ----------
-        numbers
-            Numbers of components of nodes, which rise with both.
-        coupled
-            Whether all components of a node are coupled with all of another, or each with itself.
-        """
-        known = numbers(self._local_nodes)
-        own = known[: self._nodes.size_local] >= 0
-        room: Any = tuple(
-            np.broadcast_to(counts.sum(axis=1, keepdims=True) if coupled else counts, own.shape)[
-                own
-            ].astype(PETSc.IntType)
-            for counts in self._neighbours(own, numbers)
-        )
-        layout = (int(np.count_nonzero(own)), PETSc.DETERMINE)
-        matrix = PETSc.Mat().createAIJ((layout, layout), nnz=room, comm=self._comm)
-        # Said on every rank: ranks without rows give no room, and would look for new entries alone.
-        no_more: Any = PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR
-        matrix.setOption(no_more, True)
-        places: Any = known.astype(PETSc.IntType).ravel()
-        table = PETSc.LGMap().create(places, comm=self._comm)
-        matrix.setLGMap(table, table)
-        table.destroy()
-        return matrix
+        self.comm = lasting_communicator(V.mesh.comm)
+        nodes = V.dofmap.index_map
+        self.own = int(nodes.size_local)
+        """Nodes of this rank."""
+        self._first = int(nodes.local_range[0])
+        count = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
+        cells = V.dofmap.list[:count]
+        ghosts = np.asarray(nodes.ghosts, dtype=np.int64)
+        rising = np.arange(self.own + len(ghosts), dtype=np.int32)
+        rising[self.own + np.argsort(ghosts)] = rising[self.own :].copy()
+        cells = rising[cells]
+        here = _sharing(cells, len(rising))
+        entries = self._settled(here, np.sort(ghosts))
+        self.places = _at(here, entries, cells[:, :, None], cells[:, None])
+        """Entry of each pair of nodes of each cell, (cells, functions, functions)."""
+        self.cells = np.searchsorted(self._others, np.sort(ghosts)).astype(np.int32)
+        self.cells = np.append(rising[: self.own], self.own + self.cells)[cells]
+        """Nodes of each cell, (cells, functions)."""
 
     @property
-    def _local_nodes(self) -> Ints:
-        """Global numbers of the nodes this rank knows, its own first, (n,)."""
-        count = self._nodes.size_local + self._nodes.num_ghosts
-        return self._nodes.local_to_global(np.arange(count, dtype=np.int32)).astype(np.int64)
+    def size(self) -> int:
+        """Entries of the rows of this rank."""
+        return len(self.inner.columns) + len(self.outer.columns)
 
-    @cached_property
-    def _graph(self) -> tuple[Indices, Indices]:
-        """Neighbours of each node of this rank by global numbers: starts, and nodes."""
-        own = (self._nodes.size_local, self._nodes.size_global)
-        columns = self._nodes.local_to_global(self._cells.ravel())
-        starts = np.arange(0, columns.size + 1, self._cells.shape[1])
-        rows = csr_array((np.ones(columns.size), columns, starts), shape=(len(starts) - 1, own[1]))
-        if self._comm.size == 1:  # many times faster than PETSc's product
-            local = rows.T.tocsr() @ rows
-            return local.indptr, local.indices
-        of_cells = distributed(rows, own, self._comm)
-        graph = of_cells.transposeMatMult(of_cells)
-        starts, nodes, _ = graph.getValuesCSR()
-        destroy(of_cells, graph)
-        return starts, nodes
+    def pairs(self, entries: Indices) -> tuple[Ints, Indices]:
+        """Nodes of the row and of the column of entries of rows of this rank."""
+        rows = np.concatenate([self.inner.rows, self.outer.rows])
+        return rows[entries], np.concatenate([self.inner.columns, self.outer.columns])[entries]
 
-    def _neighbours(self, own: Truths, numbers: Numbers) -> tuple[Ints, Ints]:
-        """How many neighbours of each node have each component, on this rank and on others.
+    @property
+    def nodes(self) -> Ints:
+        """Global number of each node."""
+        return np.append(self._first + np.arange(self.own), self._others)
+
+    def _settled(self, here: csr_array, ghosts: Ints) -> Indices:
+        """Settle with other ranks what entries there are.
 
         Parameters
         ----------
-        own
-            Which components the nodes of this rank have, (nodes, dim).
-        numbers
-            Numbers of components of nodes.
+        here
+            Which nodes share cells of this rank; those of other ranks come last.
+        ghosts
+            Global numbers of those of other ranks, rising.
 
         Returns
         -------
-        tuple of ndarray
-            Each of shape (nodes, dim).
+        ndarray
+            Entry of each nonzero of ``here``.
         """
-        first, last = self._nodes.local_range
-        starts, nodes = self._graph
-        far = np.flatnonzero((nodes < first) | (nodes >= last))
-        of_others = _counts(starts, far, numbers(nodes[far].astype(np.int64)) >= 0)
-        here = np.diff(starts)[:, None] - _counts(starts, far, np.ones((len(far), own.shape[1])))
-        held = ~own.all(axis=1)
-        if held.any():  # a few near the supports
-            near = nodes - first
-            near[far] = 0
-            some = np.setdiff1d(np.flatnonzero(held[near]), far, assume_unique=True)
-            here -= _counts(starts, some, ~own[near[some]])
-        return here, of_others
+        own, comm = self.own, self.comm
+        self._others = ghosts
+        if comm.size == 1:
+            self.inner, self.outer = _block(here), _block(csr_array((own, 0)))
+            self.exchange = Exchange(comm, [slice(0, 0)], [here.indices[:0]])
+            self.num_entries = int(here.nnz)
+            return np.arange(here.nnz, dtype=np.int32)
+        cuts = own + np.append(np.searchsorted(ghosts, comm.allgather(self._first)), len(ghosts))
+        cuts[0] = own
+        end = here.indptr[own]
+        parts = [slice(*here.indptr[cuts[rank : rank + 2]] - end) for rank in range(comm.size)]
+        known = self.nodes
+        rows = np.repeat(known[own:], np.diff(here.indptr[own:]))
+        columns = known[here.indices[end:]]
+        told = comm.alltoall([(rows[part], columns[part]) for part in parts])
+
+        came = np.concatenate([pairs[1] for pairs in told])
+        far = came[(came < self._first) | (came >= self._first + own)]
+        self._others = np.union1d(ghosts, far)
+        shape = (own, own + len(self._others))
+        columns = self._number(known).astype(np.int32)[here.indices[:end]]
+        # Odd are those to which cells of this rank add.
+        mine = csr_array((np.ones(end, dtype=np.int32), columns, here.indptr[: own + 1]), shape)
+        received = [(r - self._first, self._number(c)) for r, c in told]
+        for pair in received:
+            mine = mine + csr_array((np.full(len(pair[0]), 2, dtype=np.int32), pair), shape)
+        mine = _sorted(mine)
+        self.inner, outer = _block(mine[:, :own]), _block(mine[:, own:])
+        self.outer = Block(outer.starts, own + outer.columns)
+
+        within = mine.indices < own
+        number = np.empty(mine.nnz, dtype=np.int32)
+        number[within] = np.arange(np.count_nonzero(within))
+        number[~within] = np.arange(np.count_nonzero(within), mine.nnz)
+        self.exchange = Exchange(
+            comm,
+            parts,
+            [_at(mine, number, *pair) for pair in received],
+        )
+        self.num_entries = int(mine.nnz + here.nnz - end)
+        of_own = number[mine.data % 2 == 1]
+        return np.append(of_own, mine.nnz + np.arange(here.nnz - end, dtype=np.int32))
+
+    def _number(self, nodes: Ints) -> Ints:
+        """Number of nodes by their global numbers."""
+        own = (nodes >= self._first) & (nodes < self._first + self.own)
+        return np.where(own, nodes - self._first, self.own + np.searchsorted(self._others, nodes))
 
 
-def _counts(starts: Indices, entries: Indices, true: Any) -> Ints:
-    """How often some entries of rows are true, (rows, columns); true (entries, columns)."""
-    row = np.searchsorted(starts, entries, side="right") - 1
-    columns = [np.bincount(row, weights=each, minlength=len(starts) - 1) for each in true.T]
-    return np.stack(columns, axis=1).astype(np.int64)
+def _sharing(cells: Indices, count: int) -> csr_array:
+    """Which of so many nodes share cells, those of each row rising."""
+    starts = np.arange(0, cells.size + 1, cells.shape[1], dtype=np.int32)
+    ones = np.ones(cells.size, dtype=np.int32)
+    nodes = csr_array((ones, cells.ravel(), starts), shape=(len(cells), count))
+    return _sorted(nodes.T.tocsr() @ nodes)
+
+
+def _sorted(matrix: csr_array) -> csr_array:
+    """The same with the columns of each row rising."""
+    matrix.has_sorted_indices = False
+    matrix.sort_indices()
+    return matrix
+
+
+def _block(rows: csr_array) -> Block:
+    return Block(rows.indptr, rows.indices)
+
+
+def _at(pattern: csr_array, values: Indices, rows: Any, columns: Any) -> Indices:
+    """Values that go with the nonzeros of a pattern at some rows and columns."""
+    table = csr_matrix((values, pattern.indices, pattern.indptr), shape=pattern.shape)
+    table.has_canonical_format = True
+    rows, columns = np.broadcast_arrays(rows, columns)
+    if rows.size == 0:
+        return np.zeros(rows.shape, dtype=values.dtype)
+    found: Indices = np.asarray(table[rows.ravel(), columns.ravel()])
+    return found.reshape(rows.shape)

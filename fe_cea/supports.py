@@ -8,8 +8,9 @@ import numpy as np
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.supports.boundary import Support
-from cea.supports.constraints import Constraints, constrain
+from cea.supports.constraints import Constraints
 from cea.supports.directions import Directions, merged
+from cea.supports.elimination import constrain
 from cea.supports.frames import SurfaceNormal
 from cea.surface import SurfaceCoordinates
 from fe_cea.facets import FacetBasis

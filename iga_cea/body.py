@@ -6,11 +6,9 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
 
 from cea.arrays import Floats
 from cea.checks import check_density
-from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import antisymmetrised, destroy, symmetrised, total
 from cea.petsc import MPI, PETSc
@@ -21,7 +19,6 @@ from cea.supports.boundary import (
     Spring,
     Support,
     check_boundary,
-    on_surfaces,
     through_body,
 )
 from cea.supports.constraints import Constraints
@@ -30,9 +27,11 @@ from cea.volume import VolumeCells, VolumeSample
 from iga_cea import assembly, prestress, transport
 from iga_cea.cells import bezier_cells
 from iga_cea.inputs import check_faces, check_patches, checked_continuity, checked_degree
+from iga_cea.loads import surface_forces
 from iga_cea.multipatch import End, Multipatch, join
-from iga_cea.patch import PatchGeometry, outward, refine, subdivided, tensor_cells
+from iga_cea.patch import PatchGeometry, refine
 from iga_cea.pattern import Pattern
+from iga_cea.sampling import sample_volume
 from iga_cea.springs import foundation
 from iga_cea.storage import Kept
 from iga_cea.supports import face_constraints
@@ -208,21 +207,13 @@ class NurbsBody:
         """Sample of the whole body, each knot span divided so many times a direction.
 
         Complete on every rank. Points on joints of patches appear once for each patch.
+
+        Raises
+        ------
+        InputError
+            When subdivisions is less than 1.
         """
-        if subdivisions < 1:
-            raise InputError("subdivisions", subdivisions, "at least 1")
-        cells, values, count = [], [], 0
-        for patch, dofs in zip(self.multipatch.patches, self.multipatch.dofs, strict=True):
-            parameters = [subdivided(breaks, subdivisions) for breaks in patch.breaks]
-            basis = patch.basis_on_grid(parameters)
-            columns = dofs.ravel()[basis.indices]
-            shape = (basis.shape[0], self.num_scalar_dofs)
-            values.append(csr_array((basis.data, columns, basis.indptr), shape=shape))
-            grid = tensor_cells([len(x) for x in parameters])
-            cells.append(count + outward(grid, values[-1] @ self.control_points))
-            count += basis.shape[0]
-        every = csr_array(vstack(values, format="csr"))
-        return VolumeSample(every @ self.control_points, np.concatenate(cells), every)
+        return sample_volume(self.multipatch, subdivisions)
 
     def volume_cells(self) -> VolumeCells:
         """Bezier elements of the knot spans. Complete on every rank.
@@ -288,16 +279,8 @@ class NurbsBody:
 
     def full_load(self) -> Any:
         """Forces on all dofs, without those of prescribed displacements, PETSc vector (full), N."""
-        force = np.zeros((self.num_scalar_dofs, self.dim))
-        for pressure in self._pressures:
-            surface = self.surfaces[pressure.surface]
-            points = surface.gauss_points(max(self.degree) + 1)
-            traction = -pressure.value * points.normal
-            force += surface.trace(points.at).T @ (points.weight[:, None] * traction)
-        for name, value in on_surfaces(self._forces):
-            points = self.surfaces[name].gauss_points(max(self.degree) + 1)
-            share = self.surfaces[name].trace(points.at).T @ points.weight
-            force += share[:, None] * value / points.weight.sum()
+        shape, points = (self.num_scalar_dofs, self.dim), max(self.degree) + 1
+        force = surface_forces(self.surfaces, self._pressures, self._forces, shape, points)
         full = self.expansion.createVecLeft()
         full.setArray(force.ravel()[self._owned])
         if (through := through_body(self._forces)) is not None:

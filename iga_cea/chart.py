@@ -12,7 +12,8 @@ from scipy.spatial import KDTree
 from cea.arrays import Floats, Ints
 from cea.location import newton_step
 from iga_cea.chunks import chunks
-from iga_cea.face import PatchFace, grid_points
+from iga_cea.face import PatchFace
+from iga_cea.grids import grid_points
 from iga_cea.patch import subdivided
 
 _SAMPLES = (4, 2)

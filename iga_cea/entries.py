@@ -78,16 +78,13 @@ def _add_patch(
     for box in pattern.boxes(number):
         for i, part, slab in slabs(patch_map, lines, form, box):
             here = (i, part, box[2])
-            row = rows[here].ravel()
+            chosen = place_of[here].ravel()
+            row = pattern.sparse_rows(number, chosen, rows[here].ravel())[:, None]
             if factors is None:
                 slab = slab * _weights(patch.weights.reshape(rows.shape), lines, here)
-            place = table[place_of[here].ravel()][:, None, :]
-            at = (
-                place
-                + (n * pattern.starts[row][:, None] + pattern.counts[row][:, None] * np.arange(n))[
-                    :, :, None
-                ]
-            )
+            place = table[chosen][:, None, :]
+            component = np.arange(n)[:, None]
+            at = place + (n * pattern.starts[row] + pattern.counts[row] * component)
             at[np.broadcast_to(place < 0, at.shape)] = len(data) - 1
             if several:
                 np.add.at(
@@ -108,7 +105,7 @@ def _weights(weights: Floats, lines: Any, here: Any) -> Floats:
 
 
 def _tuples(pattern: Pattern, at: Ints, row: Ints, n: int) -> Ints:
-    """Tuples of columns that scalar entries have in the first of their rows.
+    """Tuples of columns that scalar entries have in the first of their sparse rows.
 
     In the next row they are as many further as the row has entries.
     """
@@ -127,8 +124,9 @@ def _mirror(data: Floats, pattern: Pattern, n: int, sign: int) -> None:
             values = -values
         for b in range(n):
             tuples[target + b * jump, a] = values[:, b]
-    diagonal = np.flatnonzero(pattern.columns == pattern.first + rows)
-    at, step = _tuples(pattern, diagonal, rows[diagonal], n), pattern.counts
+    inner = pattern.num_inner
+    diagonal = np.flatnonzero(pattern.columns[:inner] == pattern.first + rows[:inner])
+    at, step = _tuples(pattern, diagonal, rows[diagonal], n), pattern.counts[: len(diagonal)]
     for a in range(n):
         if sign < 0:
             tuples[at + a * step, a] = 0.0
@@ -141,10 +139,11 @@ def _exchange(
 ) -> None:
     """Entries whose column is a lower rank's from that rank."""
     tuples, rows, ranges = data.reshape(-1, n), pattern.row, multipatch.dof_ranges
+    outer = pattern.columns[pattern.num_inner :]
 
     def places(low: int, high: int, *, by_columns: bool) -> Ints:
         """Tuples of entries with columns in a range, (entries, rows of them)."""
-        at = np.flatnonzero((pattern.columns >= low) & (pattern.columns < high))
+        at = pattern.num_inner + np.flatnonzero((outer >= low) & (outer < high))
         if by_columns:
             at = at[np.argsort(pattern.columns[at], kind="stable")]
         step = pattern.counts[rows[at]]

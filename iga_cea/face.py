@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
 from cea.location import cross
 from iga_cea.botella import botella
+from iga_cea.grids import applied_along, grid_points, outer_products, projected
 from iga_cea.patch import Patch
 from iga_cea.splines import basis_functions, basis_matrix, greville
 
@@ -141,7 +141,7 @@ class PatchFace:
     def tangents(self, xi: Floats) -> tuple[Floats, Floats]:
         """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
         at, splines, slopes = self._splines(xi, derivatives=True)
-        return _projected(np.stack([splines, *slopes], axis=1) @ self._homogeneous[at])
+        return projected(np.stack([splines, *slopes], axis=1) @ self._homogeneous[at])
 
     def tangents_on(self, parameters: tuple[Floats, ...]) -> tuple[Floats, Floats]:
         """The same on a tensor grid of parameters, points in C order: one direction at a time."""
@@ -150,10 +150,10 @@ class PatchFace:
         for k, (knots, p) in enumerate(zip(self.knots, self.degrees, strict=True)):
             values, slopes = (basis_matrix(knots, p, parameters[k], d) for d in (0, 1))
             parts = [
-                _along(slopes if number == k + 1 else values, part, k)
+                applied_along(slopes if number == k + 1 else values, part, k)
                 for number, part in enumerate(parts)
             ]
-        return _projected(np.stack(parts, axis=-2).reshape(-1, self.dim, self.dim + 1))
+        return projected(np.stack(parts, axis=-2).reshape(-1, self.dim, self.dim + 1))
 
     def normals(self, xi: Floats) -> tuple[Floats, Floats, Floats]:
         """Positions (n, dim), outward unit normals (n, dim), area per reference area (n,).
@@ -236,8 +236,10 @@ class PatchFace:
             n = len(knots) - p - 1
             number = (number[:, :, None] * n + along[:, None]).reshape(count, -1)
             if derivatives:
-                slopes = [_outer(s, table[0]) for s in slopes] + [_outer(values, table[1])]
-            values = _outer(values, table[0])
+                slopes = [outer_products(s, table[0]) for s in slopes] + [
+                    outer_products(values, table[1])
+                ]
+            values = outer_products(values, table[0])
         return number, values, slopes
 
     def _rational(
@@ -284,33 +286,3 @@ class PatchFace:
         points = self._points[at].swapaxes(1, 2).reshape(len(at), -1, self.dim)
         x = np.einsum("na,nai->ni", values, self._points[at, 0])
         return at, derivatives, x, points.swapaxes(1, 2) @ derivatives
-
-
-def grid_points(parameters: tuple[Floats, ...]) -> Floats:
-    """Points of a tensor grid in C order, shape (n, number of parameters)."""
-    return np.stack(np.meshgrid(*parameters, indexing="ij"), axis=-1).reshape(-1, len(parameters))
-
-
-def _outer(a: Floats, b: Floats) -> Floats:
-    return (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)
-
-
-def _along(matrix: csr_array, net: Floats, axis: int) -> Floats:
-    """A matrix applied to one axis of a net."""
-    turned = np.moveaxis(net, axis, 0)
-    product = matrix @ turned.reshape(len(turned), -1)
-    return np.moveaxis(product.reshape(-1, *turned.shape[1:]), 0, axis)
-
-
-def _projected(homogeneous: Floats) -> tuple[Floats, Floats]:
-    """Positions and derivatives from those of w x and w: (w x)' = w' x + w x'.
-
-    Parameters
-    ----------
-    homogeneous
-        Values, then a derivative along each parameter, shape (n, dim, dim + 1).
-    """
-    weight = homogeneous[:, 0, -1]
-    x = homogeneous[:, 0, :-1] / weight[:, None]
-    turned = homogeneous[:, 1:, :-1] - homogeneous[:, 1:, -1:] * x[:, None]
-    return x, (turned / weight[:, None, None]).swapaxes(1, 2)

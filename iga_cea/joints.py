@@ -12,7 +12,8 @@ from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.location import locate_along
 from iga_cea.chart import FaceChart
-from iga_cea.face import PatchFace, grid_points
+from iga_cea.face import PatchFace
+from iga_cea.grids import grid_points
 from iga_cea.patch import subdivided
 from iga_cea.splines import find_span
 

@@ -3,8 +3,9 @@
 Control points that coincide, in joined faces and along collapsed edges, are one scalar dof.
 
 Elements of all patches, in order, are shared out over ranks in contiguous ranges. A scalar dof
-belongs to the lowest rank that touches it, and the dofs of a rank are numbered contiguously. The
-integer connectivity is on every rank, matrices are not.
+belongs to the rank with the element in the middle of its support, the lowest where patches share
+it, and the dofs of a rank are numbered contiguously. The integer connectivity is on every rank,
+matrices are not.
 """
 
 from collections.abc import Sequence
@@ -104,11 +105,11 @@ def join(patches: Sequence[Patch], ranks: int, field: str) -> Multipatch:
     ]
     scalar = _merge(patches, copies, int(offsets[-1]), field)
 
-    touched, elements = _first_elements(patches)
-    first_element = np.full(scalar.max() + 1, elements)
-    np.minimum.at(first_element, scalar, touched)
+    of_copies, elements = _middle_elements(patches)
+    middle = np.full(scalar.max() + 1, elements)
+    np.minimum.at(middle, scalar, of_copies)
     element_ranges = np.arange(ranks + 1) * elements // ranks
-    owner = np.searchsorted(element_ranges, first_element, side="right") - 1
+    owner = np.searchsorted(element_ranges, middle, side="right") - 1
 
     order = np.argsort(owner, kind="stable")
     number = np.empty(len(order), dtype=np.int64)
@@ -142,18 +143,20 @@ def _merge(patches: Sequence[Patch], copies: Sequence[Ints], count: int, field: 
     return rank_of_label[inverse]
 
 
-def _first_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
-    """First element that touches each copy of a control point, and the number of elements."""
-    touched, offset = [], 0
+def _middle_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
+    """Element in the middle of the support of each control point, and the number of elements."""
+    middle, offset = [], 0
     for patch in patches:
         along = []
         for firsts, degree, n in zip(
             patch.first_functions, patch.degrees, patch.shape, strict=True
         ):
-            # Function i lives on spans whose first function is i - degree or later.
-            along.append(np.searchsorted(firsts, np.arange(n) - degree))
+            # Function i lives on spans whose first function is from i - degree to i.
+            lowest = np.searchsorted(firsts, np.arange(n) - degree)
+            highest = np.searchsorted(firsts, np.arange(n), side="right") - 1
+            along.append((lowest + highest) // 2)
         spans = patch.spans
         numbers = np.meshgrid(*along, indexing="ij")
-        touched.append(offset + np.ravel_multi_index(tuple(numbers), spans).ravel())
+        middle.append(offset + np.ravel_multi_index(tuple(numbers), spans).ravel())
         offset += reduce(lambda a, b: a * b, spans)
-    return np.concatenate(touched), offset
+    return np.concatenate(middle), offset

@@ -3,6 +3,9 @@
 On a patch, functions i and j are coupled when they share a span along each parameter, and the
 offset j - i is within the degree. So one table per patch, rows functions and columns offsets, says
 where each pair lies in its sparse row.
+
+Entries in columns of this rank come first, then those in columns of others: these are the blocks
+that PETSc keeps apart. Each has a sparse row for each scalar row.
 """
 
 from collections.abc import Iterator
@@ -30,15 +33,19 @@ class Pattern:
     first, last
         Its scalar dofs.
     starts
-        Where each sparse row starts, shape (rows + 1,).
+        Where each sparse row starts, first those in columns of this rank, then those in columns of
+        others, and where the last ends, shape (2 * rows + 1,).
     columns
-        Global scalar dofs, rising in each row.
+        Global scalar dofs, rising in each sparse row.
     rows
         For each patch the row of each function, -1 where it is another rank's, in the shape of the
         net.
     tables
         For each patch the place in its sparse row of function i with offset j - i, -1 where there
         is none, shape (functions of the rank, offsets).
+    outer
+        For each patch whether that is a column of another rank, of the same shape; None where there
+        is no other rank.
     """
 
     first: int
@@ -47,6 +54,7 @@ class Pattern:
     columns: Ints
     rows: tuple[Ints, ...]
     tables: tuple[Any, ...]
+    outer: tuple[Any, ...] | None
 
     @classmethod
     def of(cls, multipatch: Multipatch, rank: int) -> "Pattern":
@@ -72,38 +80,78 @@ class Pattern:
             every, place = np.unique(every, return_inverse=True)
             column = every % total
         starts = np.searchsorted(every, np.arange(last - first + 1) * total)
-        tables, done = [], 0
+        beyond = None
+        if last - first < total:
+            beyond = (column < first) | (column >= last)
+            starts, number = _apart(starts, beyond)
+            ordered = np.empty_like(column)
+            ordered[number] = column
+            column, place = ordered, number if place is None else number[place]
+        else:
+            starts = np.append(starts, np.full(last - first, starts[-1]))
+        tables, outer, done = [], [], 0
         for row, pairs in zip(rows, coupled, strict=True):
-            table = np.full(pairs.shape, -1, dtype=np.int32)
-            in_row = np.count_nonzero(pairs, axis=1)
-            part = slice(done, done + int(in_row.sum()))
+            part = slice(done, done + int(np.count_nonzero(pairs)))
             at = np.arange(part.start, part.stop) if place is None else place[part]
-            table[pairs] = at - np.repeat(starts[row[row >= 0]], in_row)
-            tables.append(table)
+            of_row = np.repeat(row[row >= 0], np.count_nonzero(pairs, axis=1))
+            if beyond is not None:
+                far = at >= starts[last - first]
+                of_row += (last - first) * far
+                outer.append(_filled(pairs, far, fill=False))
+            tables.append(_filled(pairs, (at - starts[of_row]).astype(np.int32), fill=-1))
             done = part.stop
-        return cls(first, last, starts, column, tuple(rows), tuple(tables))
+        far_of = None if beyond is None else tuple(outer)
+        return cls(first, last, starts, column, tuple(rows), tuple(tables), far_of)
+
+    @property
+    def num_inner(self) -> int:
+        """Entries in columns of this rank."""
+        return int(self.starts[self.last - self.first])
+
+    def sparse_rows(self, patch: int, place: Any, row: Ints) -> Ints:
+        """Sparse row of each pair of some functions of a patch.
+
+        Parameters
+        ----------
+        patch
+            Number of the patch.
+        place
+            Which of the functions of this rank.
+        row
+            Their rows.
+
+        Returns
+        -------
+        ndarray
+            Shape (functions, offsets), or (functions, 1) where it is one for all.
+        """
+        if self.outer is None or not self._has_outer[patch][place].any():
+            return row[:, None]
+        return row[:, None] + (self.last - self.first) * self.outer[patch][place]
+
+    @cached_property
+    def _has_outer(self) -> tuple[Any, ...]:
+        """For each patch which functions are coupled with those of another rank, (functions,)."""
+        return tuple(table.any(axis=1) for table in self.outer or ())
 
     @cached_property
     def counts(self) -> Ints:
-        """Entries of each row."""
+        """Entries of each sparse row."""
         return np.diff(self.starts)
 
     @cached_property
     def mirrored(self) -> tuple[Ints, Ints]:
         """Entries above the diagonal whose column is this rank's, and their mirror images."""
-        mine = (self.columns >= self.first) & (self.columns < self.last)
-        entries = np.flatnonzero(mine)
-        before = np.concatenate([[0], np.cumsum(mine)])
-        columns = self.columns[entries] - self.first
-        n = self.last - self.first
-        square = csr_array((entries, columns, before[self.starts]), shape=(n, n))
+        n, inner = self.last - self.first, self.num_inner
+        columns = self.columns[:inner] - self.first
+        square = csr_array((np.arange(inner), columns, self.starts[: n + 1]), shape=(n, n))
         mirror = square.tocsc().data  # the pattern is symmetric
-        above = columns > self.row[entries]
-        return entries[above], mirror[above]
+        above = np.flatnonzero(columns > self.row[:inner])
+        return above, mirror[above]
 
     @property
     def row(self) -> Ints:
-        """Row of each entry."""
+        """Sparse row of each entry."""
         return np.repeat(np.arange(len(self.counts)), self.counts)
 
     def boxes(self, patch: int) -> Iterator[Box]:
@@ -111,6 +159,21 @@ class Pattern:
         rows = self.rows[patch]
         for box in boxes_of(rows.reshape(*rows.shape, *(1,) * (3 - rows.ndim)) >= 0):
             yield box[0], box[1], box[2]
+
+
+def _apart(starts: Ints, beyond: Any) -> tuple[Ints, Ints]:
+    """Row starts and new numbers where entries beyond, of all rows, come after all others."""
+    before = np.append(0, np.cumsum(beyond))
+    inner = len(beyond) - int(before[-1])
+    number = np.where(beyond, inner + before[:-1], np.arange(len(beyond)) - before[:-1])
+    return np.append(starts - before[starts], inner + before[starts][1:]), number
+
+
+def _filled(where: Any, values: Any, fill: Any) -> Any:
+    """Values where they belong, and another elsewhere."""
+    filled = np.full(where.shape, fill, dtype=values.dtype)
+    filled[where] = values
+    return filled
 
 
 def boxes_of(mask: np.ndarray) -> Iterator[tuple[slice, ...]]:

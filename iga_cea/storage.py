@@ -2,7 +2,8 @@
 
 A scalar entry of row r at place t becomes, for each component a of the row, one tuple of columns:
 all n components in a full block, or component a alone. Rows lie one after the other, those of the
-components of a scalar row too.
+components of a scalar row too. Those in columns of this rank come ahead of those in columns of
+others.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
+from cea.matrices import from_blocks
 from cea.petsc import PETSc
 from iga_cea.chunks import chunks
 from iga_cea.pattern import Pattern
@@ -105,15 +107,19 @@ def _matrix(
 ) -> Any:
     lengths = np.repeat(pattern.counts * (len(indices) // (dim * len(pattern.columns) or 1)), dim)
     indptr = np.concatenate([[0], np.cumsum(lengths)])
-    block = dim
+    rows, first, block = (len(indptr) - 1) // 2, dim * pattern.first, dim
     if kept is not None:
         own = kept[dim * pattern.first : dim * pattern.last]
-        indptr, indices, data = _compressed(indptr, indices, data, own, kept)
-        block = 1
-    local = len(indptr) - 1
-    csr: Any = (indptr.astype(PETSc.IntType), indices, data)
-    size: Any = ((local, None), (local, None))
-    return PETSc.Mat().createAIJWithArrays(size, csr, bsize=block, comm=comm)
+        indptr, indices, data = _compressed(indptr, indices, data, np.tile(own, 2), kept)
+        rows, first, block = int(own.sum()), int(kept[:first].sum()), 1
+    inner = int(indptr[rows])
+    indices[:inner] -= first
+    return from_blocks(
+        (indptr[: rows + 1], indices[:inner], data[:inner]),
+        (indptr[rows:] - inner, indices[inner:], data[inner:]),
+        comm,
+        block_size=block,
+    )
 
 
 def _compressed(

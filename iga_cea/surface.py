@@ -16,7 +16,8 @@ from cea.location import locate_along
 from cea.surface import Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
 from iga_cea.chart import FaceChart
 from iga_cea.chunks import chunks
-from iga_cea.face import PatchFace, grid_points
+from iga_cea.face import PatchFace
+from iga_cea.grids import grid_points
 from iga_cea.splines import gauss_rule
 
 _AREA_POINTS = 12

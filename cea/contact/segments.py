@@ -10,30 +10,20 @@ there face nothing and are dropped.
 """
 
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
-from scipy.special import roots_jacobi, roots_legendre
 
 from cea.arrays import Floats, Ints
 from cea.contact.cell_coordinates import continued_coordinates
+from cea.contact.overlaps import SLIVER, STRAIGHT, clip, gauss, rule_on, simplified
 from cea.location import cross
 from cea.surface import Surface, SurfaceCells, SurfaceCoordinates, SurfacePoints
 
 _POLYLINE = 16
 """Pieces, at most, that stand for an edge of b that is curved in the coordinates of a."""
-_STRAIGHT = 1e-8
-"""Distance of an edge from its chord, relative to the cell of a, that counts as straight.
-
-Traces of b are continuous across its edges: a break off by d costs an integral d^2 inside the
-surfaces, and d at their rims.
-"""
-_SLIVER = 1e-14
-"""Segments below this part of their cell's area are dropped."""
 _CHUNK = 10_000
 """Pairs of cells that are worked on at once."""
 
@@ -179,8 +169,8 @@ def _intervals(
     own = np.sort(cells_a.corners[pairs.a][..., 0], axis=1)
     low = np.maximum(own[:, 0], mapped[:, 0])
     high = np.minimum(own[:, 1], mapped[:, 1])
-    kept = high - low > _SLIVER * (own[:, 1] - own[:, 0])
-    t, w = _gauss(points or max(cells_a.degree, cells_b.degree) + 1)
+    kept = high - low > SLIVER * (own[:, 1] - own[:, 0])
+    t, w = gauss(points or max(cells_a.degree, cells_b.degree) + 1)
     length = (high - low)[kept, None]
     xi = low[kept, None] + length * t
     element = np.repeat(cells_a.element[pairs.a[kept]], len(t))
@@ -210,14 +200,8 @@ def _polygons(
     on_triangles = points or (2 * degree if cells_a.tensor or cells_b.tensor else degree) + 1
     outline = _to_reference(a, cells_a, pairs, _outlines(b, cells_b, pairs.b, pieces))
     own = cells_a.corners[pairs.a]
-    owner, overlap = _clip(own, _simplified(outline, pieces, np.ptp(own, axis=1).min(axis=1)))
-    boxes, is_box = _boxes(overlap)
-    parts = (
-        _rule_on_boxes(owner[is_box], boxes, on_boxes),
-        _rule_on_triangles(*_triangles(owner[~is_box], overlap[~is_box]), on_triangles),
-    )
-    owner, xi, weight = (np.concatenate(p) for p in zip(*parts, strict=True))
-    return owner, xi, weight
+    owner, overlap = clip(own, simplified(outline, pieces, np.ptp(own, axis=1).min(axis=1)))
+    return rule_on(owner, overlap, on_boxes, on_triangles)
 
 
 def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int) -> Floats:
@@ -252,84 +236,9 @@ def _crossing(
     chord = edges[:, :, -1:] - edges[:, :, :1]
     arm = edges[:, :, 1:-1] - edges[:, :, :1]
     off = np.abs(chord[..., 0] * arm[..., 1] - chord[..., 1] * arm[..., 0]).max(axis=2)
-    straight = off <= _STRAIGHT * np.linalg.norm(chord[:, :, 0], axis=2)
+    straight = off <= STRAIGHT * np.linalg.norm(chord[:, :, 0], axis=2)
     room = 0.5 * np.abs(np.diff(edges, 2, axis=2)).max(axis=(2, 3))[:, :, None]
     least, most = edges.min(axis=2) - room, edges.max(axis=2) + room
     touching = ((least < 1) & (most > 0)).all(axis=2)
     near = ((least.min(axis=1) < 1) & (most.max(axis=1) > 0)).all(axis=1)
     return pairs[near], (straight | ~touching).all(axis=1)[near]
-
-
-def _simplified(outlines: Floats, pieces: int, extent: Floats) -> NDArray[np.object_]:
-    """Outlines (n, m, 2) as polygons, each edge with no more of its pieces than it needs.
-
-    Edge by edge, so that two cells that share one keep the same points of it.
-    """
-    n, m = outlines.shape[:2]
-    count = m // pieces
-    edges = outlines.reshape(n, count, pieces, 2)
-    edges = np.concatenate([edges, np.roll(edges[:, :, :1], -1, axis=1)], axis=2)
-    lines = shapely.simplify(
-        shapely.linestrings(edges.reshape(n * count, pieces + 1, 2)),
-        _STRAIGHT * np.repeat(extent, count),
-        preserve_topology=False,
-    )
-    points, line = shapely.get_coordinates(lines, return_index=True)
-    ends = np.append(line[1:] != line[:-1], True)
-    ring = line // count
-    return shapely.polygons(shapely.linearrings(points[~ends], indices=ring[~ends]))
-
-
-def _clip(cells: Floats, other: NDArray[np.object_]) -> tuple[Ints, NDArray[np.object_]]:
-    """Overlaps of convex cells with polygons, both in reference coordinates; slivers dropped."""
-    own = shapely.polygons(cells)
-    broken = ~shapely.is_valid(other)
-    other[broken] = shapely.make_valid(other[broken])
-    overlap = shapely.intersection(own, other)
-    kept = shapely.area(overlap) > _SLIVER * shapely.area(own)
-    return np.flatnonzero(kept), overlap[kept]
-
-
-def _boxes(overlaps: NDArray[np.object_]) -> tuple[Floats, NDArray[np.bool_]]:
-    """Bounds (n, 4) of the overlaps that are boxes along the axes, and which are."""
-    bounds = shapely.bounds(overlaps)
-    area = (bounds[:, 2] - bounds[:, 0]) * (bounds[:, 3] - bounds[:, 1])
-    is_box = np.abs(shapely.area(overlaps) - area) <= 1e-13 * area
-    return bounds[is_box], is_box
-
-
-def _rule_on_boxes(owner: Ints, bounds: Floats, n: int) -> tuple[Ints, Floats, Floats]:
-    t, w = _gauss(n)
-    unit = np.array(list(product(t, t)))
-    low, size = bounds[:, None, :2], (bounds[:, 2:] - bounds[:, :2])[:, None]
-    xi = low + size * unit
-    weight = size.prod(axis=2) * np.outer(w, w).ravel()
-    return np.repeat(owner, n * n), xi.reshape(-1, 2), weight.ravel()
-
-
-def _triangles(owner: Ints, overlaps: NDArray[np.object_]) -> tuple[Ints, Floats]:
-    """Triangles (n, 3, 2) that fill overlaps, with the overlap's owner each."""
-    collections = shapely.constrained_delaunay_triangles(overlaps)
-    triangles, index = shapely.get_parts(collections, return_index=True)
-    corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
-    return owner[index], corners
-
-
-def _rule_on_triangles(owner: Ints, corners: Floats, n: int) -> tuple[Ints, Floats, Floats]:
-    """Collapsed Gauss rule, n x n points, exact to total degree 2 n - 1."""
-    s, ws = roots_jacobi(n, 1, 0)
-    s, ws = 0.5 * (s + 1), 0.25 * ws
-    t, wt = _gauss(n)
-    first, second = np.repeat(s, n), np.tile(t, n)
-    u, v = first, second * (1 - first)
-    sides = corners[:, 1:] - corners[:, :1]
-    xi = corners[:, :1] + u[:, None] * sides[:, :1] + v[:, None] * sides[:, 1:]
-    twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
-    weight = twice_area[:, None] * np.outer(ws, wt).ravel()
-    return np.repeat(owner, n * n), xi.reshape(-1, 2), weight.ravel()
-
-
-def _gauss(n: int) -> tuple[Floats, Floats]:
-    """Gauss-Legendre points and weights on [0, 1]."""
-    t, w = roots_legendre(n)
-    return 0.5 * (t + 1), 0.5 * w

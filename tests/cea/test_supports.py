@@ -11,8 +11,8 @@ from supported import ABOUT_PLACED, ABOUT_Z, BOX, QUARTER, RING, build, eigenval
 
 from cea.errors import InputError
 from cea.supports.boundary import Support
-from cea.supports.constraints import ProjectedConstraints, constrain
 from cea.supports.directions import Directions, merged
+from cea.supports.elimination import ProjectedConstraints, constrain
 from cea.supports.frames import Cartesian, Cylindrical, SurfaceNormal
 from scenes.scene_error import SceneError
 

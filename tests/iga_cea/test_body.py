@@ -10,6 +10,7 @@ from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.supports.boundary import Pressure, Spring, Support
 from iga_cea import NurbsBody
+from iga_cea.multipatch import join
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
@@ -296,3 +297,11 @@ def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
         sample = part.volume_sample(2)
         corners = sample.points[sample.cells]
         assert np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]).min() > 0
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4])
+def test_two_ranks_share_out_the_layers_of_functions_evenly(degree):
+    patches = body(BOX, (12, 3, 2), (degree,) * 3).multipatch.patches
+    ranges = join(patches, 2, "patches").dof_ranges
+    layer = ranges[-1] / (12 + degree)
+    assert np.ptp(np.diff(ranges)) <= layer

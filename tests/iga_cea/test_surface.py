@@ -7,7 +7,7 @@ from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.surface import Status
 from iga_cea import NurbsBody
-from iga_cea.face import grid_points
+from iga_cea.grids import grid_points
 from iga_cea.surface import NurbsSurface
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
