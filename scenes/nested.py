@@ -1,11 +1,18 @@
 """Two discretisations of one scene: prolongation, errors of eigenvalues, modes to start from."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 
 from cea.body import Body
+from cea.eigen.pencil import Matrices, release
 from cea.errors import InputError
+from cea.nested.estimate import ErrorEstimate, error_estimate
 from cea.nested.prolongation import Prolongation, of_system
+from cea.timing import StageTimer
 from scenes.read import Scene
+from scenes.results import ModesResult
+from scenes.richer import richer_scene
+from scenes.run import coupled
 
 
 def prolongation(
@@ -46,3 +53,54 @@ def _of_body(coarse: Body, fine: Body, scene: Scene, name: str) -> Prolongation:
             return nurbs(coarse, fine)
     kinds = type(coarse).__name__, type(fine).__name__
     raise InputError(f"bodies.{name}.backend", kinds, "one backend for both discretisations")
+
+
+def estimate_errors(
+    result: ModesResult,
+    richer: Scene | None = None,
+    *,
+    steps: int = 1,
+    listener: Callable[[str], None] | None = None,
+) -> ErrorEstimate:
+    """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
+
+    One factorisation of the richer scene, and a block of solves for the right vectors and one for
+    the left ones; no eigenproblem (:mod:`cea.nested.estimate`). What the contact rule of the richer
+    scene does better is part of the error.
+
+    Parameters
+    ----------
+    result
+        Modes of the scene with left vectors: ``run_modes(scene, left=True)``.
+    richer
+        A richer scene; by default the same with a degree more (:mod:`scenes.richer`).
+    steps
+        Block inverse steps.
+    listener
+        Called with the name of each stage as it begins.
+
+    Raises
+    ------
+    InputError
+        When modes or their left vectors are missing, or the scenes are not of the same bodies.
+    """
+    scene = richer if richer is not None else richer_scene(result.scene)
+    with _on(scene, result, listener) as (matrices, step, timer):
+        with timer("krylov"):
+            return error_estimate(result.modes, matrices, step, steps=steps)
+
+
+@contextmanager
+def _on(
+    scene: Scene, result: ModesResult, listener: Callable[[str], None] | None
+) -> Iterator[tuple[Matrices, Prolongation, StageTimer]]:
+    """The pencil of another scene, the prolongation to it, and a timer of what it takes."""
+    system, _, timer = coupled(scene, listener=listener)
+    with timer("assembly"):
+        matrices = system.pencil().at()
+        step = prolongation(result.bodies, system.bodies, scene)
+    try:
+        yield matrices, step, timer
+    finally:
+        step.free()
+        release(matrices)

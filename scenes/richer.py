@@ -8,7 +8,7 @@ from scenes.read import Scene
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 
-Enrichment = Literal["degree", "bisection"]
+Enrichment = Literal["degree", "bisection", "smooth"]
 
 _HIGHEST = {"fe": 4, "iga": 8}
 """Highest degrees of the backends."""
@@ -17,17 +17,19 @@ _HIGHEST = {"fe": 4, "iga": 8}
 def richer_scene(scene: Scene, by: Enrichment = "degree") -> Scene:
     """The scene with the space of every body enriched; shapes and contacts stay.
 
-    The new spaces hold the old ones but for curved Lagrange cells, whose geometry is refined where
-    they are bisected, and for stretches of elements that do not double where they are bisected
-    ``through`` given coordinates.
+    The new spaces hold the old ones but for curved Lagrange cells, whose geometry is refined too,
+    so that its error is seen, for NURBS of higher continuity, and for stretches of elements that do
+    not double where they are bisected ``through`` given coordinates.
 
     Parameters
     ----------
     scene
         The scene.
     by
-        ``"degree"``: a degree more; NURBS keep their continuity, Lagrange cells their geometry.
+        ``"degree"``: a degree more; NURBS keep their continuity.
         ``"bisection"``: twice the elements along each direction.
+        ``"smooth"``: a degree and a continuous derivative more, which adds few unknowns; NURBS
+        only.
 
     Raises
     ------
@@ -43,7 +45,9 @@ def richer_scene(scene: Scene, by: Enrichment = "degree") -> Scene:
 def _body(name: str, body: BodySpec, by: Enrichment) -> BodySpec:
     field = f"bodies.{name}.mesh"
     degree = body.fe_degree if body.backend == "fe" else max(_iga(body, field).degree)
-    if by == "degree" and (degree is None or degree >= _HIGHEST[body.backend]):
+    if by == "smooth" and body.backend == "fe":
+        raise InputError("by", by, f"'degree' or 'bisection' for {name}, of Lagrange elements")
+    if by != "bisection" and (degree is None or degree >= _HIGHEST[body.backend]):
         allowed = f"below {_HIGHEST[body.backend]} to be raised, or elements bisected"
         raise InputError(f"{field}.degree", degree, allowed)
     if body.backend == "iga":
@@ -67,7 +71,12 @@ def _bisected(mesh: IgaMesh) -> IgaMesh:
     return replace(mesh, elements=tuple(2 * n for n in mesh.elements))
 
 
-_ENRICHED = {"degree": _raised, "bisection": _bisected}
+def _smoother(mesh: IgaMesh) -> IgaMesh:
+    continuity = None if mesh.continuity is None else tuple(c + 1 for c in mesh.continuity)
+    return replace(mesh, degree=tuple(q + 1 for q in mesh.degree), continuity=continuity)
+
+
+_ENRICHED = {"degree": _raised, "bisection": _bisected, "smooth": _smoother}
 
 
 def _lagrange(mesh: MeshSpec, by: Enrichment, field: str) -> MeshSpec:
@@ -77,7 +86,9 @@ def _lagrange(mesh: MeshSpec, by: Enrichment, field: str) -> MeshSpec:
         return replace(mesh, degree=mesh.degree + 1)
     fe = mesh.fe
     if by == "degree":
-        geometry = fe.geometry_degree or fe.degree
+        geometry = (
+            None if fe.geometry_degree is None else min(fe.geometry_degree + 1, _HIGHEST["fe"])
+        )
         return replace(mesh, fe=replace(fe, degree=fe.degree + 1, geometry_degree=geometry))
     return replace(mesh, fe=_divided(fe, field))
 

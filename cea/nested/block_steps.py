@@ -1,0 +1,245 @@
+"""Approximate eigenvectors improved on a pencil: block inverse steps, each with a Rayleigh-Ritz.
+
+For vectors X with eigenvalues Lambda (kappa = -lambda^2) and one real shift sigma,
+
+    A(sigma) [X'; F] = [R; 0],    R = (kappa - sigma) M X - lambda D X
+
+is the step of inverse iteration, X' = X - A(sigma)^-1 (lambda^2 M + lambda D + K) X, that also
+takes from X what does not obey the contact: forces F come with displacements, and
+K X' + L^T F = R + sigma M X' needs no product with K. With the same for left vectors Y, the
+problem is projected on both. Without damping that is, at the cost of one factorisation and one
+block of solves a side, the two-sided Rayleigh-Ritz of a Krylov space; components of another
+eigenvalue kappa_j in the error of an eigenvalue shrink by ((kappa - sigma) / (kappa_j - sigma))^2.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eig, eigh
+
+from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.blocks import all_inner, column_blocks, times
+from cea.eigen.dense_products import combined
+from cea.eigen.eigenvalue_matching import DEGENERATE, assign
+from cea.eigen.pencil import Matrices
+from cea.eigen.quadratic_damping import Damping
+from cea.eigen.shifted import Shifted
+from cea.errors import ConvergenceError
+
+_BESIDE = 0.997
+"""Part of a shift that is an eigenvalue at which another is tried."""
+_SMALLEST = 1e-16
+"""Length of a direction, relative to the longest, that counts for no less."""
+
+
+@dataclass(frozen=True)
+class Approximation:
+    """Approximate eigenvalues with right and left vectors.
+
+    Parameters
+    ----------
+    eigenvalues
+        lambda (1/s), shape (n,).
+    right, left
+        Vectors x and y, y^H (lambda^2 M + lambda D + K) = 0: the rows of this rank, (n_local, n).
+    """
+
+    eigenvalues: Complexes
+    right: Complexes
+    left: Complexes
+
+
+@dataclass(frozen=True)
+class Step:
+    """What a step makes of an approximation.
+
+    Parameters
+    ----------
+    approximation
+        The new one, in the order of the old one.
+    halfway
+        Eigenvalues after the solve for the right vectors alone (1/s), shape (n,).
+    """
+
+    approximation: Approximation
+    halfway: Complexes
+
+
+class BlockSteps:
+    """A pencil at a shift; what steps are made with.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at given parameters.
+    shift
+        sigma (1/s^2); beside it where it is an eigenvalue.
+
+    Attributes
+    ----------
+    factors
+        The pencil factorised.
+    """
+
+    def __init__(self, matrices: Matrices, shift: float) -> None:
+        self.matrices = matrices
+        try:
+            self.factors = Shifted(matrices, shift)
+        except ConvergenceError:
+            self.factors = Shifted(matrices, _BESIDE * shift)
+        self._damping = Damping(matrices) if matrices.quadratic else None
+
+    def free(self) -> None:
+        """Free the factors."""
+        self.factors.free()
+        if self._damping is not None:
+            self._damping.free()
+
+    def step(self, old: Approximation) -> Step:
+        """One step: right and left vectors solved for, eigenvalues of the projected problem."""
+        return self._linear(old) if self._damping is None else self._quadratic(old, self._damping)
+
+    def _linear(self, old: Approximation) -> Step:
+        """Without damping K x = kappa M x is projected on a real basis of all vectors."""
+        M, symmetric = self.matrices.mass, self.matrices.symmetric
+        chosen = _one_of_each_pair(old.eigenvalues)
+        V = self._orthonormal(self._real_basis(old.eigenvalues[chosen], old.right[:, chosen]))
+        image = times(M, V)
+        X = self._solved(image)
+        if symmetric:
+            inverse, mass = self._inner(X, image), self._inner(X, times(M, X))
+            mu, c = eigh(_mean(inverse), _mean(mass))
+            halfway = eigh(_mean(self._inner(V, image)), _mean(self._inner(V, times(M, X))))[0]
+            d, Y = c, X
+        else:
+            W = self._orthonormal(self._real_basis(old.eigenvalues[chosen], old.left[:, chosen]))
+            halfway = eig(self._inner(W, image), self._inner(W, times(M, X)), right=False)
+            Y = self._solved(times(M, W), transposed=True)
+            mu, d, c = eig(self._inner(Y, image), self._inner(Y, times(M, X)), left=True)
+        values, half = (_growing(self.factors.kappa + each) for each in (mu, halfway))
+        order = _matched(old.eigenvalues, values)
+        new = Approximation(
+            values[order], combined(X, c[:, order] + 0j), combined(Y, d[:, order] + 0j)
+        )
+        return Step(self._scaled(new), half[_matched(new.eigenvalues, half)])
+
+    def _quadratic(self, old: Approximation, damping: Damping) -> Step:
+        """With damping, the companion form is projected on vectors [x; lambda x] and their duals.
+
+        y_i^H (lambda_i lambda_j M - K) x_j c = lambda y_i^H ((lambda_i + lambda_j) M + D) x_j c.
+        """
+        sigma, values = self.factors.kappa, old.eigenvalues
+        R = self._forces(damping, values, old.right)
+        X = self._solved(R)
+        inertia, drag = times(self.matrices.mass, X), damping.times(X)
+        force = R + sigma * inertia
+        halfway = self._projected(values, old.left, inertia, drag, force)[0]
+        L = self._forces(damping, values.conj(), old.left, transposed=True)
+        Y = self._solved(L, transposed=True)
+        found, c, d = self._projected(values, Y, inertia, drag, force)
+        order = _matched(values, found)
+        new = Approximation(found[order], X @ c[:, order], Y @ d[:, order])
+        return Step(self._scaled(new), halfway[_matched(found[order], halfway)])
+
+    def _projected(
+        self, values: Complexes, Y: Complexes, inertia: Complexes, drag: Complexes, force: Complexes
+    ) -> tuple[Complexes, Complexes, Complexes]:
+        mass, damping, stiffness = (self._inner(Y, part) for part in (inertia, drag, force))
+        found, d, c = eig(
+            values[:, None] * values * mass - stiffness,
+            (values[:, None] + values) * mass + damping,
+            left=True,
+        )
+        return found, c, d
+
+    def _forces(
+        self, damping: Damping, values: Complexes, x: Complexes, *, transposed: bool = False
+    ) -> Complexes:
+        """(kappa - sigma) M x - lambda D x, or with D^T."""
+        shifted = -(values**2) - self.factors.kappa
+        drag = damping.times(x, transposed=transposed)
+        return np.asarray(shifted * times(self.matrices.mass, x) - values * drag)
+
+    def _solved(self, forces: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
+        """Displacements of A(sigma)^-1, or of its transpose, for blocks of real columns."""
+        if np.iscomplexobj(forces):
+            real, imaginary = (
+                self._solved(part, transposed=transposed) for part in (forces.real, forces.imag)
+            )
+            return np.asarray(real + 1j * imaginary)
+        x = np.empty(forces.shape, order="F")
+        for block in column_blocks(forces.shape[1]):
+            columns = np.asfortranarray(forces[:, block])
+            x[:, block] = self.factors.solve_block(columns, transposed=transposed)
+        return x
+
+    def _inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
+        return all_inner(left, right, self.matrices.stiffness.comm)
+
+    def _real_basis(self, eigenvalues: Complexes, vectors: Complexes) -> Floats:
+        """Real vectors of real lambda^2, real and imaginary parts of others."""
+        alone = (eigenvalues.real == 0) | (eigenvalues.imag == 0)
+        comm = self.matrices.stiffness.comm.tompi4py()
+        squares = comm.allreduce((vectors[:, alone] ** 2).sum(axis=0))
+        turned = vectors[:, alone] * np.exp(-0.5j * np.angle(squares))  # their phase is any
+        parts = [turned.real, vectors[:, ~alone].real, vectors[:, ~alone].imag]
+        return np.asfortranarray(np.hstack(parts))
+
+    def _orthonormal(self, vectors: Floats) -> Floats:
+        """An M-orthonormal basis of columns, which may be nearly parallel."""
+        for _ in range(2):
+            sizes = np.sqrt(np.abs(np.diag(self._gram(vectors))))
+            vectors = vectors / np.maximum(sizes, np.finfo(float).tiny)
+            squares, turned = np.linalg.eigh(_mean(self._gram(vectors)))
+            lengths = np.sqrt(np.maximum(squares, _SMALLEST * squares.max(initial=0.0)))
+            vectors = combined(np.asfortranarray(vectors), turned / lengths)
+        return vectors
+
+    def _gram(self, vectors: Floats) -> Floats:
+        return np.asarray(self._inner(vectors, times(self.matrices.mass, vectors)))
+
+    def _scaled(self, new: Approximation) -> Approximation:
+        """With x^H M x = 1 and y^H M y = 1."""
+        M = self.matrices.mass
+        unit = []
+        for each in (new.right, new.left):
+            squares = [
+                np.diag(self._inner(each[:, block], times(M, each[:, block]))).real
+                for block in column_blocks(each.shape[1])
+            ]
+            unit.append(each / np.sqrt(np.concatenate(squares)))
+        return replace(new, right=unit[0], left=unit[1])
+
+
+def middle_shift(eigenvalues: Complexes) -> float:
+    """Shift amid eigenvalues (1/s^2), about which steps shrink errors of all of them."""
+    kappa = -(eigenvalues**2).real
+    return float(0.5 * (kappa.min() + kappa.max()))
+
+
+def _one_of_each_pair(eigenvalues: Complexes) -> Ints:
+    """Modes without those that decay as others, conjugate in lambda^2, grow."""
+    decaying = np.flatnonzero((eigenvalues.real < 0) & (eigenvalues.imag > 0))
+    growing = eigenvalues[(eigenvalues.real > 0) & (eigenvalues.imag > 0)]
+    apart = np.abs(eigenvalues[decaying][:, None] + growing.conj())
+    apart /= np.abs(eigenvalues[decaying][:, None])
+    mirrored = assign(apart, DEGENERATE)[0] if apart.size else []
+    return np.setdiff1d(np.arange(len(eigenvalues)), decaying[mirrored])
+
+
+def _growing(kappa: Complexes) -> Complexes:
+    """lambda of -lambda^2 with Im lambda >= 0; of real ones below zero, the one that grows."""
+    values = np.sqrt(-np.asarray(kappa, dtype=complex))
+    values = np.where(values.imag < 0, -values, values) + 0j
+    return np.where(values.imag == 0, np.abs(values.real), values)
+
+
+def _matched(wanted: Complexes, found: Complexes) -> Ints:
+    """Number of the eigenvalue that belongs to each wanted one, of least total distance."""
+    return assign(np.abs(wanted[:, None] - found))[1]
+
+
+def _mean(matrix: Floats) -> Floats:
+    return np.asarray(0.5 * (matrix + matrix.T))
