@@ -8,11 +8,12 @@ from cea.eigen.pencil import Matrices, release
 from cea.errors import InputError
 from cea.nested.estimate import ErrorEstimate, error_estimate
 from cea.nested.prolongation import Prolongation, of_system
+from cea.nested.start import continued
 from cea.timing import StageTimer
 from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.richer import richer_scene
-from scenes.run import coupled
+from scenes.run import coupled, skipped_by, with_warnings
 
 
 def prolongation(
@@ -85,9 +86,8 @@ def estimate_errors(
         When modes or their left vectors are missing, or the scenes are not of the same bodies.
     """
     scene = richer if richer is not None else richer_scene(result.scene)
-    with _on(scene, result, listener) as (matrices, step, timer):
-        with timer("krylov"):
-            return error_estimate(result.modes, matrices, step, steps=steps)
+    with _on(scene, result, listener) as (matrices, step, timer), timer("krylov"):
+        return error_estimate(result.modes, matrices, step, steps=steps)
 
 
 @contextmanager
@@ -104,3 +104,46 @@ def _on(
     finally:
         step.free()
         release(matrices)
+
+
+def continued_modes(
+    result: ModesResult,
+    scene: Scene,
+    *,
+    steps: int = 2,
+    left: bool = False,
+    listener: Callable[[str], None] | None = None,
+) -> ModesResult:
+    """Modes of a scene from those of a coarser one, without a search; collective.
+
+    As many modes as the coarser scene has; their residuals say how good they are.
+
+    Parameters
+    ----------
+    result
+        Modes of the coarser scene with left vectors: ``run_modes(scene, left=True)``.
+    scene
+        The finer scene, of the same bodies and contacts, without damping and rotation.
+    steps
+        Block inverse steps.
+    left
+        Whether left vectors are wanted too.
+    listener
+        Called with the name of each stage as it begins.
+
+    Raises
+    ------
+    InputError
+        When left vectors are missing, something damps or rotates, or the scenes are not of the
+        same bodies.
+    """
+    if scene.damped or scene.rotates:
+        raise InputError("scene", scene.name, "without damping and rotation to continue modes")
+    system, interfaces, timer = coupled(scene, listener=listener)
+    with timer("assembly"):
+        step = prolongation(result.bodies, system.bodies, scene)
+        pencil = system.pencil()
+    modes = continued(result.modes, pencil, step, steps=steps, left=left, timer=timer)
+    step.free()
+    found = ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
+    return with_warnings(found)

@@ -21,7 +21,7 @@ from scipy.linalg import eig, eigh
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, times
-from cea.eigen.dense_products import combined
+from cea.eigen.dense_products import beside, combined
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
@@ -97,33 +97,60 @@ class BlockSteps:
         if self._damping is not None:
             self._damping.free()
 
-    def step(self, old: Approximation) -> Step:
-        """One step: right and left vectors solved for, eigenvalues of the projected problem."""
-        return self._linear(old) if self._damping is None else self._quadratic(old, self._damping)
+    def improved(self, old: Approximation, steps: int) -> Step:
+        """Right and left vectors after some steps, eigenvalues of the projected problem.
 
-    def _linear(self, old: Approximation) -> Step:
-        """Without damping K x = kappa M x is projected on a real basis of all vectors."""
-        M, symmetric = self.matrices.mass, self.matrices.symmetric
-        chosen = _one_of_each_pair(old.eigenvalues)
-        V = self._orthonormal(self._real_basis(old.eigenvalues[chosen], old.right[:, chosen]))
-        image = times(M, V)
-        X = self._solved(image)
+        Without damping it is projected on the vectors of all steps together, a Krylov space.
+        """
+        if self._damping is None:
+            return self._linear(old, steps)
+        for _ in range(steps):
+            step = self._quadratic(old, self._damping)
+            old = step.approximation
+        return step
+
+    def _linear(self, old: Approximation, steps: int) -> Step:
+        """K x = kappa M x on real bases: with X = A(sigma)^-1 M B it is (Y^T M B, Y^T M X)."""
+        chosen, symmetric = _one_of_each_pair(old.eigenvalues), self.matrices.symmetric
+        values = old.eigenvalues[chosen]
+        B, X = self._krylov(self._real_basis(values, old.right[:, chosen]), steps)
+        C, Y = B, X
+        if not symmetric:
+            start = self._real_basis(values, old.left[:, chosen])
+            C, Y = self._krylov(start, steps, transposed=True)
+        forces, inertia = times(self.matrices.mass, B), times(self.matrices.mass, X)
+        last = B.shape[1] // steps
+        lagging = np.hstack([Y[:, :-last], C[:, -last:]])
+        halfway = eig(self._inner(lagging, forces), self._inner(lagging, inertia), right=False)
+        works, masses = self._inner(Y, forces), self._inner(Y, inertia)
         if symmetric:
-            inverse, mass = self._inner(X, image), self._inner(X, times(M, X))
-            mu, c = eigh(_mean(inverse), _mean(mass))
-            halfway = eigh(_mean(self._inner(V, image)), _mean(self._inner(V, times(M, X))))[0]
-            d, Y = c, X
+            mu, c = eigh(_mean(works), _mean(masses))
+            d = c
         else:
-            W = self._orthonormal(self._real_basis(old.eigenvalues[chosen], old.left[:, chosen]))
-            halfway = eig(self._inner(W, image), self._inner(W, times(M, X)), right=False)
-            Y = self._solved(times(M, W), transposed=True)
-            mu, d, c = eig(self._inner(Y, image), self._inner(Y, times(M, X)), left=True)
-        values, half = (_growing(self.factors.kappa + each) for each in (mu, halfway))
-        order = _matched(old.eigenvalues, values)
+            mu, d, c = eig(works, masses, left=True)
+        found, half = (_growing(self.factors.kappa + each) for each in (mu, halfway))
+        order = _matched(old.eigenvalues, found)
         new = Approximation(
-            values[order], combined(X, c[:, order] + 0j), combined(Y, d[:, order] + 0j)
+            found[order], combined(X, c[:, order] + 0j), combined(Y, d[:, order] + 0j)
         )
         return Step(self._scaled(new), half[_matched(new.eigenvalues, half)])
+
+    def _krylov(
+        self, vectors: Floats, steps: int, *, transposed: bool = False
+    ) -> tuple[Floats, Floats]:
+        """M-orthonormal vectors B of a Krylov space, and X = A(sigma)^-1 M B of unit columns."""
+        B = self._orthonormal(vectors)
+        X = self._solved(times(self.matrices.mass, B), transposed=transposed)
+        block = X
+        for _ in range(steps - 1):
+            fresh = block / np.sqrt(np.diag(self._gram(block)))
+            for _ in range(2):
+                inside = self._inner(B, times(self.matrices.mass, fresh))
+                fresh = self._orthonormal(fresh - combined(B, inside))
+            block = self._solved(times(self.matrices.mass, fresh), transposed=transposed)
+            B, X = beside(B, np.asfortranarray(fresh)), beside(X, block)
+        lengths = np.sqrt(np.diag(self._gram(X)))
+        return np.asfortranarray(B / lengths), np.asfortranarray(X / lengths)
 
     def _quadratic(self, old: Approximation, damping: Damping) -> Step:
         """With damping, the companion form is projected on vectors [x; lambda x] and their duals.
@@ -225,12 +252,12 @@ def _one_of_each_pair(eigenvalues: Complexes) -> Ints:
     growing = eigenvalues[(eigenvalues.real > 0) & (eigenvalues.imag > 0)]
     apart = np.abs(eigenvalues[decaying][:, None] + growing.conj())
     apart /= np.abs(eigenvalues[decaying][:, None])
-    mirrored = assign(apart, DEGENERATE)[0] if apart.size else []
-    return np.setdiff1d(np.arange(len(eigenvalues)), decaying[mirrored])
+    mirrored = decaying[assign(apart, DEGENERATE)[0]]
+    return np.setdiff1d(np.arange(len(eigenvalues)), mirrored)
 
 
 def _growing(kappa: Complexes) -> Complexes:
-    """lambda of -lambda^2 with Im lambda >= 0; of real ones below zero, the one that grows."""
+    """Lambda of -lambda^2 with Im lambda >= 0; of real ones below zero, the one that grows."""
     values = np.sqrt(-np.asarray(kappa, dtype=complex))
     values = np.where(values.imag < 0, -values, values) + 0j
     return np.where(values.imag == 0, np.abs(values.real), values)

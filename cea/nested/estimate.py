@@ -134,12 +134,10 @@ def error_estimate(
         raise InputError("steps", steps, "1 or more")
     work = BlockSteps(matrices, middle_shift(start.eigenvalues))
     try:
-        for _ in range(steps):
-            step = work.step(start)
-            start = step.approximation
+        step = work.improved(start, steps)
     finally:
         work.free()
-    corrected = start.eigenvalues
+    corrected = step.approximation.eigenvalues
     remaining = np.abs(corrected - step.halfway)
     return ErrorEstimate(
         coarse.eigenvalues,
