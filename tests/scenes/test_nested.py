@@ -207,7 +207,7 @@ def test_what_cannot_be_done_is_refused():
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("by", ["degree", "bisection"])
+@pytest.mark.parametrize(("backend", "by"), [("fe", "bisection"), ("iga", "degree")])
 def test_the_same_on_any_ranks(backend, by):
     one, *several = (
         on_ranks(ranks, "nested_scenes.parallel_numbers", "blocks", backend, by)
