@@ -14,6 +14,7 @@ from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.richer import richer_scene
 from scenes.run import coupled, skipped_by, with_warnings
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
 
 
 def prolongation(
@@ -116,7 +117,9 @@ def continued_modes(
 ) -> ModesResult:
     """Modes of a scene from those of a coarser one, without a search; collective.
 
-    As many modes as the coarser scene has; their residuals say how good they are.
+    No more modes than the coarser scene has, up to the frequency of the finer one; their residuals
+    say how good they are. Modes near the end of the window of the coarser one converge slowest: one
+    that reaches farther serves them.
 
     Parameters
     ----------
@@ -137,13 +140,16 @@ def continued_modes(
         When left vectors are missing, something damps or rotates, or the scenes are not of the
         same bodies.
     """
+    if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
+        raise InputError("analysis.kind", scene.analysis.kind, "'cea', which gives modes")
     if scene.damped or scene.rotates:
         raise InputError("scene", scene.name, "without damping and rotation to continue modes")
     system, interfaces, timer = coupled(scene, listener=listener)
     with timer("assembly"):
         step = prolongation(result.bodies, system.bodies, scene)
         pencil = system.pencil()
-    modes = continued(result.modes, pencil, step, steps=steps, left=left, timer=timer)
+    top = scene.analysis.max_frequency
+    modes = continued(result.modes, pencil, step, top, steps=steps, left=left, timer=timer)
     step.free()
     found = ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
     return with_warnings(found)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eig, eigh
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.blocks import all_inner, column_blocks, times
+from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
 from cea.eigen.dense_products import beside, combined
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign
 from cea.eigen.pencil import Matrices
@@ -30,6 +30,8 @@ from cea.errors import ConvergenceError
 
 _BESIDE = 0.997
 """Part of a shift that is an eigenvalue at which another is tried."""
+_DEPENDENT = 1e-13
+"""Singular value of inner products, relative to the largest, that counts as none."""
 _SMALLEST = 1e-16
 """Length of a direction, relative to the longest, that counts for no less."""
 
@@ -121,19 +123,23 @@ class BlockSteps:
         forces, inertia = times(self.matrices.mass, B), times(self.matrices.mass, X)
         last = B.shape[1] // steps
         lagging = np.hstack([Y[:, :-last], C[:, -last:]])
-        halfway = eig(self._inner(lagging, forces), self._inner(lagging, inertia), right=False)
-        works, masses = self._inner(Y, forces), self._inner(Y, inertia)
-        if symmetric:
-            mu, c = eigh(_mean(works), _mean(masses))
-            d = c
-        else:
-            mu, d, c = eig(works, masses, left=True)
+        halfway = _ritz(self._inner(lagging, forces), self._inner(lagging, inertia))[0]
+        mu, c, d = _ritz(self._inner(Y, forces), self._inner(Y, inertia), symmetric=symmetric)
+        right = combined(X, c)
+        own = self._nearest_to(B[:, :last], right)
         found, half = (_growing(self.factors.kappa + each) for each in (mu, halfway))
-        order = _matched(old.eigenvalues, found)
-        new = Approximation(
-            found[order], combined(X, c[:, order] + 0j), combined(Y, d[:, order] + 0j)
-        )
-        return Step(self._scaled(new), half[_matched(new.eigenvalues, half)])
+        order = own[_matched(old.eigenvalues, found[own])]
+        left = right[:, order] if symmetric else combined(Y, d[:, order])
+        new = self._scaled(Approximation(found[order], right[:, order], left))
+        return Step(new, half[_matched(new.eigenvalues, half)])
+
+    def _nearest_to(self, start: Floats, vectors: Complexes) -> Ints:
+        """As many vectors as a basis has, those that are most of it."""
+        basis = self._orthonormal(start)
+        inertia = times(self.matrices.mass, vectors)
+        sizes = columns_inner(vectors, inertia, self.matrices.stiffness.comm).real
+        share = (np.abs(self._inner(basis, inertia)) ** 2).sum(axis=0) / sizes
+        return np.sort(np.argsort(-share, kind="stable")[: start.shape[1]])
 
     def _krylov(
         self, vectors: Floats, steps: int, *, transposed: bool = False
@@ -244,6 +250,23 @@ def middle_shift(eigenvalues: Complexes) -> float:
     """Shift amid eigenvalues (1/s^2), about which steps shrink errors of all of them."""
     kappa = -(eigenvalues**2).real
     return float(0.5 * (kappa.min() + kappa.max()))
+
+
+def _ritz(
+    works: Floats, masses: Floats, *, symmetric: bool = False
+) -> tuple[Complexes, Complexes, Complexes]:
+    """Eigenvalues, right and left vectors of a projected problem, whose bases may be dependent."""
+    if symmetric:
+        sizes, turned = np.linalg.eigh(_mean(masses))
+        kept = turned[:, sizes > _DEPENDENT * sizes.max()]
+        mu, z = eigh(_mean(kept.T @ works @ kept), np.diag(sizes[sizes > _DEPENDENT * sizes.max()]))
+        vectors = kept @ z + 0j
+        return mu + 0j, vectors, vectors
+    u, sizes, vt = np.linalg.svd(masses)
+    count = int(np.sum(sizes > _DEPENDENT * sizes.max()))
+    U, V = u[:, :count], vt[:count].T
+    mu, w, z = eig(U.T @ works @ V, np.diag(sizes[:count]), left=True)
+    return mu, V @ z + 0j, U @ w + 0j
 
 
 def _one_of_each_pair(eigenvalues: Complexes) -> Ints:

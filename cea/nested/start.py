@@ -1,7 +1,7 @@
 """Modes of a coarse mesh as a start space on a finer one.
 
 A few block inverse steps (:mod:`cea.nested.block_steps`) take the place of a search: what is left
-is told by residuals, as of any modes. As many modes come out as went in. That none is missing is
+is told by residuals, as of any modes. No more modes come out than went in. That none is missing is
 not shown: that is known of the mesh on which a window was searched.
 """
 
@@ -45,6 +45,7 @@ def continued(
     coarse: Modes,
     pencil: Pencil,
     prolongation: Prolongation,
+    max_frequency: float,
     changes: Mapping[str, float] | None = None,
     *,
     steps: int = 2,
@@ -61,6 +62,8 @@ def continued(
         The pencil of the finer mesh.
     prolongation
         From the coarse displacements to the fine ones.
+    max_frequency
+        Upper end of the modes that are kept (Hz). Coarse ones beyond it help those below it.
     changes
         Parameters of the pencil that differ from their own values.
     steps
@@ -100,18 +103,17 @@ def continued(
                 left_vectors = left_vectors_of(
                     matrices, work.factors, pairs, kappa.conj(), found.left
                 )
-            window = _window(coarse, work.factors.kappa, pairs.kappa)
+            window = _window(max_frequency, work.factors.kappa, pairs.kappa)
             return modes_of(pencil, values, matrices, pairs, left_vectors, window)
     finally:
         work.free()
 
 
-def _window(coarse: Modes, shift: float, kappa: Complexes) -> ContinuedWindow:
-    """The window of the coarse modes, of which all that came out are kept."""
+def _window(max_frequency: float, shift: float, kappa: Complexes) -> ContinuedWindow:
+    """A window in which nothing was searched."""
     plain = replace(nearest_window(shift, kappa), discs=0)
     given: dict[str, Any] = {field.name: getattr(plain, field.name) for field in fields(plain)}
-    top = coarse.window.max_frequency
-    return ContinuedWindow(**given | {"max_frequency": top})
+    return ContinuedWindow(**given | {"max_frequency": max_frequency})
 
 
 def _in_pairs(modes: Approximation) -> tuple[Complexes, Approximation]:

@@ -153,6 +153,18 @@ def test_continued_modes_are_those_of_a_search(backend, mu):
     np.testing.assert_allclose(one, other, atol=1e-5 * np.abs(other).max())
 
 
+def test_modes_beyond_the_window_help_those_at_its_end(backend):
+    """They are no part of the result, and what they shed is shed at once."""
+    elements = {"upper": [6, 2], "lower": [5, 3]}
+    near, far = (coarse_modes("blocks", backend, 2, h, elements=elements) for h in (2.9, 4.5))
+    fine = richer_scene(near.scene)
+    found = [continued_modes(each, fine) for each in (near, far)]
+    assert len(found[0].modes) == len(near.modes)
+    assert len(found[1].modes) == len(run_modes(fine).modes) < len(far.modes)
+    worst = [each.modes.residuals[: len(near.modes)].max() for each in found]
+    assert worst[1] < 0.2 * worst[0]
+
+
 def test_more_steps_leave_less():
     coarse = coarse_modes("blocks", "iga", 2, 2.9)
     fine = richer_scene(coarse.scene, "bisection")
