@@ -196,6 +196,16 @@ class FEBody:
         first, last = self._space.dofmap.index_map.local_range
         return self._constraints.expansion(first, last, self.comm)
 
+    @property
+    def space(self) -> Any:
+        """Lagrange space of displacements (dolfinx)."""
+        return self._space
+
+    @property
+    def constraints(self) -> Constraints:
+        """What supports leave free."""
+        return self._constraints
+
     @cached_property
     def _constraints(self) -> Constraints:
         return nodal_constraints(

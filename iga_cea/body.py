@@ -132,6 +132,11 @@ class NurbsBody:
         first, last = self.multipatch.dof_ranges[self.comm.rank : self.comm.rank + 2]
         return self._constraints.expansion(int(first), int(last), self.comm)
 
+    @property
+    def constraints(self) -> Constraints:
+        """What supports leave free."""
+        return self._constraints
+
     def stiffness(self) -> Any:
         """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
         return self._stiffness

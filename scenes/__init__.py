@@ -20,12 +20,15 @@ if TYPE_CHECKING:
     from scenes.matrix_scene import MatrixScene as MatrixScene
     from scenes.matrix_scene import load_matrices as load_matrices
     from scenes.matrix_scene import read_matrix_scene as read_matrix_scene
+    from scenes.nested import continued_modes as continued_modes
+    from scenes.nested import estimate_errors as estimate_errors
     from scenes.opened import open_result as open_result
     from scenes.read import Scene as Scene
     from scenes.read import load_scene as load_scene
     from scenes.read import read_scene as read_scene
     from scenes.results import ModesResult as ModesResult
     from scenes.results import StaticResult as StaticResult
+    from scenes.richer import richer_scene as richer_scene
     from scenes.run import run_modes as run_modes
     from scenes.run import run_scene as run_scene
     from scenes.run import run_static as run_static
@@ -39,11 +42,13 @@ _OWNERS = {
     "scenes.inspection": ("Inspection", "inspect_scene"),
     "scenes.matrix_run": ("AssembledMatrices", "MatrixResult", "run_matrices"),
     "scenes.matrix_scene": ("MatrixScene", "load_matrices", "read_matrix_scene"),
+    "scenes.nested": ("continued_modes", "estimate_errors"),
     "scenes.opened": ("open_result",),
     "scenes.read": ("Scene", "load_scene", "read_scene"),
     "scenes.scene_error": ("SceneError",),
     "scenes.scene_files": ("scene_names",),
     "scenes.results": ("ModesResult", "StaticResult"),
+    "scenes.richer": ("richer_scene",),
     "scenes.run": ("run_modes", "run_scene", "run_static"),
 }
 """Names by the module they come from."""

@@ -43,6 +43,8 @@ class Constraints:
         Unknowns lost at each of them, shape (m,).
     rows
         Their displacement components from the free unknowns, shape (dim * m, free unknowns).
+    frame
+        The same without what dependent dofs add: B at each of them.
     prescribed
         Displacement components of theirs that are prescribed (m), shape (dim * m,); None where all
         is held at zero.
@@ -53,6 +55,7 @@ class Constraints:
     dofs: Ints
     removed: Ints
     rows: csr_array
+    frame: csr_array
     prescribed: Floats | None = None
 
     @property
@@ -110,12 +113,43 @@ class Constraints:
         comm
             MPI communicator.
         """
-        dim = self.dim
+        local = self._local(self.rows, first, last)
         starts, stops = self.first_free(np.array([first, last]))
+        return distributed(local, (int(stops - starts), local.shape[1]), comm)
+
+    def frames(self, first: int, last: int) -> csr_array:
+        """B of the scalar dofs of a rank: their displacement from the free unknowns at them.
+
+        B^T B = I, and B^T u gives the free unknowns of a displacement u that the supports admit.
+
+        Parameters
+        ----------
+        first, last
+            Scalar dofs of the rank.
+
+        Returns
+        -------
+        csr_array
+            Shape (dim * (last - first), free unknowns at these dofs).
+        """
+        starts, stops = self.first_free(np.array([first, last]))
+        return csr_array(self._local(self.frame, first, last)[:, int(starts) : int(stops)])
+
+    def _local(self, rows: csr_array, first: int, last: int) -> csr_array:
+        """Displacement of the scalar dofs of a rank from all free unknowns.
+
+        Parameters
+        ----------
+        rows
+            That of all dofs with a constraint.
+        first, last
+            Scalar dofs of the rank.
+        """
+        dim = self.dim
         held = slice(*np.searchsorted(self.dofs, [first, last]))
         plain = np.setdiff1d(np.arange(first, last), self.dofs[held], assume_unique=True)
         component = np.arange(dim)
-        free = coo_array(self.rows[dim * held.start : dim * held.stop])
+        free = coo_array(rows[dim * held.start : dim * held.stop])
         of_held = components(self.dofs[held] - first, dim)
         entries = (
             np.concatenate([np.ones(dim * len(plain)), free.data]),
@@ -127,8 +161,7 @@ class Constraints:
             ),
         )
         size = dim * (last - first)
-        local = csr_array(coo_array(entries, shape=(size, self.rows.shape[1])))
-        return distributed(local, (int(stops - starts), self.rows.shape[1]), comm)
+        return csr_array(coo_array(entries, shape=(size, rows.shape[1])))
 
     def prescribed_displacement(self, first: int, last: int, expansion: Any) -> Any | None:
         """u_D, PETSc vector (full), m; None where all is held at zero.

@@ -73,7 +73,7 @@ def constrain(
     taken, removed, slot = orthonormal(owner, every.direction, len(dofs))
     first = first_free_at(dim, dofs, removed, dofs)
     total = dim * num_scalar_dofs - int(removed.sum())
-    free = _free_rows(complement(taken), removed, first, total)
+    free = frame = _free_rows(complement(taken), removed, first, total)
     values = None
     if held.value is not None:
         place = slice(len(held))
@@ -93,7 +93,7 @@ def constrain(
             values = values + size * (dependent @ amounts).toarray()[:, 0]
     free.data[np.abs(free.data) < _NEGLIGIBLE] = 0.0
     free.eliminate_zeros()
-    return Constraints(dim, num_scalar_dofs, dofs, removed, free, values)
+    return Constraints(dim, num_scalar_dofs, dofs, removed, free, frame, values)
 
 
 def _free_rows(frame: Floats, removed: Ints, first: Ints, total: int) -> csr_array:

@@ -1,0 +1,295 @@
+"""Approximate eigenvectors improved on a pencil: block inverse steps, each with a Rayleigh-Ritz.
+
+For vectors X with eigenvalues Lambda (kappa = -lambda^2) and one real shift sigma,
+
+    A(sigma) [X'; F] = [R; 0],    R = (kappa - sigma) M X - lambda D X
+
+is the step of inverse iteration, X' = X - A(sigma)^-1 (lambda^2 M + lambda D + K) X, that also
+takes from X what does not obey the contact: forces F come with displacements, and
+K X' + L^T F = R + sigma M X' needs no product with K. With the same for left vectors Y, the
+problem is projected on both. Without damping that is, at the cost of one factorisation and one
+block of solves a side, the two-sided Rayleigh-Ritz of a Krylov space; components of another
+eigenvalue kappa_j in the error of an eigenvalue shrink by ((kappa - sigma) / (kappa_j - sigma))^2.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eig, eigh
+
+from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
+from cea.eigen.dense_products import beside, combined
+from cea.eigen.eigenvalue_matching import DEGENERATE, assign
+from cea.eigen.pencil import Matrices
+from cea.eigen.quadratic_damping import Damping
+from cea.eigen.shifted import Shifted
+from cea.errors import ConvergenceError
+
+_BESIDE = 0.997
+"""Part of a shift that is an eigenvalue at which another is tried."""
+_DEPENDENT = 1e-13
+"""Singular value of inner products, relative to the largest, that counts as none."""
+_SMALLEST = 1e-16
+"""Length of a direction, relative to the longest, that counts for no less."""
+
+
+@dataclass(frozen=True)
+class Approximation:
+    """Approximate eigenvalues with right and left vectors.
+
+    Parameters
+    ----------
+    eigenvalues
+        lambda (1/s), shape (n,).
+    right, left
+        Vectors x and y, y^H (lambda^2 M + lambda D + K) = 0: the rows of this rank, (n_local, n).
+    """
+
+    eigenvalues: Complexes
+    right: Complexes
+    left: Complexes
+
+
+@dataclass(frozen=True)
+class Step:
+    """What a step makes of an approximation.
+
+    Parameters
+    ----------
+    approximation
+        The new one, in the order of the old one.
+    halfway
+        Eigenvalues after the solve for the right vectors alone (1/s), shape (n,).
+    """
+
+    approximation: Approximation
+    halfway: Complexes
+
+
+class BlockSteps:
+    """A pencil at a shift; what steps are made with.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at given parameters.
+    shift
+        sigma (1/s^2); beside it where it is an eigenvalue.
+
+    Attributes
+    ----------
+    factors
+        The pencil factorised.
+    """
+
+    def __init__(self, matrices: Matrices, shift: float) -> None:
+        self.matrices = matrices
+        try:
+            self.factors = Shifted(matrices, shift)
+        except ConvergenceError:
+            self.factors = Shifted(matrices, _BESIDE * shift)
+        self._damping = Damping(matrices) if matrices.quadratic else None
+
+    def free(self) -> None:
+        """Free the factors."""
+        self.factors.free()
+        if self._damping is not None:
+            self._damping.free()
+
+    def improved(self, old: Approximation, steps: int) -> Step:
+        """Right and left vectors after some steps, eigenvalues of the projected problem.
+
+        Without damping it is projected on the vectors of all steps together, a Krylov space.
+        """
+        if self._damping is None:
+            return self._linear(old, steps)
+        for _ in range(steps):
+            step = self._quadratic(old, self._damping)
+            old = step.approximation
+        return step
+
+    def _linear(self, old: Approximation, steps: int) -> Step:
+        """K x = kappa M x on real bases: with X = A(sigma)^-1 M B it is (Y^T M B, Y^T M X)."""
+        chosen, symmetric = _one_of_each_pair(old.eigenvalues), self.matrices.symmetric
+        values = old.eigenvalues[chosen]
+        B, X = self._krylov(self._real_basis(values, old.right[:, chosen]), steps)
+        C, Y = B, X
+        if not symmetric:
+            start = self._real_basis(values, old.left[:, chosen])
+            C, Y = self._krylov(start, steps, transposed=True)
+        forces, inertia = times(self.matrices.mass, B), times(self.matrices.mass, X)
+        last = B.shape[1] // steps
+        lagging = np.hstack([Y[:, :-last], C[:, -last:]])
+        halfway = _ritz(self._inner(lagging, forces), self._inner(lagging, inertia))[0]
+        mu, c, d = _ritz(self._inner(Y, forces), self._inner(Y, inertia), symmetric=symmetric)
+        right = combined(X, c)
+        own = self._nearest_to(B[:, :last], right)
+        found, half = (_growing(self.factors.kappa + each) for each in (mu, halfway))
+        order = own[_matched(old.eigenvalues, found[own])]
+        left = right[:, order] if symmetric else combined(Y, d[:, order])
+        new = self._scaled(Approximation(found[order], right[:, order], left))
+        return Step(new, half[_matched(new.eigenvalues, half)])
+
+    def _nearest_to(self, start: Floats, vectors: Complexes) -> Ints:
+        """As many vectors as a basis has, those that are most of it."""
+        basis = self._orthonormal(start)
+        inertia = times(self.matrices.mass, vectors)
+        sizes = columns_inner(vectors, inertia, self.matrices.stiffness.comm).real
+        share = (np.abs(self._inner(basis, inertia)) ** 2).sum(axis=0) / sizes
+        return np.sort(np.argsort(-share, kind="stable")[: start.shape[1]])
+
+    def _krylov(
+        self, vectors: Floats, steps: int, *, transposed: bool = False
+    ) -> tuple[Floats, Floats]:
+        """M-orthonormal vectors B of a Krylov space, and X = A(sigma)^-1 M B of unit columns."""
+        B = self._orthonormal(vectors)
+        X = self._solved(times(self.matrices.mass, B), transposed=transposed)
+        block = X
+        for _ in range(steps - 1):
+            fresh = block / np.sqrt(np.diag(self._gram(block)))
+            for _ in range(2):
+                inside = self._inner(B, times(self.matrices.mass, fresh))
+                fresh = self._orthonormal(fresh - combined(B, inside))
+            block = self._solved(times(self.matrices.mass, fresh), transposed=transposed)
+            B, X = beside(B, np.asfortranarray(fresh)), beside(X, block)
+        lengths = np.sqrt(np.diag(self._gram(X)))
+        return np.asfortranarray(B / lengths), np.asfortranarray(X / lengths)
+
+    def _quadratic(self, old: Approximation, damping: Damping) -> Step:
+        """With damping, the companion form is projected on vectors [x; lambda x] and their duals.
+
+        y_i^H (lambda_i lambda_j M - K) x_j c = lambda y_i^H ((lambda_i + lambda_j) M + D) x_j c.
+        """
+        sigma, values = self.factors.kappa, old.eigenvalues
+        R = self._forces(damping, values, old.right)
+        X = self._solved(R)
+        inertia, drag = times(self.matrices.mass, X), damping.times(X)
+        force = R + sigma * inertia
+        halfway = self._projected(values, old.left, inertia, drag, force)[0]
+        L = self._forces(damping, values.conj(), old.left, transposed=True)
+        Y = self._solved(L, transposed=True)
+        found, c, d = self._projected(values, Y, inertia, drag, force)
+        order = _matched(values, found)
+        new = Approximation(found[order], X @ c[:, order], Y @ d[:, order])
+        return Step(self._scaled(new), halfway[_matched(found[order], halfway)])
+
+    def _projected(
+        self, values: Complexes, Y: Complexes, inertia: Complexes, drag: Complexes, force: Complexes
+    ) -> tuple[Complexes, Complexes, Complexes]:
+        mass, damping, stiffness = (self._inner(Y, part) for part in (inertia, drag, force))
+        found, d, c = eig(
+            values[:, None] * values * mass - stiffness,
+            (values[:, None] + values) * mass + damping,
+            left=True,
+        )
+        return found, c, d
+
+    def _forces(
+        self, damping: Damping, values: Complexes, x: Complexes, *, transposed: bool = False
+    ) -> Complexes:
+        """(kappa - sigma) M x - lambda D x, or with D^T."""
+        shifted = -(values**2) - self.factors.kappa
+        drag = damping.times(x, transposed=transposed)
+        return np.asarray(shifted * times(self.matrices.mass, x) - values * drag)
+
+    def _solved(self, forces: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
+        """Displacements of A(sigma)^-1, or of its transpose, for blocks of real columns."""
+        if np.iscomplexobj(forces):
+            real, imaginary = (
+                self._solved(part, transposed=transposed) for part in (forces.real, forces.imag)
+            )
+            return np.asarray(real + 1j * imaginary)
+        x = np.empty(forces.shape, order="F")
+        for block in column_blocks(forces.shape[1]):
+            columns = np.asfortranarray(forces[:, block])
+            x[:, block] = self.factors.solve_block(columns, transposed=transposed)
+        return x
+
+    def _inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
+        return all_inner(left, right, self.matrices.stiffness.comm)
+
+    def _real_basis(self, eigenvalues: Complexes, vectors: Complexes) -> Floats:
+        """Real vectors of real lambda^2, real and imaginary parts of others."""
+        alone = (eigenvalues.real == 0) | (eigenvalues.imag == 0)
+        comm = self.matrices.stiffness.comm.tompi4py()
+        squares = comm.allreduce((vectors[:, alone] ** 2).sum(axis=0))
+        turned = vectors[:, alone] * np.exp(-0.5j * np.angle(squares))  # their phase is any
+        parts = [turned.real, vectors[:, ~alone].real, vectors[:, ~alone].imag]
+        return np.asfortranarray(np.hstack(parts))
+
+    def _orthonormal(self, vectors: Floats) -> Floats:
+        """An M-orthonormal basis of columns, which may be nearly parallel."""
+        for _ in range(2):
+            sizes = np.sqrt(np.abs(np.diag(self._gram(vectors))))
+            vectors = vectors / np.maximum(sizes, np.finfo(float).tiny)
+            squares, turned = np.linalg.eigh(_mean(self._gram(vectors)))
+            lengths = np.sqrt(np.maximum(squares, _SMALLEST * squares.max(initial=0.0)))
+            vectors = combined(np.asfortranarray(vectors), turned / lengths)
+        return vectors
+
+    def _gram(self, vectors: Floats) -> Floats:
+        return np.asarray(self._inner(vectors, times(self.matrices.mass, vectors)))
+
+    def _scaled(self, new: Approximation) -> Approximation:
+        """With x^H M x = 1 and y^H M y = 1."""
+        M = self.matrices.mass
+        unit = []
+        for each in (new.right, new.left):
+            squares = [
+                np.diag(self._inner(each[:, block], times(M, each[:, block]))).real
+                for block in column_blocks(each.shape[1])
+            ]
+            unit.append(each / np.sqrt(np.concatenate(squares)))
+        return replace(new, right=unit[0], left=unit[1])
+
+
+def middle_shift(eigenvalues: Complexes) -> float:
+    """Shift amid eigenvalues (1/s^2), about which steps shrink errors of all of them."""
+    kappa = -(eigenvalues**2).real
+    return float(0.5 * (kappa.min() + kappa.max()))
+
+
+def _ritz(
+    works: Floats, masses: Floats, *, symmetric: bool = False
+) -> tuple[Complexes, Complexes, Complexes]:
+    """Eigenvalues, right and left vectors of a projected problem, whose bases may be dependent."""
+    if symmetric:
+        sizes, turned = np.linalg.eigh(_mean(masses))
+        kept = turned[:, sizes > _DEPENDENT * sizes.max()]
+        mu, z = eigh(_mean(kept.T @ works @ kept), np.diag(sizes[sizes > _DEPENDENT * sizes.max()]))
+        vectors = kept @ z + 0j
+        return mu + 0j, vectors, vectors
+    u, sizes, vt = np.linalg.svd(masses)
+    count = int(np.sum(sizes > _DEPENDENT * sizes.max()))
+    U, V = u[:, :count], vt[:count].T
+    mu, w, z = eig(U.T @ works @ V, np.diag(sizes[:count]), left=True)
+    return mu, V @ z + 0j, U @ w + 0j
+
+
+def _one_of_each_pair(eigenvalues: Complexes) -> Ints:
+    """Modes without those that decay as others, conjugate in lambda^2, grow."""
+    decaying = np.flatnonzero((eigenvalues.real < 0) & (eigenvalues.imag > 0))
+    growing = eigenvalues[(eigenvalues.real > 0) & (eigenvalues.imag > 0)]
+    apart = np.abs(eigenvalues[decaying][:, None] + growing.conj())
+    apart /= np.abs(eigenvalues[decaying][:, None])
+    mirrored = decaying[assign(apart, DEGENERATE)[0]]
+    return np.setdiff1d(np.arange(len(eigenvalues)), mirrored)
+
+
+def _growing(kappa: Complexes) -> Complexes:
+    """Lambda of -lambda^2 with Im lambda >= 0; of real ones below zero, the one that grows."""
+    values = np.sqrt(-np.asarray(kappa, dtype=complex))
+    values = np.where(values.imag < 0, -values, values) + 0j
+    return np.where(values.imag == 0, np.abs(values.real), values)
+
+
+def _matched(wanted: Complexes, found: Complexes) -> Ints:
+    """Number of the eigenvalue that belongs to each wanted one, of least total distance."""
+    return assign(np.abs(wanted[:, None] - found))[1]
+
+
+def _mean(matrix: Floats) -> Floats:
+    return np.asarray(0.5 * (matrix + matrix.T))

@@ -1,0 +1,177 @@
+"""Errors of eigenvalues, estimated in a richer space without an eigenproblem there.
+
+Prolonged right and left vectors X, Y of the coarse mesh take one block inverse step in the richer
+space (:mod:`cea.nested.block_steps`). To first order its projected problem is
+
+    d lambda = - (y^H r + s^H e) / y^H (2 lambda M + D) x,
+
+r and s the residuals of x and y there and e = -A(sigma)^-1 r, the hierarchical estimate weighted
+by the left vector; y^H r is what rules of contact and geometry that differ between the meshes make
+(Heuveline & Rannacher, A posteriori error control for finite element approximations of elliptic
+eigenvalue problems, 2001). All modes are projected together, so that groups that nearly coalesce
+are corrected as groups.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cea.arrays import Complexes, Floats
+from cea.eigen.modes import Modes
+from cea.eigen.pencil import Matrices
+from cea.eigen.spectrum import Verdict
+from cea.errors import InputError
+from cea.nested.block_steps import Approximation, BlockSteps, middle_shift
+from cea.nested.clusters import Cluster, clusters_of
+from cea.nested.prolongation import Prolongation
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Eigenvalues of a coarse mesh with their estimated errors.
+
+    Parameters
+    ----------
+    eigenvalues
+        lambda on the coarse mesh (1/s), shape (n,).
+    corrected
+        lambda in the richer space (1/s), in the same order.
+    remaining
+        How far those may be from the eigenvalues of the richer space (1/s), shape (n,): what the
+        last solve changed, which is more.
+    uncertainties
+        Errors of the coarse ones by rounding and iteration (1/s), shape (n,).
+    clusters
+        Modes that are judged together; each is in one of them.
+    damped
+        Whether the problem is quadratic in lambda; means of clusters are then those of lambda.
+    symmetric
+        Whether it is symmetric and undamped: nothing flutters.
+    dofs
+        Unknowns of the richer space.
+    """
+
+    eigenvalues: Complexes
+    corrected: Complexes
+    remaining: Floats
+    uncertainties: Floats
+    clusters: tuple[Cluster, ...]
+    damped: bool
+    symmetric: bool
+    dofs: int
+
+    @property
+    def errors(self) -> Floats:
+        """Estimated errors of lambda on the coarse mesh (1/s), shape (n,)."""
+        return np.abs(self.corrected - self.eigenvalues)
+
+    @property
+    def frequency_errors(self) -> Floats:
+        """Those of Im lambda (rad/s), shape (n,)."""
+        return np.abs(self.corrected.imag - self.eigenvalues.imag)
+
+    @property
+    def growth_errors(self) -> Floats:
+        """Those of Re lambda (1/s), shape (n,)."""
+        return np.abs(self.corrected.real - self.eigenvalues.real)
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        """For each mode whether it grows, as far as its error decides that.
+
+        Without damping a mode whose kappa is real, and apart from all others beyond their errors,
+        cannot grow; a pair that nearly meets is decided by the sign of its splitting. Without
+        friction nothing grows.
+        """
+        verdicts: list[Verdict] = ["undecided"] * len(self.eigenvalues)
+        for cluster in self.clusters:
+            for member in cluster.members.tolist():
+                verdicts[member] = self._verdict(member, cluster)
+        return verdicts
+
+    def _verdict(self, mode: int, cluster: Cluster) -> Verdict:
+        growth, size = self.corrected[mode].real, len(cluster.members)
+        if self.symmetric:
+            return "stable"
+        if not self.damped:
+            if size == 2 and cluster.meets:
+                if not cluster.decided:
+                    return "undecided"
+                return "unstable" if cluster.flutters and growth > 0 else "stable"
+            if size == 1 and growth == 0:
+                return "stable"
+        bar = self.growth_errors[mode] + self.remaining[mode] + self.uncertainties[mode]
+        if abs(growth) <= bar:
+            return "undecided"
+        return "unstable" if growth > 0 else "stable"
+
+
+def error_estimate(
+    coarse: Modes, matrices: Matrices, prolongation: Prolongation, *, steps: int = 1
+) -> ErrorEstimate:
+    """Errors of the eigenvalues of a coarse mesh; collective.
+
+    Parameters
+    ----------
+    coarse
+        Modes of the coarse mesh, with left vectors unless they are symmetric.
+    matrices
+        The pencil in the richer space, at the same parameters.
+    prolongation
+        From the coarse displacements to those of the richer space.
+    steps
+        Block inverse steps; one gives the error to a few per cent where it is small scale.
+
+    Raises
+    ------
+    InputError
+        When there are no modes or no left vectors, or less than one step is asked for.
+    ConvergenceError
+        When the richer pencil is singular at shifts amid the modes.
+    """
+    start = prolonged(coarse, matrices, prolongation)
+    if steps < 1:
+        raise InputError("steps", steps, "1 or more")
+    work = BlockSteps(matrices, middle_shift(start.eigenvalues))
+    try:
+        step = work.improved(start, steps)
+    finally:
+        work.free()
+    corrected = step.approximation.eigenvalues
+    remaining = np.abs(corrected - step.halfway)
+    return ErrorEstimate(
+        coarse.eigenvalues,
+        corrected,
+        remaining,
+        coarse.growth_uncertainties,
+        _clusters(coarse.eigenvalues, corrected, damped=matrices.quadratic),
+        damped=matrices.quadratic,
+        symmetric=matrices.symmetric and not matrices.quadratic,
+        dofs=matrices.size,
+    )
+
+
+def prolonged(coarse: Modes, matrices: Matrices, prolongation: Prolongation) -> Approximation:
+    """Modes of a coarse mesh as approximations on a finer one.
+
+    Raises
+    ------
+    InputError
+        When there are no modes, or no left vectors where they differ from right ones.
+    """
+    if not len(coarse):
+        raise InputError("modes", 0, "at least one mode to begin with")
+    right = prolongation.apply(coarse.vectors)
+    if coarse.left is not None:
+        left = prolongation.apply(coarse.left.vectors)
+    elif matrices.symmetric and matrices.gyroscopic is None:
+        left = right.conj()
+    else:
+        raise InputError("left", False, "True where coarse modes are solved for: left vectors")
+    return Approximation(coarse.eigenvalues, right, left)
+
+
+def _clusters(coarse: Complexes, corrected: Complexes, *, damped: bool) -> tuple[Cluster, ...]:
+    if not damped:
+        coarse, corrected = -(coarse**2), -(corrected**2)
+    return clusters_of(coarse, corrected, np.abs(corrected - coarse))

@@ -1,0 +1,130 @@
+"""Displacements of a coarse discretisation among the unknowns of a finer one.
+
+A backend gives the coefficients on all scalar dofs of a body; supports are taken out here. With Z
+the expansion of the coarse body, and B the frames in which the fine one is free
+(:meth:`cea.supports.constraints.Constraints.frames`),
+
+    P = B^T (p x I) Z,
+
+p the prolongation of scalar functions. Contact forces that are unknowns are no part of it: they
+follow from displacements.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array, eye_array, kron
+
+from cea.arrays import Floats
+from cea.body import Body
+from cea.matrices import block_diagonal, destroy, gather
+from cea.supports.constraints import Constraints
+from cea.unknowns import free_operator
+
+_EXACT = 1e-10
+"""Defect up to which a prolongation counts as exact: what rounding makes is far below."""
+_SEED = 20
+"""Of the coefficients that defects are measured with."""
+
+
+@dataclass(frozen=True)
+class Prolongation:
+    """From the free dofs of a coarse discretisation to those of a finer one.
+
+    Parameters
+    ----------
+    matrix
+        P, PETSc AIJ (fine free dofs x coarse free dofs).
+    defect
+        Largest difference that was found between a coarse function and its prolongation, relative
+        to its coefficients; what supports hold differently is part of it.
+    """
+
+    matrix: Any
+    defect: float
+
+    @property
+    def exact(self) -> bool:
+        """Whether coarse functions are fine ones, but for rounding."""
+        return self.defect <= _EXACT
+
+    def apply(self, vectors: NDArray[Any]) -> NDArray[Any]:
+        """Fine displacements of coarse ones, the rows of this rank, shape (n_local, columns)."""
+        x, y = self.matrix.createVecs()
+        image: NDArray[Any] = np.empty(
+            (y.getLocalSize(), vectors.shape[1]), dtype=vectors.dtype, order="F"
+        )
+        parts = ("real", "imag") if np.iscomplexobj(vectors) else ("real",)
+        for i, column in enumerate(vectors.T):
+            for part in parts:
+                x.array[:] = getattr(column, part)
+                self.matrix.mult(x, y)
+                getattr(image, part)[:, i] = y.array_r
+        destroy(x, y)
+        return image
+
+    def free(self) -> None:
+        """Free the matrix."""
+        destroy(self.matrix)
+
+
+def on_free_dofs(
+    scalar: csr_array, defect: float, coarse: Body, fine: Body, constraints: Constraints
+) -> Prolongation:
+    """Prolongation of one body between what supports leave free; collective.
+
+    Parameters
+    ----------
+    scalar
+        Prolongation of scalar functions: the rows of the fine scalar dofs of this rank, all coarse
+        ones as columns.
+    defect
+        That of the scalar prolongation, on this rank.
+    coarse, fine
+        The body in both discretisations.
+    constraints
+        What supports hold of the fine one.
+    """
+    first, last = (row // fine.dim for row in fine.expansion.getOwnershipRange())
+    full = csr_array(kron(scalar, eye_array(fine.dim), format="csr"))
+    frames = constraints.frames(first, last)
+    matrix = free_operator(csr_array(frames.T @ full), coarse)
+    held = _held_differently(matrix, full, coarse, fine)
+    return Prolongation(matrix, fine.comm.allreduce(max(defect, held), op=_larger))
+
+
+def of_system(parts: Sequence[Prolongation]) -> Prolongation:
+    """Prolongation of the unknowns of a system from those of its bodies, in their order."""
+    defect = max(part.defect for part in parts)
+    if len(parts) == 1:
+        return Prolongation(parts[0].matrix, defect)
+    whole = block_diagonal([part.matrix for part in parts]).convert("aij")
+    destroy(*(part.matrix for part in parts))
+    return Prolongation(whole, defect)
+
+
+def random_coefficients(count: int) -> Floats:
+    """Coefficients from -1 to 1 that a defect is measured with, the same on every rank."""
+    return np.random.default_rng(_SEED).uniform(-1, 1, count)
+
+
+def _held_differently(matrix: Any, full: csr_array, coarse: Body, fine: Body) -> float:
+    """Difference that fine supports make to a displacement that the coarse ones admit."""
+    v, u = coarse.expansion.createVecs()
+    first, last = v.getOwnershipRange()
+    v.array[:] = random_coefficients(v.getSize())[first:last]
+    coarse.expansion.mult(v, u)
+    wanted = full @ gather(u)
+    w, found = fine.expansion.createVecs()
+    matrix.mult(v, w)
+    fine.expansion.mult(w, found)
+    difference = np.abs(found.array_r - wanted).max(initial=0.0)
+    destroy(u, v, w, found)
+    return float(difference)
+
+
+def _larger(one: float, other: float) -> float:
+    return max(one, other)

@@ -1,0 +1,166 @@
+"""Points located in the cells of a Lagrange mesh, which every rank knows whole."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import basix
+import basix.ufl
+import numpy as np
+from dolfinx.geometry import bb_tree, compute_collisions_points
+from dolfinx.mesh import create_mesh
+
+from cea.arrays import Floats, Ints
+from cea.petsc import MPI
+from fe_cea.facets import geometry_element, slices
+
+_MAX_ITERATIONS = 40
+_STANDS = 1e-14
+"""Step of reference coordinates that ends the iteration."""
+_ALIKE = 9
+"""Digits to which misses are compared: at a common facet the lower cell wins."""
+_REACH = 0.05
+"""How far beside boxes of cells points are looked for first, relative to the largest box."""
+_SIMPLICES = (basix.CellType.triangle, basix.CellType.tetrahedron)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """All cells of a mesh with their dofs, replicated on every rank.
+
+    Parameters
+    ----------
+    geometry, trial
+        Elements (basix) of the geometry and of the scalar displacement.
+    nodes
+        Geometry nodes (m) of each cell, (n, n_geometry, dim).
+    dofs
+        Global scalar dofs of each cell, (n, n_dofs).
+    """
+
+    geometry: Any
+    trial: Any
+    nodes: Floats
+    dofs: Ints
+
+    @classmethod
+    def of(cls, V: Any) -> "Cells":
+        """Gather the cells of a space (dolfinx); collective."""
+        mesh = V.mesh
+        nodes, dofs = own_cells(V)
+        nodes, dofs = (np.concatenate(mesh.comm.allgather(part)) for part in (nodes, dofs))
+        return cls(geometry_element(mesh), V.ufl_element().basix_element, nodes, dofs)
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space."""
+        return self.nodes.shape[2]
+
+    @cached_property
+    def sizes(self) -> Floats:
+        """Diagonals of the boxes of the nodes of each cell (m), (n,)."""
+        return np.linalg.norm(np.ptp(self.nodes, axis=1), axis=1)
+
+    @cached_property
+    def _intervals(self) -> Any:
+        """One interval for each cell, from corner to corner of its box (dolfinx)."""
+        low, high = self.nodes.min(axis=1), self.nodes.max(axis=1)
+        interval = basix.ufl.element("Lagrange", "interval", 1, shape=(self.dim,))
+        ends = np.stack([low, high], axis=1).reshape(-1, self.dim)
+        return create_mesh(MPI.COMM_SELF, np.arange(len(ends)).reshape(-1, 2), interval, ends)
+
+    def locate(self, x: Floats) -> tuple[Ints, Floats, Floats]:
+        """Cell and reference coordinates nearest to each point.
+
+        Parameters
+        ----------
+        x
+            Points (m), shape (n, dim).
+
+        Returns
+        -------
+        tuple
+            Cells (n,), reference coordinates inside them (n, dim), and the distance left relative
+            to the size of the cell (n,).
+        """
+        cell = np.full(len(x), -1, dtype=np.int64)
+        xi, miss = np.zeros(x.shape), np.full(len(x), np.inf)
+        left, reach = np.arange(len(x)), _REACH * float(self.sizes.max())
+        while len(left):
+            point, candidates = self._near(x[left], reach)
+            found, apart = self._pulled_back(candidates, x[left[point]])
+            order = np.lexsort((candidates, np.round(apart, _ALIKE), point))
+            best = order[np.unique(point[order], return_index=True)[1]]
+            at = left[point[best]]
+            cell[at], xi[at], miss[at] = candidates[best], found[best], apart[best]
+            left, reach = left[cell[left] < 0], 4 * reach
+        return cell, xi, miss
+
+    def _near(self, x: Floats, reach: float) -> tuple[Ints, Ints]:
+        """Points and cells whose box comes within reach of them, one pair a row."""
+        padded = np.zeros((len(x), 3))
+        padded[:, : self.dim] = x
+        intervals = self._intervals
+        tree = bb_tree(intervals, intervals.topology.dim, padding=reach)
+        found = compute_collisions_points(tree, padded)
+        point = np.repeat(np.arange(len(x)), np.diff(found.offsets))
+        number = intervals.topology.original_cell_index
+        return point, number[found.array].astype(np.int64)
+
+    def _pulled_back(self, cell: Ints, x: Floats) -> tuple[Floats, Floats]:
+        """Reference coordinates of points in cells by Newton steps kept inside, and misses."""
+        corners = basix.geometry(self.geometry.cell_type)
+        xi = np.broadcast_to(corners.mean(axis=0), x.shape).copy()
+        rest = np.empty(x.shape)
+        active = np.arange(len(x))
+        for _ in range(_MAX_ITERATIONS):
+            if not len(active):
+                break
+            position, jacobian = self._mapped(cell[active], xi[active])
+            rest[active] = x[active] - position
+            step = np.linalg.solve(jacobian, rest[active][:, :, None])[:, :, 0]
+            moved = self._inside(xi[active] + step)
+            way = np.abs(moved - xi[active]).max(axis=1)
+            xi[active] = moved
+            active = active[way > _STANDS]
+        rest = x - self._mapped(cell, xi, jacobian=False)[0]
+        return xi, np.linalg.norm(rest, axis=1) / self.sizes[cell]
+
+    def _inside(self, xi: Floats) -> Floats:
+        """Reference coordinates moved into the reference cell."""
+        clipped = np.clip(xi, 0.0, 1.0)
+        if self.geometry.cell_type in _SIMPLICES:
+            over = clipped.sum(axis=1, keepdims=True) - 1
+            clipped = np.clip(clipped - np.maximum(over, 0) / self.dim, 0.0, 1.0)
+            clipped /= np.maximum(clipped.sum(axis=1, keepdims=True), 1.0)
+        return clipped
+
+    def _mapped(self, cell: Ints, xi: Floats, *, jacobian: bool = True) -> tuple[Floats, Floats]:
+        """Positions (n, dim) and derivatives dx_i/dX_j (n, dim, dim)."""
+        n, dim = xi.shape
+        x, slopes = np.empty((n, dim)), np.empty((n, dim, dim) if jacobian else (0, dim, dim))
+        for rows in slices(n, 16 * (1 + dim) * self.nodes.shape[1]):
+            table = self.geometry.tabulate(int(jacobian), xi[rows])[..., 0]
+            nodes = self.nodes[cell[rows]]
+            x[rows] = np.einsum("nk,nki->ni", table[0], nodes)
+            if jacobian:
+                slopes[rows] = np.einsum("jnk,nki->nij", table[1:], nodes)
+        return x, slopes
+
+    def positions(self, cell: Ints, xi: Floats) -> Floats:
+        """Positions (m) of reference coordinates, (n, dim)."""
+        return self._mapped(cell, xi, jacobian=False)[0]
+
+    def values(self, xi: Floats) -> Floats:
+        """Values at reference coordinates of the functions of a cell, (n, n_dofs)."""
+        return np.asarray(self.trial.tabulate(0, xi)[0, :, :, 0])
+
+
+def own_cells(V: Any) -> tuple[Floats, Ints]:
+    """Geometry nodes (m) and global scalar dofs of the cells of this rank."""
+    mesh = V.mesh
+    count = mesh.topology.index_map(mesh.topology.dim).size_local
+    nodes = mesh.geometry.x[mesh.geometry.dofmaps[0][:count], : mesh.geometry.dim]
+    blocks = V.dofmap.list[:count]
+    dofs = V.dofmap.index_map.local_to_global(blocks.ravel()).reshape(blocks.shape)
+    return nodes, dofs.astype(np.int64)

@@ -1,0 +1,155 @@
+"""Two discretisations of one scene: prolongation, errors of eigenvalues, modes to start from."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+
+from cea.body import Body
+from cea.eigen.pencil import Matrices, release
+from cea.errors import InputError
+from cea.nested.estimate import ErrorEstimate, error_estimate
+from cea.nested.prolongation import Prolongation, of_system
+from cea.nested.start import continued
+from cea.timing import StageTimer
+from scenes.read import Scene
+from scenes.results import ModesResult
+from scenes.richer import richer_scene
+from scenes.run import coupled, skipped_by, with_warnings
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+
+
+def prolongation(
+    coarse: Mapping[str, Body], fine: Mapping[str, Body], scene: Scene
+) -> Prolongation:
+    """Prolongation from the unknown displacements of a scene to those of a finer one; collective.
+
+    Parameters
+    ----------
+    coarse, fine
+        Bodies of the scenes by name, on the same backends.
+    scene
+        The finer scene.
+
+    Raises
+    ------
+    InputError
+        When bodies differ in name, shape or backend.
+    """
+    if list(coarse) != list(fine):
+        raise InputError("bodies", list(fine), f"those of the coarse scene: {', '.join(coarse)}")
+    return of_system([_of_body(coarse[name], fine[name], scene, name) for name in fine])
+
+
+def _of_body(coarse: Body, fine: Body, scene: Scene, name: str) -> Prolongation:
+    """Prolongation of one body, by its backend."""
+    if scene.bodies[name].backend == "fe":
+        from fe_cea.body import FEBody
+        from fe_cea.prolongation import prolongation as lagrange
+
+        if isinstance(coarse, FEBody) and isinstance(fine, FEBody):
+            return lagrange(coarse, fine)
+    else:
+        from iga_cea.body import NurbsBody
+        from iga_cea.prolongation import prolongation as nurbs
+
+        if isinstance(coarse, NurbsBody) and isinstance(fine, NurbsBody):
+            return nurbs(coarse, fine)
+    kinds = type(coarse).__name__, type(fine).__name__
+    raise InputError(f"bodies.{name}.backend", kinds, "one backend for both discretisations")
+
+
+def estimate_errors(
+    result: ModesResult,
+    richer: Scene | None = None,
+    *,
+    steps: int = 1,
+    listener: Callable[[str], None] | None = None,
+) -> ErrorEstimate:
+    """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
+
+    One factorisation of the richer scene, and a block of solves for the right vectors and one for
+    the left ones; no eigenproblem (:mod:`cea.nested.estimate`). What the contact rule of the richer
+    scene does better is part of the error.
+
+    Parameters
+    ----------
+    result
+        Modes of the scene with left vectors: ``run_modes(scene, left=True)``.
+    richer
+        A richer scene; by default the same with a degree more (:mod:`scenes.richer`).
+    steps
+        Block inverse steps.
+    listener
+        Called with the name of each stage as it begins.
+
+    Raises
+    ------
+    InputError
+        When modes or their left vectors are missing, or the scenes are not of the same bodies.
+    """
+    scene = richer if richer is not None else richer_scene(result.scene)
+    with _on(scene, result, listener) as (matrices, step, timer), timer("krylov"):
+        return error_estimate(result.modes, matrices, step, steps=steps)
+
+
+@contextmanager
+def _on(
+    scene: Scene, result: ModesResult, listener: Callable[[str], None] | None
+) -> Iterator[tuple[Matrices, Prolongation, StageTimer]]:
+    """The pencil of another scene, the prolongation to it, and a timer of what it takes."""
+    system, _, timer = coupled(scene, listener=listener)
+    with timer("assembly"):
+        matrices = system.pencil().at()
+        step = prolongation(result.bodies, system.bodies, scene)
+    try:
+        yield matrices, step, timer
+    finally:
+        step.free()
+        release(matrices)
+
+
+def continued_modes(
+    result: ModesResult,
+    scene: Scene,
+    *,
+    steps: int = 2,
+    left: bool = False,
+    listener: Callable[[str], None] | None = None,
+) -> ModesResult:
+    """Modes of a scene from those of a coarser one, without a search; collective.
+
+    No more modes than the coarser scene has, up to the frequency of the finer one; their residuals
+    say how good they are. Modes near the end of the window of the coarser one converge slowest: one
+    that reaches farther serves them.
+
+    Parameters
+    ----------
+    result
+        Modes of the coarser scene with left vectors: ``run_modes(scene, left=True)``.
+    scene
+        The finer scene, of the same bodies and contacts, without damping and rotation.
+    steps
+        Block inverse steps.
+    left
+        Whether left vectors are wanted too.
+    listener
+        Called with the name of each stage as it begins.
+
+    Raises
+    ------
+    InputError
+        When left vectors are missing, something damps or rotates, or the scenes are not of the
+        same bodies.
+    """
+    if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
+        raise InputError("analysis.kind", scene.analysis.kind, "'cea', which gives modes")
+    if scene.damped or scene.rotates:
+        raise InputError("scene", scene.name, "without damping and rotation to continue modes")
+    system, interfaces, timer = coupled(scene, listener=listener)
+    with timer("assembly"):
+        step = prolongation(result.bodies, system.bodies, scene)
+        pencil = system.pencil()
+    top = scene.analysis.max_frequency
+    modes = continued(result.modes, pencil, step, top, steps=steps, left=left, timer=timer)
+    step.free()
+    found = ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
+    return with_warnings(found)

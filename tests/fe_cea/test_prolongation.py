@@ -1,0 +1,152 @@
+"""Prolongation of Lagrange bodies: coarse functions are kept at any point, matrices by P^T A P."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dolfinx.fem import Function
+from dolfinx.geometry import bb_tree, compute_colliding_cells, compute_collisions_points
+from lagrange_bodies import FLAT, MATERIAL, ROUND, SPACE, body_of, csr
+
+from cea.errors import InputError
+from cea.mesh import Mesh
+from cea.supports.boundary import Support
+from fe_cea.body import FEBody
+from fe_cea.prolongation import prolongation
+from meshes.shape_mesh import shape_mesh
+
+RNG = np.random.default_rng(12)
+
+
+def divided(mesh):
+    """Linear simplices divided at the middles of their edges, into four or eight each."""
+    corners = mesh.cells
+    n = corners.shape[1]
+    middles = {}
+    points = list(mesh.points)
+
+    def middle(a, b):
+        key = min(a, b), max(a, b)
+        if key not in middles:
+            middles[key] = len(points)
+            points.append(0.5 * (mesh.points[a] + mesh.points[b]))
+        return middles[key]
+
+    cells = []
+    for cell in corners:
+        m = {(i, j): middle(cell[i], cell[j]) for i in range(n) for j in range(i + 1, n)}
+        cells += [
+            [cell[i], *(m[min(i, j), max(i, j)] for j in range(n) if j != i)] for i in range(n)
+        ]
+        if n == 3:
+            cells.append([m[0, 1], m[0, 2], m[1, 2]])
+        else:
+            ring = [m[0, 2], m[0, 3], m[1, 3], m[1, 2]]
+            cells += [
+                [m[0, 1], m[2, 3], a, b] for a, b in zip(ring, ring[1:] + ring[:1], strict=True)
+            ]
+    return Mesh(mesh.cell, 1, np.array(points), np.array(cells), {})
+
+
+def values(body, u, x):
+    """Displacement at points by dolfinx."""
+    mesh = body.space.mesh
+    f = Function(body.space)
+    f.x.array[:] = u
+    padded = np.zeros((len(x), 3))
+    padded[:, : body.dim] = x
+    near = compute_collisions_points(bb_tree(mesh, mesh.topology.dim, padding=1e-12), padded)
+    cells = compute_colliding_cells(mesh, near, padded)
+    return f.eval(padded, [cells.links(i)[0] for i in range(len(x))])
+
+
+def inside(body, count=60):
+    """Random points within the cells of a body."""
+    sample = body.volume_sample(1)
+    share = RNG.dirichlet(np.ones(sample.cells.shape[1]), count)
+    cells = sample.cells[RNG.integers(len(sample.cells), size=count)]
+    return np.einsum("nk,nki->ni", share, sample.points[cells])
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral", "tetrahedron", "hexahedron"])
+def test_a_degree_more_on_the_same_mesh(cell, degree):
+    coarse, fine = (
+        body_of(FLAT, cell, q, order=1, elements=(2, 2, 1)) for q in (degree, degree + 1)
+    )
+    assert_kept(coarse, fine)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 4])
+@pytest.mark.parametrize("cell", ["quadrilateral", "hexahedron"])
+def test_boxes_divided(cell, degree):
+    coarse, fine = (body_of(FLAT, cell, degree, elements=n) for n in ((2, 1, 1), (4, 3, 2)))
+    assert_kept(coarse, fine)
+
+
+@pytest.mark.parametrize("degree", [1, 3])
+@pytest.mark.parametrize("cell", ["triangle", "tetrahedron"])
+def test_simplices_of_a_given_size_divided(cell, degree):
+    mesh = shape_mesh(FLAT[2 if cell == "triangle" else 3], cell, 1, size=0.6)
+    mesh = replace(mesh, surfaces={})
+    coarse, fine = (
+        FEBody.from_mesh("part", each, degree=degree, material=MATERIAL)
+        for each in (mesh, divided(mesh))
+    )
+    assert_kept(coarse, fine)
+
+
+def assert_kept(coarse, fine):
+    step = prolongation(coarse, fine)
+    assert step.exact
+    P, u = csr(step.matrix), RNG.uniform(-1, 1, step.matrix.getSize()[1])
+    x = inside(coarse)
+    assert np.abs(values(fine, P @ u, x) - values(coarse, u, x)).max() < 1e-12
+    for name in ("stiffness", "mass"):
+        wanted, whole = (csr(getattr(part, name)()) for part in (coarse, fine))
+        assert abs(P.T @ whole @ P - wanted).max() < 1e-12 * abs(wanted).max()
+
+
+def test_curved_cells_of_one_geometry():
+    coarse, fine = (body_of(ROUND, "hexahedron", q, order=2) for q in (2, 3))
+    step = prolongation(coarse, fine)
+    assert step.exact
+    P = csr(step.matrix)
+    u = RNG.uniform(-1, 1, P.shape[1])
+    a, b = coarse.volume_sample(3), fine.volume_sample(3)
+    order = [np.lexsort(np.round(each.points, 9).T) for each in (a, b)]
+    np.testing.assert_allclose(a.points[order[0]], b.points[order[1]], atol=1e-12)
+    found = (b.values @ (P @ u).reshape(-1, 3))[order[1]]
+    assert np.abs(found - (a.values @ u.reshape(-1, 3))[order[0]]).max() < 1e-12
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_how_far_curved_geometries_are_apart(order):
+    """Rings divided: new nodes lie on the circle, off the coarse cells by O(h^(order + 1))."""
+    defects, counts = [], (8, 16, 32)
+    for n in counts:
+        coarse, fine = (
+            body_of(ROUND, "quadrilateral", 2, order=order, elements=(1, m)) for m in (n, 2 * n)
+        )
+        defects.append(prolongation(coarse, fine).defect)
+    assert all(defect > 1e-6 for defect in defects)
+    assert -np.polyfit(np.log(counts), np.log(defects), 1)[0] > 0.8 * order
+
+
+def test_held_components_are_left_out():
+    held = [Support("z_min", (0, 2)), Support("x_max")]
+    coarse, fine = (
+        body_of(FLAT, "hexahedron", 2, elements=n, supports=held) for n in ((2, 1, 1), (4, 2, 2))
+    )
+    step = prolongation(coarse, fine)
+    assert step.exact
+    assert step.matrix.getSize() == (fine.expansion.getSize()[1], coarse.expansion.getSize()[1])
+
+
+def test_another_body_is_refused():
+    coarse = body_of(FLAT, "hexahedron", 1, elements=(2, 2, 2))
+    far = shape_mesh(FLAT[3], "hexahedron", 1, breaks=[np.array([0, e]) for e in (1.0, 0.8, 0.5)])
+    far = replace(far, points=SPACE.apply(far.points) + 5.0)
+    other = FEBody.from_mesh("part", far, degree=1, material=MATERIAL)
+    with pytest.raises(InputError, match=r"part.mesh = .* cells apart"):
+        prolongation(coarse, other)

@@ -1,0 +1,252 @@
+"""Errors estimated in a richer space against true ones; modes continued against those searched."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mpi import on_ranks
+from nested_scenes import coarse_modes, paired
+from reference_data import exact, stored, whole_ring
+
+from cea.errors import InputError
+from exact_cea.reference import exact_eigenvalues
+from scenes.nested import continued_modes, estimate_errors
+from scenes.read import load_scene
+from scenes.richer import richer_scene
+from scenes.run import run_modes
+
+HIGHEST = {"drum": 2.0, "blocks": 2.9}
+CRITICAL, DOUBLE = (
+    float(stored("blocks_sine_mu_thresholds")[0]["mu_c"]),
+    -float(stored("blocks_sine_mu_thresholds")[0]["lam2"]),
+)
+"""Friction at which modes of the blocks first coalesce, and -lambda^2 of both."""
+
+
+@pytest.mark.parametrize("name", ["drum", "blocks"])
+@pytest.mark.parametrize("degree", [2, 3])
+@pytest.mark.parametrize("by", ["degree", "bisection"])
+def test_estimates_are_nearly_the_true_errors(backend, name, degree, by):
+    """Bisection leaves 2^-2q of the error, a degree more less."""
+    coarse = coarse_modes(name, backend, degree, HIGHEST[name])
+    estimate = estimate_errors(coarse, richer_scene(coarse.scene, by))
+    values = paired(coarse.eigenvalues, exact(name, HIGHEST[name]))
+    inside = values.imag < HIGHEST[name]
+    true = np.abs(coarse.eigenvalues - values)[inside]
+    effectivity = estimate.errors[inside] / true
+    expected = 1 - 2.0 ** (-2 * degree) if by == "bisection" else 1.0
+    assert np.abs(effectivity - expected).max() < 0.015
+    left = np.abs(estimate.corrected - values)[inside] / true
+    assert left.max() < 1.05 * (1 - expected) + 0.015
+    assert "undecided" not in estimate.verdicts
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["drum", "blocks"])
+def test_estimates_at_degree_four(backend, name):
+    coarse = coarse_modes(name, backend, 4, HIGHEST[name])
+    estimate = estimate_errors(coarse, richer_scene(coarse.scene, "bisection"))
+    values = paired(coarse.eigenvalues, exact(name, HIGHEST[name]))
+    inside = values.imag < HIGHEST[name]
+    effectivity = (estimate.errors / np.abs(coarse.eigenvalues - values))[inside]
+    assert np.abs(effectivity - 1).max() < 0.03  # some errors are 4e-12
+
+
+@pytest.mark.slow
+def test_estimates_of_a_solid_ring(backend):
+    """Clamped edges and rollers on curved rims, which no space holds as another does."""
+    mesh = {"fe": 'cell="hexahedron", degree=2', "iga": "degree=[2, 2, 2]"}[backend]
+    meshes = [
+        f"bodies.{body}.mesh.{backend}={{{mesh}, elements=[3, 20, 2]}}" for body in ("pad", "disc")
+    ]
+    highest = 9e4
+    window = f"analysis.max_frequency={highest / (2 * np.pi)!r}"
+    coarse = run_modes(load_scene(Path("ring"), [*meshes, window], backend), left=True)
+    estimate = estimate_errors(coarse)
+    rigid_too = np.concatenate([[0j], whole_ring()])
+    values = paired(coarse.eigenvalues, rigid_too)
+    inside = (values.imag > 1) & (values.imag < highest)
+    effectivity = (estimate.errors / np.abs(coarse.eigenvalues - values))[inside]
+    assert np.median(effectivity) == pytest.approx(1, abs=0.03)
+    assert np.abs(effectivity - 1).max() < 0.12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8))
+def test_estimates_of_random_blocks_and_drums(backend, seed):
+    rng = np.random.default_rng([9, seed])
+    name = ("drum", "blocks")[seed % 2]
+    p, mu = float(10 ** rng.uniform(-1, 2)), float(rng.uniform(0.05, 0.6))
+    friction = repr(mu) if name == "drum" else f'"{mu!r}*sin(pi*x/2)"'
+    contact = [f"contacts.interface.p={p!r}", f"contacts.interface.mu={friction}"]
+    coarse = coarse_modes(name, backend, 2, HIGHEST[name], contact)
+    estimate = estimate_errors(coarse)
+    values = paired(coarse.eigenvalues, exact(name, HIGHEST[name], p=p, mu=mu))
+    inside = values.imag < HIGHEST[name]
+    effectivity = (estimate.errors / np.abs(coarse.eigenvalues - values))[inside]
+    assert np.abs(np.median(effectivity) - 1) < 0.01
+    assert np.abs(effectivity - 1).max() < 0.05
+
+
+@pytest.mark.parametrize("formulation", [{"gpts": 6}, {"gpts": 3}, {"segments": None}])
+def test_rules_of_contact_may_differ(backend, formulation):
+    """The richer scene takes the exact integral: what a rule of points errs by is in the error."""
+    method, points = next(iter(formulation.items()))
+    rule = f'method="{method}"' + (f", points={points}" if points else "")
+    contact = [f"contacts.interface.formulation={{{rule}}}"]
+    coarse = coarse_modes("blocks", backend, 2, 2.9, contact)
+    mortar = coarse_modes("blocks", backend, 2, 2.9).scene
+    estimate = estimate_errors(coarse, richer_scene(mortar))
+    values = paired(coarse.eigenvalues, exact("blocks", 2.9))
+    effectivity = estimate.errors / np.abs(coarse.eigenvalues - values)
+    assert np.abs(effectivity - 1).max() < 0.06
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(0.98, "stable"), (1.0, None), (1.02, "unstable")])
+def test_a_pair_near_its_coalescence_is_judged_by_mean_and_splitting(backend, factor, verdict):
+    mu = factor * CRITICAL
+    coarse = coarse_modes(
+        "blocks", backend, 2, 3.2, [f'contacts.interface.mu="{mu!r}*sin(pi*x/2)"']
+    )
+    estimate = estimate_errors(coarse)
+    (pair,) = (cluster for cluster in estimate.clusters if len(cluster.members) == 2)
+    members = np.full(2, DOUBLE)
+    if verdict is not None:
+        kappa = -(exact_eigenvalues("blocks", max_frequency=3.4, mu=mu) ** 2)
+        members = kappa[np.argsort(np.abs(kappa - pair.corrected_mean))[:2]]
+    splitting = ((members[0] - members[1]) / 2) ** 2
+    assert pair.mean_error == pytest.approx(abs(pair.mean - members.mean()), rel=0.02)
+    assert pair.splitting_error == pytest.approx(abs(pair.splitting - splitting), rel=0.08)
+    found = {estimate.verdicts[member] for member in pair.members}
+    assert found == {"undecided"} if verdict is None else verdict in found
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ["contacts.interface.p=inf"],
+        ["contacts.interface.p=1e9", "contacts.interface.form='penalty'"],
+        ["contacts.interface.p=inf", "contacts.interface.mu=0.0"],
+        ["bodies.upper.damping={alpha=0.02,beta=0.01}", "bodies.lower.damping={beta=0.02}"],
+    ],
+)
+def test_estimates_are_what_a_search_in_the_richer_space_finds(backend, changes):
+    """Tied, stiff, without friction, damped: one step lands on the eigenvalues of that space."""
+    elements = {"upper": [6, 2], "lower": [5, 3]}
+    coarse = coarse_modes("blocks", backend, 2, 2.9, changes, elements)
+    richer = richer_scene(coarse.scene)
+    estimate = estimate_errors(coarse, richer)
+    searched = paired(estimate.corrected, run_modes(richer).eigenvalues)
+    apart = np.abs(estimate.corrected - searched)
+    assert (apart < 0.02 * estimate.errors).all()
+    assert (apart <= estimate.remaining + 1e-12).all()
+
+
+def test_a_smoother_space_of_few_unknowns_takes_two_steps():
+    coarse = coarse_modes("drum", "iga", 3, 2.0)
+    richer = richer_scene(coarse.scene, "smooth")
+    one, two = (estimate_errors(coarse, richer, steps=steps) for steps in (1, 2))
+    assert one.dofs < 1.25 * coarse.dofs
+    assert (two.remaining < one.remaining).all()
+    values = paired(coarse.eigenvalues, exact("drum", 2.0))
+    inside = values.imag < 2.0
+    effectivity = (two.errors / np.abs(coarse.eigenvalues - values))[inside]
+    assert np.abs(effectivity - 1).max() < 0.1
+
+
+@pytest.mark.parametrize("mu", [0.3, 0.0])
+def test_continued_modes_are_those_of_a_search(backend, mu):
+    coarse = coarse_modes("drum", backend, 2, 2.0, [f"contacts.interface.mu={mu}"])
+    fine = richer_scene(coarse.scene, "bisection")
+    found = continued_modes(coarse, fine, steps=3, left=True)
+    searched = run_modes(fine, left=True)
+    partners = paired(found.eigenvalues, searched.eigenvalues)
+    assert len(found.modes) == len(coarse.modes)
+    np.testing.assert_allclose(found.eigenvalues, partners, rtol=1e-9, atol=1e-9)
+    assert found.modes.verdicts() == searched.modes.verdicts()
+    assert not found.modes.window.complete
+    assert "continued from a coarser mesh" in found.modes.window.evidence
+    name = "contacts.interface.P"
+    one, other = (each.modes.sensitivity(name) for each in (found, searched))
+    np.testing.assert_allclose(one, other, atol=1e-5 * np.abs(other).max())
+
+
+def test_modes_beyond_the_window_help_those_at_its_end(backend):
+    """They are no part of the result, and what they shed is shed at once."""
+    elements = {"upper": [6, 2], "lower": [5, 3]}
+    near, far = (coarse_modes("blocks", backend, 2, h, elements=elements) for h in (2.9, 4.5))
+    fine = richer_scene(near.scene)
+    searched = run_modes(fine)
+    found = [continued_modes(each, fine) for each in (near, far)]
+    assert len(found[0].modes) == len(near.modes)
+    assert len(found[1].modes) == len(searched.modes) < len(far.modes)
+    apart = [np.abs(f.eigenvalues - paired(f.eigenvalues, searched.eigenvalues)) for f in found]
+    assert apart[1][: len(near.modes)].max() < 0.1 * apart[0].max()
+
+
+def test_more_steps_leave_less():
+    coarse = coarse_modes("blocks", "iga", 2, 2.9)
+    fine = richer_scene(coarse.scene, "bisection")
+    searched = run_modes(fine)
+    left = []
+    for steps in (1, 2, 3):
+        found = continued_modes(coarse, fine, steps=steps)
+        apart = np.abs(found.eigenvalues - paired(found.eigenvalues, searched.eigenvalues))
+        assert (apart <= found.modes.growth_uncertainties).all()
+        left.append(apart.max())
+    assert left[1] < 0.2 * left[0]
+    assert left[2] < 0.2 * left[1]
+
+
+def test_the_richer_scene_keeps_all_but_the_spaces():
+    scene = load_scene(Path("disc_pad"))
+    for by in ("degree", "bisection", "smooth"):
+        richer = richer_scene(scene, by)
+        back = {name: replace(b, mesh=scene.bodies[name].mesh) for name, b in richer.bodies.items()}
+        assert replace(richer, bodies=back) == scene
+        assert all(richer.bodies[name].mesh != b.mesh for name, b in scene.bodies.items())
+
+
+def test_what_cannot_be_done_is_refused():
+    scene = load_scene(Path("blocks"), [], "fe")
+    with pytest.raises(InputError, match="by = 'smooth': 'degree' or 'bisection' for upper"):
+        richer_scene(scene, "smooth")
+    with pytest.raises(InputError, match="by = 'p': 'degree' or 'bisection' or 'smooth'"):
+        richer_scene(scene, "p")
+    highest = load_scene(Path("blocks"), ["bodies.upper.mesh.fe.degree=4"], "fe")
+    with pytest.raises(InputError, match=r"upper.mesh.degree = 4: below 4"):
+        richer_scene(highest)
+    sized = ["bodies.upper.mesh.fe={cell='triangle', degree=1, size=0.5}"]
+    with pytest.raises(InputError, match=r"upper.mesh.fe.size = 0.5: left out"):
+        richer_scene(load_scene(Path("blocks"), sized, "fe"), "bisection")
+    coarse = coarse_modes("blocks", "fe", 2, 2.0, elements={"upper": [3, 1], "lower": [2, 1]})
+    with pytest.raises(InputError, match="steps = 0: 1 or more"):
+        estimate_errors(coarse, steps=0)
+    with pytest.raises(InputError, match="steps = 0: 1 or more"):
+        continued_modes(coarse, richer_scene(coarse.scene), steps=0)
+    without = replace(coarse, modes=replace(coarse.modes, left=None))
+    with pytest.raises(InputError, match="left = False: True where coarse modes"):
+        estimate_errors(without)
+    with pytest.raises(InputError, match=r"upper.backend = .*one backend for both"):
+        estimate_errors(coarse, coarse_modes("blocks", "iga", 2, 2.0).scene)
+    other = coarse_modes("drum", "fe", 1, 0.5, elements={"outer": [1, 8], "inner": [1, 8]}).scene
+    with pytest.raises(InputError, match=r"bodies = .*those of the coarse scene: upper, lower"):
+        estimate_errors(coarse, other)
+    damped = coarse.scene.change({"bodies.upper.damping": {"alpha": 0.1}})
+    with pytest.raises(InputError, match="scene = 'blocks': without damping"):
+        continued_modes(coarse, damped)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(("backend", "by"), [("fe", "bisection"), ("iga", "degree")])
+def test_the_same_on_any_ranks(backend, by):
+    one, *several = (
+        on_ranks(ranks, "nested_scenes.parallel_numbers", "blocks", backend, by)
+        for ranks in (1, 2, 3)
+    )
+    for other in several:
+        assert other["verdicts"] == one["verdicts"]
+        assert other["exact"] == one["exact"] is True
+        for name in ("size", "norm", "image", "corrected", "continued"):
+            np.testing.assert_allclose(other[name], one[name], rtol=1e-9, atol=1e-10)
