@@ -1,0 +1,171 @@
+"""The course of one backend: its sequence of meshes, what it holds, what comes next."""
+
+from dataclasses import dataclass, field
+from math import exp, inf, tau
+
+from comparisons.converge.bars import LEAST, MOST
+from comparisons.converge.following import Sequence
+from comparisons.converge.judged import Judged, judge, shortfall
+from comparisons.converge.levels import estimate, run_level
+from comparisons.converge.request import Request
+from comparisons.converge.steps import Position, Step, cheapest, chosen, steps
+from comparisons.kit.progress import Progress
+from scenes.read import Scene
+from scenes.refinement import Resolution, has_singular_edges
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.body import Backend
+from scenes.variants import on_backend
+
+FIRST_DEGREE: dict[Backend, int] = {"iga": 3, "fe": 2}
+"""Degree of the first mesh."""
+_FIRST_DENSITY = 0.5
+_COARSER = 0.7
+_COARSEST = 0.1
+_FIRST_PART = 0.05
+"""Part of the budget that a first mesh may take."""
+_ENOUGH = 3
+"""Meshes from which on bars rest on an observed order."""
+_EXPECTED_RATE = 0.8
+"""Observed order over that of theory before any was observed."""
+_UNKNOWN_NEED = 10.0
+"""Factor by which errors are supposed too large while no bar is known."""
+_SURE = 1.3
+"""Factor on expected times where they must not be exceeded."""
+_AWAY = 5.0
+"""Time of a step relative to that of the last mesh while no order is known."""
+_SHORT = 2.0
+"""Seconds up to which steps are short whatever the last mesh took."""
+
+
+@dataclass
+class Course:
+    """Meshes of one backend.
+
+    Parameters
+    ----------
+    backend
+        The backend.
+    scene
+        The scene as the user gives it.
+    request
+        The digits.
+    sequence
+        Meshes so far.
+    position
+        Place of the newest.
+    ended
+        Why no more follow: the digits are held, or what stands against it; empty while they do.
+    """
+
+    backend: Backend
+    scene: Scene
+    request: Request
+    sequence: Sequence = field(default_factory=Sequence)
+    position: Position = field(default_factory=Position)
+    ended: str = ""
+
+    def __post_init__(self) -> None:
+        mixed = has_singular_edges(on_backend(self.scene, self.backend))
+        self.position = Position(mixed=mixed)
+
+    @property
+    def spent(self) -> float:
+        """Seconds of all meshes."""
+        return sum(level.seconds for level in self.sequence.levels)
+
+    @property
+    def judged(self) -> Judged:
+        """Bars and verdicts on the newest mesh."""
+        return judge(self.sequence, self.scene)
+
+    @property
+    def need(self) -> float:
+        """Factor by which the largest bar is too large; 1 or less where the digits are held."""
+        if len(self.sequence.levels) < 2:
+            return _UNKNOWN_NEED
+        return self.need_of(self.judged)
+
+    def need_of(self, judged: Judged) -> float:
+        """The same, for bars that are known already."""
+        analysis = self.scene.analysis
+        assert isinstance(analysis, ComplexEigenvalueAnalysis)
+        highest = tau * analysis.max_frequency
+        asked = [
+            shortfall(member, self.request, analysis.growth_threshold)
+            for member in judged.members
+            if member.value.imag <= highest
+            and not (self.request.unstable and member.verdict == "stable")
+        ]
+        return max(asked, default=0.0)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the digits are held, by bars that rest on an observed order."""
+        return len(self.sequence.levels) >= _ENOUGH and self.need <= 1
+
+    def first(self, most_seconds: float) -> Step:
+        """The first mesh: half as dense as the scene, or coarser where that takes too long."""
+        degree, density = FIRST_DEGREE[self.backend], _FIRST_DENSITY
+        resolution = Resolution(degree, density)
+        seconds = estimate(self.scene, self.backend, resolution)
+        while seconds > _FIRST_PART * most_seconds and density > _COARSEST:
+            density *= _COARSER
+            resolution = Resolution(degree, density)
+            seconds = estimate(self.scene, self.backend, resolution)
+        return Step(resolution, self.position, 0.0, seconds)
+
+    def next(self, most_seconds: float, need: float | None = None) -> Step | None:
+        """The mesh that is expected to buy most; None where none can be made in the time left.
+
+        Parameters
+        ----------
+        most_seconds
+            Time left.
+        need
+            Factor by which errors are to fall; None takes what the digits need.
+        """
+        if not self.sequence.levels:
+            return self.first(most_seconds)
+        most = most_seconds / _SURE
+        if len(self.sequence.levels) < _ENOUGH:
+            most = min(most, max(_AWAY * self.sequence.last.seconds, _SHORT))
+            if most < most_seconds / _SURE:
+                found = chosen(self._candidates(), need or self.need, most)
+                if found is not None:
+                    return found
+                most = most_seconds / _SURE
+        return chosen(self._candidates(), need or self.need, most)
+
+    def cost_of(self, factor: float) -> Step | None:
+        """The cheapest mesh expected to make the newest's errors fall by a factor."""
+        return cheapest(self._candidates(), factor)
+
+    def advance(self, step: Step, progress: Progress) -> None:
+        """Run a mesh and follow the modes to it; collective."""
+        level = run_level(
+            self.scene, self.backend, step.resolution, step.position.total, progress
+        )
+        progress.stage("matching")
+        self.sequence.add(level)
+        self.position = step.position
+
+    def _candidates(self) -> list[Step]:
+        last = self.sequence.last
+        slower = last.seconds / last.estimated
+        window = self.judged.window
+        rate = _EXPECTED_RATE if window.rate is None else min(max(window.rate, LEAST), MOST)
+
+        def seconds(resolution: Resolution) -> float:
+            return slower * estimate(self.scene, self.backend, resolution)
+
+        error = self._error(window.change, rate)
+        found = steps(self.backend, last.resolution, self.position, error, rate, seconds)
+        return list(found)
+
+    def _error(self, change: float, rate: float) -> float:
+        """Relative error of the newest mesh, from the last change of the window."""
+        levels = self.sequence.levels
+        if len(levels) < 2:
+            return inf
+        fallen = rate * (levels[-1].position - levels[-2].position)
+        return change * exp(-fallen)
