@@ -20,8 +20,8 @@ from scipy.optimize import brentq
 
 LEAST = 0.3
 """Least credible eta: below it nothing says that the sequence converges."""
-MOST = 1.5
-"""Largest eta that is made use of."""
+MOST = 1.0
+"""Largest eta that is made use of: what falls faster than theory leaves another part behind."""
 _SAFETY = 2.0
 """Factor on Richardson's error."""
 _LUCK = 0.3

@@ -129,7 +129,9 @@ def _mode(
         return Mode(backend, best, members, None, changed)
     a, b = members.values()
     frequency, growth = abs(a.value.imag - b.value.imag), abs(a.value.real - b.value.real)
-    agree = frequency <= a.frequency_bar + b.frequency_bar and growth <= a.growth_bar + b.growth_bar
+    agree = bool(
+        frequency <= a.frequency_bar + b.frequency_bar and growth <= a.growth_bar + b.growth_bar
+    )
     verdicts = {a.verdict, b.verdict}
     verdict: Verdict = best.verdict
     if not agree:

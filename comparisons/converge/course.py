@@ -8,7 +8,8 @@ from comparisons.converge.following import Sequence
 from comparisons.converge.judged import Judged, judge, shortfall
 from comparisons.converge.levels import estimate, run_level
 from comparisons.converge.request import Request
-from comparisons.converge.steps import Position, Step, cheapest, chosen, steps
+from comparisons.converge.steps import Step, cheapest, chosen, steps
+from comparisons.converge.theory import reduction
 from comparisons.kit.progress import Progress
 from scenes.read import Scene
 from scenes.refinement import Resolution, has_singular_edges
@@ -21,7 +22,7 @@ FIRST_DEGREE: dict[Backend, int] = {"iga": 3, "fe": 2}
 _FIRST_DENSITY = 0.5
 _COARSER = 0.7
 _COARSEST = 0.1
-_FIRST_PART = 0.05
+_FIRST_PART = 0.1
 """Part of the budget that a first mesh may take."""
 _ENOUGH = 3
 """Meshes from which on bars rest on an observed order."""
@@ -51,8 +52,6 @@ class Course:
         The digits.
     sequence
         Meshes so far.
-    position
-        Place of the newest.
     ended
         Why no more follow: the digits are held, or what stands against it; empty while they do.
     """
@@ -60,13 +59,12 @@ class Course:
     backend: Backend
     scene: Scene
     request: Request
-    sequence: Sequence = field(default_factory=Sequence)
-    position: Position = field(default_factory=Position)
+    sequence: Sequence = field(init=False)
     ended: str = ""
 
     def __post_init__(self) -> None:
-        mixed = has_singular_edges(on_backend(self.scene, self.backend))
-        self.position = Position(mixed=mixed)
+        singular = has_singular_edges(on_backend(self.scene, self.backend))
+        self.sequence = Sequence(self.backend, singular)
 
     @property
     def spent(self) -> float:
@@ -101,7 +99,7 @@ class Course:
     @property
     def holds(self) -> bool:
         """Whether the digits are held, by bars that rest on an observed order."""
-        return len(self.sequence.levels) >= _ENOUGH and self.need <= 1
+        return bool(len(self.sequence.levels) >= _ENOUGH and self.need <= 1)
 
     def first(self, most_seconds: float) -> Step:
         """The first mesh: half as dense as the scene, or coarser where that takes too long."""
@@ -112,7 +110,7 @@ class Course:
             density *= _COARSER
             resolution = Resolution(degree, density)
             seconds = estimate(self.scene, self.backend, resolution)
-        return Step(resolution, self.position, 0.0, seconds)
+        return Step(resolution, 0.0, seconds)
 
     def next(self, most_seconds: float, need: float | None = None) -> Step | None:
         """The mesh that is expected to buy most; None where none can be made in the time left.
@@ -142,12 +140,9 @@ class Course:
 
     def advance(self, step: Step, progress: Progress) -> None:
         """Run a mesh and follow the modes to it; collective."""
-        level = run_level(
-            self.scene, self.backend, step.resolution, step.position.total, progress
-        )
+        level = run_level(self.scene, self.backend, step.resolution, progress)
         progress.stage("matching")
         self.sequence.add(level)
-        self.position = step.position
 
     def _candidates(self) -> list[Step]:
         last = self.sequence.last
@@ -159,7 +154,8 @@ class Course:
             return slower * estimate(self.scene, self.backend, resolution)
 
         error = self._error(window.change, rate)
-        found = steps(self.backend, last.resolution, self.position, error, rate, seconds)
+        singular = self.sequence.singular
+        found = steps(self.backend, last.resolution, error, rate, seconds, singular=singular)
         return list(found)
 
     def _error(self, change: float, rate: float) -> float:
@@ -167,5 +163,10 @@ class Course:
         levels = self.sequence.levels
         if len(levels) < 2:
             return inf
-        fallen = rate * (levels[-1].position - levels[-2].position)
-        return change * exp(-fallen)
+        fallen = reduction(
+            levels[-2].resolution,
+            levels[-1].resolution,
+            change,
+            singular=self.sequence.singular,
+        )
+        return change * exp(-rate * fallen)

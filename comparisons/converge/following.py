@@ -8,6 +8,7 @@ from cea.arrays import Complexes, Ints
 from cea.eigen.eigenvalue_matching import assign, connected
 from comparisons.converge.levels import Level
 from scenes.run_matching import match_runs
+from scenes.spec.body import Backend
 
 _PARTNERS = 1e-9
 """Relative distance of the frequencies of a growing mode and its decaying partner."""
@@ -19,12 +20,18 @@ class Sequence:
 
     Parameters
     ----------
+    backend
+        The backend.
+    singular
+        Whether edges of the scene are singular.
     levels
         From the first mesh on; only the last holds its vectors.
     links
         Groups of modes of each level and of the next that were matched.
     """
 
+    backend: Backend
+    singular: bool = False
     levels: list[Level] = field(default_factory=list)
     links: list[list[tuple[Ints, Ints]]] = field(default_factory=list)
 

@@ -35,8 +35,6 @@ class Level:
         Time by the clock.
     estimated
         Time that was estimated before, not yet calibrated (s).
-    position
-        Logarithm of the error that theory takes off from the first mesh to this one.
     eigenvalues
         lambda (1/s) with Im >= 0 by rising frequency, to a little beyond the window, shape (n,).
     uncertainties
@@ -55,7 +53,6 @@ class Level:
     dofs: int
     seconds: float
     estimated: float
-    position: float
     eigenvalues: Complexes
     uncertainties: Floats
     residuals: Floats
@@ -104,7 +101,7 @@ def widened(scene: Scene) -> Scene:
 
 
 def run_level(
-    scene: Scene, backend: Backend, resolution: Resolution, position: float, progress: Progress
+    scene: Scene, backend: Backend, resolution: Resolution, progress: Progress
 ) -> Level:
     """Run a scene at a resolution; collective.
 
@@ -114,8 +111,6 @@ def run_level(
         The scene as the user gives it.
     backend, resolution
         The mesh.
-    position
-        Its place in the sequence, see :class:`Level`.
     progress
         Told the stages.
 
@@ -138,7 +133,6 @@ def run_level(
         result.dofs,
         seconds,
         estimate(scene, backend, resolution),
-        position,
         result.eigenvalues,
         result.modes.growth_uncertainties,
         result.modes.residuals,

@@ -16,6 +16,8 @@ from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.spectrum import Verdict
 from comparisons.converge.bars import Bar, bar, rate_of, typical_rate
 from comparisons.converge.following import Cluster, Sequence
+from comparisons.converge.theory import reduction
+from scenes.refinement import Resolution
 
 _ROUNDING = 10.0
 """Rounding of the mean of a pair relative to its residual."""
@@ -60,7 +62,7 @@ class _History:
 def _history(cluster: Cluster, sequence: Sequence) -> _History:
     """The members on all levels, each beside the one of the newest that is nearest."""
     newest = sequence.last.eigenvalues[cluster.newest]
-    rows, rounding, positions = [], np.zeros(len(newest)), []
+    rows, rounding, resolutions = [], np.zeros(len(newest)), []
     residual = 0.0
     for numbers, level in zip(cluster.members, sequence.levels, strict=True):
         if numbers is None:
@@ -69,8 +71,23 @@ def _history(cluster: Cluster, sequence: Sequence) -> _History:
         rows.append(level.eigenvalues[numbers][ordered])
         rounding = level.uncertainties[numbers][ordered]
         residual = float(level.residuals[numbers].max())
-        positions.append(level.position)
-    return _History(np.array(rows), rounding, residual, positions)
+        resolutions.append(level.resolution)
+    values = np.array(rows)
+    return _History(values, rounding, residual, _positions(values, resolutions, sequence))
+
+
+def _positions(
+    values: Complexes, resolutions: list[Resolution], sequence: Sequence
+) -> list[float]:
+    """Logarithms of what theory takes off, from what each step changed in the mean of lambda^2."""
+    means = (values**2).mean(axis=1)
+    sizes = np.maximum(np.abs(means), np.finfo(float).tiny)
+    changes = 0.5 * np.abs(np.diff(means)) / sizes[1:]
+    positions = [0.0]
+    for old, new, change in zip(resolutions, resolutions[1:], changes, strict=False):
+        taken = reduction(old, new, float(change), singular=sequence.singular)
+        positions.append(positions[-1] + taken)
+    return positions
 
 
 def _nearest(values: Complexes, wanted: Complexes) -> Ints:

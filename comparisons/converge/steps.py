@@ -1,29 +1,20 @@
 """Which mesh comes next: the one expected to buy most accuracy per second.
 
-Theory tells what a refinement takes off from errors, apart for the smooth part of the solution and
-for its singular one:
-
-- elements f times as many along every direction: f^(-2 p), and f^(-2 s) with the exponent s of the
-  stresses at a clamped edge, about 0.7;
-- the degree raised from p to p + 1: an error e becomes e^((p + 1) / p), since dispersion goes as
-  (phase / 2 pi)^(2 p); of the singular part (p / (p + 1))^(4 s);
-- a layer more towards singular edges: of the singular part the ratio of the layers to 2 s.
-
-The order that is observed over that of theory multiplies the logarithm of what is expected, and the
-time that the last mesh took over its estimate multiplies the time.
+What theory says a refinement takes off (:mod:`comparisons.converge.theory`) is multiplied, as a
+logarithm, by the observed order over that of theory; the time that is estimated, by the time that
+the last mesh took over its estimate.
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import exp, log
+from math import log
 
-from scenes.refinement import MAX_DEGREE, RATIO, Resolution
+from comparisons.converge.theory import reduction
+from scenes.refinement import MAX_DEGREE, Resolution
 from scenes.spec.body import Backend
 
-_EXPONENT = 0.7
-"""Of displacements at a clamped edge (Williams 1952), between 0.6 and 0.75 for usual nu."""
 _DENSITIES = (1.0, 1.25, 1.5, 2.0, 2.8)
-_DEGREES = (0, 1, 2)
+_DEGREES = (0, 1)
 _LAYERS = (0, 1, 2)
 _ALL_ROUND = 1.25
 """Factor on the elements from which on a step refines everything, as a degree more does."""
@@ -31,51 +22,6 @@ _LEAST_GAIN = log(2.0)
 """A step takes off half of the error at least: what it changes then is seen."""
 _RESERVE = log(1.5)
 """What a step must take off beyond the need."""
-_LARGEST_ERROR = 0.3
-"""Relative error that expectations start from at most."""
-
-
-@dataclass(frozen=True)
-class Position:
-    """Logarithms of what theory took off from the error of the first mesh.
-
-    Parameters
-    ----------
-    smooth, singular
-        Of either part.
-    mixed
-        Whether there is a singular part: edges of the scene are singular.
-    """
-
-    smooth: float = 0.0
-    singular: float = 0.0
-    mixed: bool = False
-
-    @property
-    def total(self) -> float:
-        """Of the whole error, of which both parts are half on the first mesh."""
-        if not self.mixed:
-            return self.smooth
-        return -log(0.5 * exp(-self.smooth) + 0.5 * exp(-self.singular))
-
-    def after(self, old: Resolution, new: Resolution, error: float) -> "Position":
-        """Position after a step.
-
-        Parameters
-        ----------
-        old, new
-            The step.
-        error
-            Relative error of eigenvalues before it.
-        """
-        more = log(new.density / old.density)
-        smooth, left = 0.0, -log(min(max(error, 1e-15), _LARGEST_ERROR))
-        smooth += 2 * old.degree * more
-        for degree in range(old.degree, new.degree):
-            smooth += (left + smooth) / degree
-        singular = 2 * _EXPONENT * (more - (new.layers - old.layers) * log(RATIO))
-        singular += 4 * _EXPONENT * log(new.degree / old.degree)
-        return Position(self.smooth + smooth, self.singular + singular, self.mixed)
 
 
 @dataclass(frozen=True)
@@ -84,8 +30,8 @@ class Step:
 
     Parameters
     ----------
-    resolution, position
-        The mesh and its place in the sequence.
+    resolution
+        The mesh.
     gain
         Logarithm of what it is expected to take off from the error.
     seconds
@@ -93,7 +39,6 @@ class Step:
     """
 
     resolution: Resolution
-    position: Position
     gain: float
     seconds: float
 
@@ -101,10 +46,11 @@ class Step:
 def steps(
     backend: Backend,
     resolution: Resolution,
-    position: Position,
     error: float,
     rate: float,
     seconds: Callable[[Resolution], float],
+    *,
+    singular: bool,
 ) -> Iterator[Step]:
     """Meshes that may follow one.
 
@@ -112,7 +58,7 @@ def steps(
     ----------
     backend
         The backend.
-    resolution, position
+    resolution
         The mesh before.
     error
         Its relative error.
@@ -120,8 +66,10 @@ def steps(
         Observed order over that of theory.
     seconds
         Time that a mesh is expected to take (s).
+    singular
+        Whether edges of the scene are singular.
     """
-    layers = _LAYERS if position.mixed else (0,)
+    layers = _LAYERS if singular else (0,)
     for degree in _DEGREES:
         for density in _DENSITIES:
             for more in layers:
@@ -134,10 +82,9 @@ def steps(
                     resolution.density * density,
                     resolution.layers + more,
                 )
-                place = position.after(resolution, new, error)
-                gain = rate * (place.total - position.total)
+                gain = rate * reduction(resolution, new, error, singular=singular)
                 if gain >= _LEAST_GAIN:
-                    yield Step(new, place, gain, seconds(new))
+                    yield Step(new, gain, seconds(new))
 
 
 def chosen(candidates: list[Step], need: float, most_seconds: float) -> Step | None:
