@@ -7,9 +7,10 @@ from comparisons.converge.bars import LEAST, MOST
 from comparisons.converge.following import Sequence
 from comparisons.converge.judged import Judged, judge, shortfall
 from comparisons.converge.levels import estimate, run_level
+from comparisons.converge.quantities import Window
 from comparisons.converge.request import Request
 from comparisons.converge.steps import Step, cheapest, chosen, steps
-from comparisons.converge.theory import reduction
+from comparisons.converge.theory import Fallen, fallen, reduction
 from comparisons.kit.progress import Progress
 from scenes.read import Scene
 from scenes.refinement import Resolution, has_singular_edges
@@ -52,6 +53,8 @@ class Course:
         The digits.
     sequence
         Meshes so far.
+    so_far
+        What theory took off from the error of the first mesh.
     ended
         Why no more follow: the digits are held, or what stands against it; empty while they do.
     """
@@ -60,6 +63,7 @@ class Course:
     scene: Scene
     request: Request
     sequence: Sequence = field(init=False)
+    so_far: Fallen = field(default_factory=Fallen)
     ended: str = ""
 
     def __post_init__(self) -> None:
@@ -142,31 +146,46 @@ class Course:
         """Run a mesh and follow the modes to it; collective."""
         level = run_level(self.scene, self.backend, step.resolution, progress)
         progress.stage("matching")
+        if self.sequence.levels:
+            old = self.sequence.last.resolution
+            self.so_far += fallen(old, step.resolution, self._error_now())
         self.sequence.add(level)
 
     def _candidates(self) -> list[Step]:
         last = self.sequence.last
         slower = last.seconds / last.estimated
-        window = self.judged.window
-        rate = _EXPECTED_RATE if window.rate is None else min(max(window.rate, LEAST), MOST)
+        rate = self._rate(self.judged.window)
 
         def seconds(resolution: Resolution) -> float:
             return slower * estimate(self.scene, self.backend, resolution)
 
-        error = self._error(window.change, rate)
+        error = self._error_now()
         singular = self.sequence.singular
-        found = steps(self.backend, last.resolution, error, rate, seconds, singular=singular)
+        found = steps(
+            self.backend,
+            last.resolution,
+            self.so_far,
+            error,
+            rate,
+            seconds,
+            singular=singular,
+        )
         return list(found)
 
-    def _error(self, change: float, rate: float) -> float:
+    def _rate(self, window: Window) -> float:
+        """Observed order over that of theory, or what it usually is."""
+        return _EXPECTED_RATE if window.rate is None else min(max(window.rate, LEAST), MOST)
+
+    def _error_now(self) -> float:
         """Relative error of the newest mesh, from the last change of the window."""
         levels = self.sequence.levels
         if len(levels) < 2:
             return inf
-        fallen = reduction(
+        window = self.judged.window
+        taken = reduction(
             levels[-2].resolution,
             levels[-1].resolution,
-            change,
+            window.change,
             singular=self.sequence.singular,
         )
-        return change * exp(-rate * fallen)
+        return window.change * exp(-self._rate(window) * taken)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import log
 
-from comparisons.converge.theory import reduction
+from comparisons.converge.theory import Fallen, fallen
 from scenes.refinement import MAX_DEGREE, Resolution
 from scenes.spec.body import Backend
 
@@ -46,6 +46,7 @@ class Step:
 def steps(
     backend: Backend,
     resolution: Resolution,
+    so_far: Fallen,
     error: float,
     rate: float,
     seconds: Callable[[Resolution], float],
@@ -60,6 +61,8 @@ def steps(
         The backend.
     resolution
         The mesh before.
+    so_far
+        What was taken off from the error of the first mesh.
     error
         Its relative error.
     rate
@@ -82,7 +85,9 @@ def steps(
                     resolution.density * density,
                     resolution.layers + more,
                 )
-                gain = rate * reduction(resolution, new, error, singular=singular)
+                after = so_far + fallen(resolution, new, error)
+                gain = after.whole(singular=singular) - so_far.whole(singular=singular)
+                gain *= rate
                 if gain >= _LEAST_GAIN:
                     yield Step(new, gain, seconds(new))
 
