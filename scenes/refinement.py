@@ -71,9 +71,7 @@ def check_refinable(scene: Scene, backend: Backend) -> None:
 
 def has_singular_edges(scene: Scene) -> bool:
     """Whether layers make any difference: a body has singular edges and a structured mesh."""
-    return any(
-        crowding(scene, name) and _structured(body) for name, body in scene.bodies.items()
-    )
+    return any(crowding(scene, name) and _structured(body) for name, body in scene.bodies.items())
 
 
 def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:

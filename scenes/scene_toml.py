@@ -42,9 +42,10 @@ def _fields(table: Mapping[str, Any]) -> list[str]:
 
 
 def _given(value: Any) -> Any:
-    """Plain data without what is None, which TOML has no word for."""
+    """Plain data without what is None, which TOML has no word for, and without what is empty."""
     if isinstance(value, Mapping):
-        return {name: _given(part) for name, part in value.items() if part is not None}
+        parts = {name: _given(part) for name, part in value.items()}
+        return {name: part for name, part in parts.items() if part not in (None, [], {})}
     if isinstance(value, list | tuple):
         return [_given(part) for part in value]
     return value

@@ -1,1 +1,1 @@
-"""Eigenvalues with error bars: a scene refined on both backends until its modes hold their digits."""
+"""Eigenvalues with error bars: scenes refined on both backends until modes hold their digits."""

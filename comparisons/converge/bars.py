@@ -26,8 +26,6 @@ _SAFETY = 2.0
 """Factor on Richardson's error."""
 _LUCK = 0.3
 """Part of the difference that the whole window makes likely, below which one is taken for luck."""
-SINGULAR = 0.65
-"""eta below which a mode converges as a singular one."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +45,7 @@ class Bar:
 
 
 def observed_rate(positions: Sequence[float], differences: Sequence[float]) -> float | None:
-    """eta of three numbers at three positions from their two differences.
+    """Rate eta of three numbers at three positions from their two differences.
 
     Parameters
     ----------
@@ -76,7 +74,7 @@ def observed_rate(positions: Sequence[float], differences: Sequence[float]) -> f
 
 
 def rate_of(values: Sequence[complex], positions: Sequence[float]) -> float | None:
-    """eta of a sequence's last three numbers; None where there are fewer or it shows none."""
+    """Rate eta of a sequence's last three numbers; None where there are fewer or it shows none."""
     if len(values) < 3:
         return None
     return observed_rate(positions, np.abs(np.diff(values[-3:])).tolist())

@@ -1,6 +1,7 @@
 """Modes followed from mesh to mesh, and gathered in clusters that are judged together."""
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -98,7 +99,7 @@ def clusters(sequence: Sequence, joined: list[Ints] | None = None) -> list[Clust
         _join(linked, starts[-2] + members)
     found = []
     for nodes in connected(linked):
-        each = [nodes[(nodes >= a) & (nodes < b)] - a for a, b in zip(starts, starts[1:], strict=False)]
+        each = [nodes[(nodes >= a) & (nodes < b)] - a for a, b in pairwise(starts)]
         count = len(each[-1])
         if count:
             alike = tuple(numbers if len(numbers) == count else None for numbers in each)

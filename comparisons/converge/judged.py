@@ -1,4 +1,4 @@
-"""Modes of the newest mesh of one backend with their bars, clusters widened until bars part them."""
+"""Modes of a backend's newest mesh with their bars, clusters widened until bars part them."""
 
 from dataclasses import dataclass
 from math import log10, tau

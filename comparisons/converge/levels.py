@@ -100,9 +100,7 @@ def widened(scene: Scene) -> Scene:
     return replace(scene, analysis=wider)
 
 
-def run_level(
-    scene: Scene, backend: Backend, resolution: Resolution, progress: Progress
-) -> Level:
+def run_level(scene: Scene, backend: Backend, resolution: Resolution, progress: Progress) -> Level:
     """Run a scene at a resolution; collective.
 
     Parameters

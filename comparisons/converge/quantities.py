@@ -76,9 +76,7 @@ def _history(cluster: Cluster, sequence: Sequence) -> _History:
     return _History(values, rounding, residual, _positions(values, resolutions, sequence))
 
 
-def _positions(
-    values: Complexes, resolutions: list[Resolution], sequence: Sequence
-) -> list[float]:
+def _positions(values: Complexes, resolutions: list[Resolution], sequence: Sequence) -> list[float]:
     """Logarithms of what theory takes off, from what each step changed in the mean of lambda^2."""
     means = (values**2).mean(axis=1)
     sizes = np.maximum(np.abs(means), np.finfo(float).tiny)
@@ -158,11 +156,11 @@ def _each(history: _History, window: Window, *, of_squares: bool) -> list[Member
     for column, rounding in zip(history.values.T, history.rounding, strict=True):
         value, count = complex(column[-1]), len(column)
         usual = window.change * abs(value)
-        frequency = bar(
-            column.imag.tolist(), history.positions, window.rate, rounding, usual
-        )
+        frequency = bar(column.imag.tolist(), history.positions, window.rate, rounding, usual)
         if of_squares:
-            found.append(Member(1j * value.imag, frequency.size, 0.0, "stable", frequency.rate, count))
+            found.append(
+                Member(1j * value.imag, frequency.size, 0.0, "stable", frequency.rate, count)
+            )
             continue
         growth = bar(column.real.tolist(), history.positions, window.rate, rounding, usual)
         verdict = sign_of(value.real, growth.size)

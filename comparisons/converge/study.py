@@ -138,7 +138,9 @@ def _step(
     course: Course, mesh: Mapping[str, Any], clock: _Clock, progress: Progress, seconds: float
 ) -> None:
     need = course.need
-    wanted = f", bars {need:.2g} times too large" if course.sequence.levels and isfinite(need) else ""
+    wanted = (
+        f", bars {need:.2g} times too large" if course.sequence.levels and isfinite(need) else ""
+    )
     progress.step(
         f"{course.backend}, degree {mesh['degree']}, density {mesh['density']:.2g}, "
         f"{mesh['layers']} layers: about {seconds:.2g} s of {max(clock.left, 0):.0f} s{wanted}"
@@ -252,9 +254,7 @@ def _told(course: Course) -> dict[str, Any]:
         "held": course.holds,
         "need": need if isfinite(need) else None,
         "rate": course.judged.window.rate,
-        "more": None
-        if more is None
-        else {"seconds": more.seconds, **more.resolution.plain()},
+        "more": None if more is None else {"seconds": more.seconds, **more.resolution.plain()},
     }
 
 
@@ -295,7 +295,7 @@ def _warnings(
             found.append(
                 {
                     "kind": "window-not-complete",
-                    "message": f"{course.backend}: fast growing modes of the finest mesh are not excluded",
+                    "message": f"{course.backend}: modes that grow fast are not excluded",
                     "data": {"backend": course.backend},
                 }
             )
