@@ -13,7 +13,7 @@ of the mesh before.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import exp, inf, isfinite
+from math import inf, isfinite
 
 import numpy as np
 from scipy.optimize import brentq
@@ -22,7 +22,7 @@ LEAST = 0.3
 """Least credible eta: below it nothing says that the sequence converges."""
 MOST = 1.0
 """Largest eta that is made use of: what falls faster than theory leaves another part behind."""
-_SAFETY = 2.0
+_SAFETY = 3.0
 """Factor on Richardson's error."""
 _LUCK = 0.3
 """Part of the difference that the whole window makes likely, below which one is taken for luck."""
@@ -115,9 +115,9 @@ def bar(
         return Bar(max(last, former) + rounding, rate)
     if rate is None or rate < LEAST:
         return Bar(max(last, former) + rounding, rate)
-    step = positions[-1] - positions[-2]
+    before, step = np.diff(positions[-3:])
     used = min(rate, MOST, MOST if typical is None else max(typical, LEAST))
-    likely = _LUCK * former * exp(-used * step)
+    likely = -_LUCK * former * np.expm1(-used * step) / np.expm1(used * before)
     size = _SAFETY * max(last, likely) / np.expm1(used * step)
     return Bar(float(size) + rounding, rate)
 
