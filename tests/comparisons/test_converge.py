@@ -188,7 +188,7 @@ def test_bars_of_single_modes_hold_their_errors():
 
 
 def pairs(splitting, error=1e-3, count=4):
-    """lambda of pairs whose mean and squared splitting of lambda^2 converge as theory says."""
+    """Lambda of pairs whose mean and squared splitting of lambda^2 converge as theory says."""
     rows = []
     for i in range(count):
         taken = error * 16.0**-i

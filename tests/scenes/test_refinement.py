@@ -19,8 +19,8 @@ from scenes.refinement import (
 )
 from scenes.refinement_edges import crowding
 from scenes.scene_error import SceneError
-from scenes.scene_toml import scene_text
 from scenes.scene_files import scene_names
+from scenes.scene_toml import scene_text
 from scenes.spec.body import BodySpec
 from scenes.spec.support import SupportSpec
 
