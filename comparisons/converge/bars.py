@@ -22,7 +22,7 @@ LEAST = 0.3
 """Least credible eta: below it nothing says that the sequence converges."""
 MOST = 1.0
 """Largest eta that is made use of: what falls faster than theory leaves another part behind."""
-_SAFETY = 3.0
+SAFETY = 3.0
 """Factor on Richardson's error."""
 _LUCK = 0.3
 """Part of the difference that the whole window makes likely, below which one is taken for luck."""
@@ -118,7 +118,7 @@ def bar(
     before, step = np.diff(positions[-3:])
     used = min(rate, MOST, MOST if typical is None else max(typical, LEAST))
     likely = -_LUCK * former * np.expm1(-used * step) / np.expm1(used * before)
-    size = _SAFETY * max(last, likely) / np.expm1(used * step)
+    size = SAFETY * max(last, likely) / np.expm1(used * step)
     return Bar(float(size) + rounding, rate)
 
 

@@ -1,12 +1,18 @@
 """The course of one backend: its sequence of meshes, what it holds, what comes next."""
 
 from dataclasses import dataclass, field
-from math import exp, inf, tau
+from math import exp, inf, log, tau
 
-from comparisons.converge.bars import LEAST, MOST
+from comparisons.converge.bars import LEAST, MOST, SAFETY
+from comparisons.converge.estimated import (
+    estimated_level,
+    richer_of,
+    richer_resolution,
+    seconds_of,
+)
 from comparisons.converge.following import Sequence
 from comparisons.converge.judged import Judged, judge, shortfall
-from comparisons.converge.levels import estimate, run_level
+from comparisons.converge.levels import Level, estimate, run_level
 from comparisons.converge.quantities import Window
 from comparisons.converge.request import Request
 from comparisons.converge.steps import Step, cheapest, chosen, steps
@@ -73,17 +79,22 @@ class Course:
     @property
     def spent(self) -> float:
         """Seconds of all meshes."""
-        return sum(level.seconds for level in self.sequence.levels)
+        return sum(level.seconds for level in self.levels)
+
+    @property
+    def levels(self) -> list[Level]:
+        """Meshes, and the newest corrected in a richer space where it was."""
+        return self.sequence.with_correction.levels
 
     @property
     def judged(self) -> Judged:
         """Bars and verdicts on the newest mesh."""
-        return judge(self.sequence, self.scene)
+        return judge(self.sequence.with_correction, self.scene)
 
     @property
     def need(self) -> float:
         """Factor by which the largest bar is too large; 1 or less where the digits are held."""
-        if len(self.sequence.levels) < 2:
+        if len(self.levels) < 2:
             return _UNKNOWN_NEED
         return self.need_of(self.judged)
 
@@ -103,7 +114,7 @@ class Course:
     @property
     def holds(self) -> bool:
         """Whether the digits are held, by bars that rest on an observed order."""
-        return bool(len(self.sequence.levels) >= _ENOUGH and self.need <= 1)
+        return bool(len(self.levels) >= _ENOUGH and self.need <= 1)
 
     def first(self, most_seconds: float) -> Step:
         """The first mesh: half as dense as the scene, or coarser where that takes too long."""
@@ -150,6 +161,41 @@ class Course:
             old = self.sequence.last.resolution
             self.so_far += fallen(old, step.resolution, self._error_now())
         self.sequence.add(level)
+
+    def correction(self, most_seconds: float, *, last: bool) -> Scene | None:
+        """A richer space in which the newest mesh is worth correcting.
+
+        Parameters
+        ----------
+        most_seconds
+            Time left.
+        last
+            Whether no mesh follows, so that any correction is worth its time.
+
+        Returns
+        -------
+        Scene or None
+            None where it would take too long, or is not expected to make the digits hold.
+        """
+        sequence = self.sequence
+        if sequence.correction is not None or len(sequence.levels) < 2:
+            return None
+        newest = sequence.last
+        richer = richer_of(newest)
+        if richer is None or _SURE * seconds_of(newest, richer) > most_seconds:
+            return None
+        window = self.judged.window
+        gain = self._rate(window) * reduction(
+            newest.resolution,
+            richer_resolution(newest),
+            self._error_now(),
+            singular=sequence.singular,
+        )
+        return richer if last or log(max(self.need, 1.0)) <= gain - log(SAFETY) else None
+
+    def correct(self, richer: Scene, progress: Progress) -> None:
+        """Correct the newest mesh in a richer space; collective."""
+        self.sequence.correction = estimated_level(self.sequence.last, richer, progress)
 
     def _candidates(self) -> list[Step]:
         last = self.sequence.last

@@ -29,12 +29,24 @@ class Sequence:
         From the first mesh on; only the last holds its vectors.
     links
         Groups of modes of each level and of the next that were matched.
+    correction
+        The newest level in a richer space (:mod:`comparisons.converge.estimated`).
     """
 
     backend: Backend
     singular: bool = False
     levels: list[Level] = field(default_factory=list)
     links: list[list[tuple[Ints, Ints]]] = field(default_factory=list)
+    correction: Level | None = None
+
+    @property
+    def with_correction(self) -> "Sequence":
+        """The sequence with the newest level corrected, where it was, as one more level."""
+        if self.correction is None:
+            return self
+        each = [(np.array([n]), np.array([n])) for n in range(len(self.correction.eigenvalues))]
+        levels = [*self.levels, self.correction]
+        return Sequence(self.backend, self.singular, levels, [*self.links, each])
 
     def add(self, level: Level) -> None:
         """Match the modes of a new level with those of the last one; collective."""
@@ -46,6 +58,7 @@ class Sequence:
             self.links.append([(group.first, group.second) for group in match.groups])
             self.levels[-1] = last.forgotten()
         self.levels.append(level)
+        self.correction = None
 
     @property
     def last(self) -> Level:

@@ -45,6 +45,8 @@ class Level:
         Whether the window is known to hold every mode.
     result
         The run; None once it is no longer compared with others.
+    corrected
+        Whether it is no run but the mesh before corrected in a richer space.
     """
 
     backend: Backend
@@ -58,6 +60,7 @@ class Level:
     residuals: Floats
     complete: bool
     result: ModesResult | None = field(repr=False)
+    corrected: bool = False
 
     def forgotten(self) -> "Level":
         """The level without its matrices and vectors."""
@@ -73,6 +76,7 @@ class Level:
             "seconds": self.seconds,
             "estimated": self.estimated,
             "complete": self.complete,
+            "corrected": self.corrected,
         }
 
 
@@ -121,7 +125,7 @@ def run_level(scene: Scene, backend: Backend, resolution: Resolution, progress: 
     """
     finer = refined(scene, backend, resolution)
     begun = perf_counter()
-    result = run_modes(widened(finer), listener=progress.stage)
+    result = run_modes(widened(finer), left=True, listener=progress.stage)
     # Decisions hang on times, which differ from rank to rank.
     seconds = result.comm.bcast(perf_counter() - begun)
     return Level(

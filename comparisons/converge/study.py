@@ -123,15 +123,32 @@ def _turn(course: Course, active: int, clock: _Clock, progress: Progress) -> Non
         return
     first = not course.sequence.levels
     left = clock.left / active if first else clock.left
+    if _corrected(course, clock, progress, last=False):
+        return
     step = course.next(left)
     if step is None or (not first and step.seconds > left):
         course.ended = _why_not(course)
+        if _corrected(course, clock, progress, last=True) and course.holds:
+            course.ended = HELD
         return
     _step(course, step.resolution.plain(), clock, progress, step.seconds)
     try:
         course.advance(step, progress)
     except (InputError, ConvergenceError) as error:
         course.ended = f"the next mesh failed: {error}"
+
+
+def _corrected(course: Course, clock: _Clock, progress: Progress, *, last: bool) -> bool:
+    """Correct a backend's newest mesh in a richer space where that is worth it; whether it was."""
+    richer = course.correction(clock.left, last=last)
+    if richer is None:
+        return False
+    progress.step(f"{course.backend}, corrected in a richer space, {max(clock.left, 0):.0f} s left")
+    try:
+        course.correct(richer, progress)
+    except (InputError, ConvergenceError):
+        return False  # the bars of the meshes stay
+    return True
 
 
 def _step(
@@ -195,7 +212,7 @@ def _data(
     final = np.array([mode.member.value for mode in modes], complex)
     levels = []
     for course in courses.values():
-        levels += [(level, _errors(level, final)) for level in course.sequence.levels]
+        levels += [(level, _errors(level, final)) for level in course.levels]
     for_sweeps = _cheapest(levels, half_unit(request.sweep_digits))
     scenes = {f"finest_{b}": c.sequence.last for b, c in courses.items() if c.sequence.levels}
     if for_sweeps is not None:
@@ -239,7 +256,11 @@ def _errors(level: Level, final: np.ndarray) -> dict[str, Any]:
 
 def _cheapest(levels: list[tuple[Level, dict[str, Any]]], tolerance: float) -> Level | None:
     """The mesh tried that takes least time of those within a tolerance."""
-    enough = [level for level, e in levels if e["worst"] is not None and e["worst"] <= tolerance]
+    enough = [
+        level
+        for level, e in levels
+        if e["worst"] is not None and e["worst"] <= tolerance and not level.corrected
+    ]
     return min(enough, key=lambda level: level.seconds, default=None)
 
 

@@ -105,6 +105,7 @@ def levels_table(data: Data) -> Table:
     rows = [
         (
             backend_name(level["backend"]),
+            "corrected" if level["corrected"] else "run",
             level["degree"],
             level["density"],
             level["layers"],
@@ -120,10 +121,12 @@ def levels_table(data: Data) -> Table:
     ]
     return Table(
         "levels",
-        "Every mesh. Errors are distances of lambda from the final values, relative; those of the "
-        "mesh that gave the final values are not known by this, their bars are.",
+        "Every mesh; corrected ones are no runs but the mesh before in a richer space. Errors are "
+        "distances of lambda from the final values, relative; those of the mesh that gave the final "
+        "values are not known by this, their bars are.",
         (
             Column("backend", "backend"),
+            Column("kind", "kind"),
             Column("degree", "degree", number),
             Column("density", "density", shown(3)),
             Column("layers", "layers", number),
@@ -189,7 +192,9 @@ def sweeps_table(data: Data) -> Table:
         enough = [
             level
             for level in data["levels"]
-            if (error := error_of(data, level)) is not None and error <= half_unit(digits)
+            if not level["corrected"]
+            and (error := error_of(data, level)) is not None
+            and error <= half_unit(digits)
         ]
         best = min(enough, key=lambda level: float(level["seconds"]), default=None)
         if best is not None:

@@ -24,7 +24,8 @@ def _of_backend(data: Data, backend: str, of: Data) -> str:
     growth = data["inputs"]["growth_digits"]
     asked = f"{counted(digits, 'digit')} of frequency"
     asked += f", {growth or max(1, digits - 1)} of growth"
-    meshes = sum(level["backend"] == backend for level in data["levels"])
+    own = [level for level in data["levels"] if level["backend"] == backend]
+    meshes = sum(not level["corrected"] for level in own)
     if of["held"]:
         said = f"{asked} held after {counted(meshes, 'mesh', 'meshes')}"
     else:
@@ -87,7 +88,11 @@ def for_sweeps(data: Data) -> str:
         return f"No mesh tried holds {counted(digits, 'digit')} of lambda in every mode."
     tolerance = 0.5 * 10.0**-digits
     best = min(
-        (e for e in data["levels"] if e["worst"] is not None and e["worst"] <= tolerance),
+        (
+            e
+            for e in data["levels"]
+            if e["worst"] is not None and e["worst"] <= tolerance and not e["corrected"]
+        ),
         key=lambda level: float(level["seconds"]),
     )
     return (
