@@ -122,8 +122,8 @@ def levels_table(data: Data) -> Table:
     return Table(
         "levels",
         "Every mesh; corrected ones are no runs but the mesh before in a richer space. Errors are "
-        "distances of lambda from the final values, relative; those of the mesh that gave the final "
-        "values are not known by this, their bars are.",
+        "distances of lambda from the final values, relative; of the mesh that gave these they are "
+        "not known by this, their bars are.",
         (
             Column("backend", "backend"),
             Column("kind", "kind"),

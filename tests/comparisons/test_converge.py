@@ -334,7 +334,7 @@ def test_at_a_known_threshold_the_sign_of_growth_is_undecided(factor, verdicts):
 
 def test_a_body_without_contacts_converges(backend):
     """A disc alone, clamped: layers at the clamped edge, no contact surfaces to match on."""
-    coarse = ("analysis.max_frequency=2000.0",)
+    coarse = ("analysis.max_frequency=1500.0", f"bodies.disc.mesh.{backend}.elements=[4, 16, 1]")
     request = Request("disc", digits=1, backends=(backend,), overrides=coarse, budget=60.0)
     data = run_converge(request, SILENT)
     assert len(data["modes"]) >= 3
@@ -364,14 +364,14 @@ def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend)
     assert not any(level.corrected for level in course.levels)
 
 
-def test_the_budget_ends_a_run_that_would_take_longer():
-    request = Request("blocks", digits=9, growth_digits=9, backends=("fe",), budget=2.5)
+def test_the_budget_ends_a_run_that_would_take_longer(backend):
+    """What the first mesh may take is a part of the budget, and what does not fit is not begun."""
+    request = Request("disc_pad", digits=7, backends=(backend,), budget=10.0)
     data = run_converge(request, SILENT)
-    assert data["seconds"] < 2.5
-    assert not data["backends"]["fe"]["held"]
-    assert [warning["kind"] for warning in data["warnings"]] == ["digits-not-held"]
-    errors, bars = errors_and_bars(data, ExactScene("blocks").exact())
-    assert (errors <= bars).mean() > 0.9
+    assert data["seconds"] < 10.0
+    assert not data["backends"][backend]["held"]
+    assert "digits-not-held" in [warning["kind"] for warning in data["warnings"]]
+    assert "budget" in data["backends"][backend]["ended"]
 
 
 @pytest.mark.parametrize(
