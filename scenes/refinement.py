@@ -150,9 +150,8 @@ def _with_breaks(
     """A structured mesh with as many elements as asked for, and layers at singular edges."""
     shape = body.geometry
     through = dict(mesh.through)
-    if resolution.layers:
-        for direction, values in edges.through.items():
-            through[direction] = tuple(sorted({*through.get(direction, ()), *values}))
+    for direction, values in edges.through.items():
+        through[direction] = tuple(sorted({*through.get(direction, ()), *values}))
     elements = tuple(
         max(_times(n, resolution.density), few)
         for n, few in zip(mesh.elements or (), fewest(shape, through), strict=True)

@@ -31,7 +31,7 @@ _NAMED = {
 }
 _COMPONENTS = {"r": ("radial",), "theta": ("circumferential",), "z": ("z", "axial")}
 """Components along a direction that bear other names than it."""
-_STIFF = 10.0
+_STIFF = 1.0
 """p L / E from which on a contact holds its sides together as a joint does, L the least length of
 the body of side a, E the lesser modulus."""
 _WITHIN = 1e-9
@@ -50,7 +50,7 @@ class Crowding:
     towards
         Those towards which elements crowd, by direction.
     through
-        Those of them that must be made element boundaries first, inside the body.
+        Those inside the body at which pressure ends, and elements do too.
     """
 
     towards: dict[str, tuple[float, ...]]
@@ -86,8 +86,13 @@ def crowding(scene: SceneSpec, name: str) -> Crowding:
     body = scene.bodies[name]
     if not hasattr(body.geometry, "extent"):
         return Crowding({}, {})
-    inner = list(_boundaries_on(scene, name))
-    found = [*_clamped(body), *_contact_edges(scene, name), *_re_entrant(body.geometry), *inner]
+    found = [
+        *_clamped(body),
+        *_contact_edges(scene, name),
+        *_re_entrant(body.geometry),
+        *_boundaries_on(scene, name, stiff=True),
+    ]
+    inner = list(_boundaries_on(scene, name, stiff=False))
     return Crowding(_by_direction(found), _by_direction(inner))
 
 
@@ -176,10 +181,11 @@ def _held(body: BodySpec) -> set[_Face]:
     return held
 
 
-def _boundaries_on(scene: SceneSpec, name: str) -> Iterator[Place]:
+def _boundaries_on(scene: SceneSpec, name: str, *, stiff: bool) -> Iterator[Place]:
     """Edges of sides a where they lie inside a side b that this body bears.
 
-    They are known where both bodies stand as their shapes do and have the same directions.
+    Of stiff contacts with the face itself, else of all. They are known where both bodies stand as
+    their shapes do and have the same directions.
     """
     body = scene.bodies[name]
     for contact in scene.contacts.values():
@@ -188,9 +194,11 @@ def _boundaries_on(scene: SceneSpec, name: str) -> Iterator[Place]:
         face = _face_of(body.geometry, surface) if owner == name else None
         if face is not None and _aligned(body, other):
             inside = list(_inside(body.geometry, other.geometry, face))
-            if inside and _is_stiff(scene, contact):
+            if stiff and inside and _is_stiff(scene, contact):
                 yield face.direction, _coordinate(body.geometry, surface, face)
-                yield from inside
+            elif stiff:
+                continue
+            yield from inside
 
 
 def _aligned(body: BodySpec, other: BodySpec) -> bool:

@@ -37,6 +37,8 @@ _EXPECTED_RATE = 0.8
 """Observed order over that of theory before any was observed."""
 _UNKNOWN_NEED = 10.0
 """Factor by which errors are supposed too large while no bar is known."""
+_FIRST_SLOWER = 4.0
+"""Time of a first mesh over its estimate that others are expected to share at most."""
 _SURE = 1.3
 """Factor on expected times where they must not be exceeded."""
 _AWAY = 5.0
@@ -85,6 +87,12 @@ class Course:
     def levels(self) -> list[Level]:
         """Meshes, and the newest corrected in a richer space where it was."""
         return self.sequence.with_correction.levels
+
+    @property
+    def slower(self) -> float:
+        """Time of the newest mesh over its estimate; a first one takes what all runs share."""
+        ratio = self.sequence.last.seconds / self.sequence.last.estimated
+        return ratio if len(self.sequence.levels) > 1 else min(ratio, _FIRST_SLOWER)
 
     @property
     def judged(self) -> Judged:
@@ -178,12 +186,14 @@ class Course:
             None where it would take too long, or is not expected to make the digits hold.
         """
         sequence = self.sequence
-        if sequence.correction is not None or len(sequence.levels) < 2:
+        if sequence.correction is not None or len(sequence.levels) < (1 if last else 2):
             return None
         newest = sequence.last
         richer = richer_of(newest)
-        if richer is None or _SURE * seconds_of(newest, richer) > most_seconds:
+        if richer is None or _SURE * seconds_of(richer, self.slower) > most_seconds:
             return None
+        if last:
+            return richer
         window = self.judged.window
         gain = self._rate(window) * reduction(
             newest.resolution,
@@ -191,7 +201,7 @@ class Course:
             self._error_now(),
             singular=sequence.singular,
         )
-        return richer if last or log(max(self.need, 1.0)) <= gain - log(SAFETY) else None
+        return richer if log(max(self.need, 1.0)) <= gain - log(SAFETY) else None
 
     def correct(self, richer: Scene, progress: Progress) -> None:
         """Correct the newest mesh in a richer space; collective."""
@@ -199,7 +209,7 @@ class Course:
 
     def _candidates(self) -> list[Step]:
         last = self.sequence.last
-        slower = last.seconds / last.estimated
+        slower = self.slower
         rate = self._rate(self.judged.window)
 
         def seconds(resolution: Resolution) -> float:

@@ -46,9 +46,8 @@ def richer_of(level: Level) -> Scene | None:
         return None
 
 
-def seconds_of(level: Level, richer: Scene) -> float:
-    """Time that the estimate is expected to take (s)."""
-    slower = level.seconds / level.estimated
+def seconds_of(richer: Scene, slower: float) -> float:
+    """Time that the estimate is expected to take (s), runs being slower than estimated."""
     return _SHARE * slower * estimated_seconds(richer, estimated_memory(richer))
 
 
@@ -77,7 +76,7 @@ def estimated_level(level: Level, richer: Scene, progress: Progress) -> Level:
         resolution=richer_resolution(level),
         dofs=found.dofs,
         seconds=float(level.result.comm.bcast(perf_counter() - begun)),
-        estimated=seconds_of(level, richer),
+        estimated=seconds_of(richer, 1.0),
         eigenvalues=found.corrected,
         uncertainties=found.uncertainties + found.remaining,
         result=None,

@@ -155,9 +155,8 @@ def _step(
     course: Course, mesh: Mapping[str, Any], clock: _Clock, progress: Progress, seconds: float
 ) -> None:
     need = course.need
-    wanted = (
-        f", bars {need:.2g} times too large" if course.sequence.levels and isfinite(need) else ""
-    )
+    seen = len(course.sequence.levels) > 1 and isfinite(need) and need > 1
+    wanted = f", bars {need:.2g} times too large" if seen else ""
     progress.step(
         f"{course.backend}, degree {mesh['degree']}, density {mesh['density']:.2g}, "
         f"{mesh['layers']} layers: about {seconds:.2g} s of {max(clock.left, 0):.0f} s{wanted}"
