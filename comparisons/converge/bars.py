@@ -7,8 +7,8 @@ solution is less smooth than theory supposes. The error of the last number is th
     |q_L - q_(L-1)| / (exp(eta (t_L - t_(L-1))) - 1)
 
 which is Richardson's extrapolation. Where differences do not fall as any credible eta says, the
-error is taken to be the largest of the last differences, of which the last one would be the error
-of the mesh before.
+error is taken to be the largest of the last differences, or what theory makes of it where a step
+takes off less than half.
 """
 
 from collections.abc import Sequence
@@ -109,17 +109,26 @@ def bar(
     differences = np.abs(np.diff(values))
     last = float(differences[-1])
     if len(values) < 3:
-        return Bar(max(last, usual) + rounding, None)
+        return Bar(_unseen([max(last, usual)], positions) + rounding, None)
     rate, former = rate_of(values, positions), float(differences[-2])
     if max(last, former) <= 2 * rounding:  # nothing but rounding is left to differ
         return Bar(max(last, former) + rounding, rate)
     if rate is None or rate < LEAST:
-        return Bar(max(last, former) + rounding, rate)
+        return Bar(_unseen([former, last], positions) + rounding, rate)
     before, step = np.diff(positions[-3:])
     used = min(rate, MOST, MOST if typical is None else max(typical, LEAST))
     likely = -_LUCK * former * np.expm1(-used * step) / np.expm1(used * before)
     size = SAFETY * max(last, likely) / np.expm1(used * step)
     return Bar(float(size) + rounding, rate)
+
+
+def _unseen(differences: list[float], positions: Sequence[float]) -> float:
+    """Error where no order is seen: the largest difference, or what theory makes of it if more.
+
+    A step that takes little off by theory changes little, however large the error is.
+    """
+    steps = np.diff(positions[-len(differences) - 1 :])
+    return float(np.max(np.array(differences) * np.maximum(1.0, 1 / np.expm1(steps))))
 
 
 def typical_rate(rates: Sequence[float | None]) -> float | None:

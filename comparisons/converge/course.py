@@ -39,7 +39,7 @@ _UNKNOWN_NEED = 10.0
 """Factor by which errors are supposed too large while no bar is known."""
 _FIRST_SLOWER = 4.0
 """Time of a first mesh over its estimate that others are expected to share at most."""
-_SURE = 1.3
+_SURE = 1.6
 """Factor on expected times where they must not be exceeded."""
 _AWAY = 5.0
 """Time of a step relative to that of the last mesh while no order is known."""
@@ -161,13 +161,15 @@ class Course:
         """The cheapest mesh expected to make the newest's errors fall by a factor."""
         return cheapest(self._candidates(), factor)
 
-    def advance(self, step: Step, progress: Progress) -> None:
-        """Run a mesh and follow the modes to it; collective."""
-        level = run_level(self.scene, self.backend, step.resolution, progress)
-        progress.stage("matching")
+    def run(self, step: Step, progress: Progress) -> Level:
+        """Run a mesh; collective."""
+        return run_level(self.scene, self.backend, step.resolution, progress)
+
+    def follow(self, level: Level) -> None:
+        """Follow the modes to a mesh that was run; collective."""
         if self.sequence.levels:
             old = self.sequence.last.resolution
-            self.so_far += fallen(old, step.resolution, self._error_now())
+            self.so_far += fallen(old, level.resolution, self._error_now())
         self.sequence.add(level)
 
     def correction(self, most_seconds: float, *, last: bool) -> Scene | None:

@@ -41,6 +41,10 @@ _AGAIN = 3.0
 _ROUNDS_OF_DISAGREEMENT = 2
 
 
+class _OutOfTimeError(Exception):
+    """A mesh that took longer than expected was given up."""
+
+
 class _Clock:
     """Time since the start of the command, the same on all ranks."""
 
@@ -57,6 +61,16 @@ class _Clock:
     def left(self) -> float:
         """Seconds of the budget that meshes may take."""
         return self._budget - self.gone - _FINISH
+
+    def guarded(self, progress: Progress) -> Progress:
+        """Progress that gives a mesh up as a stage of it begins after the budget; collective."""
+
+        def stage(name: str) -> None:
+            if self.left < 0:
+                raise _OutOfTimeError
+            progress.stage(name)
+
+        return Progress(progress.step, stage)
 
 
 def run_converge(
@@ -133,9 +147,14 @@ def _turn(course: Course, active: int, clock: _Clock, progress: Progress) -> Non
         return
     _step(course, step.resolution.plain(), clock, progress, step.seconds)
     try:
-        course.advance(step, progress)
+        level = course.run(step, clock.guarded(progress))
     except (InputError, ConvergenceError) as error:
         course.ended = f"the next mesh failed: {error}"
+    except _OutOfTimeError:
+        course.ended = "the budget: a mesh that took longer than expected was given up"
+    else:
+        progress.stage("matching")
+        course.follow(level)
 
 
 def _corrected(course: Course, clock: _Clock, progress: Progress, *, last: bool) -> bool:
@@ -145,8 +164,8 @@ def _corrected(course: Course, clock: _Clock, progress: Progress, *, last: bool)
         return False
     progress.step(f"{course.backend}, corrected in a richer space, {max(clock.left, 0):.0f} s left")
     try:
-        course.correct(richer, progress)
-    except (InputError, ConvergenceError):
+        course.correct(richer, clock.guarded(progress))
+    except (InputError, ConvergenceError, _OutOfTimeError):
         return False  # the bars of the meshes stay
     return True
 
@@ -185,8 +204,8 @@ def _refine_once_more(
             continue
         _step(course, step.resolution.plain(), clock, progress, step.seconds)
         try:
-            course.advance(step, progress)
-        except (InputError, ConvergenceError):
+            course.follow(course.run(step, clock.guarded(progress)))
+        except (InputError, ConvergenceError, _OutOfTimeError):
             continue  # what there is stays, and the disagreement is told
         done = True
     return done

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from math import exp, inf, pi
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -95,6 +96,13 @@ def test_where_no_order_is_seen_the_bar_is_the_largest_of_the_last_differences()
     assert bar([1.0, 1.2, 1.7], positions, 1.0).size == pytest.approx(0.5)
     assert bar([1.0, 1.2, 1.7], positions, 1.0).rate is None
     assert bar([1.0, 1.5, 1.1], positions, 1.0).size == pytest.approx(0.5)
+
+
+def test_a_step_that_takes_little_off_hides_much():
+    little = 0.2
+    error = 0.5
+    values = [1.0 + error * exp(little), 1.0 + error]
+    assert bar(values, [0.0, little], None).size == pytest.approx(error)
 
 
 def test_a_small_last_difference_alone_is_taken_for_luck():
@@ -347,8 +355,7 @@ def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend)
     exact = ExactScene("blocks").exact()
     course = Course(backend, load_scene("blocks"), Request("blocks", backends=(backend,)))
     for density in (0.5, 1.0):
-        step = Step(Resolution(3, density), 1.0, 1.0)
-        course.advance(step, SILENT)
+        course.follow(course.run(Step(Resolution(3, density), 1.0, 1.0), SILENT))
     before = course.judged.members
     richer = course.correction(100.0, last=True)
     course.correct(richer, SILENT)
@@ -360,7 +367,7 @@ def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend)
         true = exact[np.abs(exact - new.value).argmin()]
         assert abs(new.value - true) <= np.hypot(new.frequency_bar, new.growth_bar)
         assert abs(new.value - true) < 0.2 * abs(old.value - true)
-    course.advance(Step(Resolution(3, 1.5), 1.0, 1.0), SILENT)
+    course.follow(course.run(Step(Resolution(3, 1.5), 1.0, 1.0), SILENT))
     assert not any(level.corrected for level in course.levels)
 
 
@@ -372,6 +379,17 @@ def test_the_budget_ends_a_run_that_would_take_longer(backend):
     assert not data["backends"][backend]["held"]
     assert "digits-not-held" in [warning["kind"] for warning in data["warnings"]]
     assert "budget" in data["backends"][backend]["ended"]
+
+
+def test_a_mesh_that_takes_longer_than_the_budget_is_given_up(tmp_path):
+    """Stages that begin after the budget end it, on all ranks alike."""
+    waited = perf_counter() - 100.0  # the command began long ago
+    request = Request("blocks", backends=("iga",), budget=50.0)
+    data = run_converge(request, SILENT, waited)
+    assert data["modes"] == []
+    assert data["levels"] == []
+    assert "given up" in data["backends"]["iga"]["ended"]
+    assert "Of 0 modes" in write_converge(data, tmp_path).read_text()
 
 
 @pytest.mark.parametrize(
@@ -408,9 +426,8 @@ def test_the_command_prints_modes_and_names_its_page(tmp_path):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
-def test_on_several_ranks_modes_are_the_same_within_their_bars(ranks):
-    one, several = (on_ranks(n, "parallel_converge.blocks_to_three_digits") for n in (1, ranks))
+def test_on_several_ranks_modes_are_the_same_within_their_bars():
+    one, several = (on_ranks(n, "parallel_converge.blocks_to_three_digits") for n in (1, 3))
     assert one["held"]
     assert several["held"]
     assert several["verdicts"] == one["verdicts"]
