@@ -29,7 +29,7 @@ FIRST_DEGREE: dict[Backend, int] = {"iga": 3, "fe": 2}
 _FIRST_DENSITY = 0.5
 _COARSER = 0.7
 _COARSEST = 0.1
-_FIRST_PART = 0.1
+_FIRST_PART = 0.05
 """Part of the budget that a first mesh may take."""
 _ENOUGH = 3
 """Meshes from which on bars rest on an observed order."""

@@ -26,10 +26,13 @@ def _of_backend(data: Data, backend: str, of: Data) -> str:
     asked += f", {growth or max(1, digits - 1)} of growth"
     own = [level for level in data["levels"] if level["backend"] == backend]
     meshes = sum(not level["corrected"] for level in own)
+    after = counted(meshes, "mesh", "meshes")
+    if len(own) > meshes:
+        after += ", the last one corrected in a richer space"
     if of["held"]:
-        said = f"{asked} held after {counted(meshes, 'mesh', 'meshes')}"
+        said = f"{asked} held after {after}"
     else:
-        said = f"{asked} not held after {counted(meshes, 'mesh', 'meshes')}: {of['ended']}"
+        said = f"{asked} not held after {after}: {of['ended']}"
         if of["need"] is not None:
             said += f"; the largest bar is {number(of['need'], 2)} times too large"
     more = of["more"]
