@@ -12,7 +12,7 @@ from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 Floats = NDArray[np.float64]
 Breaks = tuple[Floats, ...]
 
-_CLOSED = (Annulus, Hub, Disc, Ring)
+CLOSED = (Annulus, Hub, Disc, Ring)
 """Shapes all the way round, in four quarters."""
 
 
@@ -122,12 +122,52 @@ def _asked(
         tuple(elements),
         f"one number for each of {', '.join(shape.directions)}",
     )
-    if isinstance(shape, _CLOSED):
+    if isinstance(shape, CLOSED):
         asked["theta"] = [*asked.get("theta", []), 90.0, 180.0, 270.0]
     if isinstance(shape, Hub):
         asked["r"] = [*asked.get("r", []), shape.hub_radius]
         asked["z"] = [*asked.get("z", []), shape.bottom, shape.top]
     return asked
+
+
+def fewest(shape: Shape, through: Mapping[str, Sequence[float]]) -> tuple[int, ...]:
+    """Fewest elements along each direction: one between neighbours that must be boundaries."""
+    asked = _asked(shape, (1,) * len(shape.directions), through)
+    return tuple(
+        len({*ends, *asked.get(name, ())}) - 1
+        for name, ends in zip(shape.directions, shape.extent, strict=True)
+    )
+
+
+def layered(breaks: Floats, towards: Sequence[float], layers: int, ratio: float) -> Floats:
+    """Breaks with geometric layers towards some of them, as corners of stress ask for.
+
+    Parameters
+    ----------
+    breaks
+        Rising coordinates of element boundaries.
+    towards
+        Those of them that elements crowd towards, from both sides where there are two.
+    layers
+        New boundaries on each side: between c and its neighbour at the distance h they lie at
+        h ratio, h ratio^2 and so on from c.
+    ratio
+        Size of an element relative to the next one, below 1/2.
+
+    Returns
+    -------
+    ndarray
+        Rising coordinates, the given ones among them.
+    """
+    require(0 < ratio < 0.5 and layers >= 0, "ratio", ratio, "below 1/2: layers may meet")
+    shares = ratio ** np.arange(1, layers + 1)
+    new = [breaks]
+    for centre in towards:
+        at = int(np.abs(breaks - centre).argmin())
+        for other in (at - 1, at + 1):
+            if 0 <= other < len(breaks):
+                new.append(breaks[at] + shares * (breaks[other] - breaks[at]))
+    return np.unique(np.concatenate(new))
 
 
 def graded(

@@ -33,6 +33,8 @@ def match_runs(
 ) -> ModeMatch:
     """Pair modes of two runs of one scene by shape on the contact surfaces and by eigenvalue.
 
+    Scenes without contacts are compared on all surfaces.
+
     Parameters
     ----------
     first, second
@@ -163,20 +165,28 @@ def _mode_sets(
         for result, modes in ((first, first_modes), (second, second_modes))
     ]
     left, right = [], []
-    for spec in first.scene.contacts.values():
-        for place in (spec.a, spec.b):
-            body, name = place.split(".")
-            surface = first.system.bodies[body].surfaces[name]
-            other = second.system.bodies[body].surfaces[name]
-            points = surface.grid(max(2, round(_SAMPLES / np.sqrt(surface.num_elements))))
-            found = other.locate(points.x, points.normal, other.mesh_size)
-            hit = ~found.missed
-            left.append(first.mode_shapes(place, points.at[hit], chosen[0]))
-            right.append(second.mode_shapes(place, found.at[hit], chosen[1]))
+    for place in _places(first):
+        body, name = place.split(".")
+        surface = first.system.bodies[body].surfaces[name]
+        other = second.system.bodies[body].surfaces[name]
+        points = surface.grid(max(2, round(_SAMPLES / np.sqrt(surface.num_elements))))
+        found = other.locate(points.x, points.normal, other.mesh_size)
+        hit = ~found.missed
+        left.append(first.mode_shapes(place, points.at[hit], chosen[0]))
+        right.append(second.mode_shapes(place, found.at[hit], chosen[1]))
     return (
         ModeSet(first.eigenvalues[chosen[0]], _rows(left)),
         ModeSet(second.eigenvalues[chosen[1]], _rows(right)),
     )
+
+
+def _places(result: ModesResult) -> list[str]:
+    """Both sides of every contact; every surface of scenes without contacts."""
+    contacts = result.scene.contacts.values()
+    sides = [side for contact in contacts for side in (contact.a, contact.b)]
+    return sides or [
+        f"{name}.{surface}" for name, body in result.bodies.items() for surface in body.surfaces
+    ]
 
 
 def _alone(values: Complexes) -> list[dict[str, float]]:

@@ -11,6 +11,7 @@ from typer.core import TyperGroup
 import cea
 from comparisons.cli.bench import app as bench_app
 from comparisons.cli.brake import brake
+from comparisons.cli.converge import converge
 from comparisons.cli.doctor import doctor
 from comparisons.cli.exact import app as exact_app
 from comparisons.cli.export import export
@@ -55,7 +56,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 _COMMANDS = (
-    *(run, solve, sweep, threshold, race, export),
+    *(run, converge, solve, sweep, threshold, race, export),
     *(compare, figure, claims, formulations, accuracy, damping, stability, reference, peers),
     *(brake, doctor),
 )

@@ -1,0 +1,96 @@
+"""The command ``cea converge``: modes of a scene with error bars."""
+
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+if TYPE_CHECKING:
+    from comparisons.converge.request import Request
+
+
+def converge(
+    scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
+    digits: Annotated[int, typer.Option(help="Significant digits of frequencies.")] = 3,
+    growth_digits: Annotated[
+        int | None, typer.Option(help="Those of growth rates; one less by default.")
+    ] = None,
+    backend: Annotated[
+        Literal["both", "fe", "iga"], typer.Option(help="Backends that are refined.")
+    ] = "both",
+    budget: Annotated[float, typer.Option(help="Seconds that all of it may take.")] = 900.0,
+    unstable: Annotated[
+        bool,
+        typer.Option("--unstable", help="Only modes not known to be stable must hold digits."),
+    ] = False,
+    sweep_digits: Annotated[
+        int, typer.Option(help="Digits that the mesh written for sweeps holds.")
+    ] = 2,
+    set_: Annotated[list[str] | None, typer.Option("--set", help="Override of a field.")] = None,
+    redraw: Annotated[
+        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/converge"),
+) -> None:
+    """Refine a scene until its modes hold the digits asked for, and tell their error bars."""
+    begun = perf_counter()
+    from comparisons.cli.extras import need
+    from comparisons.cli.redraw import refuse_another, refuse_with_redraw
+    from comparisons.converge.request import Request
+    from scenes.out_folder import check_out
+
+    need("pictures")
+    refuse_with_redraw(redraw, {"set": set_, "unstable": unstable})
+    request = Request(
+        scene,
+        digits,
+        growth_digits,
+        ("iga", "fe") if backend == "both" else (backend,),
+        budget,
+        unstable,
+        sweep_digits,
+        tuple(set_ or ()),
+    )
+    if redraw:
+        from cea.petsc import MPI
+        from comparisons.converge.page import read_converge, write_converge
+        from scenes.out_folder import new_folder
+
+        data = read_converge(out)
+        refuse_another({"scene": scene}, data["inputs"])
+        with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
+            page = new.final(write_converge(data, new.part))
+        typer.echo(f"The page to open: {page}")
+        return
+    check_out(out)
+    _run(request, out, begun)
+
+
+def _run(request: "Request", out: Path, begun: float) -> None:
+    """Refine, print the modes and what they cost, write the page."""
+    from cea.petsc import MPI
+    from comparisons.cli.output import console, print_table
+    from comparisons.cli.progress import working
+    from comparisons.converge import tables, words
+    from comparisons.converge.page import write_converge
+    from comparisons.converge.study import run_converge
+    from comparisons.kit.progress import Progress
+    from scenes.out_folder import new_folder
+
+    with working("converge", expected=request.budget) as work:
+
+        def begin(name: str) -> None:
+            console.print(f"· {name}", markup=False)
+            work.step(name)
+
+        data = run_converge(request, Progress(step=begin, stage=work.stage), begun)
+        with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
+            page = new.final(write_converge(data, new.part))
+    print_table(tables.modes_table(data))
+    print_table(tables.levels_table(data))
+    for line in (words.verdict(data), *words.held(data), words.for_sweeps(data)):
+        typer.echo(line)
+    for warning in data["warnings"]:
+        typer.echo(f"warning ({warning['kind']}): {warning['message']}")
+    typer.echo(f"The page to open: {page}")

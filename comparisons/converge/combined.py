@@ -1,0 +1,152 @@
+"""What both backends say of each mode together: the better value, the distance, the verdict."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.spectrum import Verdict
+from comparisons.converge.following import Sequence
+from comparisons.converge.judged import Judged, frequency_of
+from comparisons.converge.quantities import Member
+from scenes.run_matching import match_runs
+from scenes.spec.body import Backend
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One mode as the report has it.
+
+    Parameters
+    ----------
+    backend
+        Whose value it is: that of the smaller bar.
+    member
+        The value with its bars, widened by a distance that bars do not explain.
+    members
+        What each backend says of it, by backend.
+    agree
+        Whether the backends differ by no more than their bars together; None where only one has
+        the mode, or ran.
+    changed
+        Whether its cluster had another number of members on some mesh.
+    """
+
+    backend: Backend
+    member: Member
+    members: dict[Backend, Member]
+    agree: bool | None
+    changed: bool
+
+    def plain(self) -> dict[str, Any]:
+        """Plain data; bars that are not known are None."""
+        member = self.member
+        return {
+            "backend": self.backend,
+            "frequency": frequency_of(member),
+            "frequency_bar": _known(member.frequency_bar / (2 * np.pi)),
+            "growth": member.value.real,
+            "growth_bar": _known(member.growth_bar),
+            "verdict": member.verdict,
+            "rate": member.rate,
+            "levels": member.levels,
+            "agree": self.agree,
+            "changed": self.changed,
+            "of": {
+                backend: {
+                    "frequency": frequency_of(each),
+                    "frequency_bar": _known(each.frequency_bar / (2 * np.pi)),
+                    "growth": each.value.real,
+                    "growth_bar": _known(each.growth_bar),
+                    "verdict": each.verdict,
+                    "rate": each.rate,
+                }
+                for backend, each in self.members.items()
+            },
+        }
+
+
+def _known(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def combine(
+    sequences: dict[Backend, Sequence], judged: dict[Backend, Judged], highest: float
+) -> list[Mode]:
+    """Modes below a frequency (rad/s) with what every backend says of them; collective."""
+    backends = [backend for backend in sequences if sequences[backend].levels]
+    if len(backends) == 1:
+        (backend,) = backends
+        found = [
+            _mode({backend: member}, {backend: number}, judged)
+            for number, member in enumerate(judged[backend].members)
+        ]
+    else:
+        found = _of_both(sequences, judged, backends[0], backends[1])
+    below = [mode for mode in found if mode.member.value.imag <= highest]
+    return sorted(below, key=lambda mode: (mode.member.value.imag, mode.member.value.real))
+
+
+def _of_both(
+    sequences: dict[Backend, Sequence],
+    judged: dict[Backend, Judged],
+    one: Backend,
+    other: Backend,
+) -> list[Mode]:
+    results = [sequences[backend].last.result for backend in (one, other)]
+    assert results[0] is not None
+    assert results[1] is not None
+    match = match_runs(results[0], results[1])
+    pairs: list[tuple[int, int]] = []
+    for group in match.groups:
+        values = [
+            np.array([judged[backend].members[i].value for i in numbers])
+            for backend, numbers in ((one, group.first), (other, group.second))
+        ]
+        rows, columns = assign(np.abs(values[0][:, None] - values[1]))
+        pairs += [
+            (int(group.first[i]), int(group.second[j])) for i, j in zip(rows, columns, strict=True)
+        ]
+    found = []
+    for i, j in pairs:
+        numbers: dict[Backend, int] = {one: i, other: j}
+        members = {backend: judged[backend].members[n] for backend, n in numbers.items()}
+        found.append(_mode(members, numbers, judged))
+    for backend, alone in ((one, match.only_first), (other, match.only_second)):
+        for n in alone.tolist():
+            found.append(_mode({backend: judged[backend].members[n]}, {backend: n}, judged))
+    return found
+
+
+def _mode(
+    members: dict[Backend, Member], numbers: dict[Backend, int], judged: dict[Backend, Judged]
+) -> Mode:
+    backend = min(members, key=lambda b: members[b].frequency_bar + members[b].growth_bar)
+    best = members[backend]
+    changed = any(judged[b].cluster_of(n).changed for b, n in numbers.items())
+    if len(members) == 1:
+        return Mode(backend, best, members, None, changed)
+    a, b = members.values()
+    frequency, growth = abs(a.value.imag - b.value.imag), abs(a.value.real - b.value.real)
+    agree = bool(
+        frequency <= a.frequency_bar + b.frequency_bar and growth <= a.growth_bar + b.growth_bar
+    )
+    verdicts = {a.verdict, b.verdict}
+    verdict: Verdict = best.verdict
+    if not agree:
+        best = Member(
+            best.value,
+            max(best.frequency_bar, frequency),
+            max(best.growth_bar, growth),
+            best.verdict,
+            best.rate,
+            best.levels,
+        )
+        verdict = best.verdict if len(verdicts) == 1 else "undecided"
+    elif {"stable", "unstable"} <= verdicts:
+        verdict = "undecided"
+    member = Member(
+        best.value, best.frequency_bar, best.growth_bar, verdict, best.rate, best.levels
+    )
+    return Mode(backend, member, members, agree, changed)

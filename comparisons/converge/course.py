@@ -1,0 +1,249 @@
+"""The course of one backend: its sequence of meshes, what it holds, what comes next."""
+
+from dataclasses import dataclass, field
+from math import exp, inf, log, tau
+
+from comparisons.converge.bars import LEAST, MOST, SAFETY
+from comparisons.converge.estimated import (
+    estimated_level,
+    richer_of,
+    richer_resolution,
+    seconds_of,
+)
+from comparisons.converge.following import Sequence
+from comparisons.converge.judged import Judged, judge, shortfall
+from comparisons.converge.levels import Level, estimate, run_level
+from comparisons.converge.quantities import Window
+from comparisons.converge.request import Request
+from comparisons.converge.steps import Step, cheapest, chosen, steps
+from comparisons.converge.theory import Fallen, fallen, reduction
+from comparisons.kit.progress import Progress
+from scenes.read import Scene
+from scenes.refinement import Resolution, has_singular_edges
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.body import Backend
+from scenes.variants import on_backend
+
+FIRST_DEGREE: dict[Backend, int] = {"iga": 3, "fe": 2}
+"""Degree of the first mesh."""
+_FIRST_DENSITY = 0.5
+_COARSER = 0.7
+_COARSEST = 0.1
+_FIRST_PART = 0.05
+"""Part of the budget that a first mesh may take."""
+_ENOUGH = 3
+"""Meshes from which on bars rest on an observed order."""
+_EXPECTED_RATE = 0.8
+"""Observed order over that of theory before any was observed."""
+_UNKNOWN_NEED = 10.0
+"""Factor by which errors are supposed too large while no bar is known."""
+_FIRST_SLOWER = 4.0
+"""Time of a first mesh over its estimate that others are expected to share at most."""
+_SURE = 1.6
+"""Factor on expected times where they must not be exceeded."""
+_AWAY = 5.0
+"""Time of a step relative to that of the last mesh while no order is known."""
+_SHORT = 2.0
+"""Seconds up to which steps are short whatever the last mesh took."""
+
+
+@dataclass
+class Course:
+    """Meshes of one backend.
+
+    Parameters
+    ----------
+    backend
+        The backend.
+    scene
+        The scene as the user gives it.
+    request
+        The digits.
+    sequence
+        Meshes so far.
+    so_far
+        What theory took off from the error of the first mesh.
+    ended
+        Why no more follow: the digits are held, or what stands against it; empty while they do.
+    """
+
+    backend: Backend
+    scene: Scene
+    request: Request
+    sequence: Sequence = field(init=False)
+    so_far: Fallen = field(default_factory=Fallen)
+    ended: str = ""
+
+    def __post_init__(self) -> None:
+        singular = has_singular_edges(on_backend(self.scene, self.backend))
+        self.sequence = Sequence(self.backend, singular)
+
+    @property
+    def spent(self) -> float:
+        """Seconds of all meshes."""
+        return sum(level.seconds for level in self.levels)
+
+    @property
+    def levels(self) -> list[Level]:
+        """Meshes, and the newest corrected in a richer space where it was."""
+        return self.sequence.with_correction.levels
+
+    @property
+    def slower(self) -> float:
+        """Time of the newest mesh over its estimate; a first one takes what all runs share."""
+        ratio = self.sequence.last.seconds / self.sequence.last.estimated
+        return ratio if len(self.sequence.levels) > 1 else min(ratio, _FIRST_SLOWER)
+
+    @property
+    def judged(self) -> Judged:
+        """Bars and verdicts on the newest mesh."""
+        return judge(self.sequence.with_correction, self.scene)
+
+    @property
+    def need(self) -> float:
+        """Factor by which the largest bar is too large; 1 or less where the digits are held."""
+        if len(self.levels) < 2:
+            return _UNKNOWN_NEED
+        return self.need_of(self.judged)
+
+    def need_of(self, judged: Judged) -> float:
+        """The same, for bars that are known already."""
+        analysis = self.scene.analysis
+        assert isinstance(analysis, ComplexEigenvalueAnalysis)
+        highest = tau * analysis.max_frequency
+        asked = [
+            shortfall(member, self.request, analysis.growth_threshold)
+            for member in judged.members
+            if member.value.imag <= highest
+            and not (self.request.unstable and member.verdict == "stable")
+        ]
+        return max(asked, default=0.0)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the digits are held, by bars that rest on an observed order."""
+        return bool(len(self.levels) >= _ENOUGH and self.need <= 1)
+
+    def first(self, most_seconds: float) -> Step:
+        """The first mesh: half as dense as the scene, or coarser where that takes too long."""
+        degree, density = FIRST_DEGREE[self.backend], _FIRST_DENSITY
+        resolution = Resolution(degree, density)
+        seconds = estimate(self.scene, self.backend, resolution)
+        while seconds > _FIRST_PART * most_seconds and density > _COARSEST:
+            density *= _COARSER
+            resolution = Resolution(degree, density)
+            seconds = estimate(self.scene, self.backend, resolution)
+        return Step(resolution, 0.0, seconds)
+
+    def next(self, most_seconds: float, need: float | None = None) -> Step | None:
+        """The mesh that is expected to buy most; None where none can be made in the time left.
+
+        Parameters
+        ----------
+        most_seconds
+            Time left.
+        need
+            Factor by which errors are to fall; None takes what the digits need.
+        """
+        if not self.sequence.levels:
+            return self.first(most_seconds)
+        most = most_seconds / _SURE
+        if len(self.sequence.levels) < _ENOUGH:
+            most = min(most, max(_AWAY * self.sequence.last.seconds, _SHORT))
+            if most < most_seconds / _SURE:
+                found = chosen(self._candidates(), need or self.need, most)
+                if found is not None:
+                    return found
+                most = most_seconds / _SURE
+        return chosen(self._candidates(), need or self.need, most)
+
+    def cost_of(self, factor: float) -> Step | None:
+        """The cheapest mesh expected to make the newest's errors fall by a factor."""
+        return cheapest(self._candidates(), factor)
+
+    def run(self, step: Step, progress: Progress) -> Level:
+        """Run a mesh; collective."""
+        return run_level(self.scene, self.backend, step.resolution, progress)
+
+    def follow(self, level: Level) -> None:
+        """Follow the modes to a mesh that was run; collective."""
+        if self.sequence.levels:
+            old = self.sequence.last.resolution
+            self.so_far += fallen(old, level.resolution, self._error_now())
+        self.sequence.add(level)
+
+    def correction(self, most_seconds: float, *, last: bool) -> Scene | None:
+        """A richer space in which the newest mesh is worth correcting.
+
+        Parameters
+        ----------
+        most_seconds
+            Time left.
+        last
+            Whether no mesh follows, so that any correction is worth its time.
+
+        Returns
+        -------
+        Scene or None
+            None where it would take too long, or is not expected to make the digits hold.
+        """
+        sequence = self.sequence
+        if sequence.correction is not None or len(sequence.levels) < (1 if last else 2):
+            return None
+        newest = sequence.last
+        richer = richer_of(newest)
+        if richer is None or _SURE * seconds_of(richer, self.slower) > most_seconds:
+            return None
+        if last:
+            return richer
+        window = self.judged.window
+        gain = self._rate(window) * reduction(
+            newest.resolution,
+            richer_resolution(newest),
+            self._error_now(),
+            singular=sequence.singular,
+        )
+        return richer if log(max(self.need, 1.0)) <= gain - log(SAFETY) else None
+
+    def correct(self, richer: Scene, progress: Progress) -> None:
+        """Correct the newest mesh in a richer space; collective."""
+        self.sequence.correction = estimated_level(self.sequence.last, richer, progress)
+
+    def _candidates(self) -> list[Step]:
+        last = self.sequence.last
+        slower = self.slower
+        rate = self._rate(self.judged.window)
+
+        def seconds(resolution: Resolution) -> float:
+            return slower * estimate(self.scene, self.backend, resolution)
+
+        error = self._error_now()
+        singular = self.sequence.singular
+        found = steps(
+            self.backend,
+            last.resolution,
+            self.so_far,
+            error,
+            rate,
+            seconds,
+            singular=singular,
+        )
+        return list(found)
+
+    def _rate(self, window: Window) -> float:
+        """Observed order over that of theory, or what it usually is."""
+        return _EXPECTED_RATE if window.rate is None else min(max(window.rate, LEAST), MOST)
+
+    def _error_now(self) -> float:
+        """Relative error of the newest mesh, from the last change of the window."""
+        levels = self.sequence.levels
+        if len(levels) < 2:
+            return inf
+        window = self.judged.window
+        taken = reduction(
+            levels[-2].resolution,
+            levels[-1].resolution,
+            window.change,
+            singular=self.sequence.singular,
+        )
+        return window.change * exp(-self._rate(window) * taken)

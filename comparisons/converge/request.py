@@ -1,0 +1,87 @@
+"""What is asked of ``cea converge``."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from cea.errors import InputError
+from scenes.spec.body import Backend
+
+MOST_DIGITS = 10
+"""Digits beyond which rounding leaves nothing to converge."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A scene, the digits asked for, what may be spent.
+
+    Parameters
+    ----------
+    scene
+        TOML file, or the name of a scene.
+    digits
+        Significant digits of frequencies: errors are at most half a unit of the last.
+    growth_digits
+        Those of growth rates; None takes one less, 1 at least.
+    backends
+        Backends that are refined.
+    budget
+        Seconds that all of it may take.
+    unstable
+        Whether only modes that are not known to be stable must hold their digits.
+    sweep_digits
+        Digits that the mesh for sweeps must hold.
+    overrides
+        Fields of the scene that differ, as ``--set`` takes them.
+
+    Raises
+    ------
+    InputError
+        Naming the option that is out of range.
+    """
+
+    scene: str
+    digits: int = 3
+    growth_digits: int | None = None
+    backends: tuple[Backend, ...] = ("iga", "fe")
+    budget: float = 900.0
+    unstable: bool = False
+    sweep_digits: int = 2
+    overrides: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name, value in (
+            ("digits", self.digits),
+            ("growth_digits", self.of_growth),
+            ("sweep_digits", self.sweep_digits),
+        ):
+            if not 1 <= value <= MOST_DIGITS:
+                raise InputError(name, value, f"1 to {MOST_DIGITS}")
+        if not self.budget > 0:
+            raise InputError("budget", self.budget, "more than 0 seconds")
+        if not self.backends:
+            raise InputError("backend", (), "one at least")
+
+    @property
+    def of_growth(self) -> int:
+        """Digits of growth rates."""
+        return max(1, self.digits - 1) if self.growth_digits is None else self.growth_digits
+
+    @property
+    def tolerance(self) -> float:
+        """Relative error of frequencies that is allowed."""
+        return half_unit(self.digits)
+
+    @property
+    def growth_tolerance(self) -> float:
+        """Relative error of growth rates that is allowed."""
+        return half_unit(self.of_growth)
+
+    def plain(self) -> dict[str, Any]:
+        """Plain data."""
+        data = asdict(self)
+        return data | {"backends": list(self.backends), "overrides": list(self.overrides)}
+
+
+def half_unit(digits: int) -> float:
+    """Half a unit of the last of some significant digits, relative."""
+    return 0.5 * 10.0**-digits

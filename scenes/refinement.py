@@ -1,0 +1,173 @@
+"""Scenes refined: more elements along every direction, a higher degree, layers at singular edges.
+
+Pure: a scene in, a scene out. Meshes that did not match before refinement keep their proportions,
+and every contact becomes mortar, the error of which is that of the meshes at any stiffness.
+"""
+
+from dataclasses import dataclass, replace
+from math import ceil
+from typing import Any
+
+from cea.contact.formulations import Mortar
+from cea.errors import InputError
+from meshes.breaks import breaks_of, fewest, layered
+from meshes.mesh_file import MeshFile
+from scenes.read import Scene
+from scenes.refinement_edges import Crowding, crowding
+from scenes.spec.body import Backend, BodySpec
+from scenes.spec.contact import ContactSpec
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
+from scenes.variants import on_backend
+
+RATIO = 0.2
+"""Size of an element of a layer relative to the next one: near what suits corners best."""
+MAX_DEGREE: dict[Backend, int] = {"fe": 4, "iga": 8}
+"""Highest degree of each backend."""
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How fine a scene is made.
+
+    Parameters
+    ----------
+    degree
+        Degree of the elements of all bodies along every direction.
+    density
+        Factor on the elements of the scene along every direction.
+    layers
+        Geometric layers towards singular edges.
+    """
+
+    degree: int
+    density: float
+    layers: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.density > 0:
+            raise InputError("density", self.density, "greater than 0")
+
+    def plain(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"degree": self.degree, "density": self.density, "layers": self.layers}
+
+
+def check_refinable(scene: Scene, backend: Backend) -> None:
+    """Refuse scenes that cannot be refined on a backend.
+
+    Raises
+    ------
+    InputError
+        When the analysis is static, or a body has a mesh from a file or none of the backend.
+    """
+    if scene.analysis.kind != "cea":
+        raise InputError("analysis.kind", scene.analysis.kind, "'cea', which has eigenvalues")
+    for name, body in scene.bodies.items():
+        if isinstance(body.geometry, MeshFile):
+            allowed = "a shape, which can be meshed anew: cells of a file stay as they are"
+            raise InputError(f"bodies.{name}.geometry.file", body.geometry.file, allowed)
+    scene.on(backend)
+
+
+def has_singular_edges(scene: Scene) -> bool:
+    """Whether layers make any difference: a body has singular edges and a structured mesh."""
+    return any(crowding(scene, name) and _structured(body) for name, body in scene.bodies.items())
+
+
+def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
+    """The scene on one backend at a resolution, contacts as mortar.
+
+    Parameters
+    ----------
+    scene
+        The scene, whose meshes are those of density 1.
+    backend
+        Backend of every body.
+    resolution
+        How fine.
+
+    Raises
+    ------
+    SceneError
+        When the meshes cannot be made so, or a body has none of the backend.
+    """
+    on = on_backend(scene, backend)
+    bodies = {name: _refined(on, name, resolution) for name in on.bodies}
+    contacts = {name: _accurate(contact) for name, contact in scene.contacts.items()}
+    return replace(on, bodies=bodies, contacts=contacts).on(backend)
+
+
+def moved_to_mortar(scene: Scene) -> dict[str, str]:
+    """Contacts whose formulation refinement changes, with the one that the scene gives."""
+    return {
+        name: contact.formulation.method
+        for name, contact in scene.contacts.items()
+        if _accurate(contact) != contact
+    }
+
+
+def _accurate(contact: ContactSpec) -> ContactSpec:
+    """A contact as mortar in a half pass; one that is bonded as it is."""
+    if contact.formulation.coupling == "bonded" or isinstance(contact.formulation, Mortar):
+        return contact
+    return replace(contact, formulation=Mortar(), full_pass=False)
+
+
+def _structured(body: BodySpec) -> bool:
+    """Whether the mesh of a body follows coordinates of its shape."""
+    if not hasattr(body.geometry, "extent"):
+        return False
+    return body.backend == "iga" or (body.mesh.fe is not None and body.mesh.fe.size is None)
+
+
+def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
+    body = scene.bodies[name]
+    mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
+    if isinstance(mesh, FeMesh):
+        finer: FeMesh | IgaMesh = replace(mesh, degree=resolution.degree)
+    elif mesh is not None:
+        degree = (resolution.degree,) * len(body.geometry.directions)
+        finer = replace(mesh, degree=degree, continuity=None)
+    else:
+        raise InputError(f"bodies.{name}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
+    if isinstance(finer, FeMesh) and finer.size is not None:
+        finer = replace(finer, size=finer.size / resolution.density)
+    elif _structured(body):
+        finer = _with_breaks(finer, body, crowding(scene, name), resolution)
+    else:
+        elements = tuple(_times(n, resolution.density) for n in finer.elements or ())
+        finer = replace(finer, elements=elements)
+    return replace(body, mesh=_of_backend(finer))
+
+
+def _of_backend(mesh: FeMesh | IgaMesh) -> MeshSpec:
+    return MeshSpec(fe=mesh) if isinstance(mesh, FeMesh) else MeshSpec(iga=mesh)
+
+
+def _with_breaks(
+    mesh: FeMesh | IgaMesh, body: BodySpec, edges: Crowding, resolution: Resolution
+) -> FeMesh | IgaMesh:
+    """A structured mesh with as many elements as asked for, and layers at singular edges."""
+    shape = body.geometry
+    through = dict(mesh.through)
+    for direction, values in edges.through.items():
+        through[direction] = tuple(sorted({*through.get(direction, ()), *values}))
+    elements = tuple(
+        max(_times(n, resolution.density), few)
+        for n, few in zip(mesh.elements or (), fewest(shape, through), strict=True)
+    )
+    if not resolution.layers or not edges:
+        return replace(mesh, elements=elements, through=through)
+    along = zip(shape.directions, breaks_of(shape, elements, through), strict=True)
+    breaks = {
+        d: layered(each, edges.towards.get(d, ()), resolution.layers, RATIO) for d, each in along
+    }
+    return replace(
+        mesh,
+        elements=tuple(len(each) - 1 for each in breaks.values()),
+        through={d: tuple(each[1:-1].tolist()) for d, each in breaks.items()},
+    )
+
+
+def _times(count: int, density: float) -> int:
+    return max(1, ceil(count * density - 1e-9))

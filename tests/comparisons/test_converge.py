@@ -1,0 +1,437 @@
+"""``cea converge``: bars of sequences, verdicts, the course of a run, what it leaves behind."""
+
+import json
+from dataclasses import replace
+from math import exp, inf, pi
+from time import perf_counter
+
+import numpy as np
+import pytest
+from exact_scenes import ExactScene
+from mpi import on_ranks
+from typer.testing import CliRunner
+
+from cea.eigen.eigenvalue_matching import assign
+from cea.errors import InputError
+from comparisons.cli.app import app
+from comparisons.converge import tables, words
+from comparisons.converge.bars import bar, observed_rate, typical_rate
+from comparisons.converge.combined import combine
+from comparisons.converge.course import Course
+from comparisons.converge.following import Sequence, clusters, lost, partners
+from comparisons.converge.judged import Judged, judge, shortfall
+from comparisons.converge.levels import Level
+from comparisons.converge.page import read_converge, write_converge
+from comparisons.converge.quantities import Member, Window
+from comparisons.converge.request import Request
+from comparisons.converge.steps import Step, cheapest, chosen, steps
+from comparisons.converge.study import run_converge
+from comparisons.converge.theory import Fallen, fallen, reduction
+from comparisons.kit.progress import Progress
+from scenes.read import load_scene
+from scenes.refinement import Resolution
+
+SILENT = Progress(step=lambda _: None, stage=lambda _: None)
+MU_CRITICAL = 0.05989842834808168909
+"""Exactly known threshold of flutter of the scene ``blocks`` (cea exact blocks --thresholds)."""
+
+
+def sequence(rows, scene="blocks", backend="iga"):
+    """A sequence whose eigenvalues on meshes of doubled density are given, all modes linked."""
+    made = Sequence(backend)
+    for i, row in enumerate(rows):
+        values = np.array(row, complex)
+        made.levels.append(
+            Level(
+                backend,
+                Resolution(2, 2.0**i),
+                load_scene(scene),
+                100 * 4**i,
+                1.0,
+                1.0,
+                values,
+                np.full(len(values), 1e-14),
+                np.full(len(values), 1e-15),
+                True,
+                None,
+            )
+        )
+        if i:
+            made.links.append([(np.array([n]), np.array([n])) for n in range(len(values))])
+    return made
+
+
+def converging(value, error, rate=1.0, count=4):
+    """Numbers whose error falls as theory says for degree 2 and twice the elements, to a rate."""
+    return [value * (1 + error * 16.0 ** (-rate * i)) for i in range(count)]
+
+
+# Bars of sequences
+
+
+@pytest.mark.parametrize("rate", [0.4, 0.7, 1.0])
+def test_observed_rate_is_that_of_the_sequence(rate):
+    positions = [0.0, 2.0, 3.0]
+    numbers = [7.0 + exp(-rate * t) for t in positions]
+    assert observed_rate(positions, np.abs(np.diff(numbers))) == pytest.approx(rate, rel=1e-9)
+
+
+@pytest.mark.parametrize("rate", [0.4, 0.7, 1.0])
+def test_bar_is_three_times_the_error_of_a_sequence_that_keeps_its_rate(rate):
+    positions = [0.0, 2.0, 4.0, 5.0]
+    numbers = [7.0 + exp(-rate * t) for t in positions]
+    found = bar(numbers, positions, rate)
+    assert found.size == pytest.approx(3 * exp(-rate * 5.0), rel=1e-6)
+    assert found.rate == pytest.approx(rate, rel=1e-6)
+
+
+def test_bar_never_trusts_more_than_theory():
+    positions = [0.0, 1.0, 2.0]
+    numbers = [7.0 + exp(-3 * t) for t in positions]
+    assert bar(numbers, positions, 3.0).size > 5 * exp(-3 * 2.0)
+
+
+def test_where_no_order_is_seen_the_bar_is_the_largest_of_the_last_differences():
+    positions = [0.0, 1.0, 2.0]
+    assert bar([1.0, 1.2, 1.7], positions, 1.0).size == pytest.approx(0.5)
+    assert bar([1.0, 1.2, 1.7], positions, 1.0).rate is None
+    assert bar([1.0, 1.5, 1.1], positions, 1.0).size == pytest.approx(0.5)
+
+
+def test_a_step_that_takes_little_off_hides_much():
+    little = 0.2
+    error = 0.5
+    values = [1.0 + error * exp(little), 1.0 + error]
+    assert bar(values, [0.0, little], None).size == pytest.approx(error)
+
+
+def test_a_small_last_difference_alone_is_taken_for_luck():
+    positions = [0.0, 1.0, 2.0]
+    usual = bar([1.0, 1.1, 1.1 + 0.1 * exp(-1.0)], positions, 1.0).size
+    lucky = bar([1.0, 1.1, 1.1 + 1e-9], positions, 1.0).size
+    assert 0.1 * usual < lucky < usual
+    assert bar([1.0, 1.0 + 1e-9], [0.0, 1.0], None, usual=0.02).size == 0.02
+
+
+def test_one_number_has_no_bar_and_equal_ones_that_of_rounding():
+    assert bar([1.0], [0.0], 1.0).size == inf
+    assert bar([1.0, 1.0, 1.0], [0.0, 1.0, 2.0], 1.0, rounding=1e-12).size == 1e-12
+
+
+def test_typical_rate_is_a_median_of_what_is_seen():
+    assert typical_rate([None, 0.5, 0.9, 40.0]) == pytest.approx(0.9)
+    assert typical_rate([None]) is None
+
+
+# What theory takes off
+
+
+def test_theory_of_finer_elements_and_higher_degrees():
+    old = Resolution(3, 1.0)
+    assert reduction(old, Resolution(3, 2.0), 1e-4, singular=False) == pytest.approx(6 * np.log(2))
+    raised = reduction(old, Resolution(4, 1.0), 1e-6, singular=False)
+    assert raised == pytest.approx(-np.log(1e-6) / 3)
+    singular = reduction(old, Resolution(3, 2.0), 1e-4, singular=True)
+    assert singular == pytest.approx(1.4 * np.log(2))
+    layered = fallen(old, Resolution(3, 1.0, 1), 1e-4)
+    assert layered.smooth == 0
+    assert layered.rough == pytest.approx(1.4 * np.log(5))
+
+
+def test_the_rough_part_is_what_is_left():
+    much = Fallen(20.0, 0.0).whole(singular=True)
+    assert much == pytest.approx(np.log(10), rel=1e-6)
+    assert Fallen(20.0, 0.0).whole(singular=False) == 20.0
+
+
+def test_the_step_chosen_buys_most_per_second():
+    found = [Step(Resolution(2, d), gain, s) for d, gain, s in ((1.2, 1.0, 1.0), (2.0, 3.0, 2.0))]
+    assert chosen(found, 1e6, 10.0) is found[1]
+    assert chosen(found, 1e6, 1.5) is found[0]
+    assert chosen(found, 1.01, 10.0) is found[0]  # what is not needed counts for nothing
+    assert chosen(found, 1e6, 0.5) is None
+    assert cheapest(found, exp(2.0)) is found[1]
+    assert cheapest(found, exp(4.0)) is None
+
+
+def test_steps_end_at_the_highest_degree_and_refine_everything():
+    made = list(steps("fe", Resolution(4, 1.0), Fallen(), 1e-3, 1.0, lambda _: 1.0, singular=False))
+    assert {step.resolution.degree for step in made} == {4}
+    assert all(step.resolution.density >= 1.25 for step in made)
+
+
+# Modes followed and judged
+
+
+def test_partners_are_pairs_of_growing_and_decaying_modes():
+    values = np.array([2j, 1 + 3j, -1 + 3j, 0.5 + 4j])
+    assert [pair.tolist() for pair in partners(values)] == [[1, 2]]
+
+
+def test_pairs_that_flutter_on_one_mesh_are_one_cluster_on_all():
+    apart, together = [1.00j, 1.01j], [-0.01 + 1.005j, 0.01 + 1.005j]
+    found = clusters(sequence([apart, together]))
+    assert [cluster.newest.tolist() for cluster in found] == [[0, 1]]
+    assert not found[0].changed
+
+
+def test_modes_that_are_lost_are_told():
+    made = sequence([[1j, 2j, 3j], [1j, 2j, 3j]])
+    made.links[0] = made.links[0][:2]
+    assert lost(made, 2.5) == []
+    assert lost(made, 3.5) == [3j]
+
+
+def judged_members(rows, mu='"0.3*sin(pi*x/2)"'):
+    """Members of a sequence of ``blocks``."""
+    return judge(sequence(rows), load_scene("blocks", [f"contacts.interface.mu={mu}"])).members
+
+
+def test_bars_of_single_modes_hold_their_errors():
+    rows = np.array([converging(1j, 1e-2), converging(2j, 3e-2)]).T
+    for member, exact in zip(judged_members(rows), (1.0, 2.0), strict=True):
+        error = abs(member.value.imag - exact)
+        assert error < member.frequency_bar < 5 * error
+        assert member.verdict == "stable"
+        assert member.growth_bar == 0
+
+
+def pairs(splitting, error=1e-3, count=4):
+    """Lambda of pairs whose mean and squared splitting of lambda^2 converge as theory says."""
+    rows = []
+    for i in range(count):
+        taken = error * 16.0**-i
+        root = np.sqrt(complex(splitting + 0.1 * taken))
+        squares = -1.0 * (1 + taken) + np.array([root, -root])
+        values = np.sqrt(squares)
+        values = np.where(values.imag < 0, -values, values)
+        rows.append(values[np.lexsort((values.real, values.imag))])
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("splitting", "verdicts"),
+    [(1e-4, {"stable"}), (0.0, {"undecided"}), (-1e-4, {"stable", "unstable"})],
+)
+def test_the_sign_of_the_splitting_decides(splitting, verdicts):
+    members = judged_members(pairs(splitting))
+    assert {member.verdict for member in members} == verdicts
+    for member in members:
+        if member.verdict == "unstable":
+            assert member.value.real > 0
+            assert member.growth_bar < 0.1 * member.value.real
+    if splitting == 0:
+        reach = max(abs(member.value - 1j) for member in members)
+        assert all(m.frequency_bar + m.growth_bar >= reach for m in members)
+
+
+def test_without_friction_nothing_grows():
+    assert {m.verdict for m in judged_members(pairs(0.0), mu="0.0")} == {"stable"}
+
+
+def test_bars_that_overlap_are_judged_together():
+    rows = [[1.00j, 1.30j], [1.10j, 1.20j], [1.10j, 1.14j]]
+    judged = judge(sequence(rows), load_scene("blocks"))
+    assert [len(cluster.newest) for cluster in judged.clusters] == [2]
+    assert {member.verdict for member in judged.members} == {"undecided"}
+
+
+def test_digits_are_asked_of_growth_where_a_mode_grows():
+    request = Request("blocks", digits=3)
+    stable = Member(100j, 0.01, 0.0, "stable", 1.0, 3)
+    assert shortfall(stable, request, None) == pytest.approx(0.2)
+    grows = replace(stable, value=1 + 100j, growth_bar=0.02, verdict="unstable")
+    assert shortfall(grows, request, None) == pytest.approx(0.02 / 0.005, rel=1e-3)
+
+
+def test_backends_that_differ_beyond_their_bars_are_not_averaged():
+    member = Member(100j, 0.01, 0.0, "stable", 1.0, 3)
+    sequences = {"iga": sequence([[100j]])}
+    judged = {"iga": Judged((member,), tuple(clusters(sequences["iga"])), Window())}
+    (alone,) = combine(sequences, judged, inf)
+    assert alone.agree is None
+    from comparisons.converge.combined import _mode
+
+    judged["fe"] = judged["iga"]
+    far = {"iga": member, "fe": replace(member, value=101j)}
+    apart = _mode(far, {"iga": 0, "fe": 0}, judged)
+    assert apart.agree is False
+    assert apart.member.value == 100j
+    assert apart.member.frequency_bar == 1.0
+    near = _mode(far | {"fe": replace(member, value=100.01j)}, {"iga": 0, "fe": 0}, judged)
+    assert near.agree is True
+
+
+# Whole runs
+
+
+def errors_and_bars(data, exact):
+    """Errors of lambda and their bars, mode by mode."""
+    values = np.array([m["growth"] + 2j * pi * m["frequency"] for m in data["modes"]])
+    bars = np.array([np.hypot(2 * pi * m["frequency_bar"], m["growth_bar"]) for m in data["modes"]])
+    rows, columns = assign(np.abs(values[:, None] - exact) / np.abs(exact))
+    assert len(rows) == len(values)
+    return np.abs(values[rows] - exact[columns]), bars[rows]
+
+
+@pytest.fixture(scope="module")
+def result():
+    """Blocks to four digits on both backends."""
+    return run_converge(Request("blocks", digits=4), SILENT)
+
+
+def test_both_backends_hold_the_digits_and_agree(result):
+    assert {b: of["held"] for b, of in result["backends"].items()} == {"iga": True, "fe": True}
+    assert all(mode["agree"] for mode in result["modes"])
+    assert result["warnings"] == []
+    assert all(m["frequency_bar"] < 0.5e-4 * m["frequency"] for m in result["modes"])
+
+
+def test_true_errors_lie_within_the_bars(result):
+    errors, bars = errors_and_bars(result, ExactScene("blocks").exact())
+    assert (errors <= bars).all()
+
+
+def test_the_mesh_for_sweeps_is_the_cheapest_that_is_good_enough(result, tmp_path):
+    runs = [e for e in result["levels"] if not e["corrected"]]
+    levels = [e for e in runs if e["worst"] is not None and e["worst"] <= 0.5e-2]
+    best = min(levels, key=lambda level: level["seconds"])
+    write_converge(result, tmp_path)
+    scene = load_scene(tmp_path / "for_sweeps.toml")
+    assert {body.backend for body in scene.bodies.values()} == {best["backend"]}
+    for name, body in scene.bodies.items():
+        mesh = body.mesh.fe or body.mesh.iga
+        assert list(mesh.elements) == best["elements"][name]
+
+
+def test_the_page_and_its_files_tell_what_was_found(result, tmp_path):
+    page = write_converge(result, tmp_path)
+    text = page.read_text()
+    assert "plotly" in text
+    assert "1 unstable" in text
+    stored = read_converge(tmp_path)
+    assert stored["modes"] == json.loads(json.dumps(result["modes"]))
+    for table in tables.TABLES:
+        made = table(stored)
+        assert (tmp_path / f"{made.name}.csv").is_file()
+        assert len(made.rows) >= 1
+    assert write_converge(stored, tmp_path).read_text() == text
+    assert len(words.held(result)) == 2
+    assert "digit more is expected to cost" in words.held(result)[0]
+
+
+def test_the_front_holds_no_mesh_that_another_beats(result):
+    front = tables.front_of(result)
+    points = [(tables.error_of(result, level), level["seconds"]) for level in result["levels"]]
+    for i in front:
+        assert not any(e < points[i][0] and t < points[i][1] for e, t in points)
+    assert front
+
+
+@pytest.mark.parametrize(
+    ("factor", "verdicts"),
+    [(1.0, ["undecided", "undecided"]), (1.001, ["stable", "unstable"]), (0.999, ["stable"] * 2)],
+)
+def test_at_a_known_threshold_the_sign_of_growth_is_undecided(factor, verdicts):
+    overrides = (f'contacts.interface.mu="{MU_CRITICAL * factor!r}*sin(pi*x/2)"',)
+    request = Request("blocks", digits=4, backends=("iga",), overrides=overrides)
+    data = run_converge(request, SILENT)
+    pair = [m for m in data["modes"] if abs(m["frequency"] - 0.46164) < 2e-4]
+    assert sorted(mode["verdict"] for mode in pair) == verdicts
+
+
+def test_a_body_without_contacts_converges(backend):
+    """A disc alone, clamped: layers at the clamped edge, no contact surfaces to match on."""
+    coarse = ("analysis.max_frequency=1500.0", f"bodies.disc.mesh.{backend}.elements=[4, 16, 1]")
+    request = Request("disc", digits=1, backends=(backend,), overrides=coarse, budget=60.0)
+    data = run_converge(request, SILENT)
+    assert len(data["modes"]) >= 3
+    assert {mode["verdict"] for mode in data["modes"]} == {"stable"}
+    assert data["backends"][backend]["held"]
+
+
+def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend):
+    """Its bars hold the true errors, which are far below those of the mesh itself."""
+    exact = ExactScene("blocks").exact()
+    course = Course(backend, load_scene("blocks"), Request("blocks", backends=(backend,)))
+    for density in (0.5, 1.0):
+        course.follow(course.run(Step(Resolution(3, density), 1.0, 1.0), SILENT))
+    before = course.judged.members
+    richer = course.correction(100.0, last=True)
+    course.correct(richer, SILENT)
+    after = course.judged.members
+    assert course.holds
+    assert course.correction(100.0, last=True) is None  # once is enough
+    assert [level.corrected for level in course.levels] == [False, False, True]
+    for old, new in zip(before, after, strict=True):
+        true = exact[np.abs(exact - new.value).argmin()]
+        assert abs(new.value - true) <= np.hypot(new.frequency_bar, new.growth_bar)
+        assert abs(new.value - true) < 0.2 * abs(old.value - true)
+    course.follow(course.run(Step(Resolution(3, 1.5), 1.0, 1.0), SILENT))
+    assert not any(level.corrected for level in course.levels)
+
+
+def test_the_budget_ends_a_run_that_would_take_longer(backend):
+    """What the first mesh may take is a part of the budget, and what does not fit is not begun."""
+    request = Request("disc_pad", digits=7, backends=(backend,), budget=10.0)
+    data = run_converge(request, SILENT)
+    assert data["seconds"] < 10.0
+    assert not data["backends"][backend]["held"]
+    assert "digits-not-held" in [warning["kind"] for warning in data["warnings"]]
+    assert "budget" in data["backends"][backend]["ended"]
+
+
+def test_a_mesh_that_takes_longer_than_the_budget_is_given_up(tmp_path):
+    """Stages that begin after the budget end it, on all ranks alike."""
+    waited = perf_counter() - 100.0  # the command began long ago
+    request = Request("blocks", backends=("iga",), budget=50.0)
+    data = run_converge(request, SILENT, waited)
+    assert data["modes"] == []
+    assert data["levels"] == []
+    assert "given up" in data["backends"]["iga"]["ended"]
+    assert "Of 0 modes" in write_converge(data, tmp_path).read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (["--digits", "0"], "digits = 0"),
+        (["--growth-digits", "40"], "growth_digits = 40"),
+        (["--budget", "-1"], "budget = -1.0"),
+        (["--sweep-digits", "0"], "sweep_digits = 0"),
+        (["--redraw", "--unstable"], "unstable = True"),
+    ],
+)
+def test_wrong_options_are_refused_before_work(options, named, tmp_path):
+    done = CliRunner().invoke(app, ["converge", "blocks", *options, "--out", str(tmp_path / "x")])
+    assert isinstance(done.exception, InputError)
+    assert named in str(done.exception)
+    assert not (tmp_path / "x").exists()
+
+
+def test_a_static_scene_is_refused():
+    with pytest.raises(InputError, match=r"analysis\.kind"):
+        run_converge(Request("patch_test"), SILENT)
+
+
+def test_the_command_prints_modes_and_names_its_page(tmp_path):
+    out = tmp_path / "out"
+    command = ["converge", "blocks", "--digits", "2", "--backend", "iga", "--out", str(out)]
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 0, done.output
+    assert "± " in done.output
+    assert str(out / "report.html") in done.output.replace("\n", "")
+    again = CliRunner().invoke(app, ["converge", "blocks", "--redraw", "--out", str(out)])
+    assert again.exit_code == 0, again.output
+
+
+@pytest.mark.mpi
+def test_on_several_ranks_modes_are_the_same_within_their_bars():
+    one, several = (on_ranks(n, "parallel_converge.blocks_to_three_digits") for n in (1, 3))
+    assert one["held"]
+    assert several["held"]
+    assert several["verdicts"] == one["verdicts"]
+    for name in ("frequencies", "growths"):
+        a, b = (np.array(found[name]) for found in (one, several))
+        # Times choose the meshes, so that bars may differ as values do.
+        assert (np.abs(a[:, 0] - b[:, 0]) <= a[:, 1] + b[:, 1] + 1e-10).all()

@@ -1,0 +1,162 @@
+"""Scenes refined: elements, degrees, layers where stresses are singular, contacts as mortar."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cea.errors import InputError
+from meshes.breaks import breaks_of, fewest, layered
+from meshes.shapes import Annulus, Hub
+from scenes.read import load_scene, read_scene
+from scenes.refinement import (
+    RATIO,
+    Resolution,
+    check_refinable,
+    has_singular_edges,
+    moved_to_mortar,
+    refined,
+)
+from scenes.refinement_edges import crowding
+from scenes.scene_error import SceneError
+from scenes.scene_files import scene_names
+from scenes.scene_toml import scene_text
+from scenes.spec.body import BodySpec
+from scenes.spec.support import SupportSpec
+
+
+def elements(scene, name):
+    """Elements of a body on its backend."""
+    body = scene.bodies[name]
+    return (body.mesh.fe if body.backend == "fe" else body.mesh.iga).elements
+
+
+def degrees(scene):
+    """Degrees of all bodies on their backends."""
+    meshes = [b.mesh.fe if b.backend == "fe" else b.mesh.iga for b in scene.bodies.values()]
+    return {np.max(mesh.degree).item() for mesh in meshes}
+
+
+def test_elements_and_degrees_are_as_asked(backend):
+    scene = load_scene("blocks")
+    twice = refined(scene, backend, Resolution(4, 2.0))
+    assert degrees(twice) == {4}
+    for name in scene.bodies:
+        before = elements(scene.on(backend), name)
+        assert elements(twice, name) == tuple(2 * n for n in before)
+    half = refined(scene, backend, Resolution(2, 0.5))
+    for name in scene.bodies:
+        before = elements(scene.on(backend), name)
+        assert elements(half, name) == tuple(-(-n // 2) for n in before)
+
+
+def test_closed_bodies_and_asked_boundaries_keep_the_elements_they_need(backend):
+    coarse = refined(load_scene("disc_pad"), backend, Resolution(2, 0.01))
+    assert elements(coarse, "disc") == (3, 6, 1)  # r through 2, theta through 2 and 3 quarters
+    assert elements(coarse, "pad") == (1, 1, 1)
+
+
+def test_sizes_of_tetrahedra_are_divided():
+    scene = load_scene("ventilated_brake")
+    finer = refined(scene, "fe", Resolution(2, 2.0))
+    for name, body in scene.bodies.items():
+        assert finer.bodies[name].mesh.fe.size == body.mesh.fe.size / 2
+    assert not has_singular_edges(scene)  # no mesh of it follows coordinates
+
+
+def test_contacts_become_mortar_and_that_is_told():
+    scene = load_scene("disc_pad")
+    assert moved_to_mortar(scene) == {"pad_disc": "gpts"}
+    (contact,) = refined(scene, "iga", Resolution(2, 0.5)).contacts.values()
+    assert contact == replace(scene.contacts["pad_disc"], formulation=contact.formulation)
+    assert contact.formulation.method == "mortar"
+    assert moved_to_mortar(load_scene("blocks")) == {}
+
+
+def test_elements_crowd_towards_clamped_edges():
+    scene = load_scene("disc_pad")
+    disc, pad = crowding(scene, "disc"), crowding(scene, "pad")
+    assert disc.towards == {"r": (0.06,), "z": (0.0, 0.012)}
+    assert pad.towards == {"z": (0.027,), "r": (0.09, 0.14), "theta": (25.0, 65.0)}
+
+
+def test_elements_crowd_towards_boundaries_of_stiff_contacts():
+    scene = load_scene("disc_pad", ["contacts.pad_disc.P=1e13"])
+    disc, pad = crowding(scene, "disc"), crowding(scene, "pad")
+    assert disc.through == {"r": (0.09, 0.14), "theta": (25.0, 65.0)}
+    assert disc.towards["r"] == (0.06, 0.09, 0.14)
+    assert pad.towards["z"] == (0.012, 0.027)
+
+
+@pytest.mark.parametrize("name", ["blocks", "drum", "ring", "drum_3d", "blocks_3d"])
+def test_rollers_and_closed_bodies_have_no_singular_edges(name):
+    scene = load_scene(name)
+    assert not has_singular_edges(scene)
+    assert not any(crowding(scene, body) for body in scene.bodies)
+
+
+def test_the_edge_of_a_hub_is_re_entrant():
+    hub = Hub(0.02, 0.04, 0.1, 0.0, 0.01, -0.02, 0.01)
+    template = load_scene("disc").bodies["disc"]
+    body = replace(template, geometry=hub, supports=(SupportSpec("bore"),))
+    scene = replace(load_scene("disc"), bodies={"disc": body})
+    found = crowding(scene, "disc").towards
+    assert 0.04 in found["r"]
+    assert 0.0 in found["z"]
+    assert isinstance(body, BodySpec)
+
+
+def test_layers_lie_where_elements_crowd(backend):
+    scene = refined(load_scene("disc_pad"), backend, Resolution(2, 0.5, 2))
+    mesh = scene.bodies["disc"].mesh
+    chosen = mesh.fe if backend == "fe" else mesh.iga
+    r, _, z = breaks_of(scene.bodies["disc"].geometry, chosen.elements, chosen.through)
+    sizes = np.diff(r)
+    assert sizes[0] / (sizes[:3].sum()) == pytest.approx(RATIO**2)
+    assert sizes[1] / (sizes[:3].sum()) == pytest.approx(RATIO - RATIO**2)
+    assert sizes[3] == pytest.approx(sizes[:3].sum(), rel=0.5)  # as even as before
+    assert np.allclose(np.diff(z), np.diff(z)[::-1])  # towards both faces alike
+    plain = refined(load_scene("disc_pad"), backend, Resolution(2, 0.5, 0))
+    assert elements(scene, "disc")[0] == elements(plain, "disc")[0] + 2
+
+
+def test_layers_are_nested_and_keep_what_was_there():
+    breaks = np.linspace(0.0, 1.0, 5)
+    one, two = (layered(breaks, (0.0, 0.5), n, 0.2) for n in (1, 2))
+    assert set(breaks) <= set(one) <= set(two)
+    assert len(two) == len(breaks) + 2 * 3  # one side at the end, two inside
+    assert np.array_equal(layered(breaks, (), 3, 0.2), breaks)
+    with pytest.raises(InputError, match="below 1/2"):
+        layered(breaks, (0.0,), 1, 0.6)
+
+
+def test_fewest_elements_are_those_between_boundaries():
+    ring = Annulus(1.0, 2.0, 0.0, 1.0)
+    assert fewest(ring, {}) == (1, 4, 1)
+    assert fewest(ring, {"theta": (45.0, 90.0)}) == (1, 5, 1)
+
+
+def test_what_cannot_be_refined_is_refused():
+    with pytest.raises(InputError, match=r"analysis\.kind = 'static'"):
+        check_refinable(load_scene("patch_test"), "iga")
+    with pytest.raises(SceneError, match=r"bodies\.disc\.backend"):
+        check_refinable(load_scene("ventilated_brake"), "iga")
+    with pytest.raises(InputError, match="density"):
+        Resolution(2, 0.0)
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_scenes_are_the_same_when_read_again_from_their_text(name, tmp_path):
+    scene = load_scene(name)
+    file = tmp_path / "again.toml"
+    file.write_text(scene_text(scene))
+    assert load_scene(file) == scene
+
+
+def test_text_holds_infinity_and_odd_names(tmp_path):
+    scene = load_scene("blocks", ["contacts.interface.p=inf", "contacts.interface.form='saddle'"])
+    data = {**scene.__dict__, "description": 'back\\slash, "quotes", ü and\na line'}
+    scene = read_scene({name: data[name] for name in data})
+    file = tmp_path / "odd.toml"
+    file.write_text(scene_text(scene))
+    assert load_scene(file) == scene
