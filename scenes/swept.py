@@ -17,6 +17,11 @@ _SHORT = {
 """Short names of what contacts and bodies have."""
 
 
+def means_several(name: str) -> bool:
+    """Whether a name is short for paths of parameters, or has asterisks in it."""
+    return name in _SHORT or "*" in name
+
+
 def is_one_of(name: str, pattern: str) -> bool:
     """Whether a path is one that another means, in which asterisks stand for names."""
     parts, meant = name.split("."), pattern.split(".")

@@ -63,6 +63,13 @@ def onset(
     pair
         Real orthonormal basis of the pair where it flutters, shape (k, 2).
 
+    Returns
+    -------
+    Onset
+        Where a pair is one at the still value already, as far as its bound tells (the doublets of
+        axisymmetric bodies without friction), the threshold is that value, known to as far as the
+        next from which on the pair surely flutters.
+
     Raises
     ------
     PairLostError
@@ -72,17 +79,38 @@ def onset(
     def discriminant(value: float) -> float:
         return _discriminant(*_pair(at(value), pair))
 
-    if not discriminant(still) > 0 > discriminant(flutters):
-        raise PairLostError
+    def surely_flutters(value: float) -> float:
+        found, members = _pair(at(value), pair)
+        return _discriminant(found, members) + _doubt(found, members)
+
     scale = max(abs(still), abs(flutters))
-    value = float(brentq(discriminant, still, flutters, xtol=1e-14 * scale, rtol=1e-14))
-    step = 1e-3 * (flutters - still)
-    slope = (discriminant(value + step) - discriminant(value - step)) / (2 * step)
-    found, members = _pair(at(value), pair)
-    error = 4 * float(found.certificate.errors[members].max()) ** 2 / abs(slope)
+    precision = {"xtol": 1e-14 * scale, "rtol": 1e-14}
+    if abs(discriminant(still)) <= _doubt(*_pair(at(still), pair)):
+        if not surely_flutters(flutters) < 0:
+            raise PairLostError
+        value, sure = still, float(brentq(surely_flutters, still, flutters, **precision))
+        slope = (discriminant(sure) - discriminant(still)) / (sure - still)
+        found, members = _pair(at(value), pair)
+        error = abs(sure - still)
+    else:
+        if not discriminant(still) > 0 > discriminant(flutters):
+            raise PairLostError
+        value = float(brentq(discriminant, still, flutters, **precision))
+        slope = slope_between(discriminant, value, (still, flutters))
+        found, members = _pair(at(value), pair)
+        error = 4 * float(found.certificate.errors[members].max()) ** 2 / abs(slope)
     mean = found.kappa[members].mean()
     root = complex(upper_root(np.array([mean]))[0])
     return Onset(value, float(error), root, float(slope), begins=bool(flutters > still))
+
+
+def slope_between(
+    function: Callable[[float], float], value: float, ends: tuple[float, float]
+) -> float:
+    """Slope of a function at a value, by differences that do not leave an interval."""
+    step = 1e-3 * abs(ends[1] - ends[0])
+    low, high = max(value - step, min(ends)), min(value + step, max(ends))
+    return (function(high) - function(low)) / (high - low)
 
 
 def span_of(vector: Floats) -> Floats:
@@ -106,3 +134,9 @@ def _discriminant(found: ReducedSpectrum, members: Ints) -> float:
     if abs(square.imag) > _SAME * abs(square):
         raise PairLostError
     return square.real
+
+
+def _doubt(found: ReducedSpectrum, members: Ints) -> float:
+    """Bound on the error of a discriminant (1/s^4)."""
+    error = float(found.certificate.errors[members].max())
+    return 4 * error * (abs(found.kappa[members[0]] - found.kappa[members[1]]) + error)

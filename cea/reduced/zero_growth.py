@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from cea.reduced.onsets import Onset, PairLostError
+from cea.reduced.onsets import Onset, PairLostError, slope_between
 from cea.reduced.spectrum import ReducedSpectrum
 
 _LEAST_PART = 0.5
@@ -66,7 +66,6 @@ def zero_growth(
     doubt = float(found.uncertainties[mode])
     if abs(root.real) > doubt + _ZERO * max(abs(here.real), abs(there.real)):
         raise PairLostError
-    step = 1e-3 * (ends[1] - ends[0])
-    slope = (growth(value + step) - growth(value - step)) / (2 * step)
+    slope = slope_between(growth, value, ends)
     begins = (there.real > here.real) == (ends[1] > ends[0])
     return Onset(value, doubt / abs(slope), 1j * root.imag, slope, begins=begins)

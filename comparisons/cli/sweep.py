@@ -1,6 +1,5 @@
 """The commands ``cea sweep`` and ``cea threshold``: one scene along its fields."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -100,8 +99,6 @@ def sweep(
     except NoMapError as error:
         if len(asked) > 1:
             raise
-        if len(error.paths) == 1:  # a short name
-            asked = [replace(asked[0], name=error.paths[0])]
         _each_in_full(scene, asked, overrides, data, str(error), out)
 
 

@@ -43,15 +43,7 @@ class Varied(Protocol):
 
 
 class NoMapError(InputError):
-    """A scene that has no reduced model over some axes; it may be solved in full at each value.
-
-    Attributes
-    ----------
-    paths
-        What the first axis means, where that is known.
-    """
-
-    paths: tuple[str, ...] = ()
+    """A scene that has no reduced model over some axes; it may be solved in full at each value."""
 
 
 @dataclass(frozen=True)
@@ -152,7 +144,7 @@ def mapped(
     if moved:
         first.free()
         allowed = "no parameter that moves a state of steady sliding"
-        raise _no_map(InputError("axis", moved[0][0], allowed), names)
+        raise _no_map(InputError("axis", moved[0][0], allowed))
     stiffest = {
         name: axis.ends[1]
         for axis, each in zip(axes, names, strict=True)
@@ -187,7 +179,7 @@ def _names(
         names = tuple(tuple(parameters_meant(pencil, axis.name, bonded)) for axis in axes)
         check_pencil(pencil, [name for each in names for name in each])
     except InputError as error:
-        raise _no_map(error, names) from error
+        raise _no_map(error) from error
     no_two_alike(names, [axis.name for axis in axes])
     for axis, each in zip(axes, names, strict=True):
         for name in each:
@@ -216,7 +208,7 @@ def _check_definite(
         for each in (least, most):  # modes that are damped one by one may be others there
             pencil.low_rank_at(pencil.values(each))
     except InputError as error:
-        raise _no_map(error, names) from error
+        raise _no_map(error) from error
     matrices = pencil.at(least)
     try:
         negative = count_below(matrices, -shift_of(max_frequency))
@@ -225,14 +217,12 @@ def _check_definite(
     if negative:
         told = f"{negative} negative eigenvalues of its symmetric part"
         allowed = "none, for a map, where parameters are least"
-        raise _no_map(InputError("stiffness", told, allowed), names)
+        raise _no_map(InputError("stiffness", told, allowed))
 
 
 def _of(contact: str) -> str:
     return f"contacts.{contact}.P"
 
 
-def _no_map(error: InputError, names: Sequence[tuple[str, ...]]) -> NoMapError:
-    told = NoMapError(error.field, error.value, error.allowed)
-    told.paths = names[0] if names else ()
-    return told
+def _no_map(error: InputError) -> NoMapError:
+    return NoMapError(error.field, error.value, error.allowed)

@@ -1,10 +1,10 @@
 """A sweep: the modes of a scene at some values of one field, and which of them belong together."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from scenes.matrix_scene import is_of_matrices, load_matrices
 from scenes.of_modes import OfModes
 from scenes.read import load_scene
 from scenes.stored import record
+from scenes.swept import means_several, parameters_meant
 
 COMMAND = "sweep"
 _NEAR = 0.02
@@ -26,21 +27,8 @@ _MOST = 1000
 """Values of a sweep."""
 
 
-class Assembled(Protocol):
-    """A scene that is solved at changed fields."""
-
-    def modes(
-        self,
-        changes: Mapping[str, Any] | None = None,
-        *,
-        listener: Callable[[str], None] | None = None,
-    ) -> OfModes:
-        """Modes with fields changed."""
-        ...
-
-    def free(self) -> None:
-        """Free what is kept between solves."""
-        ...
+Assembled = AssembledScene | AssembledMatrices
+"""A scene that is solved at changed fields."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +40,8 @@ class Sweep:
     scene
         Name of a scene, or its file.
     field
-        Path of the field that is changed, e.g. ``parameters.Omega``.
+        Path of the field that is changed, e.g. ``parameters.Omega``; or a short name, or one with
+        asterisks, of fields that change together (:func:`scenes.swept.parameters_meant`).
     start, stop
         Its first and its last value.
     count
@@ -87,12 +76,21 @@ class Sweep:
 
     def assembled(self) -> Assembled:
         """The scene, assembled at the first value."""
-        overrides = [*self.overrides, f"{self.field}={self.start!r}"]
+        overrides = list(self.overrides)
+        if not means_several(self.field):
+            overrides.append(f"{self.field}={self.start!r}")
         if is_of_matrices(self.scene):
             return AssembledMatrices(load_matrices(self.scene, overrides, self.data))
         if self.data is not None:
             raise InputError("data", self.data, "left out: a scene of bodies reads no matrices")
         return AssembledScene(load_scene(self.scene, overrides))
+
+    def paths(self, assembled: Assembled) -> list[str]:
+        """Paths of the fields that change together."""
+        if not means_several(self.field):
+            return [self.field]
+        bonded = assembled.bonded if isinstance(assembled, AssembledScene) else ()
+        return parameters_meant(assembled.driver.pencil, self.field, bonded)
 
 
 def run_sweep(sweep: Sweep, progress: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
@@ -114,13 +112,14 @@ def run_sweep(sweep: Sweep, progress: Callable[[str], None] = lambda _: None) ->
     """
     begun = perf_counter()
     assembled = sweep.assembled()
+    paths = sweep.paths(assembled)
     points: list[dict[str, Any]] = []
     warnings: list[dict[str, Any]] = []
     curves = Curves()
     for value in sweep.values:
         progress(f"{sweep.field} = {value:g}")
         try:
-            result = assembled.modes({sweep.field: value})
+            result = assembled.modes(dict.fromkeys(paths, value))
         except ConvergenceError as error:
             points.append({"value": value, "failed": str(error), "modes": [], "verdict": ""})
             curves.interrupt()
