@@ -17,6 +17,7 @@ from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.factorisation import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import balanced, count_below, force_scale
+from cea.eigen.single_precision import shares_inertia
 from cea.matrices import destroy, largest_row, local_part, scaled_total, symmetrised
 from cea.petsc import MPI, PETSc
 
@@ -24,6 +25,8 @@ _COLUMNS, _STEPS = 8, 4
 """Size of the Krylov space from which the slope of the cone is estimated: blocks, and steps."""
 _SAFETY = 1.5
 """Factor on that estimate, which comes from below and has mostly converged."""
+_LARGE = 10_000
+"""Unknowns from which on single precision is tried first."""
 _DEPENDENT = 1e-12
 """Square of a new direction, relative to the largest, below which it is not one."""
 
@@ -110,8 +113,17 @@ def factorised_hermitian(hermitian: Any, matrices: Matrices) -> tuple[Mumps | No
         if bordered is None:
             return None, False
         hermitian, expected = bordered, matrices.multipliers.size + matrices.multipliers.dependent
-    factors = Mumps(hermitian, symmetric=True, inertia=True)
+    single = matrices.multipliers is None and matrices.size >= _LARGE
+    factors = Mumps(hermitian, symmetric=True, inertia=True, single=single)
+    if factors.single and not _surely_positive(factors):
+        factors.in_double()
     return factors, factors.negative_eigenvalues() == expected
+
+
+def _surely_positive(factors: Mumps) -> bool:
+    """Whether factors of single precision leave no doubt that the matrix is positive definite."""
+    bad = factors.negative_eigenvalues() + factors.null_pivots()
+    return not bad and shares_inertia(factors)
 
 
 def _slope(factors: Mumps, unsymmetric: Any) -> float:
