@@ -223,9 +223,7 @@ def may_be_on_disk(scene: Scene) -> bool:
     return isinstance(scene.analysis, ComplexEigenvalueAnalysis) and not scene.slides_steadily
 
 
-def _fits_with_files(
-    scene: Scene, estimate: MemoryEstimate, available: float, disk: float
-) -> bool:
+def _fits_with_files(scene: Scene, estimate: MemoryEstimate, available: float, disk: float) -> bool:
     fits = estimate.bytes_with_files <= available and estimate.files <= disk
     return may_be_on_disk(scene) and fits
 

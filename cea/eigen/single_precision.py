@@ -19,7 +19,7 @@ from cea.eigen.factorisation import Mumps
 _COLUMNS, _STEPS = 4, 2
 """Columns of the block, and steps."""
 _CERTAIN = 1e-2
-"""Quotient, estimated from below, up to which factors are trusted: a hundredth of what is needed."""
+"""Quotient, estimated from below, up to which factors are trusted: a hundredth of what would do."""
 _DEPENDENT = 1e-12
 """Square of a direction, relative to the largest, below which it is not one."""
 
