@@ -1,7 +1,6 @@
 """The space of a block Krylov method: orthonormal vectors, and an operator on them.
 
-Where friction acts, what an operator makes of a block lies in all vectors. A block of which the
-projection leaves little is projected once more: what is left of it was rounding in part.
+A block is projected twice: where friction acts, what an operator makes of it lies in all vectors.
 """
 
 from typing import Any, Protocol
@@ -15,8 +14,6 @@ _NOISE = 1e-12
 """Part of a vector that projections leave below which it lies in the space already."""
 _ORTHONORMAL = 1e-12
 """Distance of inner products from those of orthonormal vectors that is good enough."""
-_ENOUGH = 5e-3
-"""Part of a vector that a projection leaves from which on it is orthogonal to the others."""
 _WIDER, _FEW = 1.5, 64
 """Growth of the room for vectors, and that of little room."""
 
@@ -169,8 +166,6 @@ class KrylovSpace:
             u /= lengths[kept]
             image /= lengths[kept]
             rest = (axes[:, kept] * lengths[kept]).conj().T @ rest
-            if not len(lengths) or lengths.min() >= _ENOUGH:
-                break
             least = 0.3  # what a second projection takes most of was rounding
         self._image, self.next = image, u.shape[1]
         if first + self.next > self._vectors.shape[1]:

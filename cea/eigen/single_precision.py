@@ -10,6 +10,8 @@ eigenvalue of F^-1 H - 1, and a few steps of a block power iteration with F^-1 H
 largest: rounding weighs most on the smooth vectors, which F^-1 brings out at once.
 """
 
+from typing import Any
+
 import numpy as np
 
 from cea.arrays import Floats
@@ -62,7 +64,7 @@ def relative_rounding(factors: Mumps) -> float:
     return worst
 
 
-def _largest_square(block: Floats, matrix: object) -> float:
+def _largest_square(block: Floats, matrix: Any) -> float:
     """Largest x^T H x of the span of unit combinations of columns."""
     gram = all_inner(block, image_of(matrix, block), matrix.comm)
     return float(np.linalg.eigvalsh(gram).max()) if np.isfinite(gram).all() else np.inf
