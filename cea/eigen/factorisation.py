@@ -18,7 +18,7 @@ _ROOM = (20, 200, 1000)
 """Room (per cent) for pivots that are delayed beyond what is foreseen: more where it runs out."""
 _NO_ROOM: Any = PETSc.PC.FailedReason.FACTOR_OUTMEMORY
 _LARGE = 10_000
-"""Unknowns from which on the order is that of nodes, and what is symmetric is cut into panels."""
+"""Unknowns from which on inertia is found by an order of nodes, and in panels."""
 _SAME = 0.9
 """Part of the nodes of which all unknowns have equally many entries, where unknowns are by node."""
 
@@ -135,18 +135,22 @@ class Mumps:
         factor = pc.getFactorMatrix()
         factor.setMumpsIcntl(14, room)
         factor.setMumpsIcntl(22, int(folder_of_factors() is not None))
-        if matrix_size(self.matrix) >= _LARGE:
-            if (unknowns := unknowns_of_nodes(self.matrix)) > 1:
-                factor.setMumpsIcntl(15, -unknowns)  # the graph of the nodes is ordered
-            if self._symmetric and not self.single:  # panels, of which none is compressed
-                factor.setMumpsIcntl(35, 2)
-                factor.setMumpsCntl(7, 0.0)
         if self._inertia:
             factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
             factor.setMumpsIcntl(24, 1)
+            if matrix_size(self.matrix) >= _LARGE:
+                self._hasten(factor)
         elif not self._symmetric:
             factor.setMumpsIcntl(33, 1)  # its determinant
         return pc
+
+    def _hasten(self, factor: Any) -> None:
+        """Options by which inertia is found sooner; solutions may lose a digit to the first."""
+        if (unknowns := unknowns_of_nodes(self.matrix)) > 1:
+            factor.setMumpsIcntl(15, -unknowns)  # the graph of the nodes is ordered
+        if not self.single:  # panels, of which none is compressed
+            factor.setMumpsIcntl(35, 2)
+            factor.setMumpsCntl(7, 0.0)
 
     def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
         """Solve A x = b, or A^T x = b, with PETSc vectors."""
