@@ -7,9 +7,12 @@ front of its own nodes beside those around its box that were cut before.
 
 import os
 import resource
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, pi, prod, sqrt
 from pathlib import Path
+from shutil import disk_usage
+from tempfile import gettempdir
 from typing import Any
 
 from cea.errors import InputError
@@ -29,6 +32,10 @@ _FACTORS = 1.6
 """Memory of the factors with the room they are made in, relative to their entries."""
 _SYMMETRIC = 0.6
 """The same of a symmetric matrix, of which one factor is kept, relative to that of both."""
+_ON_DISK = 0.35
+"""Part of the factors that is in memory at once where the rest is on disk: the largest fronts."""
+_FILES = 1.0
+"""Bytes of factors on disk relative to those in memory: two sets of them for a while."""
 _COMPLEX = 4.0
 """Entries of matrices and factors of a complex shift in real numbers, and of its complex vectors of
 displacements and velocities, relative to those of a real one."""
@@ -79,6 +86,16 @@ class MemoryEstimate:
     def bytes(self) -> float:
         """All of it, the program itself too (bytes)."""
         return _PROGRAM + self.matrices + self.factors + self.vectors + self.modal
+
+    @property
+    def bytes_with_files(self) -> float:
+        """All of it with the factors on disk (bytes)."""
+        return self.bytes - (1 - _ON_DISK) * self.factors
+
+    @property
+    def files(self) -> float:
+        """The factors on disk (bytes)."""
+        return _FILES * self.factors
 
 
 def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
@@ -140,8 +157,23 @@ def available_memory() -> float:
     return min(limits)
 
 
+def free_disk() -> float:
+    """Bytes that are free where temporary files go."""
+    return float(disk_usage(gettempdir()).free)
+
+
+def on_all_machines(amount: Callable[[], float], comm: Any = MPI.COMM_WORLD) -> float:
+    """What a run may have of something that the machines of all ranks have; collective."""
+    neighbours = comm.Split_type(MPI.COMM_TYPE_SHARED)
+    available = _PART * comm.allreduce(amount() / neighbours.size)
+    neighbours.Free()
+    return float(available)
+
+
 def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
     """Refuse a scene that cannot fit into the memory of the machines of all ranks; collective.
+
+    Factors may be on disk (:mod:`scenes.factor_storage`) where it has room for them.
 
     Parameters
     ----------
@@ -156,21 +188,27 @@ def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
         On every rank, naming the mesh that takes most, the estimate, what there is and what would
         fit.
     """
-    neighbours = comm.Split_type(MPI.COMM_TYPE_SHARED)
-    available = _PART * comm.allreduce(available_memory() / neighbours.size)
-    neighbours.Free()
+    available = on_all_machines(available_memory, comm)
     estimate = estimated_memory(scene)
     if estimate.bytes <= available:
+        return
+    disk = on_all_machines(free_disk, comm)
+    if _fits_with_files(scene, estimate, available, disk):
         return
     name, body = max(scene.bodies.items(), key=lambda item: _nodes(item[1]))
     told = (
         f"{estimate.dofs:.3g} dofs take about {_gigabytes(estimate.bytes)} of the "
         f"{_gigabytes(available)} there are"
     )
+    if may_be_on_disk(scene):
+        told += (
+            f", or {_gigabytes(estimate.bytes_with_files)} with {_gigabytes(estimate.files)} of "
+            f"factors on disk, where {_gigabytes(disk)} are free"
+        )
     if isinstance(body.geometry, MeshFile):
         field = f"bodies.{name}.geometry.file"
         raise InputError(field, body.geometry.file, f"a mesh that fits into memory: {told}")
-    scale = _fitting_scale(scene, available)
+    scale = _fitting_scale(scene, available, disk)
     field, value, fitting = _mesh_of(body, scale)
     would = f"{field} = {fitting} would, the other bodies coarser alike" if scale else "none would"
     raise InputError(
@@ -180,12 +218,23 @@ def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
     )
 
 
-def _fitting_scale(scene: Scene, available: float) -> float:
+def may_be_on_disk(scene: Scene) -> bool:
+    """Whether factors of a scene may be on disk: those that modes are sought with."""
+    return isinstance(scene.analysis, ComplexEigenvalueAnalysis) and not scene.slides_steadily
+
+
+def _fits_with_files(scene: Scene, estimate: MemoryEstimate, available: float, disk: float) -> bool:
+    fits = estimate.bytes_with_files <= available and estimate.files <= disk
+    return may_be_on_disk(scene) and fits
+
+
+def _fitting_scale(scene: Scene, available: float, disk: float) -> float:
     """Largest factor on all elements with which a scene fits, 0 where none does."""
     low, high = 0.0, 1.0
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        fits = estimated_memory(scene, middle).bytes <= available
+        estimate = estimated_memory(scene, middle)
+        fits = estimate.bytes <= available or _fits_with_files(scene, estimate, available, disk)
         low, high = (middle, high) if fits else (low, middle)
     return low
 

@@ -19,6 +19,7 @@ from cea.system.steady_sliding import steady_sliding
 from cea.timing import StageTimer
 from scenes.body_meshes import filled_in
 from scenes.build import build_bodies, build_interfaces, build_system, check_interfaces
+from scenes.factor_storage import factor_storage
 from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
@@ -106,8 +107,12 @@ def run_modes(
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
     top, decay = scene.analysis.max_frequency, scene.analysis.min_growth
-    modes = solve_modes(pencil, top, min_growth=decay, left=left, solver=solver, timer=timer)
-    return with_warnings(ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes))
+    storage = factor_storage(scene)
+    with storage.kept():
+        modes = solve_modes(pencil, top, min_growth=decay, left=left, solver=solver, timer=timer)
+    result = ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
+    result = with_warnings(result)
+    return replace(result, warnings=(*result.warnings, *storage.warnings))
 
 
 def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:

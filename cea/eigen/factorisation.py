@@ -6,6 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from cea.arrays import Floats
+from cea.eigen.factors_on_disk import folder_of_factors
 from cea.errors import ConvergenceError
 from cea.matrices import dense, destroy
 from cea.petsc import PETSc
@@ -16,6 +17,10 @@ _SOLVED = 1e-11
 _ROOM = (20, 200, 1000)
 """Room (per cent) for pivots that are delayed beyond what is foreseen: more where it runs out."""
 _NO_ROOM: Any = PETSc.PC.FailedReason.FACTOR_OUTMEMORY
+_LARGE = 10_000
+"""Unknowns from which on inertia is found by an order of nodes, and in panels."""
+_SAME = 0.9
+"""Part of the nodes of which all unknowns have equally many entries, where unknowns are by node."""
 
 
 class Factorisation(Protocol):
@@ -50,6 +55,13 @@ class Mumps:
     inertia
         Whether its negative eigenvalues will be asked for; null pivots are then counted rather
         than failed on, and with any of them systems should not be solved.
+    single
+        Whether in single precision, at half the time and memory; in double where that fails.
+
+    Attributes
+    ----------
+    single
+        Whether the factors are of single precision.
 
     Raises
     ------
@@ -57,28 +69,61 @@ class Mumps:
         When A is singular, or the factorisation fails.
     """
 
-    def __init__(self, matrix: Any, *, symmetric: bool, inertia: bool = False) -> None:
+    def __init__(
+        self, matrix: Any, *, symmetric: bool, inertia: bool = False, single: bool = False
+    ) -> None:
         self.matrix = matrix
+        self.single = single
         self._symmetric, self._inertia = symmetric, inertia
         if symmetric:
             matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._pc = self._prepared(_ROOM[0])
         self.factorise()
 
+    def in_double(self) -> None:
+        """Factorise once more, in double precision.
+
+        Raises
+        ------
+        ConvergenceError
+            When A is singular, or the factorisation fails.
+        """
+        self.single = False
+        destroy(self._pc)
+        self._pc = self._prepared(_ROOM[0])
+        self.factorise()
+
     def factorise(self) -> None:
         """Factorise the matrix, once more where its entries have changed: its order is kept."""
         self._pc.setOperators(self.matrix)
-        self._pc.setUp()
+        self._set_up()
         for room in _ROOM[1:]:
             if self._pc.getFailedReason() != _NO_ROOM:
                 break
             destroy(self._pc)
             self._pc = self._prepared(room)
-            self._pc.setUp()
+            self._set_up()
         if self._pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
+            if self.single:
+                self.in_double()
+                return
             rows = matrix_size(self.matrix)
             self.free()
             raise ConvergenceError(f"a matrix of {rows} rows is singular")
+
+    def _set_up(self) -> None:
+        """Factorise; PETSc reads precision and folder from its options, and only then."""
+        options: Any = PETSc.Options()
+        given = {"pc_precision": "single"} if self.single else {}
+        if (folder := folder_of_factors()) is not None:
+            given["mat_mumps_ooc_tmpdir"] = str(folder)
+        for name, value in given.items():
+            options.setValue(name, value)
+        try:
+            self._pc.setUp()
+        finally:
+            for name in given:
+                options.delValue(name)
 
     def _prepared(self, room: int) -> Any:
         """PETSc preconditioner, set up but for the factors."""
@@ -89,12 +134,23 @@ class Mumps:
         pc.setFactorSetUpSolverType()
         factor = pc.getFactorMatrix()
         factor.setMumpsIcntl(14, room)
+        factor.setMumpsIcntl(22, int(folder_of_factors() is not None))
         if self._inertia:
             factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
             factor.setMumpsIcntl(24, 1)
+            if matrix_size(self.matrix) >= _LARGE:
+                self._hasten(factor)
         elif not self._symmetric:
             factor.setMumpsIcntl(33, 1)  # its determinant
         return pc
+
+    def _hasten(self, factor: Any) -> None:
+        """Options by which inertia is found sooner; solutions may lose a digit to the first."""
+        if (unknowns := unknowns_of_nodes(self.matrix)) > 1:
+            factor.setMumpsIcntl(15, -unknowns)  # the graph of the nodes is ordered
+        if not self.single:  # panels, of which none is compressed
+            factor.setMumpsIcntl(35, 2)
+            factor.setMumpsCntl(7, 0.0)
 
     def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
         """Solve A x = b, or A^T x = b, with PETSc vectors."""
@@ -219,6 +275,19 @@ class Applied:
 def matrix_size(matrix: Any) -> int:
     """Number of rows over all ranks."""
     return int(matrix.getSize()[0])
+
+
+def unknowns_of_nodes(matrix: Any) -> int:
+    """Unknowns of each node where they follow each other, 3 or 2; else, or on several ranks, 1."""
+    if matrix.comm.size > 1:
+        return 1
+    entries = np.diff(matrix.getRowIJ()[0])
+    for unknowns in (3, 2):
+        if len(entries) % unknowns == 0:
+            nodes = entries.reshape(-1, unknowns)
+            if (nodes == nodes[:, :1]).all(axis=1).mean() >= _SAME:
+                return unknowns
+    return 1
 
 
 def _column_by_column(factors: Refined, b: Floats, *, transposed: bool) -> Floats:

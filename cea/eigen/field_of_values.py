@@ -14,16 +14,27 @@ from typing import Any
 import numpy as np
 
 from cea.eigen.blocks import all_inner, image_of
+from cea.eigen.dense_products import beside, combined, subtract
 from cea.eigen.factorisation import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import balanced, count_below, force_scale
-from cea.matrices import destroy, largest_row, local_part, scaled_total, symmetrised
+from cea.eigen.single_precision import shares_inertia
+from cea.matrices import (
+    antisymmetrised,
+    destroy,
+    largest_row,
+    local_part,
+    scaled_total,
+    symmetrised,
+)
 from cea.petsc import MPI, PETSc
 
 _COLUMNS, _STEPS = 8, 4
 """Size of the Krylov space from which the slope of the cone is estimated: blocks, and steps."""
 _SAFETY = 1.5
 """Factor on that estimate, which comes from below and has mostly converged."""
+_LARGE = 10_000
+"""Unknowns from which on single precision is tried first."""
 _DEPENDENT = 1e-12
 """Square of a new direction, relative to the largest, below which it is not one."""
 
@@ -110,8 +121,17 @@ def factorised_hermitian(hermitian: Any, matrices: Matrices) -> tuple[Mumps | No
         if bordered is None:
             return None, False
         hermitian, expected = bordered, matrices.multipliers.size + matrices.multipliers.dependent
-    factors = Mumps(hermitian, symmetric=True, inertia=True)
+    single = matrices.multipliers is None and matrices.size >= _LARGE
+    factors = Mumps(hermitian, symmetric=True, inertia=True, single=single)
+    if factors.single and not _surely_positive(factors):
+        factors.in_double()
     return factors, factors.negative_eigenvalues() == expected
+
+
+def _surely_positive(factors: Mumps) -> bool:
+    """Whether factors of single precision leave no doubt that the matrix is positive definite."""
+    bad = factors.negative_eigenvalues() + factors.null_pivots()
+    return not bad and shares_inertia(factors)
 
 
 def _slope(factors: Mumps, unsymmetric: Any) -> float:
@@ -119,26 +139,24 @@ def _slope(factors: Mumps, unsymmetric: Any) -> float:
 
     Orthonormal in H + X M, with which (H + X M)^-1 N is skew.
     """
-    skew = unsymmetric.copy()
-    transpose = unsymmetric.transpose(PETSc.Mat())
-    skew.axpy(-1.0, transpose, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    skew.scale(0.5)
+    skew = antisymmetrised(unsymmetric.copy())
     comm, rows = skew.comm, skew.getLocalSize()[0]
     block = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
-    basis, images, skews = (np.empty((rows, 0)) for _ in range(3))
+    basis, images, skews = (np.empty((rows, 0), order="F") for _ in range(3))
     for _ in range(_STEPS):
         block = factors.solve_block(image_of(skew, block))
         for _ in range(2):  # what rounding leaves of the first projection goes with the second
-            block = block - basis @ all_inner(images, block, comm)
+            subtract(block, basis, all_inner(images, block, comm))
         image = image_of(factors.matrix, block)
-        squares, turn = np.linalg.eigh(all_inner(block, image, comm))
+        squares, axes = np.linalg.eigh(all_inner(block, image, comm))
         kept = squares > _DEPENDENT * max(squares.max(), np.finfo(float).tiny)
-        block, image = (part @ (turn[:, kept] / np.sqrt(squares[kept])) for part in (block, image))
-        basis, images = np.hstack([basis, block]), np.hstack([images, image])
+        turn = axes[:, kept] / np.sqrt(squares[kept])
+        block, image = combined(block, turn), combined(image, turn)
+        basis, images = beside(basis, block), beside(images, image)
         if not kept.any():
             break
-        skews = np.hstack([skews, image_of(skew, block)])
-    destroy(skew, transpose)
+        skews = beside(skews, image_of(skew, block))
+    destroy(skew)
     projected = all_inner(basis, skews, comm)
     return float(np.linalg.norm(projected, 2)) if projected.size else 0.0
 

@@ -9,22 +9,19 @@ rotation the problem is quadratic in lambda, and another driver takes it
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, Self, get_args
 
 import numpy as np
 
-from cea.eigen.clusters import cluster_bounds
 from cea.eigen.eigenpairs import checked
 from cea.eigen.found import Found, nearest_window, upper_end
+from cea.eigen.judged import Question, judged
 from cea.eigen.kept import Kept
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.nearest import NearestSearch
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.quadratic import QuadraticDriver
 from cea.eigen.search import Solver, WindowSearch
-from cea.eigen.sensitivity import left_vectors_of
-from cea.eigen.shifted import Shifted
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
@@ -146,18 +143,20 @@ class KrylovSchur:
             timer=timer,
             solver=self.solver,
         )
+        question = Question(self.pencil, values, matrices, factors, timer)
         self._kept.lost()  # the search moves the factors; where it fails they are no more
         try:
             found = search.complex(top) if counted is None else search.real(top, counted)
         except ConvergenceError as error:
             if isinstance(error.best, InvariantSubspace):
-                error.best = self._judged(matrices, values, factors, Found(error.best), top, timer)
+                error.best = judged(Found(error.best), top, question)
             raise
         finally:
             self.solves += 1
             self._searched += search.factorisations
         self._kept.moved(values, factors.kappa)
-        modes = self._judged(matrices, values, factors, found, top, timer, search if left else None)
+        modes = judged(found, top, question, search if left else None)
+        self._kept.moved(values, factors.kappa)
         if counted is not None and not modes.window.complete:
             raise ConvergenceError(
                 f"{modes.window.found_below} eigenvalues found below kappa = "
@@ -183,35 +182,6 @@ class KrylovSchur:
         finally:
             self.solves += 1
             self._searched += driver.factorisations
-
-    def _judged(
-        self,
-        matrices: Matrices,
-        values: dict[str, float],
-        factors: Shifted,
-        found: Found,
-        top: float,
-        timer: StageTimer,
-        search: WindowSearch | None = None,
-    ) -> Modes:
-        """Modes of what was found, with their errors; with left vectors where a search is given."""
-        kappa, vectors = found.subspace.eigenpairs()
-        window = found.window(top, kappa)
-        with timer("post-processing"):  # those around the window show too what rounding does
-            conditions = found.subspace.conditions()
-            pairs = checked(matrices, factors, kappa, vectors, conditions)
-            if not matrices.symmetric:
-                bounds = cluster_bounds(
-                    found.subspace.projected, pairs.kappa, pairs.errors, pairs.conditions
-                )
-                pairs = replace(pairs, bounds=bounds)
-        left_vectors = None
-        if search is not None:
-            kappa, vectors = search.left()
-            self._kept.moved(values, factors.kappa)
-            with timer("post-processing"):
-                left_vectors = left_vectors_of(matrices, factors, pairs, kappa, vectors)
-        return modes_of(self.pencil, values, matrices, pairs, left_vectors, window)
 
     def nearest(
         self,

@@ -29,7 +29,12 @@ from cea.petsc import PETSc
 
 _DIFFERENT: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
-
+_SHIFT = 0.25
+"""Real part of the first shift relative to omega, where growth may be large."""
+_FARTHEST_SHIFT = 0.5
+"""The same where one disc then holds all that may grow."""
+_LEAST_SHIFT = 0.1
+"""The least: a shift is no eigenvalue of those that hardly grow."""
 _DEPTH = 0.02
 """X of the cone relative to omega^2."""
 _NEGATIVE = (1e-6, 1e-2, 0.1)
@@ -60,6 +65,22 @@ def largest_growth(matrices: Matrices, end: float) -> float:
         least = next((d for d in tried if _positive(matrices, damping, d)), np.inf)
         destroy(damping)
     return max(field.slope * end + 2 * least, float(np.sqrt(2 * field.depth)))
+
+
+def first_shift(largest: float, left: float, end: float) -> float:
+    """Real part (1/s) of the first shift: the disc about it holds all that may grow, or much of it.
+
+    Parameters
+    ----------
+    largest
+        Rate (1/s) that no eigenvalue exceeds.
+    left
+        Real part at which the window begins (1/s).
+    end
+        omega (1/s).
+    """
+    centre = max(_LEAST_SHIFT * end, 0.5 * (largest + left))
+    return centre if centre <= _FARTHEST_SHIFT * end else _SHIFT * end
 
 
 def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:

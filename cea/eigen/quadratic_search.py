@@ -18,7 +18,7 @@ from cea.arrays import Complexes
 from cea.eigen.companion import CompanionSearch
 from cea.eigen.krylov_run import CrowdedError
 from cea.eigen.pencil import Matrices
-from cea.eigen.quadratic_coverage import bounded_growth, largest_growth
+from cea.eigen.quadratic_coverage import bounded_growth, first_shift, largest_growth
 from cea.eigen.quadratic_shifted import QuadraticShifted
 from cea.eigen.quadratic_window import QuadraticFound, ShiftedDisc
 from cea.eigen.sensitivity import SAME
@@ -27,12 +27,6 @@ from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
-_SHIFT = 0.25
-"""Real part c of the first shift relative to omega, where growth may be large."""
-_FARTHEST_SHIFT = 0.5
-"""The same where one disc then holds all that may grow."""
-_LEAST_SHIFT = 0.1
-"""The least: a shift is no eigenvalue of those that hardly grow."""
 MARGIN = 0.005
 """What is covered beyond both ends of the window relative to omega: room between the window and the
 first mode beyond it, and conjugates of those next to the real axis."""
@@ -128,10 +122,7 @@ class QuadraticSearch:
             with self._timer("factorisation"):
                 modes = count_below(self._matrices, self._end**2)
             self._most = _CROWDED * modes + _FEW
-        centre = max(_LEAST_SHIFT * self._end, 0.5 * (largest + left))
-        if centre > _FARTHEST_SHIFT * self._end:
-            centre = _SHIFT * self._end
-        known, centre = self._not_crowded(centre)
+        known, centre = self._not_crowded(first_shift(largest, left, self._end))
         left = -self.decay
         growth = 2 * centre - left
         bounded = growth >= largest or self._bounded(growth)

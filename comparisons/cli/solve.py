@@ -1,7 +1,7 @@
 """The command ``cea solve``: modes of matrices given as files."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -21,6 +21,10 @@ def solve(
         float | None,
         typer.Option(help="Growth rate (1/s), zero or less, down to which damped modes count."),
     ] = None,
+    solver: Annotated[
+        Literal["block", "krylov-schur"],
+        typer.Option(help="What searches for modes; krylov-schur is slower, a reference."),
+    ] = "block",
     out: Annotated[Path, typer.Option(help="Folder for result.json.")] = Path("results/solve"),
     report: Annotated[
         bool, typer.Option("--report", help="Write report.html too: one file, to be played with.")
@@ -47,5 +51,7 @@ def solve(
             "analysis": analysis,
         }
     )
-    given = {"mass": mass, "damping": damping, "stiffness": stiffness}
-    report_matrices(scene, out, {**given, **analysis}, report=report)
+    given: dict[str, Any] = {"mass": mass, "damping": damping, "stiffness": stiffness}
+    if solver != "block":
+        given["solver"] = solver
+    report_matrices(scene, out, {**given, **analysis}, report=report, solver=solver)

@@ -19,6 +19,7 @@ SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {
     "small": {"pad": (4, 7, 2), "disc": (6, 36, 1)},
     "medium": {"pad": (7, 12, 4), "disc": (9, 60, 2)},
     "large": {"pad": (9, 16, 5), "disc": (16, 120, 3)},
+    "million": {"pad": (16, 28, 9), "disc": (30, 222, 5)},
 }
 """Boxes of each body along r, theta and z, six quadratic tetrahedra each."""
 MAX_FREQUENCY = 27e3

@@ -1,0 +1,43 @@
+"""Factors go to disk where memory would not do, and the result says so."""
+
+import numpy as np
+import pytest
+
+from cea.errors import InputError
+from scenes import factor_storage, memory
+from scenes.memory import estimated_memory
+from scenes.read import load_scene
+from scenes.run import run_modes
+
+
+def with_memory(monkeypatch, amount: float) -> None:
+    for module in (memory, factor_storage):
+        monkeypatch.setattr(module, "available_memory", lambda: amount / 0.9)
+
+
+def test_factors_go_to_disk_where_memory_would_not_do(backend, monkeypatch):
+    scene = load_scene("blocks", backend=backend)
+    plain = run_modes(scene)
+    assert "factors-on-disk" not in [warning.kind for warning in plain.warnings]
+    estimate = estimated_memory(scene)
+    assert estimate.bytes_with_files < estimate.bytes
+    with_memory(monkeypatch, 0.5 * (estimate.bytes + estimate.bytes_with_files))
+    result = run_modes(scene)
+    (told,) = [warning for warning in result.warnings if warning.kind == "factors-on-disk"]
+    assert told.data["memory_with_files"] < told.data["available"] < told.data["memory"]
+    np.testing.assert_allclose(
+        result.modes.eigenvalues, plain.modes.eigenvalues, rtol=1e-9, atol=1e-9
+    )
+
+
+def test_what_fits_neither_way_is_refused(monkeypatch):
+    scene = load_scene("disc_pad", backend="fe")
+    estimate = estimated_memory(scene)
+    with_memory(monkeypatch, 0.5 * (estimate.bytes + estimate.bytes_with_files))
+    monkeypatch.setattr(memory, "free_disk", lambda: 0.5 * estimate.files)
+    with pytest.raises(InputError, match=r"GB of factors on disk, where .* GB are free"):
+        run_modes(scene)
+    with_memory(monkeypatch, 0.9 * estimate.bytes_with_files)
+    monkeypatch.setattr(memory, "free_disk", lambda: 100 * estimate.files)
+    with pytest.raises(InputError, match="would, the other bodies coarser alike"):
+        run_modes(scene)
