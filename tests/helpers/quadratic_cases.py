@@ -17,7 +17,7 @@ def lumped_modes(entry):
 
 
 def damped(pencil, alpha, beta, turning=0.0):
-    """A pencil with alpha M + beta S as damping, and part of the mass made skew as rotation."""
+    """A pencil with alpha M + beta S as damping, and a skew matrix made of the mass as rotation."""
     terms = list(pencil.terms)
     for term in pencil.terms:
         rate = {"mass": alpha, "stiffness": beta}[term.role]
@@ -35,10 +35,13 @@ def damped(pencil, alpha, beta, turning=0.0):
 
 
 def _skew(matrix):
-    """The upper triangle of a matrix minus its transpose."""
+    """A M - M A with the diagonal A of a matrix M over its mean: the same on any ranks."""
     part = local_part(matrix).tocoo()
     rows = part.row + matrix.getOwnershipRange()[0]
-    part.data = np.where(part.col > rows, part.data, np.where(part.col < rows, -part.data, 0.0))
+    own = matrix.getDiagonal().array
+    diagonal = np.concatenate(matrix.comm.tompi4py().allgather(own))
+    diagonal /= diagonal.sum() / np.count_nonzero(diagonal)
+    part.data *= diagonal[rows] - diagonal[part.col]
     return distributed(part.tocsr(), matrix.getSizes()[1], matrix.comm)
 
 
