@@ -301,7 +301,9 @@ def test_short_names_are_solved_in_full_too():
 
 
 def test_doublets_begin_to_flutter_with_friction_itself(tmp_path):
-    coarse = [f"bodies.{name}.mesh.iga={{degree=[2,2],elements=[2,12]}}" for name in ("outer", "inner")]
+    coarse = [
+        f"bodies.{name}.mesh.iga={{degree=[2,2],elements=[2,12]}}" for name in ("outer", "inner")
+    ]
     wanted = AskedMap(
         "drum", (read_axis("mu=0:0.5:3"),), (*coarse, "analysis.max_frequency=0.3"), confirm=9
     )
