@@ -46,7 +46,7 @@ def assign(cost: Floats, limit: float | None = None) -> tuple[Ints, Ints]:
     return rows[paired], columns[paired]
 
 
-def group(values: Complexes, tolerance: float = DEGENERATE) -> list[Ints]:
+def group(values: Complexes, tolerance: float = DEGENERATE, least: float = 0.0) -> list[Ints]:
     """Groups of eigenvalues that touch: chains of neighbours closer than a relative distance.
 
     Parameters
@@ -55,6 +55,8 @@ def group(values: Complexes, tolerance: float = DEGENERATE) -> list[Ints]:
         Eigenvalues, shape (n,).
     tolerance
         Distance relative to the larger of two.
+    least
+        Size by which smaller ones are judged: rigid motions touch.
 
     Returns
     -------
@@ -63,8 +65,8 @@ def group(values: Complexes, tolerance: float = DEGENERATE) -> list[Ints]:
     """
     if not tolerance >= 0:
         raise InputError("tolerance", tolerance, "zero or positive")
-    size = np.maximum(np.abs(values)[:, None], np.abs(values))
-    near = np.abs(values[:, None] - values) <= tolerance * size
+    sizes = np.maximum(np.abs(values), least)
+    near = np.abs(values[:, None] - values) <= tolerance * np.maximum(sizes[:, None], sizes)
     return connected(near)
 
 

@@ -66,5 +66,5 @@ def judged(
     if search is not None:
         kappa, vectors = search.left()
         with timer("post-processing"):
-            left_vectors = left_vectors_of(matrices, factors, pairs, kappa, vectors)
+            left_vectors = left_vectors_of(matrices, factors, pairs, kappa, vectors, top)
     return modes_of(question.pencil, question.values, matrices, pairs, left_vectors, window)

@@ -19,6 +19,7 @@ from cea.eigen.eigenpairs import Eigenpairs, inverse_step
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
 from cea.eigen.pencil import Matrices, Pencil, Role
 from cea.eigen.shifted import Shifted
+from cea.eigen.spectrum import SLOW
 from cea.errors import ConvergenceError
 from cea.petsc import Mat
 
@@ -52,7 +53,12 @@ class LeftVectors:
 
 
 def left_vectors_of(
-    matrices: Matrices, factors: Shifted, pairs: Eigenpairs, kappa: Complexes, vectors: Complexes
+    matrices: Matrices,
+    factors: Shifted,
+    pairs: Eigenpairs,
+    kappa: Complexes,
+    vectors: Complexes,
+    top: float,
 ) -> LeftVectors:
     """Left vectors of eigenpairs, in their order.
 
@@ -64,10 +70,12 @@ def left_vectors_of(
         Eigenpairs.
     kappa, vectors
         Eigenvectors of K^T and their eigenvalues; none without friction, where right ones serve.
+    top
+        Upper end of the window (1/s^2).
     """
     if matrices.symmetric:
         return LeftVectors(pairs.vectors, pairs.forces)
-    y = biorthonormal(matrices.mass, pairs.kappa, pairs.vectors, kappa, vectors)
+    y = biorthonormal(matrices.mass, pairs.kappa, pairs.vectors, kappa, vectors, top)
     g = np.empty((0, len(pairs.kappa)), dtype=complex)
     if matrices.multipliers is not None:
         y, g = inverse_step(matrices, factors, pairs.kappa.conj(), y, transposed=True)
@@ -80,6 +88,7 @@ def biorthonormal(
     vectors: Complexes,
     left_kappa: Complexes,
     left_vectors: Complexes,
+    top: float,
 ) -> Complexes:
     """Left vectors in the order of right ones, with y_i^H M x_j = delta_ij.
 
@@ -93,14 +102,16 @@ def biorthonormal(
         Eigenvalues, shape (n,), and right vectors, the rows of this rank, shape (n_local, n).
     left_kappa, left_vectors
         Eigenvalues of the transposed problem and their vectors, at least as many.
+    top
+        Upper end of the window (1/s^2), by which rigid motions are judged: they have no speed.
 
     Raises
     ------
     ConvergenceError
         When an eigenvalue has no left vector.
     """
-    scale = np.abs(kappa).max(initial=np.finfo(float).tiny)
-    cost = np.abs(kappa[:, None] - left_kappa.conj()) / scale
+    slow = SLOW**2 * top
+    cost = np.abs(kappa[:, None] - left_kappa.conj()) / np.abs(kappa).max(initial=slow)
     rows, columns = assign(cost, SAME)
     if len(rows) < len(kappa):
         raise ConvergenceError(
@@ -108,7 +119,7 @@ def biorthonormal(
             best=left_kappa,
         )
     left = left_vectors[:, columns]
-    for members in group(kappa, np.sqrt(DEGENERATE)):
+    for members in group(kappa, np.sqrt(DEGENERATE), slow):
         image = times(mass, vectors[:, members])
         overlap = all_inner(left[:, members], image, mass.comm)
         left[:, members] = left[:, members] @ np.linalg.inv(overlap).conj().T

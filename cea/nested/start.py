@@ -100,8 +100,9 @@ def continued(
             pairs = checked(matrices, work.factors, kappa, found.right)
             left_vectors = None
             if left:
+                top = (2 * np.pi * max_frequency) ** 2
                 left_vectors = left_vectors_of(
-                    matrices, work.factors, pairs, kappa.conj(), found.left
+                    matrices, work.factors, pairs, kappa.conj(), found.left, top
                 )
             window = _window(max_frequency, work.factors.kappa, pairs.kappa)
             return modes_of(pencil, values, matrices, pairs, left_vectors, window)
