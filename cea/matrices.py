@@ -14,7 +14,9 @@ type Rows = tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]], Floats]
 """Where each row starts and the last ends, columns, values."""
 
 
-def distributed(rows: csr_array, columns: tuple[int, int], comm: Any) -> Any:
+def distributed(
+    rows: csr_array, columns: tuple[int, int], comm: Any, *, shared: bool = False
+) -> Any:
     """PETSc AIJ matrix of the rows of every rank, one rank's after another's.
 
     Parameters
@@ -25,12 +27,18 @@ def distributed(rows: csr_array, columns: tuple[int, int], comm: Any) -> Any:
         Columns of this rank and of all, as PETSc's layouts have them.
     comm
         Communicator.
+    shared
+        Whether on one rank the matrix may take the memory of its rows, which are then left alone;
+        the columns of each must rise.
     """
-    return PETSc.Mat().createAIJ(
-        size=((rows.shape[0], PETSc.DETERMINE), columns),
-        csr=(rows.indptr.astype(PETSc.IntType), rows.indices.astype(PETSc.IntType), rows.data),
-        comm=comm,
+    size: Any = ((rows.shape[0], PETSc.DETERMINE), columns)
+    starts, indices = (
+        part.astype(PETSc.IntType, copy=False) for part in (rows.indptr, rows.indices)
     )
+    csr: Any = (starts, indices, rows.data)
+    if shared and comm.size == 1:
+        return PETSc.Mat().createAIJWithArrays(size, csr, comm=comm)
+    return PETSc.Mat().createAIJ(size=size, csr=csr, comm=comm)
 
 
 def from_blocks(inner: Rows, outer: Rows, comm: Any, *, block_size: int | None = None) -> Any:

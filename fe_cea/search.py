@@ -2,16 +2,12 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import basix
-import basix.ufl
 import numpy as np
-from dolfinx.geometry import bb_tree, compute_collisions_points
-from dolfinx.mesh import create_mesh
+from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
-from cea.petsc import MPI
 from fe_cea.facets import FacetLayer
 
 _BULGE_SAFETY = 1.1
@@ -68,36 +64,30 @@ class FacetBounds:
         return self.layer.facet_nodes[:, :count]
 
     @cached_property
-    def _trees(self) -> dict[float, Any]:
-        """Trees of the boxes by reach."""
-        return {}
-
-    @cached_property
-    def _intervals(self) -> Any:
-        """One interval for each facet, from corner to corner of its box (dolfinx)."""
-        dim = self.layer.dim
-        interval = basix.ufl.element("Lagrange", "interval", 1, shape=(dim,))
-        ends = np.stack(self.boxes, axis=1).reshape(-1, dim)
-        return create_mesh(MPI.COMM_SELF, np.arange(len(ends)).reshape(-1, 2), interval, ends)
+    def _trees(self) -> list[tuple[Ints, cKDTree, float]]:
+        """Facets whose boxes are of like size, a tree of their centres, their half extent (m)."""
+        low, high = self.boxes
+        half = 0.5 * (high - low).max(axis=1)
+        kind = np.frexp(half)[1]
+        every = [np.flatnonzero(kind == each) for each in np.unique(kind)]
+        return [(some, _tree(0.5 * (low + high)[some]), float(half[some].max())) for some in every]
 
     def within(self, x: Floats, reach: float) -> tuple[Ints, Ints]:
         """Points and facets whose box comes within reach of them, one pair a row."""
-        dim = self.layer.dim
-        padded = np.zeros((len(x), 3))
-        padded[:, :dim] = x
-        found = compute_collisions_points(self._tree(reach), padded)
-        point = np.repeat(np.arange(len(x)), np.diff(found.offsets))
-        number = self._intervals.topology.original_cell_index
-        return point, number[found.array].astype(np.int64)
-
-    def _tree(self, reach: float) -> Any:
-        """Tree of the boxes, widened by a reach (dolfinx); few reaches are ever asked for."""
-        if reach not in self._trees:
-            mesh = self._intervals
-            # Room for rounding, beside a reach that may be zero.
-            room = 1e-6 * 2 * float(self.balls[1].max())
-            self._trees[reach] = bb_tree(mesh, mesh.topology.dim, padding=reach + room)
-        return self._trees[reach]
+        # Room for rounding, beside a reach that may be zero.
+        room = reach + 1e-6 * 2 * float(self.balls[1].max())
+        low, high = self.boxes
+        points, facets, tree = [], [], _tree(x)
+        for some, centres, half in self._trees:
+            pairs = tree.sparse_distance_matrix(
+                centres, half + room, p=np.inf, output_type="ndarray"
+            )
+            point, facet = pairs["i"].astype(np.int64), some[pairs["j"]]
+            at = x[point]
+            near = ((at >= low[facet] - room) & (at <= high[facet] + room)).all(axis=1)
+            points.append(point[near])
+            facets.append(facet[near])
+        return np.concatenate(points), np.concatenate(facets)
 
     def near_lines(
         self, point: Ints, element: Ints, x: Floats, direction: Floats, reach: float
@@ -110,3 +100,8 @@ class FacetBounds:
         across = np.linalg.norm(offset - along[:, None] * aim, axis=1)
         near = _NEAR * radius[element]
         return (across <= near) & (np.abs(along) <= reach + near)
+
+
+def _tree(x: Floats) -> cKDTree:
+    """Tree that is quick to make: it is asked once or twice."""
+    return cKDTree(x, balanced_tree=False, compact_nodes=False)

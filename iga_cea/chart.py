@@ -62,6 +62,33 @@ class _Block:
         return near, self.xi[nearest] + step
 
 
+@dataclass(frozen=True)
+class _Flat:
+    """A whole face that parameters map affinely: one step of Newton's method ends anywhere on it.
+
+    Parameters
+    ----------
+    element
+        Number of the face.
+    middle
+        Its middle parameters, (dim - 1,).
+    low, high
+        Least and greatest coordinates (m), (dim,).
+    """
+
+    element: int
+    middle: Floats
+    low: Floats
+    high: Floats
+
+    def starts(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Floats]:
+        """Points that may meet the face within a reach, and xi to start from."""
+        bound = reach + 1e-9 * (reach + float((self.high - self.low).max()))
+        boxed = (x >= self.low - bound) & (x <= self.high + bound)
+        near = np.flatnonzero(boxed.all(axis=1))
+        return near, np.broadcast_to(self.middle, (len(near), len(self.middle)))
+
+
 class FaceChart:
     """Faces of patches, numbered in order, as elements of a surface.
 
@@ -87,7 +114,7 @@ class FaceChart:
         holds an answer is left out. Each block in reach starts from a step of Newton's method at
         its sample nearest the point. A short reach leaves one or two starts, all near the answer;
         a long one, under which Newton's method could be drawn to the wrong end of a curved face,
-        leaves starts all over it.
+        leaves starts all over it. A flat face of even parameters needs one.
         """
         points, elements, starts = [], [], []
         for block in self._blocks:
@@ -134,14 +161,19 @@ class FaceChart:
         return ends[:, :, 0], ends[:, :, 1]
 
     @cached_property
-    def _blocks(self) -> list[_Block]:
+    def _blocks(self) -> list[_Block | _Flat]:
         return [
             block for number, face in enumerate(self.faces) for block in _blocks_of(number, face)
         ]
 
 
-def _blocks_of(number: int, face: PatchFace) -> Iterator[_Block]:
+def _blocks_of(number: int, face: PatchFace) -> Iterator[_Block | _Flat]:
     """Cut the spans of a face into blocks and sample each, boundary included."""
+    if face.affine is not None:
+        ends = grid_points(tuple(knots[[0, -1]] for knots in face.knots))
+        corners = face.tangents(ends)[0]
+        yield _Flat(number, ends.mean(axis=0), corners.min(axis=0), corners.max(axis=0))
+        return
     parts = []
     for breaks in face.breaks:
         spans = np.array_split(np.arange(len(breaks) - 1), min(_BLOCKS, len(breaks) - 1))

@@ -19,6 +19,9 @@ from iga_cea.splines import basis_functions, basis_matrix, greville
 _SINGULAR = 1e-12
 """Jacobian taken for zero, relative to the power of its longest tangent."""
 
+_ROUNDING = 16 * np.finfo(float).eps
+"""Distance of control points from those of a flat face of even parameters that is rounding."""
+
 _BESIDE = 1e-6
 """How far from a collapsed edge limits are taken, relative to half the range of a parameter."""
 
@@ -138,13 +141,52 @@ class PatchFace:
         weighted /= weighted.sum(axis=1, keepdims=True)
         return self._outer_dofs[at], weighted
 
+    @cached_property
+    def affine(self) -> tuple[Floats, Floats] | None:
+        """Position (m) of its first corner, (dim,), and derivatives along xi, (dim, dim - 1).
+
+        None where they vary by more than the rounding of control points. A spline whose
+        coefficients are those of an affine map, its values at the Greville abscissae, is that map.
+        """
+        net, weights = self.control_points[..., 0, :], self.weights[..., 0]
+        if np.ptp(weights) > _ROUNDING * weights.max():
+            return None
+        corner = net[(0,) * (self.dim - 1)]
+        ends = [net[tuple(-int(k == axis) for k in self._axes)] for axis in self._axes]
+        length = np.array([knots[-1] - knots[0] for knots in self.knots])
+        edges = (np.array(ends) - corner).T / length
+        flat = corner + self._from_first_corner(grid_points(self.greville)) @ edges.T
+        off = np.abs(flat - self._points[:, 0]).max()
+        return (corner, edges) if off <= _ROUNDING * np.abs(net).max() else None
+
+    @property
+    def flat_area(self) -> float:
+        """Area (m^2; length in 2D) of a face that is affine."""
+        assert self.affine is not None
+        extent = np.prod([knots[-1] - knots[0] for knots in self.knots])
+        return float(extent * np.linalg.norm(cross(self.affine[1][None])))
+
+    @property
+    def _axes(self) -> range:
+        return range(self.dim - 1)
+
+    def _from_first_corner(self, xi: Floats) -> Floats:
+        """Parameters counted from the least."""
+        return xi - np.array([knots[0] for knots in self.knots])
+
     def tangents(self, xi: Floats) -> tuple[Floats, Floats]:
         """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
+        if self.affine is not None:
+            corner, edges = self.affine
+            x = corner + self._from_first_corner(xi) @ edges.T
+            return x, np.broadcast_to(edges, (len(xi), *edges.shape))
         at, splines, slopes = self._splines(xi, derivatives=True)
         return projected(np.stack([splines, *slopes], axis=1) @ self._homogeneous[at])
 
     def tangents_on(self, parameters: tuple[Floats, ...]) -> tuple[Floats, Floats]:
         """The same on a tensor grid of parameters, points in C order: one direction at a time."""
+        if self.affine is not None:
+            return self.tangents(grid_points(parameters))
         net = self._homogeneous.reshape(*self.weights.shape[:-1], self.dim + 1)
         parts = [net] * self.dim
         for k, (knots, p) in enumerate(zip(self.knots, self.degrees, strict=True)):
@@ -168,6 +210,11 @@ class PatchFace:
         return self._normals(grid_points(parameters), *self.tangents_on(parameters))
 
     def _normals(self, xi: Floats, x: Floats, tangents: Floats) -> tuple[Floats, Floats, Floats]:
+        if self.affine is not None:
+            flat = cross(self.affine[1][None])
+            size = np.linalg.norm(flat)
+            normal = np.broadcast_to(self._handedness * flat / size, x.shape)
+            return x, normal, np.full(len(x), size)
         vector = cross(tangents)
         area = np.linalg.norm(vector, axis=1)
         longest = np.linalg.norm(tangents, axis=1).max(axis=1)

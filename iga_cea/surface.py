@@ -69,6 +69,9 @@ class NurbsSurface(FaceChart):
         """Area by n points per span and direction, some spans at a time."""
         total = 0.0
         for face in self.faces:
+            if face.affine is not None:
+                total += face.flat_area
+                continue
             rules = [gauss_rule(breaks, n) for breaks in face.breaks]
             (t, weight), others = rules[0], [(x.ravel(), w.ravel()) for x, w in rules[1:]]
             per_span = n * prod(len(x) for x, _ in others)

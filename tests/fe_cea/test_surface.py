@@ -23,6 +23,7 @@ ANNULUS = Annulus(0.5, 1.0, 0.0, 0.3)
 MESHES = {
     "box": (BOX, (3, 3, 2), {"x": [0.6]}, 0.4),
     "annulus": (ANNULUS, (2, 16, 1), None, 0.25),
+    "graded": (BOX, (6, 3, 3), {"x": [0.101, 0.11, 0.2], "z": [0.21]}, 0.4),
 }
 
 every_element = pytest.mark.parametrize(("cell", "degree"), ELEMENTS)
@@ -286,7 +287,9 @@ class EveryPair:
 
 
 @pytest.mark.parametrize(("cell", "degree"), [("tetrahedron", 2), ("hexahedron", 2)])
-@pytest.mark.parametrize(("kind", "name"), [("box", "y_max"), ("annulus", "outer")])
+@pytest.mark.parametrize(
+    ("kind", "name"), [("box", "y_max"), ("annulus", "outer"), ("graded", "y_max")]
+)
 def test_candidates_agree_with_brute_force(kind, name, cell, degree):
     """2000 points in and around the surface, directions aslant: the same status for all."""
     surface = make(kind, cell, degree).surfaces[name]

@@ -9,7 +9,7 @@ from iga_data import TILTED, body
 from cea.surface import Status
 from meshes.patches import GivenPatch, Patches
 from meshes.placement import Placement
-from meshes.shapes import Annulus, Disc, Hub
+from meshes.shapes import Annulus, Box, Disc, Hub
 
 COUNTS = [10_000, pytest.param(100_000, marks=pytest.mark.slow)]
 UNITS_BEYOND = 0.15
@@ -120,3 +120,30 @@ def test_disc_with_a_collapsed_axis(count: int) -> None:
     found = located(top, x, np.tile([0.0, 0.0, -1.0], (count, 1)), 0.1)
     np.testing.assert_array_equal(found.missed, radius > 1.2)
     assert np.abs(found.distance[radius < 1.2] - 0.03).max() < 1e-14
+
+
+def test_flat_faces_are_taken_for_what_they_are() -> None:
+    """Sides of a turned box as affine maps and by their splines; no flat side of a ring is one."""
+    sides = [body(Box((2.0, 1.0, 0.5)), (5, 4, 2), (2, 3, 2)).surfaces["y_max"] for _ in range(2)]
+    flat, general = sides
+    for face in general.faces:
+        face.__dict__["affine"] = None
+    assert all(face.affine is not None for face in flat.faces)
+    assert general.area == pytest.approx(flat.area, rel=1e-14)
+    given, same = flat.gauss_points(3), general.gauss_points(3)
+    for found, expected in ((given.x, same.x), (given.normal, same.normal)):
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(given.weight, same.weight, rtol=1e-13)
+    rng = np.random.default_rng(8)
+    x = given.x[rng.integers(0, len(given), 2000)] + rng.normal(0, 0.15, (2000, 3))
+    direction = given.normal[0] + rng.normal(0, 0.2, (2000, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    found, expected = (side.locate(x, direction, 0.15) for side in sides)
+    assert 200 < found.missed.sum() < 1800
+    assert np.array_equal(found.status, expected.status)
+    hit = ~found.missed
+    np.testing.assert_allclose(found.distance[hit], expected.distance[hit], rtol=0, atol=1e-13)
+    np.testing.assert_allclose(found.at.xi[hit], expected.at.xi[hit], rtol=0, atol=1e-13)
+    for name in ("top", "outer"):
+        ring = body(Annulus(0.8, 1.7, -0.1, 0.2), (2, 8, 1), (2, 2, 2)).surfaces[name]
+        assert all(face.affine is None for face in ring.faces)
