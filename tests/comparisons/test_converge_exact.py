@@ -59,3 +59,12 @@ def test_digits_asked_for_are_reached(name, backend, digits):
     found = shares(ExactScene(name), digits, (backend,))
     assert (found <= 3).all()
     assert (found <= 1).mean() >= 0.9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("digits", [2, 3])
+def test_the_ring_in_space_reaches_its_digits(backend, digits):
+    """With a rigid rotation of its disc, and curved cells."""
+    found = shares(ExactScene("ring"), digits, (backend,))
+    assert (found <= 3).all()
+    assert (found <= 1).mean() >= 0.9
