@@ -102,7 +102,8 @@ def bar(
         Error of each number by rounding, beside that of its mesh.
     usual
         Last difference that numbers of this size have in the window: of two numbers alone, a
-        smaller difference is taken for luck.
+        smaller difference is taken for luck, and of more one below a part of it. What a mode owes
+        to something else than the others, as to the shape of curved cells, need not fall as theirs.
     """
     if len(values) < 2:
         return Bar(inf, None)
@@ -118,7 +119,7 @@ def bar(
     before, step = np.diff(positions[-3:])
     used = min(rate, MOST, MOST if typical is None else max(typical, LEAST))
     likely = -_LUCK * former * np.expm1(-used * step) / np.expm1(used * before)
-    size = SAFETY * max(last, likely) / np.expm1(used * step)
+    size = SAFETY * max(last, likely, _LUCK * usual) / np.expm1(used * step)
     return Bar(float(size) + rounding, rate)
 
 

@@ -1,16 +1,15 @@
 """What both backends say of each mode together: the better value, the distance, the verdict."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.spectrum import Verdict
-from comparisons.converge.following import Sequence
+from comparisons.converge.following import Sequence, matched
 from comparisons.converge.judged import Judged, frequency_of
 from comparisons.converge.quantities import Member
-from scenes.run_matching import match_runs
 from scenes.spec.body import Backend
 
 
@@ -49,6 +48,7 @@ class Mode:
             "growth": member.value.real,
             "growth_bar": _known(member.growth_bar),
             "verdict": member.verdict,
+            "rigid": member.rigid,
             "rate": member.rate,
             "levels": member.levels,
             "agree": self.agree,
@@ -94,27 +94,23 @@ def _of_both(
     one: Backend,
     other: Backend,
 ) -> list[Mode]:
-    results = [sequences[backend].last.result for backend in (one, other)]
-    assert results[0] is not None
-    assert results[1] is not None
-    match = match_runs(results[0], results[1])
+    groups = matched(sequences[one].last, sequences[other].last)
     pairs: list[tuple[int, int]] = []
-    for group in match.groups:
+    for first, second in groups:
         values = [
             np.array([judged[backend].members[i].value for i in numbers])
-            for backend, numbers in ((one, group.first), (other, group.second))
+            for backend, numbers in ((one, first), (other, second))
         ]
         rows, columns = assign(np.abs(values[0][:, None] - values[1]))
-        pairs += [
-            (int(group.first[i]), int(group.second[j])) for i, j in zip(rows, columns, strict=True)
-        ]
+        pairs += [(int(first[i]), int(second[j])) for i, j in zip(rows, columns, strict=True)]
     found = []
     for i, j in pairs:
         numbers: dict[Backend, int] = {one: i, other: j}
         members = {backend: judged[backend].members[n] for backend, n in numbers.items()}
         found.append(_mode(members, numbers, judged))
-    for backend, alone in ((one, match.only_first), (other, match.only_second)):
-        for n in alone.tolist():
+    for side, backend in enumerate((one, other)):
+        followed = {int(n) for group in groups for n in group[side]}
+        for n in set(range(len(judged[backend].members))) - followed:
             found.append(_mode({backend: judged[backend].members[n]}, {backend: n}, judged))
     return found
 
@@ -135,18 +131,12 @@ def _mode(
     verdicts = {a.verdict, b.verdict}
     verdict: Verdict = best.verdict
     if not agree:
-        best = Member(
-            best.value,
-            max(best.frequency_bar, frequency),
-            max(best.growth_bar, growth),
-            best.verdict,
-            best.rate,
-            best.levels,
+        best = replace(
+            best,
+            frequency_bar=max(best.frequency_bar, frequency),
+            growth_bar=max(best.growth_bar, growth),
         )
         verdict = best.verdict if len(verdicts) == 1 else "undecided"
     elif {"stable", "unstable"} <= verdicts:
         verdict = "undecided"
-    member = Member(
-        best.value, best.frequency_bar, best.growth_bar, verdict, best.rate, best.levels
-    )
-    return Mode(backend, member, members, agree, changed)
+    return Mode(backend, replace(best, verdict=verdict), members, agree, changed)

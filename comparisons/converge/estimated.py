@@ -8,6 +8,8 @@ solve changed beside its rounding; it has no vectors, so that no mesh can follow
 from dataclasses import replace
 from time import perf_counter
 
+import numpy as np
+
 from cea.errors import InputError
 from comparisons.converge.levels import Level
 from comparisons.kit.progress import Progress
@@ -71,6 +73,7 @@ def estimated_level(level: Level, richer: Scene, progress: Progress) -> Level:
     assert level.result is not None
     begun = perf_counter()
     found = estimate_errors(level.result, richer, listener=progress.stage)
+    uncertainties = found.uncertainties + found.remaining
     return replace(
         level,
         resolution=richer_resolution(level),
@@ -78,7 +81,8 @@ def estimated_level(level: Level, richer: Scene, progress: Progress) -> Level:
         seconds=float(level.result.comm.bcast(perf_counter() - begun)),
         estimated=seconds_of(richer, 1.0),
         eigenvalues=found.corrected,
-        uncertainties=found.uncertainties + found.remaining,
+        uncertainties=uncertainties,
+        rigid=level.rigid & (np.abs(found.corrected) <= uncertainties),
         result=None,
         corrected=True,
     )

@@ -52,10 +52,7 @@ class Sequence:
         """Match the modes of a new level with those of the last one; collective."""
         if self.levels:
             last = self.levels[-1]
-            assert last.result is not None
-            assert level.result is not None
-            match = match_runs(last.result, level.result)
-            self.links.append([(group.first, group.second) for group in match.groups])
+            self.links.append(matched(last, level))
             self.levels[-1] = last.forgotten()
         self.levels.append(level)
         self.correction = None
@@ -64,6 +61,25 @@ class Sequence:
     def last(self) -> Level:
         """The newest level."""
         return self.levels[-1]
+
+
+def matched(first: Level, second: Level) -> list[tuple[Ints, Ints]]:
+    """Groups of modes of two meshes that stand for one another, by their numbers; collective.
+
+    Rigid motions stand for rigid motions where there are as many: rounding is no eigenvalue to
+    match them by.
+    """
+    assert first.result is not None
+    assert second.result is not None
+    levels = (first, second)
+    at_rest = [np.flatnonzero(level.rigid) for level in levels]
+    if len(at_rest[0]) != len(at_rest[1]) or not len(at_rest[0]):
+        match = match_runs(first.result, second.result)
+        return [(group.first, group.second) for group in match.groups]
+    moving = [np.flatnonzero(~level.rigid) for level in levels]
+    match = match_runs(first.result, second.result, *moving)
+    groups = [(moving[0][group.first], moving[1][group.second]) for group in match.groups]
+    return [(at_rest[0], at_rest[1]), *groups]
 
 
 @dataclass(frozen=True)

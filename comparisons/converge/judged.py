@@ -97,6 +97,8 @@ def shortfall(member: Member, request: Request, threshold: float | None) -> floa
     threshold
         Growth rate (1/s) below which errors are relative to it; None takes 1e-4 of abs(lambda).
     """
+    if member.rigid:  # zero has no digits
+        return 0.0
     speed = max(abs(member.value), np.finfo(float).tiny)
     of_frequency = member.frequency_bar / (request.tolerance * speed)
     if member.verdict != "unstable":

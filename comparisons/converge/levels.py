@@ -4,6 +4,9 @@ from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cea.arrays import Complexes, Floats
 from comparisons.kit.progress import Progress
 from scenes.memory import estimated_memory
@@ -41,6 +44,8 @@ class Level:
         Errors of lambda by rounding and backward error (1/s), shape (n,).
     residuals
         Relative residuals, shape (n,).
+    rigid
+        Modes whose lambda is zero but for rounding, as nothing holds their motion, shape (n,).
     complete
         Whether the window is known to hold every mode.
     result
@@ -58,6 +63,7 @@ class Level:
     eigenvalues: Complexes
     uncertainties: Floats
     residuals: Floats
+    rigid: NDArray[np.bool_]
     complete: bool
     result: ModesResult | None = field(repr=False)
     corrected: bool = False
@@ -138,6 +144,7 @@ def run_level(scene: Scene, backend: Backend, resolution: Resolution, progress: 
         result.eigenvalues,
         result.modes.growth_uncertainties,
         result.modes.residuals,
+        result.modes.rigid,
         result.modes.window.complete,
         result,
     )

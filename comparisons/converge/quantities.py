@@ -39,6 +39,8 @@ class Member:
         Observed order over that of theory; None where none is seen.
     levels
         Meshes that it was followed over.
+    rigid
+        Whether it is a motion that nothing holds: lambda is zero to its rounding on every mesh.
     """
 
     value: complex
@@ -47,6 +49,7 @@ class Member:
     verdict: Verdict
     rate: float | None
     levels: int
+    rigid: bool = False
 
 
 @dataclass(frozen=True)
@@ -57,13 +60,14 @@ class _History:
     rounding: Floats
     residual: float
     positions: list[float]
+    rigid: bool
 
 
 def _history(cluster: Cluster, sequence: Sequence) -> _History:
     """The members on all levels, each beside the one of the newest that is nearest."""
     newest = sequence.last.eigenvalues[cluster.newest]
     rows, rounding, resolutions = [], np.zeros(len(newest)), []
-    residual = 0.0
+    residual, rigid = 0.0, True
     for numbers, level in zip(cluster.members, sequence.levels, strict=True):
         if numbers is None:
             continue
@@ -71,9 +75,11 @@ def _history(cluster: Cluster, sequence: Sequence) -> _History:
         rows.append(level.eigenvalues[numbers][ordered])
         rounding = level.uncertainties[numbers][ordered]
         residual = float(level.residuals[numbers].max())
+        rigid &= bool(level.rigid[numbers].all())
         resolutions.append(level.resolution)
     values = np.array(rows)
-    return _History(values, rounding, residual, _positions(values, resolutions, sequence))
+    positions = _positions(values, resolutions, sequence)
+    return _History(values, rounding, residual, positions, rigid and len(values) > 1)
 
 
 def _positions(values: Complexes, resolutions: list[Resolution], sequence: Sequence) -> list[float]:
@@ -114,6 +120,8 @@ def window_of(found: list[Cluster], sequence: Sequence, *, damped: bool) -> Wind
     rates, changes = [], []
     for cluster in found:
         history = _history(cluster, sequence)
+        if history.rigid:
+            continue
         numbers = (history.values if damped else history.values**2).mean(axis=1)
         rates.append(rate_of(numbers.tolist(), history.positions))
         if len(numbers) > 1 and numbers[-1] != 0:
@@ -141,6 +149,8 @@ def members_of(
         Whether anything can grow: something damps, rotates or rubs.
     """
     history = _history(cluster, sequence)
+    if history.rigid:
+        return _rigid(history)
     if damped:
         return _each(history, window, of_squares=False)
     if not grows:
@@ -148,6 +158,15 @@ def members_of(
     if len(cluster.newest) == 2:
         return _pair(history, window)
     return _undamped(history, window)
+
+
+def _rigid(history: _History) -> list[Member]:
+    """Motions that nothing holds: every mesh has them, and lambda = 0 but for rounding."""
+    bars = np.abs(history.values[-1]) + history.rounding
+    return [
+        Member(complex(value), bar, bar, "stable", None, len(history.values), rigid=True)
+        for value, bar in zip(history.values[-1], bars.tolist(), strict=True)
+    ]
 
 
 def _each(history: _History, window: Window, *, of_squares: bool) -> list[Member]:

@@ -227,7 +227,8 @@ def _compared(
 def _data(
     courses: Mapping[Backend, Course], modes: list[Mode], request: Request, scene: Scene
 ) -> dict[str, Any]:
-    final = np.array([mode.member.value for mode in modes], complex)
+    moving = [mode.member for mode in modes if not mode.member.rigid]
+    final = np.array([member.value for member in moving], complex)
     levels = []
     for course in courses.values():
         levels += [(level, _errors(level, final)) for level in course.levels]
@@ -256,7 +257,7 @@ def _highest(scene: Scene) -> float:
 
 
 def _errors(level: Level, final: np.ndarray) -> dict[str, Any]:
-    """Distance of a mesh's eigenvalues from the final ones, relative to abs(lambda)."""
+    """Distance of a mesh's eigenvalues from the final ones but zeros, relative to abs(lambda)."""
     values = level.eigenvalues
     if not len(final) or not len(values):
         return {"worst": None, "median": None, "missing": len(final)}

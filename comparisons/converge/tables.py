@@ -156,7 +156,7 @@ def floor_of(data: Data) -> float:
     bars = [
         mode["frequency_bar"] / mode["frequency"]
         for mode in data["modes"]
-        if mode["frequency_bar"] is not None and mode["frequency"] > 0
+        if mode["frequency_bar"] is not None and mode["frequency"] > 0 and not mode["rigid"]
     ]
     return max(bars, default=0.0)
 

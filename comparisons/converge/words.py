@@ -61,11 +61,20 @@ def singular(data: Data) -> str:
         for i, mode in enumerate(data["modes"], 1)
         if mode["rate"] is not None and mode["rate"] < SINGULAR_RATE
     ]
-    unseen = sum(mode["rate"] is None for mode in data["modes"])
+    unseen = sum(mode["rate"] is None and not mode["rigid"] for mode in data["modes"])
     said = f"Singular modes: {listed(found)}." if found else "No mode is seen to be singular."
     if unseen:
         said += f" No order is seen in {counted(unseen, 'mode')}."
     return said
+
+
+def rigid(data: Data) -> list[str]:
+    """Motions that nothing holds."""
+    found = [str(i) for i, mode in enumerate(data["modes"], 1) if mode["rigid"]]
+    if not found:
+        return []
+    said = f"{'Modes' if found[1:] else 'Mode'} {listed(found)}: rigid motion that nothing holds, "
+    return [f"{said}lambda = 0 on every mesh but for rounding. No digits are asked of it."]
 
 
 def lost(data: Data) -> list[str]:
