@@ -10,6 +10,7 @@ from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Role
 from cea.eigen.sensitivity import POWERS
 from cea.reduced.pieces import Values
+from cea.reduced.products import real_times
 from cea.reduced.quadratic import quadratic_spectrum
 from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
 
@@ -123,7 +124,7 @@ class SmallPencil:
             factor = piece.coefficient.at(values) if piece.role != "stiffness" else 0.0
             if not (slope or factor):
                 continue
-            projected = np.einsum("ij,ij->j", y, piece.square @ x)
+            projected = np.einsum("ij,ij->j", y, real_times(piece.square, x))
             change += slope * eigenvalues ** POWERS[piece.role] * projected
             if factor:
                 speeds = 2 * eigenvalues if piece.role == "mass" else 1.0
