@@ -164,12 +164,10 @@ class _Judged:
         values, speeds = pairs.values, np.abs(pairs.values)
         lost = K.lost + speeds * D.lost + speeds**2 * M.lost
         x, y, back = pairs.right, pairs.left, values.conj()
-        r = (
-            real_times(K.right, x)
-            + real_times(D.right, x) * values
-            + real_times(M.right, x) * values**2
-        )
-        s = real_times(K.left, y) + real_times(D.left, y) * back + real_times(M.left, y) * back**2
+        of_k, of_d, of_m = (real_times(each.right, x) for each in (K, D, M))
+        r = of_k + of_d * values + of_m * values**2
+        of_k, of_d, of_m = (real_times(each.left, y) for each in (K, D, M))
+        s = of_k + of_d * back + of_m * back**2
         return [
             np.linalg.norm(defect, axis=0) + lost * np.linalg.norm(vectors, axis=0)
             for defect, vectors in ((r, x), (s, y))
@@ -191,16 +189,10 @@ class _Judged:
         sizes = [float(np.linalg.norm(each, 2)) for each in (x, y)]
         x, y = (solve_triangular(self.root, each, lower=True, trans="T") for each in (x, y))
         K, D, M, back = self.stiffness, self.damping, self.mass, block.conj().T
-        r = (
-            real_times(K.right, x)
-            + real_times(D.right, x) @ block
-            + real_times(M.right, x) @ block @ block
-        )
-        s = (
-            real_times(K.left, y)
-            + real_times(D.left, y) @ back
-            + real_times(M.left, y) @ back @ back
-        )
+        of_k, of_d, of_m = (real_times(each.right, x) for each in (K, D, M))
+        r = of_k + of_d @ block + of_m @ block @ block
+        of_k, of_d, of_m = (real_times(each.left, y) for each in (K, D, M))
+        s = of_k + of_d @ back + of_m @ back @ back
         speed = float(np.linalg.norm(block, 2))
         lost = K.lost + speed * D.lost + speed**2 * M.lost
         lengths = [
