@@ -160,7 +160,7 @@ class SmallPencil:
             ),
             self.settings,
             self.roundings,
-            axes,
+            axes if self.axes is None else self.axes @ axes,
         )
 
     def spanned(self, found: ReducedSpectrum, values: Values) -> Floats:
@@ -169,8 +169,7 @@ class SmallPencil:
         Real and imaginary parts of right and left vectors, of unit length, and the static
         displacements under the forces that stiff pieces have on them: X is one in this basis.
         """
-        units = [each / np.linalg.norm(each, axis=0) for each in (found.right, found.left)]
-        vectors = np.hstack([part for each in units for part in (each.real, each.imag)])
+        vectors = columns_of(found.right, found.left)
         blocks = [vectors]
         for piece in self.pieces:
             if piece.stiff:
@@ -208,6 +207,13 @@ class SmallPencil:
                 left += factor * piece.left
         lost = sum(abs(factor) * piece.lost for factor, piece in parts)
         return Residuals(square, both + right, both + left, lost)
+
+
+def columns_of(right: Complexes, left: Complexes) -> Floats:
+    """Real and imaginary parts of right and left vectors, each of unit length, those not zero."""
+    units = [each / np.linalg.norm(each, axis=0) for each in (right, left)]
+    vectors = np.hstack([part for each in units for part in (each.real, each.imag)])
+    return vectors[:, vectors.any(axis=0)]
 
 
 def _padded(rows_of: Floats, rows: int) -> Floats:
