@@ -195,18 +195,28 @@ class SmallPencil:
             for piece in self.pieces
             if piece.role == role and (factor := piece.coefficient.at(values))
         ]
-        k, q = self.size, len(self.pieces[0].right)
-        square, both = np.zeros((k, k)), np.zeros((q, k))
-        right, left = np.zeros((q, k)), np.zeros((q, k))
-        for factor, piece in parts:
-            square += factor * piece.square
-            if piece.symmetric:
-                both += factor * piece.right
-            else:
-                right += factor * piece.right
-                left += factor * piece.left
+        square = _weighted(
+            [(factor, piece.square) for factor, piece in parts], (self.size, self.size)
+        )
+        shape = self.pieces[0].right.shape
+        both = [(factor, piece.right) for factor, piece in parts if piece.symmetric]
+        left = right = _weighted(both, shape)
+        one_sided = [(factor, piece) for factor, piece in parts if not piece.symmetric]
+        if one_sided:
+            left = right + _weighted([(f, piece.left) for f, piece in one_sided], shape)
+            right = right + _weighted([(f, piece.right) for f, piece in one_sided], shape)
         lost = sum(abs(factor) * piece.lost for factor, piece in parts)
-        return Residuals(square, both + right, both + left, lost)
+        return Residuals(square, right, left, lost)
+
+
+def _weighted(parts: list[tuple[float, Floats]], shape: tuple[int, ...]) -> Floats:
+    """Sum of factors times matrices of one shape."""
+    if not parts:
+        return np.zeros(shape)
+    total = parts[0][0] * parts[0][1]
+    for factor, matrix in parts[1:]:
+        total += factor * matrix
+    return total
 
 
 def columns_of(right: Complexes, left: Complexes) -> Floats:
