@@ -18,6 +18,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import connected
+from cea.reduced.products import real_times
 
 TOUCH = 10.0
 """Bound of an eigenvalue, in its distance from the next, from the inverse of which on they are
@@ -108,10 +109,10 @@ def certify(
         What rounding does to eigenvalues of condition one (1/s^2).
     """
     M = mass.square
-    overlap = np.abs(np.einsum("ij,ij->j", left.conj(), M @ right))
+    overlap = np.abs(np.einsum("ij,ij->j", left.conj(), real_times(M, right)))
     conditions = 1 / np.maximum(overlap, np.finfo(float).tiny)
-    r = _defect(stiffness.right, mass.right, right, np.diag(kappa))
-    s = _defect(stiffness.left, mass.left, left, np.diag(kappa.conj()))
+    r = real_times(stiffness.right, right) - real_times(mass.right, right * kappa)
+    s = real_times(stiffness.left, left) - real_times(mass.left, left * kappa.conj())
     lost = stiffness.lost + np.abs(kappa) * mass.lost
     sizes = (np.linalg.norm(each, axis=0) for each in (right, left))
     lengths = [
@@ -168,4 +169,4 @@ def _together(
 
 def _defect(K: Floats, M: Floats, vectors: Complexes, block: Complexes) -> Complexes:
     """(K - M .) of vectors: K X - M X B."""
-    return K @ vectors - M @ (vectors @ block)
+    return real_times(K, vectors) - real_times(M, vectors @ block)

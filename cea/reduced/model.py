@@ -123,12 +123,15 @@ class ReducedModel:
             What the basis has grown by, the rows of this rank, shape (n_local, new).
         """
         vectors = real_vectors(self.norm, modes)
-        blocks = [vectors]
+        blocks, images = [vectors], [self.norm.image(vectors)]
         for piece in self._stiff:
-            moved = self.norm.solve(piece.coefficient.at(modes.values) * piece.times(vectors))
-            blocks.append(moved / np.maximum(self.norm.lengths(moved), 1.0))
+            forces = piece.coefficient.at(modes.values) * piece.times(vectors)
+            moved = self.norm.solve(forces)
+            lengths = np.maximum(self.norm.lengths(moved, forces), 1.0)
+            blocks.append(moved / lengths)
+            images.append(forces / lengths)
         before = self._basis.size
-        self._basis.add(np.hstack(blocks))
+        self._basis.add(np.hstack(blocks), np.hstack(images))
         self._extend(before)
         self._round(rounding_of(modes), modes.values)
         return self._basis.vectors[:, before:]
@@ -194,10 +197,10 @@ class ReducedModel:
 
     def _with_images(self, before: Floats, image: Floats) -> tuple[Floats, float]:
         """Coordinates of old and new images; the basis of residuals takes the new ones in."""
-        lost = self._residuals.add(self.norm.solve(image))
+        fresh, lost = self._residuals.add(self.norm.solve(image), image)
         grown = np.zeros((self._residuals.size, before.shape[1] + image.shape[1]))
         grown[: before.shape[0], : before.shape[1]] = before
-        grown[:, before.shape[1] :] = self._residuals.coordinates(image)
+        grown[:, before.shape[1] :] = fresh
         return grown, lost
 
     def free(self) -> None:

@@ -88,22 +88,23 @@ class EnergyNorm:
         """L^T R, shape (columns of L, columns of R), the same on every rank."""
         return self.comm.bcast(self.comm.allreduce(left.T @ right))
 
-    def lengths(self, block: Floats) -> Floats:
-        """X-norms of the columns of a block, the same on every rank."""
-        squares = self.comm.allreduce(np.einsum("ij,ij->j", block, self.image(block)))
+    def lengths(self, block: Floats, image: Floats | None = None) -> Floats:
+        """X-norms of the columns of a block, whose image may be known, the same on every rank."""
+        image = self.image(block) if image is None else image
+        squares = self.comm.allreduce(np.einsum("ij,ij->j", block, image))
         return np.sqrt(np.maximum(self.comm.bcast(squares), 0.0))
 
-    def gram(self, block: Floats, image: Floats) -> tuple[Floats, Floats]:
-        """Eigenvalues and vectors of W^T X W.
+    @staticmethod
+    def principal(products: Floats, floor: float = 0.0) -> tuple[Floats, Floats]:
+        """Eigenvalues and vectors of W^T X W; below the square of a length it may be rounding.
 
         Raises
         ------
         ConvergenceError
             When X is not positive definite.
         """
-        products = self.inner(block, image)
         sizes, axes = np.linalg.eigh(0.5 * (products + products.T))
-        if len(sizes) and sizes[0] < -1e-6 * sizes[-1]:
+        if len(sizes) and sizes[0] < -max(1e-6 * sizes[-1], floor**2):
             raise ConvergenceError("the stiffness at the least parameters is not positive definite")
         return sizes, axes
 

@@ -24,6 +24,7 @@ from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import connected
 from cea.reduced.certificate import TOUCH, Certificate
+from cea.reduced.products import real_times
 from cea.reduced.spectrum import MARGIN, ReducedSpectrum, Residuals, Settings, without_a_basis
 
 _BELOW = 0.05
@@ -130,7 +131,8 @@ class _Judged:
     def certificate(self, pairs: _Pairs) -> Certificate:
         """Bounds for lambda^2 that are those for lambda: e becomes e (2 |lambda| + e)."""
         values, outside = pairs.values, self.settings.outside_damped(pairs.values)
-        turned = self.mass.square @ pairs.right * (2 * values) + self.damping.square @ pairs.right
+        turned = real_times(self.mass.square, pairs.right) * (2 * values)
+        turned += real_times(self.damping.square, pairs.right)
         overlap = np.abs(np.einsum("ij,ij->j", pairs.left.conj(), turned))
         slopes = 1 / np.maximum(overlap, np.finfo(float).tiny)
         lengths = self._lengths(pairs)
@@ -162,8 +164,10 @@ class _Judged:
         values, speeds = pairs.values, np.abs(pairs.values)
         lost = K.lost + speeds * D.lost + speeds**2 * M.lost
         x, y, back = pairs.right, pairs.left, values.conj()
-        r = K.right @ x + (D.right @ x) * values + (M.right @ x) * values**2
-        s = K.left @ y + (D.left @ y) * back + (M.left @ y) * back**2
+        of_k, of_d, of_m = (real_times(each.right, x) for each in (K, D, M))
+        r = of_k + of_d * values + of_m * values**2
+        of_k, of_d, of_m = (real_times(each.left, y) for each in (K, D, M))
+        s = of_k + of_d * back + of_m * back**2
         return [
             np.linalg.norm(defect, axis=0) + lost * np.linalg.norm(vectors, axis=0)
             for defect, vectors in ((r, x), (s, y))
@@ -185,8 +189,10 @@ class _Judged:
         sizes = [float(np.linalg.norm(each, 2)) for each in (x, y)]
         x, y = (solve_triangular(self.root, each, lower=True, trans="T") for each in (x, y))
         K, D, M, back = self.stiffness, self.damping, self.mass, block.conj().T
-        r = K.right @ x + D.right @ x @ block + M.right @ x @ block @ block
-        s = K.left @ y + D.left @ y @ back + M.left @ y @ back @ back
+        of_k, of_d, of_m = (real_times(each.right, x) for each in (K, D, M))
+        r = of_k + of_d @ block + of_m @ block @ block
+        of_k, of_d, of_m = (real_times(each.left, y) for each in (K, D, M))
+        s = of_k + of_d @ back + of_m @ back @ back
         speed = float(np.linalg.norm(block, 2))
         lost = K.lost + speed * D.lost + speed**2 * M.lost
         lengths = [

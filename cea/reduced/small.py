@@ -10,6 +10,7 @@ from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Role
 from cea.eigen.sensitivity import POWERS
 from cea.reduced.pieces import Values
+from cea.reduced.products import real_times
 from cea.reduced.quadratic import quadratic_spectrum
 from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
 
@@ -123,7 +124,7 @@ class SmallPencil:
             factor = piece.coefficient.at(values) if piece.role != "stiffness" else 0.0
             if not (slope or factor):
                 continue
-            projected = np.einsum("ij,ij->j", y, piece.square @ x)
+            projected = np.einsum("ij,ij->j", y, real_times(piece.square, x))
             change += slope * eigenvalues ** POWERS[piece.role] * projected
             if factor:
                 speeds = 2 * eigenvalues if piece.role == "mass" else 1.0
@@ -159,7 +160,7 @@ class SmallPencil:
             ),
             self.settings,
             self.roundings,
-            axes,
+            axes if self.axes is None else self.axes @ axes,
         )
 
     def spanned(self, found: ReducedSpectrum, values: Values) -> Floats:
@@ -168,8 +169,7 @@ class SmallPencil:
         Real and imaginary parts of right and left vectors, of unit length, and the static
         displacements under the forces that stiff pieces have on them: X is one in this basis.
         """
-        units = [each / np.linalg.norm(each, axis=0) for each in (found.right, found.left)]
-        vectors = np.hstack([part for each in units for part in (each.real, each.imag)])
+        vectors = columns_of(found.right, found.left)
         blocks = [vectors]
         for piece in self.pieces:
             if piece.stiff:
@@ -195,18 +195,35 @@ class SmallPencil:
             for piece in self.pieces
             if piece.role == role and (factor := piece.coefficient.at(values))
         ]
-        k, q = self.size, len(self.pieces[0].right)
-        square, both = np.zeros((k, k)), np.zeros((q, k))
-        right, left = np.zeros((q, k)), np.zeros((q, k))
-        for factor, piece in parts:
-            square += factor * piece.square
-            if piece.symmetric:
-                both += factor * piece.right
-            else:
-                right += factor * piece.right
-                left += factor * piece.left
+        square = _weighted(
+            [(factor, piece.square) for factor, piece in parts], (self.size, self.size)
+        )
+        shape = self.pieces[0].right.shape
+        both = [(factor, piece.right) for factor, piece in parts if piece.symmetric]
+        left = right = _weighted(both, shape)
+        one_sided = [(factor, piece) for factor, piece in parts if not piece.symmetric]
+        if one_sided:
+            left = right + _weighted([(f, piece.left) for f, piece in one_sided], shape)
+            right = right + _weighted([(f, piece.right) for f, piece in one_sided], shape)
         lost = sum(abs(factor) * piece.lost for factor, piece in parts)
-        return Residuals(square, both + right, both + left, lost)
+        return Residuals(square, right, left, lost)
+
+
+def _weighted(parts: list[tuple[float, Floats]], shape: tuple[int, ...]) -> Floats:
+    """Sum of factors times matrices of one shape."""
+    if not parts:
+        return np.zeros(shape)
+    total = parts[0][0] * parts[0][1]
+    for factor, matrix in parts[1:]:
+        total += factor * matrix
+    return total
+
+
+def columns_of(right: Complexes, left: Complexes) -> Floats:
+    """Real and imaginary parts of right and left vectors, each of unit length, those not zero."""
+    units = [each / np.linalg.norm(each, axis=0) for each in (right, left)]
+    vectors = np.hstack([part for each in units for part in (each.real, each.imag)])
+    return vectors[:, vectors.any(axis=0)]
 
 
 def _padded(rows_of: Floats, rows: int) -> Floats:

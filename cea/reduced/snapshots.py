@@ -42,8 +42,9 @@ def _parts(norm: EnergyNorm, vectors: Complexes) -> Floats:
     square = norm.comm.allreduce(np.einsum("ij,ij->j", vectors, vectors))
     vectors = vectors * np.exp(-0.5j * np.angle(square))
     real, imaginary = np.asfortranarray(vectors.real), np.asfortranarray(vectors.imag)
-    lengths = np.hypot(norm.lengths(real), norm.lengths(imaginary))
-    turning = norm.lengths(imaginary) > np.finfo(float).eps * lengths
+    of_imaginary = norm.lengths(imaginary)
+    lengths = np.hypot(norm.lengths(real), of_imaginary)
+    turning = of_imaginary > np.finfo(float).eps * lengths
     return np.hstack([real / lengths, (imaginary / lengths)[:, turning]])
 
 

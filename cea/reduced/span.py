@@ -37,46 +37,64 @@ class Span:
         """The basis, the rows of this rank, shape (n_local, size)."""
         return self._store[:, : self.size]
 
-    def add(self, block: Floats) -> float:
+    def add(self, block: Floats, image: Floats | None = None) -> tuple[Floats, float]:
         """Take the span of a block in.
+
+        Products with X cost more than all else, so there are few: of the block where its image is
+        not known, of what is left of it in each pass, and of the vectors that are new.
+
+        Parameters
+        ----------
+        block
+            Vectors, the rows of this rank, shape (n_local, columns).
+        image
+            X times these, where it is known.
 
         Returns
         -------
-        float
-            Norm of what was left out of the block, as an operator on unit coefficients.
+        tuple
+            Coordinates of the block in the basis, shape (size, columns), and the norm of what was
+            left out of it, as an operator on unit coefficients.
         """
-        left, size = block, np.inf
-        floor = self.tolerance * float(self.norm.lengths(block).max(initial=0.0))
+        image = self.norm.image(block) if image is None else image
+        longest = float(self.norm.lengths(block, image).max(initial=0.0))
+        floor = self.tolerance * longest
+        before, known = self.size, self.norm.inner(self.vectors, image)
+        left, size = block - self.vectors @ known, np.inf
         for _ in range(_PASSES):
-            left = self._outside(self._outside(left))
-            image = self.norm.image(left)
-            sizes, axes = self.norm.gram(left, image)
+            left, products = self._outside(left)
+            sizes, axes = self.norm.principal(products, floor)
             size = float(np.sqrt(max(sizes[-1], 0.0))) if len(sizes) else 0.0
             if size <= floor:
                 break
             kept = sizes > max(_RESOLVED * size, floor) ** 2
             self._append(left @ (axes[:, kept] / np.sqrt(sizes[kept])))
-        return size
-
-    def coordinates(self, forces: Floats) -> Floats:
-        """Q^T A of the images of vectors under an operator, shape (size, columns)."""
-        return self.norm.inner(self.vectors, forces)
+            left = left @ axes[:, ~kept]
+            if not left.shape[1]:
+                size = np.finfo(float).eps * longest
+                break
+        fresh = self.norm.inner(self.vectors[:, before:], image)
+        return np.vstack([known, fresh]), size
 
     def restore(self, vectors: Floats) -> None:
         """Take over vectors that are X-orthonormal to those that are there."""
         self._grow(vectors)
 
-    def _outside(self, block: Floats) -> Floats:
-        """A block less its part in the span."""
-        if not self.size:
-            return block
-        return block - self.vectors @ self.norm.inner(self.vectors, self.norm.image(block))
+    def _outside(self, block: Floats) -> tuple[Floats, Floats]:
+        """A block less its part in the span, and W^T X W of what is left.
+
+        The part in the span is X-orthogonal to what is left, so that X times the latter is not
+        needed.
+        """
+        image = self.norm.image(block)
+        left = block - self.vectors @ self.norm.inner(self.vectors, image)
+        return left, self.norm.inner(left, image)
 
     def _append(self, block: Floats) -> None:
         """New vectors, made orthonormal once more: those just resolved are so to few digits."""
-        block = self._outside(block)
-        sizes, axes = self.norm.gram(block, self.norm.image(block))
-        self._grow(block @ (axes / np.sqrt(sizes)))
+        left, products = self._outside(block)
+        sizes, axes = self.norm.principal(products)
+        self._grow(left @ (axes / np.sqrt(sizes)))
 
     def _grow(self, block: Floats) -> None:
         size = self.size + block.shape[1]

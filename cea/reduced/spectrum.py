@@ -21,6 +21,7 @@ from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.modes import uncertainties_of
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Certificate, certify
+from cea.reduced.products import real_times
 
 MARGIN = 1.15
 """Frequency up to which eigenvectors are taken into a basis, relative to the end of the window."""
@@ -174,7 +175,7 @@ class ReducedSpectrum:
 
     def lifted(self, axes: Floats) -> "ReducedSpectrum":
         """With coordinates in the basis that a local one was taken from."""
-        return replace(self, right=axes @ self.right, left=axes @ self.left)
+        return replace(self, right=real_times(axes, self.right), left=real_times(axes, self.left))
 
 
 def upper_root(kappa: Complexes) -> Complexes:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.spectrum import RELATIVE_GROWTH
+from cea.reduced.between import Between
 from cea.reduced.branches import Branches
 from cea.reduced.onsets import Onset, PairLostError, onset, span_of
 from cea.reduced.rows import along
@@ -97,9 +98,7 @@ def map_row(
     branches.back_to(spectra[0], start[0])
     numbers += [branches.follow(found) for found in spectra[1:]]
 
-    def at(value: float) -> ReducedSpectrum:
-        return basis.at(parameters(value))
-
+    at = Between(basis, values, spectra, parameters, tolerance)
     seek = _crossings if small.damped else _coalescences
     onsets, lost = [], 0
     for sought in seek(at, values, spectra, numbers):

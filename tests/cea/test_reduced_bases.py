@@ -1,0 +1,117 @@
+"""Bases of reduced models: what they span, at which products, and what is found on smaller ones."""
+
+import numpy as np
+import pytest
+from reduced_cases import MU, P, blocks_pencil, enrichment, grid
+
+from cea.reduced.between import Between
+from cea.reduced.model import ReducedModel
+from cea.reduced.products import real_times
+from cea.reduced.rows import along
+from cea.reduced.span import Span
+
+TOP = 0.6
+RNG = np.random.default_rng(11)
+
+
+@pytest.fixture(scope="module")
+def model():
+    made = ReducedModel(blocks_pencil("fe"), {MU: (0.0, 1.0), P: (1.0, 1e4)}, TOP)
+    yield made
+    made.free()
+
+
+def graded(rows, columns, decades):
+    """Random columns whose singular values fall by so many decades."""
+    left, _ = np.linalg.qr(RNG.standard_normal((rows, columns)))
+    right, _ = np.linalg.qr(RNG.standard_normal((columns, columns)))
+    return left @ np.diag(np.logspace(0, -decades, columns)) @ right
+
+
+@pytest.mark.parametrize("decades", [0, 5, 11, 16])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-12])
+def test_a_span_is_orthonormal_and_leaves_out_what_it_says(model, decades, tolerance):
+    norm, span = model.norm, Span(model.norm, tolerance)
+    for scale in (1.0, 1e9):
+        block = scale * norm.solve(graded(norm.rows, 12, decades))
+        mixed = np.hstack([block, span.vectors @ RNG.standard_normal((span.size, 3))])
+        coordinates, lost = span.add(mixed, norm.image(mixed))
+        longest = norm.lengths(mixed).max()
+        gram = span.vectors.T @ norm.image(span.vectors)
+        assert np.abs(gram - np.eye(span.size)).max() < 1e-12
+        assert lost <= tolerance * longest
+        rest = norm.lengths(mixed - span.vectors @ coordinates)
+        assert rest.max() <= lost + 1e-13 * longest
+    assert span.size <= 24
+
+
+def test_a_span_needs_few_products_with_its_norm(model, monkeypatch):
+    norm, span, columns = model.norm, Span(model.norm, 1e-12), []
+    span.add(norm.solve(graded(norm.rows, 30, 1)))
+    block = norm.solve(graded(norm.rows, 30, 5))
+    forces, made = norm.image(block), norm.image
+
+    def counted(vectors):
+        columns.append(vectors.shape[1])
+        return made(vectors)
+
+    monkeypatch.setattr(norm, "image", counted)
+    span.add(block, forces)
+    assert sum(columns) <= 2 * 30 + 5
+
+
+def test_products_of_real_matrices_are_those_in_complex_arithmetic():
+    matrix, vectors = RNG.standard_normal((5, 7)), RNG.standard_normal((7, 6)).astype(complex)
+    vectors[:, [1, 4]] += 1j * RNG.standard_normal((7, 2))
+    np.testing.assert_allclose(real_times(matrix, vectors), matrix @ vectors, rtol=1e-13)
+    assert (real_times(matrix, vectors[:, [0, 2]]).imag == 0).all()
+
+
+@pytest.fixture(scope="module")
+def built():
+    pencil = blocks_pencil("iga")
+    made = enrichment(pencil, {MU: (0.0, 1.0), P: (1.0, 1e4)}, TOP)
+    assert made.cover(grid(mu=[0.0, 0.5, 1.0], P=np.geomspace(1, 1e4, 5))) <= made.tolerance
+    return made
+
+
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-13])
+def test_spectra_between_neighbours_are_those_of_the_whole_basis(built, tolerance):
+    small, pencil, values = built.model.small, built.model.pencil, np.linspace(0, 1, 11).tolist()
+
+    def parameters(mu):
+        return pencil.values({MU: mu, P: 30.0})
+
+    spectra, basis = along(small, [parameters(mu) for mu in values], tolerance, least=10)
+    at = Between(basis, values, spectra, parameters, tolerance)
+    for mu in (0.003, 0.37, 0.371, 0.52, 0.999):
+        found, whole = at(mu).window, small.at(parameters(mu)).window
+        assert len(found) == len(whole)
+        assert found.right.shape[0] == small.size
+        mine, theirs = (np.sort_complex(each.kappa) for each in (found, whole))
+        doubt = found.certificate.errors.max() + whole.certificate.errors.max()
+        assert np.abs(mine - theirs).max() <= doubt
+        assert found.worst <= 2 * max(tolerance, whole.worst)
+        assert at(mu) is at(mu)
+    assert at(values[4]) is spectra[4]
+
+
+def test_a_row_keeps_its_tolerance_at_values_that_were_not_looked_at_first(built):
+    small, pencil = built.model.small, built.model.pencil
+    line = [pencil.values({MU: mu, P: 300.0}) for mu in np.linspace(0, 1, 61)]
+    spectra, _ = along(small, line, 1e-8, least=10)
+    whole = [small.at(values) for values in line]
+    for found, other in zip(spectra, whole, strict=True):
+        assert found.worst <= max(1e-8, other.worst)
+        assert len(found.window) == len(other.window)
+
+
+def test_a_row_that_no_local_basis_holds_is_solved_on_the_whole_one(built):
+    small, pencil = built.model.small, built.model.pencil
+    points = [
+        pencil.values({MU: mu, P: p}) for p in np.geomspace(1, 1e4, 12) for mu in (0.1, 0.5, 0.9)
+    ]
+    spectra, basis = along(small, points, 1e-14, least=10)
+    assert basis is small
+    for values, found in zip(points, spectra, strict=True):
+        np.testing.assert_array_equal(found.kappa, small.at(values).kappa)
