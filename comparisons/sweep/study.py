@@ -90,7 +90,12 @@ class Sweep:
         if not means_several(self.field):
             return [self.field]
         bonded = assembled.bonded if isinstance(assembled, AssembledScene) else ()
-        return parameters_meant(assembled.driver.pencil, self.field, bonded)
+        pencil = assembled.driver.pencil
+        try:
+            return parameters_meant(pencil, self.field, bonded)
+        except InputError as error:
+            allowed = f"no such field; there are {', '.join(pencil.parameters)}"
+            raise InputError(self.field, self.start, allowed) from error
 
 
 def run_sweep(sweep: Sweep, progress: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
