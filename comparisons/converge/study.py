@@ -229,9 +229,10 @@ def _data(
 ) -> dict[str, Any]:
     moving = [mode.member for mode in modes if not mode.member.rigid]
     final = np.array([member.value for member in moving], complex)
+    bars = np.array([np.hypot(member.frequency_bar, member.growth_bar) for member in moving])
     levels = []
     for course in courses.values():
-        levels += [(level, _errors(level, final)) for level in course.levels]
+        levels += [(level, _errors(level, final, bars)) for level in course.levels]
     for_sweeps = _cheapest(levels, half_unit(request.sweep_digits))
     scenes = {f"finest_{b}": c.sequence.last for b, c in courses.items() if c.sequence.levels}
     if for_sweeps is not None:
@@ -256,29 +257,35 @@ def _highest(scene: Scene) -> float:
     return scene.analysis.max_frequency
 
 
-def _errors(level: Level, final: np.ndarray) -> dict[str, Any]:
-    """Distance of a mesh's eigenvalues from the final ones but zeros, relative to abs(lambda)."""
+def _errors(level: Level, final: np.ndarray, bars: np.ndarray) -> dict[str, Any]:
+    """Distance of a mesh's eigenvalues from the final ones but zeros, relative to abs(lambda).
+
+    ``bound`` is the worst of them with the bars of the final ones; None where one has no bar.
+    """
     values = level.eigenvalues
     if not len(final) or not len(values):
-        return {"worst": None, "median": None, "missing": len(final)}
+        return {"worst": None, "bound": None, "median": None, "missing": len(final)}
     distance = np.abs(values[None, :] - final[:, None]) / np.abs(final)[:, None]
     rows, columns = assign(distance, _REACH)
     errors = distance[rows, columns]
     missing = len(final) - len(rows)
-    worst = float(errors.max(initial=0.0)) if not missing else None
+    worst, bound = float(errors.max(initial=0.0)), np.inf
+    if not missing:
+        bound = float((errors + bars[rows] / np.abs(final[rows])).max(initial=0.0))
     return {
-        "worst": worst,
+        "worst": worst if not missing else None,
+        "bound": bound if isfinite(bound) else None,
         "median": float(np.median(errors)) if len(errors) else None,
         "missing": missing,
     }
 
 
 def _cheapest(levels: list[tuple[Level, dict[str, Any]]], tolerance: float) -> Level | None:
-    """The mesh tried that takes least time of those within a tolerance."""
+    """The mesh tried that takes least time of those that are within a tolerance, bars included."""
     enough = [
         level
         for level, e in levels
-        if e["worst"] is not None and e["worst"] <= tolerance and not level.corrected
+        if e["bound"] is not None and e["bound"] <= tolerance and not level.corrected
     ]
     return min(enough, key=lambda level: level.seconds, default=None)
 

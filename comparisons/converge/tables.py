@@ -193,8 +193,8 @@ def sweeps_table(data: Data) -> Table:
             level
             for level in data["levels"]
             if not level["corrected"]
-            and (error := error_of(data, level)) is not None
-            and error <= half_unit(digits)
+            and level["bound"] is not None
+            and level["bound"] <= half_unit(digits)
         ]
         best = min(enough, key=lambda level: float(level["seconds"]), default=None)
         if best is not None:

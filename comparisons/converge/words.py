@@ -103,7 +103,7 @@ def for_sweeps(data: Data) -> str:
         (
             e
             for e in data["levels"]
-            if e["worst"] is not None and e["worst"] <= tolerance and not e["corrected"]
+            if e["bound"] is not None and e["bound"] <= tolerance and not e["corrected"]
         ),
         key=lambda level: float(level["seconds"]),
     )
