@@ -11,6 +11,8 @@ from comparisons.sweep.map_record import Timed
 from comparisons.sweep.mapped import Mapped
 from comparisons.sweep.store import Store
 
+LOCAL = 0.5
+"""Part of the tolerance that a local basis may use up."""
 _ROUNDS = 4
 """Times that full solves may find fault with a basis before it is given up."""
 
@@ -27,6 +29,21 @@ class Asked(Protocol):
     def most(self) -> int:
         """Most full solves."""
         ...
+
+
+def check_effort(tolerance: float, **counts: tuple[int, int]) -> None:
+    """Refuse a tolerance out of reach, and counts of full solves, each given with its least.
+
+    Raises
+    ------
+    InputError
+        Naming the one that is out of range.
+    """
+    if not 1e-13 <= tolerance <= 1e-2:
+        raise InputError("tolerance", tolerance, "1e-13 to 1e-2")
+    for name, (count, least) in counts.items():
+        if count < least:
+            raise InputError(name, count, f"{least} or more")
 
 
 class Filling:

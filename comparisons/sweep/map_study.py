@@ -15,7 +15,7 @@ from cea.ranks import agreed
 from cea.reduced.branches import Branches
 from cea.reduced.greedy import TOLERANCE
 from comparisons.sweep.axes import Axis
-from comparisons.sweep.filling import Filling
+from comparisons.sweep.filling import LOCAL, Filling, check_effort
 from comparisons.sweep.map_record import Spent, confirm_some, record_of, warnings_of
 from comparisons.sweep.mapped import Mapped, mapped
 from comparisons.sweep.rows import Row, map_row
@@ -27,8 +27,6 @@ _TRAINING = 17
 """Values of an axis over decades at which bounds are looked at while the basis is made."""
 _FEW = 5
 """The same of other axes."""
-_LOCAL = 0.5
-"""Part of the tolerance that a local basis may use up."""
 
 
 @dataclass(frozen=True)
@@ -67,12 +65,12 @@ class AskedMap:
     def __post_init__(self) -> None:
         if not self.axes:
             raise InputError("axis", [], "one or more, e.g. mu=0:1:101")
-        if not 1e-13 <= self.tolerance <= 1e-2:
-            raise InputError("tolerance", self.tolerance, "1e-13 to 1e-2")
-        for name, least in (("solves", 2), ("checks", 0), ("confirm", 0)):
-            value = self.most if name == "solves" else getattr(self, name)
-            if value < least:
-                raise InputError(name, value, f"{least} or more")
+        check_effort(
+            self.tolerance,
+            solves=(self.most, 2),
+            checks=(self.checks, 0),
+            confirm=(self.confirm, 0),
+        )
 
     def plain(self) -> dict[str, Any]:
         """It as plain data."""
@@ -190,7 +188,7 @@ class _Run:
             return row
         self._progress(f"row {number + 1} of {len(others)}")
         before = process_time()
-        tolerance = _LOCAL * self._asked.tolerance
+        tolerance = LOCAL * self._asked.tolerance
         row = map_row(self._filling.model.small, self._scene, others[number], start, tolerance)
         spent, values = self._online
         self._online = spent + process_time() - before, values + len(row.worst)

@@ -62,8 +62,13 @@ def write_map(rows: Sequence[Row], axes: Sequence[Mapping[str, Any]], file: Path
         flag_values=np.array([0, 1, 2], np.int8), flag_meanings="stable unstable undecided"
     )
     coordinates = {each["name"]: each["values"] for each in axes} | {"axis": names}
+    write_whole(xarray.Dataset(data, coordinates), file)
+
+
+def write_whole(dataset: Any, file: Path) -> None:
+    """A dataset of xarray as a netCDF file, whole or not at all."""
     part = file.with_suffix(f".{os.getpid()}.part")
-    xarray.Dataset(data, coordinates).to_netcdf(part, engine=ENGINE)
+    dataset.to_netcdf(part, engine=ENGINE)
     part.replace(file)
 
 

@@ -1,6 +1,5 @@
 """What samples leave behind: samples.nc, tables, pictures, and the page that holds them."""
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ from cea.petsc import MPI
 from comparisons.kit.page import REPORT, Image, write_page
 from comparisons.kit.plots import save
 from comparisons.sweep.distributions import Drawn
-from comparisons.sweep.netcdf import ENGINE
+from comparisons.sweep.netcdf import ENGINE, write_whole
 from comparisons.sweep.sample_figures import probability_figure, scatter_figure
 from comparisons.sweep.sample_tables import (
     fields_table,
@@ -75,10 +74,7 @@ def _write_netcdf(
             values = values.astype(np.int8)
         dims = ("sample", "mode")[: values.ndim]
         variables[name] = (dims, values, {"units": unit, "long_name": meaning})
-    part = file.with_suffix(f".{os.getpid()}.part")
-    about = {"seed": data["inputs"]["seed"]}
-    xarray.Dataset(variables, attrs=about).to_netcdf(part, engine=ENGINE)
-    part.replace(file)
+    write_whole(xarray.Dataset(variables, attrs={"seed": data["inputs"]["seed"]}), file)
 
 
 def read_samples(data: Mapping[str, Any], file: Path) -> tuple[tuple[Drawn, ...], Sampled]:

@@ -15,7 +15,7 @@ from cea.ranks import agreed
 from cea.reduced.greedy import TOLERANCE
 from comparisons.sweep.cells import cells_of, numbered
 from comparisons.sweep.distributions import Distribution, Drawn, draw
-from comparisons.sweep.filling import Filling
+from comparisons.sweep.filling import LOCAL, Filling, check_effort
 from comparisons.sweep.mapped import Mapped, mapped
 from comparisons.sweep.probabilities import record_of, warnings_of
 from comparisons.sweep.sampled import Sampled, gathered, solved
@@ -31,8 +31,6 @@ _CORNERS = 6
 """Fields up to which samples in all corners are looked at, rather than at ends alone."""
 _AT_ONCE = 64
 """Samples without a certificate, the worst, at which bounds are looked at before all are again."""
-_LOCAL = 0.5
-"""Part of the tolerance that a local basis may use up."""
 
 
 @dataclass(frozen=True)
@@ -70,11 +68,7 @@ class AskedSamples:
             raise InputError("samples", self.count, f"2 to {_MOST}")
         if self.seed < 0:
             raise InputError("seed", self.seed, "zero or more")
-        if not 1e-13 <= self.tolerance <= 1e-2:
-            raise InputError("tolerance", self.tolerance, "1e-13 to 1e-2")
-        for name, value, least in (("solves", self.most, 2), ("checks", self.checks, 0)):
-            if value < least:
-                raise InputError(name, value, f"{least} or more")
+        check_effort(self.tolerance, solves=(self.most, 2), checks=(self.checks, 0))
 
     def plain(self) -> dict[str, Any]:
         """It as plain data."""
@@ -189,7 +183,7 @@ class _Run:
                     cells[i],
                     [self._scene.pencil.values(self._point(int(n))) for n in cells[i].samples],
                     (middles[i], numbers[i]),
-                    _LOCAL * self._asked.tolerance,
+                    LOCAL * self._asked.tolerance,
                     self._scene.growth_threshold,
                 )
         whole = {i: part for parts in comm.allgather(made) for i, part in parts.items()}

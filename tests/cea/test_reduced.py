@@ -9,6 +9,7 @@ from reduced_cases import (
     blocks_pencil,
     dense,
     enrichment,
+    errors_of_means,
     grid,
     random_pencil,
     three_blocks_pencil,
@@ -29,21 +30,6 @@ from cea.reduced.spectrum import MARGIN, upper_root
 
 TOP = 0.6
 RNG = np.random.default_rng(7)
-
-
-def errors(found, kappa):
-    """Errors of the clusters of a window relative to the squares of their speeds."""
-    window = found.window
-    rows, columns = assign(np.abs(window.kappa[:, None] - kappa))
-    assert len(rows) == len(window)
-    clusters = window.certificate.clusters[rows]
-    return np.array(
-        [
-            abs((window.kappa[rows] - kappa[columns])[clusters == each].mean())
-            / (window.speeds[rows][clusters == each].max() ** 2)
-            for each in np.unique(clusters)
-        ]
-    )
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +57,7 @@ def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
         point = {MU: mu, P: 10**decade}
         modes = full.solve(MARGIN * TOP, point)
         found = built.at(point)
-        assert errors(found, -(modes.eigenvalues**2)).max() < 1e-8
+        assert errors_of_means(found, -(modes.eigenvalues**2)).max() < 1e-8
         assert largest_ratio(found, modes) <= 1
         assert found.worst < 1e-7
 
@@ -90,7 +76,7 @@ def test_rows_on_a_local_basis_are_those_of_the_whole_basis(maps, backend):
     assert basis.size < small.size
     for values, found in zip(line[::4], spectra[::4], strict=True):
         assert found.worst <= 1e-9
-        assert errors(found, small.at(values).kappa).max() < 2e-9
+        assert errors_of_means(found, small.at(values).kappa).max() < 2e-9
         assert found.right.shape[0] == small.size
 
 
@@ -178,7 +164,7 @@ def test_two_contacts_each_with_its_friction(backend):
     for one, other in RNG.uniform(0, 0.9, (3, 2)):
         point = {names[0]: one, names[1]: other}
         modes = full.solve(MARGIN * TOP, point)
-        assert errors(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
+        assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
         assert largest_ratio(built.at(point), modes) <= 1
 
 
@@ -192,7 +178,7 @@ def test_forces_as_unknowns_are_eliminated(backend):
     full = KrylovSchur(pencil)
     for point in ({MU: 0.63, P: 7.0}, {MU: 0.2, P: 2.5e5}):
         modes = full.solve(MARGIN * TOP, point)
-        assert errors(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
+        assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
 
 
 def test_materials_are_parameters_too(backend):
@@ -202,7 +188,7 @@ def test_materials_are_parameters_too(backend):
     built.cover([{E: e, rho: r} for e in (1.0, 1.7, 3.0) for r in (1.0, 1.5, 2.0)])
     point = {E: 1.37, rho: 1.81}
     modes = KrylovSchur(pencil).solve(MARGIN * TOP, point)
-    assert errors(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
+    assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
 
 
 def test_an_onset_of_flutter_is_that_of_full_solves(backend):

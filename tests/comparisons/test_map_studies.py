@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from reduced_blocks import flutter_of_the_blocks
-from reduced_cases import enrichment, three_blocks_pencil
+from reduced_cases import enrichment, errors_of_means, three_blocks_pencil
 
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.krylov_schur import KrylovSchur
@@ -27,21 +27,6 @@ MESH = {
 }
 """Beside the meshes of the scene: about as many unknowns with NURBS as with hexahedra."""
 RNG = np.random.default_rng(11)
-
-
-def errors_of_means(found, kappa):
-    """Errors of the means of clusters of a window, relative to the squares of their speeds."""
-    window = found.window
-    rows, columns = assign(np.abs(window.kappa[:, None] - kappa))
-    assert len(rows) == len(window)
-    clusters = window.certificate.clusters[rows]
-    return np.array(
-        [
-            abs((window.kappa[rows] - kappa[columns])[clusters == each].mean())
-            / (window.speeds[rows][clusters == each].max() ** 2)
-            for each in np.unique(clusters)
-        ]
-    )
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from blocks import assemble, block, two_blocks
 from petsc_matrices import to_petsc
 from scipy.linalg import eig
 
+from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
@@ -19,6 +20,21 @@ ALPHA, RATIO = "bodies.upper.damping.alpha", "bodies.lower.damping.modal.ratio"
 def enrichment(pencil, box, top, **options):
     """A reduced model of a pencil with nothing in it yet, and what fills it."""
     return Enrichment(ReducedModel(pencil, box, top), KrylovSchur(pencil), top, **options)
+
+
+def errors_of_means(found, kappa):
+    """Errors of the means of clusters of a window, relative to the squares of their speeds."""
+    window = found.window
+    rows, columns = assign(np.abs(window.kappa[:, None] - kappa))
+    assert len(rows) == len(window)
+    clusters = window.certificate.clusters[rows]
+    return np.array(
+        [
+            abs((window.kappa[rows] - kappa[columns])[clusters == each].mean())
+            / (window.speeds[rows][clusters == each].max() ** 2)
+            for each in np.unique(clusters)
+        ]
+    )
 
 
 def grid(**axes):
