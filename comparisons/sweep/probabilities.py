@@ -97,22 +97,25 @@ def record_of(
         "not_certified": open_[:_NAMED].tolist(),
         "worst": float(found.worst.max()),
         "any": probability(found.grows.any(axis=1), found.may_grow.any(axis=1), largest),
-        "modes": _modes(found),
+        "modes": of_modes(found),
         "processor_seconds": dict(seconds),
     }
 
 
-def _modes(found: Sampled) -> list[dict[str, Any]]:
-    """A record of each mode that may grow in any sample, by rising frequency."""
+def of_modes(found: Sampled) -> list[dict[str, Any]]:
+    """A record of each mode that may grow in any sample, by rising frequency.
+
+    Modes that continue none are together, as one without a number.
+    """
     made = []
     for number in np.unique(found.number[found.may_grow]).tolist():
-        own = found.number == number
+        own = (found.number == number) & np.isfinite(found.frequency)
         grows, may_grow = (own & flags for flags in (found.grows, found.may_grow))
         rate = np.abs(np.where(grows, found.growth, 0.0)).max(axis=1)
         frequencies = found.frequency[own]
         made.append(
             {
-                "mode": number,
+                "mode": number if number >= 0 else None,
                 "frequency": float(np.median(frequencies)),
                 "frequency_low": float(frequencies.min()),
                 "frequency_high": float(frequencies.max()),
@@ -144,6 +147,16 @@ def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any
                 "intervals reach as far as they would with and without these",
             )
         )
+    for mode in data["modes"]:
+        if mode["mode"] is None:
+            grow = mode["grows"] + mode["undecided"]
+            found.append(
+                (
+                    "not-followed",
+                    f"in {grow} of {data['samples']} samples a mode grows, or may, that could not "
+                    "be told to be one of the others: so much more probable may one of them be",
+                )
+            )
     if data["failed"]:
         found.append(("no-answer", f"{len(data['failed'])} full solves gave no answer"))
     told = [{"kind": kind, "message": message, "data": {}} for kind, message in found]

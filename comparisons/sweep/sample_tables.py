@@ -37,7 +37,7 @@ def probability_table(data: Data) -> Table:
         ),
         [
             (
-                *(str(each["mode"]), each["frequency"], each["seen"]),
+                *(_label(each["mode"]), each["frequency"], each["seen"]),
                 *(each[name] for name in ("grows", "undecided", "probability", "standard_error")),
                 *(each[name] for name in ("low", "high")),
                 *(each["growth"][name] for name in ("low", "median", "high")),
@@ -46,6 +46,10 @@ def probability_table(data: Data) -> Table:
             for each in (together, *data["modes"])
         ],
     )
+
+
+def _label(mode: int | str | None) -> str:
+    return "not followed" if mode is None else str(mode)
 
 
 def fields_table(data: Data) -> Table:

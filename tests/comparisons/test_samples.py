@@ -20,9 +20,10 @@ from comparisons.cli.app import main
 from comparisons.sweep.cells import cells_of
 from comparisons.sweep.distributions import Distribution, draw, read_distribution
 from comparisons.sweep.mapped import mapped
-from comparisons.sweep.probabilities import wilson
+from comparisons.sweep.probabilities import of_modes, warnings_of, wilson
 from comparisons.sweep.sample_page import read_samples, write_samples
 from comparisons.sweep.sample_study import AskedSamples, run_samples
+from comparisons.sweep.sampled import Sampled
 
 MU, P = "contacts.interface.mu", "contacts.interface.P"
 
@@ -107,6 +108,34 @@ def test_both_modes_that_coalesce_are_named_and_no_other(made, backend):
     assert data["any"]["fastest"] == pytest.approx(found.growth[grows].max())
     ordered = np.sort(found.growth[grows].max(axis=1))
     assert data["any"]["growth"]["median"] == pytest.approx(np.median(ordered))
+
+
+def test_modes_that_continue_none_are_told_apart_from_those_that_are_not_there():
+    nan = np.nan
+    yes, no = True, False
+    found = Sampled(
+        growth=np.array([[5.0, 7.0], [-1.0, nan], [6.0, nan]]),
+        frequency=np.array([[100.0, 130.0], [90.0, nan], [110.0, nan]]),
+        uncertainty=np.array([[0.1, 0.1], [0.1, nan], [0.1, nan]]),
+        number=np.array([[0, -1], [-1, -1], [0, -1]]),
+        grows=np.array([[yes, yes], [no, no], [yes, no]]),
+        may_grow=np.array([[yes, yes], [no, no], [yes, no]]),
+        worst=np.zeros(3),
+    )
+    followed, others = of_modes(found)
+    assert (followed["mode"], followed["seen"], followed["grows"]) == (0, 2, 2)
+    assert (others["mode"], others["seen"], others["grows"]) == (None, 2, 1)
+    assert (others["frequency_low"], others["frequency_high"]) == (90.0, 130.0)
+    assert others["fastest"] == 7.0
+    told = {
+        "samples": 3,
+        "certified": 3,
+        "any": {"undecided": 0},
+        "modes": [followed, others],
+        "failed": [],
+        "snapshots": [],
+    }
+    assert [each["kind"] for each in warnings_of(told, 1e-8)] == ["not-followed"]
 
 
 def test_samples_are_those_of_full_solves(backend, tmp_path):
