@@ -1,7 +1,7 @@
 """The commands ``cea sweep`` and ``cea threshold``: one scene along its fields."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -24,6 +24,9 @@ def sweep(
     ],
     set_: Annotated[
         list[str] | None, typer.Option("--set", help="Override of another field.")
+    ] = None,
+    backend: Annotated[
+        Literal["fe", "iga"] | None, typer.Option(help="Backend for every body.")
     ] = None,
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
@@ -55,6 +58,7 @@ def sweep(
     at each value. Of fields that are spread samples tell how probable it is that each mode grows.
     """
     from cea.errors import InputError
+    from comparisons.cli.backend import with_backend
     from comparisons.cli.extras import need
     from comparisons.cli.redraw import refuse_with_redraw
     from comparisons.cli.samples import are_distributions, sample
@@ -62,8 +66,8 @@ def sweep(
     from scenes.out_folder import check_out
 
     need("pictures")
-    refuse_with_redraw(redraw, {"set": set_, "data": data})
-    overrides = tuple(set_ or ())
+    refuse_with_redraw(redraw, {"set": set_, "backend": backend, "data": data})
+    overrides = with_backend(scene, set_ or (), backend)
     if are_distributions(axes):
         _refuse_beside_samples(full=full, confirm=confirm)
         need_maps()
@@ -202,6 +206,9 @@ def threshold(
     set_: Annotated[
         list[str] | None, typer.Option("--set", help="Override of another field.")
     ] = None,
+    backend: Annotated[
+        Literal["fe", "iga"] | None, typer.Option(help="Backend for every body.")
+    ] = None,
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
@@ -211,6 +218,7 @@ def threshold(
 
     Each is sought by root finding on the discriminant of its pair, and solved in full once there.
     """
+    from comparisons.cli.backend import with_backend
     from comparisons.sweep.axes import read_axis
     from scenes.out_folder import check_out
 
@@ -219,7 +227,8 @@ def threshold(
     check_out(out)
     from comparisons.sweep.map_study import AskedMap
 
-    _map(AskedMap(scene, asked, tuple(set_ or ()), data, confirm=_EVERY), out)
+    overrides = with_backend(scene, set_ or (), backend)
+    _map(AskedMap(scene, asked, overrides, data, confirm=_EVERY), out)
 
 
 _EVERY = 10_000
