@@ -81,7 +81,13 @@ class BlockSearch(ABC):
         self.farthest = np.inf
 
     def search(
-        self, known: InvariantSubspace, radius: float, seed: int, *, both_ends: bool = False
+        self,
+        known: InvariantSubspace,
+        radius: float,
+        seed: int,
+        *,
+        centre: complex | None = None,
+        both_ends: bool = False,
     ) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc.
 
@@ -93,9 +99,11 @@ class BlockSearch(ABC):
         known
             An invariant subspace found before, at any shift.
         radius
-            Radius of the disc about the shift.
+            Radius of the disc.
         seed
             Of the random start vectors.
+        centre
+            Its centre, no farther from the shift than ``radius``; None takes the shift.
         both_ends
             Whether the far end of the spectrum is to be seen too, and nothing taken from around
             the disc: far from the shift digits are lost to it. With ties, whose infinite
@@ -110,7 +118,8 @@ class BlockSearch(ABC):
             When it holds more than ``most`` eigenvalues.
         """
         with self._timer("krylov"):
-            run = KrylovRun(self, known, radius, seed, both_ends=both_ends)
+            centre = self.shift if centre is None else centre
+            run = KrylovRun(self, known, radius, seed, centre=centre, both_ends=both_ends)
             known = run.complete()
             self.farthest = run.farthest
             return known

@@ -26,6 +26,10 @@ from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
 
+_PLACE = 0.62
+"""Shift relative to the end of the window in kappa, of which nothing lies far below zero: what lies
+above the window is all that its ends must be told from."""
+
 
 class KrylovSchur:
     """Shift-and-invert Krylov-Schur on a parametric pencil.
@@ -130,7 +134,7 @@ class KrylovSchur:
                 raise InputError("solver", self.solver, "'block' with damping or rotation")
             return self._quadratic(matrices, values, max_frequency, min_growth, timer, left=left)
         top = (2 * np.pi * max_frequency) ** 2
-        shift, upper, counted = 0.5 * top, upper_end(top), None
+        shift, upper, counted = _PLACE * top, upper_end(top), None
         with timer("factorisation"):
             factors = self._kept.in_the_middle(matrices, values, shift)
             if matrices.symmetric:
@@ -138,6 +142,7 @@ class KrylovSchur:
         search = WindowSearch(
             matrices,
             factors,
+            0.5 * top,
             tolerance=self._tolerance,
             max_restarts=self._max_restarts,
             timer=timer,

@@ -8,10 +8,19 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import Floats
 from cea.eigen.dense_products import combined, subtract
 
 _NOISE = 1e-12
 """Part of a vector that projections leave below which it lies in the space already."""
+_LEADING = 16
+"""First vectors whose images are kept."""
+_LEFT = 0.3
+"""Part of a direction that a further projection leaves below which it was rounding."""
+_FELL = 0.1
+"""Part of each direction that a projection leaves at which no other is needed."""
+_MOST_PROJECTIONS = 3
+"""The third for what the first leaves of small vectors, far from orthogonal."""
 _ORTHONORMAL = 1e-12
 """Distance of inner products from those of orthonormal vectors that is good enough."""
 _WIDER, _FEW = 1.5, 64
@@ -67,11 +76,12 @@ class KrylovSpace:
     def __init__(self, owner: InnerProduct, known: NDArray[Any], room: int) -> None:
         self._owner, self._room = owner, room
         self._known = known.shape[1]
+        self.size = self.next = 0
         self._vectors: NDArray[Any] = np.empty((len(known), 0), dtype=owner.dtype, order="F")
         self._widen(self._known + 1)
         self._vectors[:, : self._known] = known
-        self._image = self._vectors[:, :0]
-        self.size = self.next = 0
+        self._images: list[tuple[int, NDArray[Any]]] = []
+        self._keep_first()
         self.operator: NDArray[Any] = np.empty((0, 0), dtype=owner.dtype)
         self.coupling: NDArray[Any] = np.empty((self._known, 0), dtype=owner.dtype)
 
@@ -88,7 +98,7 @@ class KrylovSpace:
         """Take U into V, and OP U beside them as the next U."""
         size, columns = self.size, self.next
         first = self._known + size
-        fresh = self._owner.apply(self._vectors[:, first : first + columns], self._image)
+        fresh = self._owner.apply(self._vectors[:, first : first + columns], self._images[-1][1])
         self.size += columns
         coefficients = self._append(np.asfortranarray(fresh))
         shape = (self.size + self.next, self.size)
@@ -119,6 +129,8 @@ class KrylovSpace:
         self._vectors[:, self._known : end] = kept
         self._vectors[:, end : end + self.next] = block
         self.operator = np.vstack([form, rest])
+        self._images = [(end, self._images[-1][1])]
+        self._keep_first()
         self.coupling = self.coupling @ vectors
 
     def _append(self, w: NDArray[Any]) -> NDArray[Any]:
@@ -139,39 +151,66 @@ class KrylovSpace:
         owner, first = self._owner, self._known + self.size
         before = self._vectors[:, :first]
         most = self._room - self.size  # more directions there are not, but of rounding
-        image = owner.image(w)
-        squares = np.einsum("ii->i", owner.inner(w, image)).real
-        lengths = np.sqrt(np.maximum(squares, np.finfo(float).tiny))
-        w /= lengths
-        u, image = w, image / lengths
         inside: NDArray[Any] = np.zeros((first, w.shape[1]), w.dtype)
-        rest: NDArray[Any] = np.diag(lengths).astype(w.dtype)
-        least = _NOISE
-        for _ in range(3):  # a third time, for the first leaves small vectors far from orthogonal
+        self._take_out_what_is_large(w, inside)
+        u, image = w, owner.image(w)
+        sizes = _lengths(owner.inner(u, image))
+        whole = np.hypot(sizes, np.linalg.norm(inside, axis=0))
+        u /= sizes
+        image /= sizes
+        rest: NDArray[Any] = np.diag(sizes).astype(w.dtype)
+        for again in range(_MOST_PROJECTIONS):
             part = owner.inner(before, image)
             inside += part @ rest
             subtract(u, before, part)
             image = owner.image(u)
             gram = owner.inner(u, image)
-            if np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
+            if again and np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
                 break
             axes = np.linalg.eigh(gram)[1]
             u, image = combined(u, axes), combined(image, axes)
             # Of small vectors beside large ones the lengths say more than the eigenvalues.
-            squares = np.einsum("ii->i", owner.inner(u, image)).real
-            lengths = np.sqrt(np.maximum(squares, 0.0))
-            kept = np.flatnonzero(lengths > least)
+            lengths = _lengths(owner.inner(u, image))
+            rest = lengths[:, None] * (axes.conj().T @ rest)
+            # What a second projection takes most of was rounding.
+            parts = lengths / _LEFT if again else np.linalg.norm(rest / whole, axis=1) / _NOISE
+            kept = np.flatnonzero(parts > 1.0)
             kept = kept[max(0, len(kept) - most) :]
-            u, image = _columns(u, kept), _columns(image, kept)
+            u, image, rest = _columns(u, kept), _columns(image, kept), rest[kept]
             u /= lengths[kept]
             image /= lengths[kept]
-            rest = (axes[:, kept] * lengths[kept]).conj().T @ rest
-            least = 0.3  # what a second projection takes most of was rounding
-        self._image, self.next = image, u.shape[1]
+            if not again and lengths[kept].min(initial=1.0) >= _FELL:
+                break
+        self._keep_images(image, first)
+        self.next = u.shape[1]
         if first + self.next > self._vectors.shape[1]:
             self._widen(first + self.next)
         self._vectors[:, first : first + self.next] = u
         return np.vstack([inside, rest])
+
+    def _take_out_what_is_large(self, w: NDArray[Any], inside: NDArray[Any]) -> None:
+        """Project a block on those whose images are known; add its coefficients.
+
+        OP is selfadjoint but for friction, and what it makes of a block lies in the last two, but
+        for that and for rounding. Both are largest along the eigenvectors nearest to the shift,
+        which the first vectors hold.
+        """
+        for start, image in self._images:
+            columns = slice(start, start + image.shape[1])
+            part = self._owner.inner(image, w)
+            subtract(w, self._vectors[:, columns], part)
+            inside[columns] = part
+
+    def _keep_first(self) -> None:
+        """Find the image of the first vectors, if there are any."""
+        first = self._vectors[:, : min(_LEADING, self._known + self.size)]
+        if first.shape[1]:
+            self._images.insert(0, (0, self._owner.image(first)))
+
+    def _keep_images(self, fresh: NDArray[Any], start: int) -> None:
+        """Keep the image of a new block, of that before it, and of the first vectors."""
+        first = [each for each in self._images[:-1] if each[0] < _LEADING]
+        self._images = [*first, *self._images[-1:], (start, fresh)]
 
     def _widen(self, columns: int) -> None:
         """Room for more vectors; those there are stay."""
@@ -182,6 +221,11 @@ class KrylovSpace:
         )
         wider[:, :before] = self._vectors
         self._vectors = wider
+
+
+def _lengths(gram: NDArray[Any]) -> Floats:
+    """Lengths of the columns of a block, of which none is zero."""
+    return np.sqrt(np.maximum(np.einsum("ii->i", gram).real, np.finfo(float).tiny))
 
 
 def _columns(block: NDArray[Any], kept: NDArray[np.int64]) -> NDArray[Any]:

@@ -64,7 +64,9 @@ class WindowSearch:
     matrices
         The pencil at given parameters.
     factors
-        The pencil factorised in the middle of the window; the search moves them.
+        The pencil factorised in the window; the search moves them.
+    middle
+        Middle of the window (1/s^2), in the disc about which the shift of the factors lies.
     tolerance, max_restarts
         Of each search (:class:`cea.eigen.block_krylov.BlockKrylov`).
     timer
@@ -82,6 +84,7 @@ class WindowSearch:
         self,
         matrices: Matrices,
         factors: Shifted,
+        middle: float,
         *,
         tolerance: float,
         max_restarts: int,
@@ -89,14 +92,14 @@ class WindowSearch:
         solver: Solver = "block",
     ) -> None:
         self._matrices, self._factors = matrices, factors
-        self._middle = factors.kappa
+        self._middle, self._shift = middle, factors.kappa
         self.factorisations = 0
         self._finite = matrices.size - matrices.tied
         self._limits = tolerance, max_restarts
         self._timer, self._solver = timer, solver
         self._searches = 0
         self._discs: list[Disc] = []
-        self._farthest: dict[float, float] = {}
+        self._farthest: dict[float, Disc] = {}
         self._signs: dict[float, int] = {}
         self._farthest_kappa = np.inf
 
@@ -114,7 +117,7 @@ class WindowSearch:
         known = self._around_the_middle(upper)
         radius = upper - self._middle
         if _below(known, upper) < counted:
-            known = self._filled(known, radius)
+            known = self._filled(known, Disc(self._middle, radius))
         depth = max(0.0, radius - self._middle)
         while _below(known, upper) < counted and len(self._discs) < _MOST_DISCS[True]:
             depth = _DEEPER * max(depth, top)  # a stiffness that is not positive definite
@@ -136,7 +139,8 @@ class WindowSearch:
         radius = distance_of_cone(top, self._middle, field)
         if radius <= _AROUND * (upper - self._middle):
             known = self._around_the_middle(max(upper, self._middle + radius))
-            known = self._filled(known, distance_of_cone(top, self._middle, field))
+            radius = distance_of_cone(top, self._middle, field)
+            known = self._filled(known, Disc(self._middle, radius))
             if not self._odd(known):
                 return Found(known, tuple(self._discs), depth, bounded)
         else:
@@ -158,23 +162,24 @@ class WindowSearch:
             reached, bounded = np.inf, True
         known = self._with_real_ones(known)
         if len(self._discs) > _NEAR:
-            self._move(self._middle)  # modes are judged by factors near them
+            self._move(self._shift)  # modes are judged by factors near them
         return Found(known, tuple(self._discs), reached, bounded, bool(self._odd(known)))
 
     def _around_the_middle(self, upper: float) -> InvariantSubspace:
         """Eigenvalues about the middle of the window; the shift steps aside where it is one."""
+        middle = self._middle
         for _ in range(_STEPS_ASIDE):
-            self._move(self._middle)
-            known = self._filled(self._nothing(), upper - self._middle, once=True)
-            nearest = np.abs(known.eigenvalues() - self._middle).min(initial=np.inf)
-            if nearest > _ASIDE**2 * self._middle:
+            self._move(self._shift)
+            known = self._filled(self._nothing(), Disc(middle, upper - middle), once=True)
+            nearest = np.abs(known.eigenvalues() - self._shift).min(initial=np.inf)
+            if nearest > _ASIDE**2 * self._shift:
                 break
             self._farthest.clear()
             self._signs.clear()
             self._discs.clear()
-            self._middle *= 1 - _ASIDE
+            self._shift *= 1 - _ASIDE
         if not known.size:  # what lies around shows what rounding does
-            known = self._filled(known, _WIDER * (upper - self._middle), once=True)
+            known = self._filled(known, Disc(middle, _WIDER * (upper - middle)), once=True)
         return known
 
     def _odd(self, known: InvariantSubspace) -> list[float]:
@@ -188,7 +193,7 @@ class WindowSearch:
             odd = self._odd(known)
             if (low in odd) != (high in odd):
                 self._move(0.5 * (low + high))
-                known = self._filled(known, 0.5 * (high - low))
+                known = self._filled(known, Disc(self._factors.kappa, 0.5 * (high - low)))
         return known
 
     def left(self) -> tuple[Complexes, Complexes]:
@@ -199,9 +204,10 @@ class WindowSearch:
         known = self._nothing()
         if self._matrices.symmetric:
             return known.eigenpairs()
-        for shift, distance in self._farthest.items():
+        for shift, disc in self._farthest.items():
             self._move(shift)
-            known = self._filled(known, _INSIDE * distance, transposed=True)
+            wider = Disc(disc.centre, _INSIDE * disc.radius)
+            known = self._filled(known, wider, transposed=True)
         return known.eigenpairs()
 
     def _covered(
@@ -217,40 +223,48 @@ class WindowSearch:
         centre = touching_disc(top, depth)
         radius = distance_within(top, centre, -left * depth, right)
         self._move(centre)
-        return self._filled(known, radius)
+        return self._filled(known, Disc(centre, radius))
 
     def _filled(
         self,
         known: InvariantSubspace,
-        radius: float,
+        disc: Disc,
         *,
         once: bool = False,
         transposed: bool = False,
     ) -> InvariantSubspace:
         """Search a disc, once or again and again beside what was found until nothing more is."""
-        factors = self._factors
+        factors, centre = self._factors, disc.centre
         krylov = self._searcher(transposed=transposed)
         for _ in range(1 if once else _MOST_SEARCHES):
             before = known.size
-            known = krylov.search(known, radius, self._searches, both_ends=not once)
+            known = krylov.search(
+                known, disc.radius, self._searches, centre=centre, both_ends=not once
+            )
             self._farthest_kappa = krylov.farthest
             self._searches += 1  # never from the same random vectors
-            new = np.abs(known.eigenvalues(before) - factors.kappa)
+            new = np.abs(known.eigenvalues(before) - centre)
             if not transposed and len(new):
-                farthest = max(self._farthest.get(factors.kappa, 0.0), float(new.max()))
-                self._farthest[factors.kappa] = farthest
-            if not (new < radius).any():
+                self._note(factors.kappa, Disc(centre, float(new.max())))
+            if not (new < disc.radius).any():
                 break
         else:
             if not once:
                 raise ConvergenceError(
-                    f"the disc of radius {radius:.4g} about kappa = {factors.kappa:.4g} is not "
+                    f"the disc of radius {disc.radius:.4g} about kappa = {centre:.4g} is not "
                     f"full after {_MOST_SEARCHES} searches, each of which found more",
                     best=known,
                 )
         if not transposed:
-            self._discs.append(Disc(factors.kappa, radius))
+            self._discs.append(disc)
         return known
+
+    def _note(self, shift: float, disc: Disc) -> None:
+        """Take note of a disc that holds all that was found at a shift, for its left vectors."""
+        before = self._farthest.get(shift)
+        if before is not None:  # discs of one shift have one centre
+            disc = max(before, disc, key=lambda each: each.radius)
+        self._farthest[shift] = disc
 
     def _searcher(self, *, transposed: bool) -> BlockKrylov | SlepcSearch:
         """What searches discs about the shift."""

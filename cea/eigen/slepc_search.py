@@ -62,7 +62,13 @@ class SlepcSearch:
         self._comm = matrices.mass.comm.tompi4py()
 
     def search(
-        self, known: InvariantSubspace, radius: float, seed: int, *, both_ends: bool = False
+        self,
+        known: InvariantSubspace,
+        radius: float,
+        seed: int,
+        *,
+        centre: float | None = None,
+        both_ends: bool = False,
     ) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc.
 
@@ -71,9 +77,11 @@ class SlepcSearch:
         known
             An invariant subspace found before, at any shift.
         radius
-            Radius of the disc about the shift.
+            Radius of the disc.
         seed
             Of the random start vector.
+        centre
+            Its centre; None takes the shift.
         both_ends
             As of :meth:`cea.eigen.block_krylov.BlockSearch.search`; it changes nothing here.
 
@@ -83,12 +91,14 @@ class SlepcSearch:
             When the disc does not become full.
         """
         del both_ends
+        shift = self._factors.kappa
+        centre = shift if centre is None else centre
         left, wanted = self._finite - known.size, _FIRST
         while left > 0:
             kappa, vectors = self._nearest.nearest(min(wanted, left), known.basis, seed)
-            distances = np.abs(kappa - self._factors.kappa)
-            if len(kappa) >= left or distances.max() > radius:
-                return self._with(known, kappa, vectors, distances <= radius)
+            reached = np.abs(kappa - shift).max()
+            if len(kappa) >= left or reached > radius + abs(centre - shift):
+                return self._with(known, kappa, vectors, np.abs(kappa - centre) <= radius)
             wanted *= 2
         return known
 
