@@ -145,10 +145,17 @@ class Mumps:
         return pc
 
     def _hasten(self, factor: Any) -> None:
-        """Options by which inertia is found sooner; solutions may lose a digit to the first."""
+        """Options by which inertia is found sooner; solutions may lose a digit to the first.
+
+        Single precision is for matrices that are likely to be positive definite, which need no
+        other pivots than their diagonal, and whose factors are tried before they are trusted.
+        """
         if (unknowns := unknowns_of_nodes(self.matrix)) > 1:
             factor.setMumpsIcntl(15, -unknowns)  # the graph of the nodes is ordered
-        if not self.single:  # panels, of which none is compressed
+        if self.single:
+            factor.setMumpsCntl(1, 0.0)
+            factor.setMumpsIcntl(8, 0)
+        else:  # panels, of which none is compressed
             factor.setMumpsIcntl(35, 2)
             factor.setMumpsCntl(7, 0.0)
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from cea.eigen.blocks import all_inner, image_of
-from cea.eigen.dense_products import beside, combined, subtract
+from cea.eigen.dense_products import combined, subtract
 from cea.eigen.factorisation import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import balanced, count_below, force_scale
@@ -141,24 +141,27 @@ def _slope(factors: Mumps, unsymmetric: Any) -> float:
     """
     skew = antisymmetrised(unsymmetric.copy())
     comm, rows = skew.comm, skew.getLocalSize()[0]
-    block = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
-    basis, images, skews = (np.empty((rows, 0), order="F") for _ in range(3))
+    most = _COLUMNS * _STEPS
+    basis, images, skews = (np.empty((rows, most), order="F") for _ in range(3))
+    start = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
+    load, size = image_of(skew, start), 0
     for _ in range(_STEPS):
-        block = factors.solve_block(image_of(skew, block))
+        block = factors.solve_block(load)
         for _ in range(2):  # what rounding leaves of the first projection goes with the second
-            subtract(block, basis, all_inner(images, block, comm))
+            subtract(block, basis[:, :size], all_inner(images[:, :size], block, comm))
         image = image_of(factors.matrix, block)
         squares, axes = np.linalg.eigh(all_inner(block, image, comm))
         kept = squares > _DEPENDENT * max(squares.max(), np.finfo(float).tiny)
-        turn = axes[:, kept] / np.sqrt(squares[kept])
-        block, image = combined(block, turn), combined(image, turn)
-        basis, images = beside(basis, block), beside(images, image)
         if not kept.any():
             break
-        skews = beside(skews, image_of(skew, block))
+        turn = axes[:, kept] / np.sqrt(squares[kept])
+        fresh = slice(size, size + turn.shape[1])
+        size = fresh.stop
+        basis[:, fresh], images[:, fresh] = combined(block, turn), combined(image, turn)
+        load = skews[:, fresh] = image_of(skew, basis[:, fresh])
     destroy(skew)
-    projected = all_inner(basis, skews, comm)
-    return float(np.linalg.norm(projected, 2)) if projected.size else 0.0
+    projected = all_inner(basis[:, :size], skews[:, :size], comm)
+    return float(np.linalg.norm(projected, 2)) if size else 0.0
 
 
 def hermitian_part(matrices: Matrices, depth: float) -> Any:

@@ -7,12 +7,18 @@ from numpy.typing import NDArray
 from scipy.linalg import schur
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.dense_products import combined
 from cea.eigen.krylov_space import InnerProduct, KrylovSpace
 from cea.eigen.subspace import InvariantSubspace, small_eigenpairs, symmetric_part
 from cea.errors import ConvergenceError
 
 _BLOCK = 8
 """Columns of a block."""
+_CLEANSED = 3
+"""Times that OP is applied to start vectors where nothing is known: without a projection it costs
+less than a further block, and takes what is far away out of all that follow."""
+_TINY = 1e-20
+"""Square of a direction of start vectors, relative to the largest, from which on it is rounding."""
 _LEAST = 6
 """Blocks of a space before it is looked at: an eigenvalue must have had time to show."""
 _GROWTH = 1.3
@@ -131,9 +137,18 @@ class KrylovRun:
             start = np.asfortranarray(start)
             # OP takes what is far away out of a vector, ties above all.
             far = both_ends and owner.finite == owner.size
-            for _ in range(0 if far else owner.cleansing):
-                start = owner.apply(start, owner.image(start))
+            times = owner.cleansing if known.size or both_ends else _CLEANSED
+            for _ in range(0 if far else times):
+                start = self._applied(start)
             self._space.start(start)
+
+    def _applied(self, block: NDArray[Any]) -> NDArray[Any]:
+        """OP on a block of the same span, its vectors orthonormal: none hides the others."""
+        owner = self._owner
+        image = owner.image(block)
+        squares, axes = np.linalg.eigh(owner.inner(block, image))
+        turn = axes / np.sqrt(np.maximum(squares, _TINY * squares.max()))
+        return owner.apply(combined(block, turn), combined(image, turn))
 
     def complete(self) -> InvariantSubspace:
         """The known with all that is in the disc."""
