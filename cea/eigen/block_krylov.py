@@ -24,6 +24,7 @@ from cea.eigen.dense_products import inner
 from cea.eigen.krylov_run import KrylovRun
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
+from cea.eigen.slices import NO_SLICES, Plan
 from cea.eigen.subspace import InvariantSubspace
 from cea.timing import StageTimer
 
@@ -63,6 +64,10 @@ class BlockSearch(ABC):
     """Times that OP takes what is infinite out of a vector by being applied."""
     most = sys.maxsize
     """Eigenvalues in a disc at which it is called crowded."""
+    plan = NO_SLICES
+    """When a search ends with the eigenvalues nearest to the shift."""
+    reached: float | None = None
+    """Radius about the shift to which it then came."""
 
     def __init__(
         self,
@@ -121,7 +126,7 @@ class BlockSearch(ABC):
             centre = self.shift if centre is None else centre
             run = KrylovRun(self, known, radius, seed, centre=centre, both_ends=both_ends)
             known = run.complete()
-            self.farthest = run.farthest
+            self.farthest, self.reached = run.farthest, run.reached
             return known
 
     @abstractmethod
@@ -146,7 +151,7 @@ class BlockKrylov(BlockSearch):
         The pencil at given parameters.
     factors
         The pencil factorised at the shift.
-    tolerance, max_restarts, timer
+    tolerance, max_restarts, timer, plan
         Those of :class:`BlockSearch`.
     transposed
         Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
@@ -160,6 +165,7 @@ class BlockKrylov(BlockSearch):
         tolerance: float,
         max_restarts: int,
         timer: StageTimer,
+        plan: Plan = NO_SLICES,
         transposed: bool = False,
     ) -> None:
         super().__init__(
@@ -171,6 +177,7 @@ class BlockKrylov(BlockSearch):
             max_restarts=max_restarts,
             timer=timer,
         )
+        self.plan = plan
         self._mass, self._factors, self._transposed = matrices.mass, factors, transposed
 
     def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:

@@ -193,6 +193,12 @@ class Mumps:
         """Sign of the determinant of an unsymmetric A."""
         return int(np.sign(self._pc.getFactorMatrix().getMumpsRinfog(12)))
 
+    def cost(self) -> tuple[float, float]:
+        """Entries of the factors, and operations that they took."""
+        factor = self._pc.getFactorMatrix()
+        entries = factor.getMumpsInfog(29)  # below zero in millions
+        return float(entries if entries >= 0 else -1e6 * entries), factor.getMumpsRinfog(3)
+
     def free(self) -> None:
         """Free the factors and the matrix."""
         destroy(self._pc, self.matrix)

@@ -44,6 +44,8 @@ class Found:
         Whether the sign of a determinant shows that a real kappa is missing.
     counted
         Without friction, eigenvalues below :func:`upper_end` by inertia.
+    slices
+        Slices in which those about the middle were found; 0 where they were found at once.
     """
 
     subspace: InvariantSubspace
@@ -52,6 +54,7 @@ class Found:
     bounded: bool = False
     odd: bool = False
     counted: int | None = None
+    slices: int = 0
 
     def window(self, top: float, kappa: Complexes) -> Window:
         """The window, and why it is believed complete.
@@ -76,6 +79,7 @@ class Found:
             upper=upper,
             found_below=int(np.sum(kappa.real < upper)),
             symmetric_count=self.counted,
+            slices=self.slices,
         )
 
 

@@ -9,6 +9,7 @@ from scipy.linalg import schur
 from cea.arrays import Complexes, Floats
 from cea.eigen.dense_products import combined
 from cea.eigen.krylov_space import InnerProduct, KrylovSpace
+from cea.eigen.slices import Plan
 from cea.eigen.subspace import InvariantSubspace, small_eigenpairs, symmetric_part
 from cea.errors import ConvergenceError
 
@@ -23,8 +24,10 @@ _LEAST = 6
 """Blocks of a space before it is looked at: an eigenvalue must have had time to show."""
 _GROWTH = 1.3
 """Most growth of the Krylov space between two looks at its eigenvalues."""
-_RESTART = 2.5
+_RESTART = 3.5
 """Size of the space, relative to the eigenvalues wanted of it, at which it is restarted."""
+_CROWDED = 0.6
+"""Eigenvalues in a disc relative to the columns of the space from which on they are far more."""
 _PAIR = 1e-9
 """Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
 _AROUND = 0.1
@@ -67,6 +70,8 @@ class ShiftInvert(InnerProduct, Protocol):
         Restarts before a search is given up.
     most
         Eigenvalues beside the known in a disc at which it is called crowded.
+    plan
+        When a search ends with the eigenvalues nearest to the shift, for its disc holds far more.
     """
 
     size: int
@@ -78,6 +83,7 @@ class ShiftInvert(InnerProduct, Protocol):
     tolerance: float
     max_restarts: int
     most: int
+    plan: Plan
 
 
 class KrylovRun:
@@ -103,6 +109,9 @@ class KrylovRun:
     farthest
         Largest modulus of an eigenvalue that the space knows of; infinite where it does not see the
         far end of the spectrum.
+    reached
+        Radius of the disc about the shift that the search ended with; None where it is that asked
+        for.
     """
 
     def __init__(
@@ -122,6 +131,7 @@ class KrylovRun:
         self._centre, self._least = -np.conj(aside) / square, radius / square
         self._both_ends = both_ends
         self.farthest = np.inf
+        self.reached: float | None = None
         self._shift = owner.shift
         self._room = owner.size - known.size
         self._finite = owner.finite - known.size
@@ -174,6 +184,11 @@ class KrylovRun:
             wanted = int(inside.sum())
             if wanted > self._owner.most:
                 raise CrowdedError(wanted)
+            plan = self._owner.plan
+            if size >= plan.columns and wanted > _CROWDED * size:
+                known = self._nearest_ones(theta, residuals, converged)
+                if known is not None:
+                    return known
             if size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
                 if restarts == self._owner.max_restarts:
                     where = f"{self._owner.unknown} = {self._shift:.4g}"
@@ -186,7 +201,23 @@ class KrylovRun:
                 self._space.restart(*self._leading(theta, wanted + 3 * _BLOCK))
                 self._worst = None
             look = self._next_look(theta, residuals, inside)
+            if size < plan.columns < look:
+                look = plan.columns
         return self._known
+
+    def _nearest_ones(
+        self, theta: Complexes, residuals: Floats, converged: NDArray[np.bool_]
+    ) -> InvariantSubspace | None:
+        """The known with what has converged about the shift; None where slices are not worth it."""
+        order = np.argsort(-np.abs(theta))
+        number = int(np.argmin(converged[order]))
+        first = order[number]
+        reached = float(1 / (np.abs(theta[first]) + _CLEAR * residuals[first]))
+        inside = converged & (np.abs(theta) * reached > 1)
+        if inside.sum() * self._radius <= self._owner.plan.many * reached:
+            return None
+        self._centre, self.reached = 0.0, reached
+        return self._locked(theta, inside)
 
     def _distances(self, theta: Complexes) -> Floats:
         """By which eigenvalues lead: the disc holds those at which this is large."""

@@ -8,7 +8,7 @@ disc reaches, further discs follow.
 """
 
 from itertools import pairwise
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from cea.eigen.pencil import Matrices
 from cea.eigen.sensitivity import SAME
 from cea.eigen.shifted import Shifted
 from cea.eigen.slepc_search import SlepcSearch
+from cea.eigen.slices import NO_SLICES, Plan, Slice, covered, joined, plan_of
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
@@ -78,6 +79,8 @@ class WindowSearch:
     ----------
     factorisations
         Factorisations made so far.
+    slices
+        Slices in which the eigenvalues around the middle were found; none where there are few.
     """
 
     def __init__(
@@ -97,9 +100,9 @@ class WindowSearch:
         self._finite = matrices.size - matrices.tied
         self._limits = tolerance, max_restarts
         self._timer, self._solver = timer, solver
-        self._searches = 0
+        self._searches = self.slices = 0
         self._discs: list[Disc] = []
-        self._farthest: dict[float, Disc] = {}
+        self._farthest: dict[tuple[float, float], float] = {}
         self._signs: dict[float, int] = {}
         self._farthest_kappa = np.inf
 
@@ -123,7 +126,7 @@ class WindowSearch:
             depth = _DEEPER * max(depth, top)  # a stiffness that is not positive definite
             known = self._covered(known, top, depth, right=upper)
         bounded = _below(known, upper) == counted
-        return Found(known, tuple(self._discs), depth, bounded, counted=counted)
+        return Found(known, tuple(self._discs), depth, bounded, counted=counted, slices=self.slices)
 
     def complex(self, top: float) -> Found:
         """A window of a pencil with friction.
@@ -142,7 +145,7 @@ class WindowSearch:
             radius = distance_of_cone(top, self._middle, field)
             known = self._filled(known, Disc(self._middle, radius))
             if not self._odd(known):
-                return Found(known, tuple(self._discs), depth, bounded)
+                return Found(known, tuple(self._discs), depth, bounded, slices=self.slices)
         else:
             known = self._around_the_middle(upper)
         most = _MOST_DISCS[self._matrices.size <= _SMALL]
@@ -163,24 +166,57 @@ class WindowSearch:
         known = self._with_real_ones(known)
         if len(self._discs) > _NEAR:
             self._move(self._shift)  # modes are judged by factors near them
-        return Found(known, tuple(self._discs), reached, bounded, bool(self._odd(known)))
+        odd = bool(self._odd(known))
+        return Found(known, tuple(self._discs), reached, bounded, odd, slices=self.slices)
 
     def _around_the_middle(self, upper: float) -> InvariantSubspace:
         """Eigenvalues about the middle of the window; the shift steps aside where it is one."""
         middle = self._middle
         for _ in range(_STEPS_ASIDE):
             self._move(self._shift)
-            known = self._filled(self._nothing(), Disc(middle, upper - middle), once=True)
+            known = self._first(Disc(middle, upper - middle))
             nearest = np.abs(known.eigenvalues() - self._shift).min(initial=np.inf)
             if nearest > _ASIDE**2 * self._shift:
                 break
             self._farthest.clear()
             self._signs.clear()
             self._discs.clear()
+            self.slices = 0
             self._shift *= 1 - _ASIDE
         if not known.size:  # what lies around shows what rounding does
             known = self._filled(known, Disc(middle, _WIDER * (upper - middle)), once=True)
         return known
+
+    def _first(self, disc: Disc) -> InvariantSubspace:
+        """Eigenvalues of a disc of which none is known; of many, in slices."""
+        self.slices = 0
+        first = self._slice(disc)
+        if self.slices:
+            low, high = disc.centre - disc.radius, disc.centre + disc.radius
+            slices = covered(first, low, high, lambda at, r: self._slice(Disc(at, r), move=True))
+            with self._timer("krylov"):
+                known = joined(slices, self._matrices.mass)
+            self._move(self._shift)
+        else:
+            known = first.found
+        self._discs.append(disc)
+        return known
+
+    def _slice(self, disc: Disc, *, move: bool = False) -> Slice:
+        """What a disc holds about the shift, or about its centre; of many those nearest."""
+        if move:
+            self._move(disc.centre)
+        shift = self._factors.kappa
+        krylov = self._searcher(plan=plan_of(self._finite, *self._factors.cost()))
+        found = krylov.search(self._nothing(), disc.radius, self._searches, centre=disc.centre)
+        self._searches += 1
+        if krylov.reached is not None:
+            disc = Disc(shift, krylov.reached)
+        self.slices += move or krylov.reached is not None
+        distances = np.abs(found.eigenvalues() - disc.centre)
+        if len(distances):
+            self._note(shift, disc.centre, float(distances.max()))
+        return Slice(disc, found)
 
     def _odd(self, known: InvariantSubspace) -> list[float]:
         """Shifts to the left of which the sign of the determinant shows another real kappa."""
@@ -204,10 +240,9 @@ class WindowSearch:
         known = self._nothing()
         if self._matrices.symmetric:
             return known.eigenpairs()
-        for shift, disc in self._farthest.items():
+        for (shift, centre), radius in self._farthest.items():
             self._move(shift)
-            wider = Disc(disc.centre, _INSIDE * disc.radius)
-            known = self._filled(known, wider, transposed=True)
+            known = self._filled(known, Disc(centre, _INSIDE * radius), transposed=True)
         return known.eigenpairs()
 
     def _covered(
@@ -245,7 +280,7 @@ class WindowSearch:
             self._searches += 1  # never from the same random vectors
             new = np.abs(known.eigenvalues(before) - centre)
             if not transposed and len(new):
-                self._note(factors.kappa, Disc(centre, float(new.max())))
+                self._note(factors.kappa, centre, float(new.max()))
             if not (new < disc.radius).any():
                 break
         else:
@@ -259,28 +294,23 @@ class WindowSearch:
             self._discs.append(disc)
         return known
 
-    def _note(self, shift: float, disc: Disc) -> None:
-        """Take note of a disc that holds all that was found at a shift, for its left vectors."""
-        before = self._farthest.get(shift)
-        if before is not None:  # discs of one shift have one centre
-            disc = max(before, disc, key=lambda each: each.radius)
-        self._farthest[shift] = disc
+    def _note(self, shift: float, centre: float, radius: float) -> None:
+        """Take note of a disc that holds what was found at a shift, for its left vectors."""
+        before = self._farthest.get((shift, centre), 0.0)
+        self._farthest[shift, centre] = max(before, radius)
 
-    def _searcher(self, *, transposed: bool) -> BlockKrylov | SlepcSearch:
-        """What searches discs about the shift."""
+    def _searcher(
+        self, *, transposed: bool = False, plan: Plan = NO_SLICES
+    ) -> BlockKrylov | SlepcSearch:
+        """What searches discs about the shift; in part where they hold very many."""
         tolerance, max_restarts = self._limits
-        kind: Any = BlockKrylov if self._solver == "block" else SlepcSearch
-        return cast(
-            BlockKrylov | SlepcSearch,
-            kind(
-                self._matrices,
-                self._factors,
-                tolerance=tolerance,
-                max_restarts=max_restarts,
-                timer=self._timer,
-                transposed=transposed,
-            ),
-        )
+        options: Any = {
+            **{"tolerance": tolerance, "max_restarts": max_restarts},
+            **{"timer": self._timer, "transposed": transposed},
+        }
+        if self._solver == "krylov-schur":
+            return SlepcSearch(self._matrices, self._factors, **options)
+        return BlockKrylov(self._matrices, self._factors, plan=plan, **options)
 
     def _move(self, kappa: float) -> None:
         if kappa != self._factors.kappa:

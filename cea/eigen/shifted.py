@@ -157,6 +157,11 @@ class Shifted:
             forces = self._multipliers.size
         return int(self._factors.sign() != (-1) ** forces)
 
+    def cost(self) -> tuple[float, float]:
+        """Entries of its own factors, and operations that they took."""
+        assert isinstance(self._factors, Mumps)
+        return self._factors.cost()
+
     def steps(self) -> int:
         """Steps that a system takes: 1 with factors of its own."""
         return self._factors.steps()

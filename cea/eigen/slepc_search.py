@@ -39,9 +39,12 @@ class SlepcSearch:
     ----------
     farthest
         Infinite: the far end of the spectrum is not seen.
+    reached
+        None: discs are searched whole.
     """
 
     farthest = np.inf
+    reached = None
 
     def __init__(
         self,

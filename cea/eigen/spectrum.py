@@ -51,6 +51,9 @@ class Window:
     symmetric_count
         Without friction, eigenvalues below ``upper`` by inertia; None with friction, where
         nothing counts them.
+    slices
+        Shifts from which most of the eigenvalues were found, where there are very many
+        (:mod:`cea.eigen.slices`); 0 where one shift found them.
     """
 
     max_frequency: float
@@ -64,6 +67,7 @@ class Window:
     upper: float
     found_below: int
     symmetric_count: int | None
+    slices: int = field(default=0, kw_only=True)
 
     @property
     def complete(self) -> bool:
@@ -80,9 +84,10 @@ class Window:
                 f"below kappa = {self.upper:.5g} {self.found_below} eigenvalues were found, and "
                 f"the inertia of S - kappa M counts {self.symmetric_count}"
             )
+        told = f", found from {self.slices} shifts," if self.slices else ""
         found = (
-            f"{self.found} eigenvalues fill {self.discs} disc{'s' * (self.discs > 1)}, the last "
-            "of which was searched beside them until nothing more was found"
+            f"{self.found} eigenvalues{told} fill {self.discs} disc{'s' * (self.discs > 1)}, "
+            "the last of which was searched beside them until nothing more was found"
         )
         if self.odd:
             return f"{found}; the sign of a determinant shows that a real one is missing"

@@ -1,9 +1,11 @@
 """Invariant subspaces of a pencil, and eigenvalues of the small matrices that act on them."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Self
 
 import numpy as np
+from scipy.linalg import schur
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.dense_products import beside, combined
@@ -39,27 +41,56 @@ class InvariantSubspace:
 
     def eigenvalues(self, first: int = 0) -> Complexes:
         """kappa, shape (k,), or those added since the subspace had a size."""
-        part = self.projected[first:, first:]
-        values = (
-            np.linalg.eigvalsh(symmetric_part(part)) if self.symmetric else np.linalg.eigvals(part)
-        )
-        return values.astype(complex)
+        return self._values if first == 0 else self._values_of(self.projected[first:, first:])
 
     def eigenpairs(self) -> tuple[Complexes, Complexes]:
-        """kappa, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k)."""
+        """kappa, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k).
+
+        Of a real subspace that of a conjugate, which follows its eigenvalue, is the conjugate.
+        """
+        values, small = self._pairs
+        if np.iscomplexobj(self.basis):
+            return values, combined(self.basis, small)
+        vectors = np.zeros((len(self.basis), self.size), dtype=complex, order="F")
         if not self.size:
-            return np.empty(0, dtype=complex), np.empty((len(self.basis), 0), dtype=complex)
-        values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
-        if not vectors.imag.any():
-            return values, combined(self.basis, vectors.real).astype(complex)
-        return values, combined(self.basis, vectors)
+            return values, vectors
+        upper = np.flatnonzero(values.imag > 0)
+        own = np.flatnonzero(values.imag >= 0)
+        vectors.real[:, own] = combined(self.basis, small.real[:, own])
+        vectors.imag[:, upper] = combined(self.basis, small.imag[:, upper])
+        vectors[:, upper + 1] = vectors[:, upper].conj()
+        return values, vectors
+
+    def between(self, low: float, high: float) -> Self:
+        """The part of the eigenvalues with low <= Re kappa < high, ends that split no pair."""
+        square = symmetric_part(self.projected) if self.symmetric else self.projected
+        form, vectors, kept = schur(
+            square, output="real", sort=lambda real, _=0.0: bool(low <= real < high)
+        )
+        return type(self)(
+            combined(self.basis, vectors[:, :kept]), form[:kept, :kept], self.symmetric
+        )
 
     def conditions(self) -> Floats:
         """Condition numbers of the eigenvalues within the subspace, in the order of the pairs."""
         if self.symmetric:
             return np.ones(self.size)
-        _, vectors = small_eigenpairs(self.projected, symmetric=False)
+        vectors = self._pairs[1]
         return conditions_of(vectors.conj().T @ vectors)
+
+    @cached_property
+    def _values(self) -> Complexes:
+        return self._values_of(self.projected)
+
+    def _values_of(self, part: Floats) -> Complexes:
+        values = (
+            np.linalg.eigvalsh(symmetric_part(part)) if self.symmetric else np.linalg.eigvals(part)
+        )
+        return values.astype(complex)
+
+    @cached_property
+    def _pairs(self) -> tuple[Complexes, Complexes]:
+        return small_eigenpairs(self.projected, symmetric=self.symmetric)
 
     def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
         """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
