@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cea.contact.interface import Interface
-from cea.eigen.spectrum import Spectrum
+from cea.eigen.spectrum import Spectrum, Window
 from cea.system.contact_stresses import SideStress
 from scenes.matrix_run import MatrixResult
 from scenes.plain import as_data
@@ -110,8 +110,7 @@ def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str,
             if row["verdict"] == "unstable"
         ],
         "verdict": modes.verdict(growth_threshold),
-        "window": asdict(modes.window)
-        | {"complete": modes.window.complete, "evidence": modes.window.evidence},
+        "window": _window(modes.window),
         "eigenvalues": [
             {
                 "mode": row["mode"],
@@ -128,6 +127,12 @@ def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str,
             for row, value in zip(rows, modes.eigenvalues, strict=True)
         ],
     }
+
+
+def _window(window: Window) -> dict[str, Any]:
+    """Its fields, slices where there are any, and what is claimed of it."""
+    fields = {name: value for name, value in asdict(window).items() if name != "slices" or value}
+    return fields | {"complete": window.complete, "evidence": window.evidence}
 
 
 def _stress(stress: SideStress) -> dict[str, Any]:

@@ -6,18 +6,19 @@ import numpy as np
 import pytest
 import scipy.linalg
 from blocks import assemble, two_blocks
+from mpi import on_ranks
 from petsc_matrices import to_petsc
+from same_numbers import assert_same
+from sliced_numbers import FEW
 
 from cea.eigen import search
 from cea.eigen.found import Disc
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.pencil import Pencil
-from cea.eigen.slices import Plan, Slice, covered, plan_of
+from cea.eigen.slices import Slice, covered, plan_of
 from cea.eigen.subspace import InvariantSubspace
 
 HERTZ = 1 / (2 * np.pi)
-FEW = Plan(columns=72, many=30)
-"""Slices where there are few eigenvalues already."""
 
 
 def line(values, symmetric=True):
@@ -113,3 +114,11 @@ def test_modes_are_those_of_one_search(backend, mu, monkeypatch):
     simple = moving & (whole.conditions < 10)
     slopes = [np.sort_complex(m.sensitivity(name)[simple]) for m in (sliced, whole)]
     np.testing.assert_allclose(slopes[0], slopes[1], atol=1e-6 * np.abs(slopes[1]).max())
+
+
+@pytest.mark.mpi
+def test_slices_on_several_ranks(backend):
+    ranks = {"fe": 2, "iga": 3}[backend]
+    alone = on_ranks(1, "sliced_numbers.sliced_numbers", backend)
+    assert alone["window"][:2] == [True, True]
+    assert_same(on_ranks(ranks, "sliced_numbers.sliced_numbers", backend), alone, rel=1e-8)
