@@ -210,6 +210,10 @@ class WindowSearch:
         krylov = self._searcher(plan=plan_of(self._finite, *self._factors.cost()))
         found = krylov.search(self._nothing(), disc.radius, self._searches, centre=disc.centre)
         self._searches += 1
+        nearest = np.abs(found.eigenvalues() - shift).min(initial=np.inf)
+        if move and nearest <= _ASIDE**2 * abs(shift):
+            self._signs.pop(shift, None)
+            return self._slice(Disc(shift + _ASIDE * disc.radius, disc.radius), move=True)
         if krylov.reached is not None:
             disc = Disc(shift, krylov.reached)
         self.slices += move or krylov.reached is not None
