@@ -73,7 +73,9 @@ def _one_by_one(product: Any, x: Any, y: Any, vectors: NDArray[Any]) -> NDArray[
 
 def columns_inner(left: NDArray[Any], right: NDArray[Any], comm: Any) -> NDArray[Any]:
     """Inner products of the columns of two blocks, one with one."""
-    return comm.tompi4py().allreduce(np.einsum("ij,ij->j", left.conj(), right))
+    if np.iscomplexobj(left):
+        left = left.conj()
+    return comm.tompi4py().allreduce(np.einsum("ij,ij->j", left, right))
 
 
 def all_inner(left: NDArray[Any], right: NDArray[Any], comm: Any) -> NDArray[Any]:

@@ -109,15 +109,18 @@ def checked(
             x, f = inverse_step(matrices, factors, value, x)
         force, inertia = _internal_forces(matrices, x, f), times(mass, x)
         size = np.sqrt(columns_inner(x, inertia, comm).real)
-        x, f, force, inertia = x / size, f / size, force / size, inertia / size
+        for part in (x, f, force, inertia):
+            part /= size
         vectors[:, block], forces[:, block] = x, f
         if matrices.symmetric:  # the Rayleigh quotient has the square of the vector's error
             value = columns_inner(x, force, comm).real
             kappa[block] = value
         rounding = np.finfo(float).eps * sizes.works(x, f)
-        defect: NDArray[Any] = force - inertia * value
-        scale = np.maximum(np.abs(value), rounding)
-        residuals[block] = norms(defect, comm) / (scale * norms(inertia, comm))
+        scale = np.maximum(np.abs(value), rounding) * norms(inertia, comm)
+        inertia *= value
+        force -= inertia
+        defect: NDArray[Any] = force
+        residuals[block] = norms(defect, comm) / scale
         error = LUMPED * norms(defect / root[:, None], comm)
         large = np.flatnonzero(error > SMALL * np.abs(value))
         if len(large):  # solves cost as much as all the rest
