@@ -69,16 +69,6 @@ class Multipatch:
         """Faces (patch, axis, side) with their global scalar dofs."""
         return [PatchFace.of(self.patches[end[0]], self.dofs[end[0]], end) for end in ends]
 
-    def elements_of(self, rank: int) -> list[Ints]:
-        """Elements of each patch that belong to a rank, in C order of their spans."""
-        counts = [int(np.prod(patch.spans)) for patch in self.patches]
-        offsets = np.concatenate([[0], np.cumsum(counts)])
-        first, last = self.element_ranges[rank : rank + 2]
-        return [
-            np.arange(*np.clip([first - offset, last - offset], 0, count))
-            for offset, count in zip(offsets, counts, strict=False)
-        ]
-
 
 def join(patches: Sequence[Patch], ranks: int, field: str) -> Multipatch:
     """Join patches where their faces coincide.
