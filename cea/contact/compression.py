@@ -31,7 +31,7 @@ _FADED = 1e-14
 column is gone from T where G has it no more."""
 _BLOCKED = 64
 """Columns that LAPACK works on at a time, for which it wants room."""
-_LEAF = 96
+_LEAF = 160
 """Points that are worked on at once."""
 
 
