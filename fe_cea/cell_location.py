@@ -5,13 +5,10 @@ from functools import cached_property
 from typing import Any
 
 import basix
-import basix.ufl
 import numpy as np
-from dolfinx.geometry import bb_tree, compute_collisions_points
-from dolfinx.mesh import create_mesh
 
 from cea.arrays import Floats, Ints
-from cea.petsc import MPI
+from fe_cea.boxes import Boxes
 from fe_cea.facets import geometry_element, slices
 
 _MAX_ITERATIONS = 40
@@ -62,12 +59,9 @@ class Cells:
         return np.linalg.norm(np.ptp(self.nodes, axis=1), axis=1)
 
     @cached_property
-    def _intervals(self) -> Any:
-        """One interval for each cell, from corner to corner of its box (dolfinx)."""
-        low, high = self.nodes.min(axis=1), self.nodes.max(axis=1)
-        interval = basix.ufl.element("Lagrange", "interval", 1, shape=(self.dim,))
-        ends = np.stack([low, high], axis=1).reshape(-1, self.dim)
-        return create_mesh(MPI.COMM_SELF, np.arange(len(ends)).reshape(-1, 2), interval, ends)
+    def _boxes(self) -> Boxes:
+        """The boxes of the nodes of each cell."""
+        return Boxes(self.nodes.min(axis=1), self.nodes.max(axis=1))
 
     def locate(self, x: Floats) -> tuple[Ints, Floats, Floats]:
         """Cell and reference coordinates nearest to each point.
@@ -87,7 +81,7 @@ class Cells:
         xi, miss = np.zeros(x.shape), np.full(len(x), np.inf)
         left, reach = np.arange(len(x)), _REACH * float(self.sizes.max())
         while len(left):
-            point, candidates = self._near(x[left], reach)
+            point, candidates = self._boxes.within(x[left], reach)
             found, apart = self._pulled_back(candidates, x[left[point]])
             order = np.lexsort((candidates, np.round(apart, _ALIKE), point))
             best = order[np.unique(point[order], return_index=True)[1]]
@@ -95,17 +89,6 @@ class Cells:
             cell[at], xi[at], miss[at] = candidates[best], found[best], apart[best]
             left, reach = left[cell[left] < 0], 4 * reach
         return cell, xi, miss
-
-    def _near(self, x: Floats, reach: float) -> tuple[Ints, Ints]:
-        """Points and cells whose box comes within reach of them, one pair a row."""
-        padded = np.zeros((len(x), 3))
-        padded[:, : self.dim] = x
-        intervals = self._intervals
-        tree = bb_tree(intervals, intervals.topology.dim, padding=reach)
-        found = compute_collisions_points(tree, padded)
-        point = np.repeat(np.arange(len(x)), np.diff(found.offsets))
-        number = intervals.topology.original_cell_index
-        return point, number[found.array].astype(np.int64)
 
     def _pulled_back(self, cell: Ints, x: Floats) -> tuple[Floats, Floats]:
         """Reference coordinates of points in cells by Newton steps kept inside, and misses."""

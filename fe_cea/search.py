@@ -5,9 +5,9 @@ from functools import cached_property
 
 import basix
 import numpy as np
-from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
+from fe_cea.boxes import Boxes
 from fe_cea.facets import FacetLayer
 
 _BULGE_SAFETY = 1.1
@@ -64,30 +64,14 @@ class FacetBounds:
         return self.layer.facet_nodes[:, :count]
 
     @cached_property
-    def _trees(self) -> list[tuple[Ints, cKDTree, float]]:
-        """Facets whose boxes are of like size, a tree of their centres, their half extent (m)."""
-        low, high = self.boxes
-        half = 0.5 * (high - low).max(axis=1)
-        kind = np.frexp(half)[1]
-        every = [np.flatnonzero(kind == each) for each in np.unique(kind)]
-        return [(some, _tree(0.5 * (low + high)[some]), float(half[some].max())) for some in every]
+    def _boxes(self) -> Boxes:
+        return Boxes(*self.boxes)
 
     def within(self, x: Floats, reach: float) -> tuple[Ints, Ints]:
         """Points and facets whose box comes within reach of them, one pair a row."""
         # Room for rounding, beside a reach that may be zero.
         room = reach + 1e-6 * 2 * float(self.balls[1].max())
-        low, high = self.boxes
-        points, facets, tree = [], [], _tree(x)
-        for some, centres, half in self._trees:
-            pairs = tree.sparse_distance_matrix(
-                centres, half + room, p=np.inf, output_type="ndarray"
-            )
-            point, facet = pairs["i"].astype(np.int64), some[pairs["j"]]
-            at = x[point]
-            near = ((at >= low[facet] - room) & (at <= high[facet] + room)).all(axis=1)
-            points.append(point[near])
-            facets.append(facet[near])
-        return np.concatenate(points), np.concatenate(facets)
+        return self._boxes.within(x, room)
 
     def near_lines(
         self, point: Ints, element: Ints, x: Floats, direction: Floats, reach: float
@@ -100,8 +84,3 @@ class FacetBounds:
         across = np.linalg.norm(offset - along[:, None] * aim, axis=1)
         near = _NEAR * radius[element]
         return (across <= near) & (np.abs(along) <= reach + near)
-
-
-def _tree(x: Floats) -> cKDTree:
-    """Tree that is quick to make: it is asked once or twice."""
-    return cKDTree(x, balanced_tree=False, compact_nodes=False)

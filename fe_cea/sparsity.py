@@ -126,29 +126,27 @@ class NodeGraph:
         came = np.concatenate([pairs[1] for pairs in told])
         far = came[(came < self._first) | (came >= self._first + own)]
         self._others = np.union1d(ghosts, far)
+        received = [(r - self._first, self._number(c)) for r, c in told]
         shape = (own, own + len(self._others))
         columns = self._number(known).astype(np.int32)[here.indices[:end]]
-        # Odd are those to which cells of this rank add.
-        mine = csr_array((np.ones(end, dtype=np.int32), columns, here.indptr[: own + 1]), shape)
-        received = [(r - self._first, self._number(c)) for r, c in told]
-        for pair in received:
-            mine = mine + csr_array((np.full(len(pair[0]), 2, dtype=np.int32), pair), shape)
-        mine = _sorted(mine)
-        self.inner, outer = _block(mine[:, :own]), _block(mine[:, own:])
-        self.outer = Block(outer.starts, own + outer.columns)
+        starts = here.indptr[: own + 1]
+        mine, fresh = _with_more(csr_array((columns, columns, starts), shape), received)
 
-        within = mine.indices < own
-        number = np.empty(mine.nnz, dtype=np.int32)
-        number[within] = np.arange(np.count_nonzero(within))
-        number[~within] = np.arange(np.count_nonzero(within), mine.nnz)
-        self.exchange = Exchange(
-            comm,
-            parts,
-            [_at(mine, number, *pair) for pair in received],
-        )
+        far = mine.indices >= own
+        beyond = np.zeros(mine.nnz + 1, dtype=np.int32)
+        np.cumsum(far, out=beyond[1:])
+        number = np.arange(mine.nnz, dtype=np.int32)
+        number -= beyond[:-1]
+        number[far] = np.arange(mine.nnz - beyond[-1], mine.nnz)
+        outer_starts = beyond[mine.indptr]
+        self.inner = Block(mine.indptr - outer_starts, mine.indices[~far])
+        self.outer = Block(outer_starts, mine.indices[far])
+        taken = [_at(mine, number, *pair) for pair in received]
+        self.exchange = Exchange(comm, parts, taken)
         self.num_entries = int(mine.nnz + here.nnz - end)
-        of_own = number[mine.data % 2 == 1]
-        return np.append(of_own, mine.nnz + np.arange(here.nnz - end, dtype=np.int32))
+        places = np.arange(mine.nnz - end, self.num_entries, dtype=np.int32)
+        places[:end] = np.delete(number, fresh)
+        return places
 
     def _number(self, nodes: Ints) -> Ints:
         """Number of nodes by their global numbers."""
@@ -162,6 +160,43 @@ def _sharing(cells: Indices, count: int) -> csr_array:
     ones = np.ones(cells.size, dtype=np.int32)
     nodes = csr_array((ones, cells.ravel(), starts), shape=(len(cells), count))
     return _sorted(nodes.T.tocsr() @ nodes)
+
+
+def _with_more(mine: csr_array, received: list[tuple[Ints, Ints]]) -> tuple[csr_array, Indices]:
+    """A pattern with the entries that other ranks tell of, too.
+
+    Parameters
+    ----------
+    mine
+        Entries that are known, rising in each row.
+    received
+        Rows and columns that each rank tells of.
+
+    Returns
+    -------
+    tuple
+        The pattern, rising in each row, and where in it those are that were not known.
+    """
+    width = mine.shape[1]
+    told = np.unique(np.concatenate([row * width + column for row, column in received]))
+    # Few rows are told of: only those are looked at.
+    rows = np.unique(told // width)
+    lengths = np.diff(mine.indptr)
+    within = csr_array(mine[rows])
+    known = np.repeat(rows, np.diff(within.indptr)) * width + within.indices
+    place = np.searchsorted(known, told)
+    fresh = np.append(known, -1)[place] != told
+    row, column = np.divmod(told[fresh], width)
+    at = place[fresh] + (mine.indptr[rows] - within.indptr[:-1])[np.searchsorted(rows, row)]
+    indices = np.insert(mine.indices, at, column.astype(mine.indices.dtype))
+    starts = _starts(lengths + np.bincount(row, minlength=len(lengths)))
+    pattern = csr_array((indices, indices, starts), shape=mine.shape)
+    return pattern, at + np.arange(len(at))
+
+
+def _starts(lengths: Ints) -> Indices:
+    """Where rows of some lengths start, and where the last ends."""
+    return np.append(0, np.cumsum(lengths)).astype(np.int32)
 
 
 def _sorted(matrix: csr_array) -> csr_array:

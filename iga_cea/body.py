@@ -1,6 +1,6 @@
 """Elastic body of NURBS patches."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.checks import check_density
 from cea.material import IsotropicMaterial
-from cea.matrices import antisymmetrised, destroy, symmetrised, total
-from cea.petsc import MPI, PETSc
+from cea.matrices import destroy
+from cea.petsc import MPI
 from cea.rotation import Rotation
 from cea.supports.boundary import (
     Force,
@@ -24,16 +23,13 @@ from cea.supports.boundary import (
 from cea.supports.constraints import Constraints
 from cea.supports.prescribed import add_prescribed
 from cea.volume import VolumeCells, VolumeSample
-from iga_cea import assembly, prestress, transport
 from iga_cea.cells import bezier_cells
+from iga_cea.elasticity import Elasticity
 from iga_cea.inputs import check_faces, check_patches, checked_continuity, checked_degree
 from iga_cea.loads import surface_forces
 from iga_cea.multipatch import End, Multipatch, join
 from iga_cea.patch import PatchGeometry, refine
-from iga_cea.pattern import Pattern
 from iga_cea.sampling import sample_volume
-from iga_cea.springs import foundation
-from iga_cea.storage import Kept
 from iga_cea.supports import face_constraints
 from iga_cea.surface import NurbsSurface
 
@@ -126,11 +122,10 @@ class NurbsBody:
         """Control point of each scalar dof (m), shape (num_scalar_dofs, dim)."""
         return self.multipatch.control_points
 
-    @cached_property
+    @property
     def expansion(self) -> Any:
         """PETSc AIJ matrix (full x free): displacement of every dof from the free ones."""
-        first, last = self.multipatch.dof_ranges[self.comm.rank : self.comm.rank + 2]
-        return self._constraints.expansion(int(first), int(last), self.comm)
+        return self._elasticity.expansion
 
     @property
     def constraints(self) -> Constraints:
@@ -139,11 +134,11 @@ class NurbsBody:
 
     def stiffness(self) -> Any:
         """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
-        return self._stiffness
+        return self._elasticity.stiffness
 
     def spring_stiffness(self) -> Any | None:
         """What springs are of the stiffness, PETSc AIJ (free x free), N/m; None without any."""
-        return self._spring_stiffness
+        return self._elasticity.springs
 
     def mass(self) -> Any:
         """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
@@ -153,21 +148,15 @@ class NurbsBody:
         InputError
             When the material has no density.
         """
-        return self._mass
+        return self._elasticity.mass
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
-        space = self.multipatch, self._pattern
-        whole = transport.gyroscopic(*space, self._density, rotation, self.comm, self._kept)
-        return self._restricted(whole, antisymmetrised)
+        return self._elasticity.gyroscopic(rotation)
 
     def convective_stiffness(self, rotation: Rotation) -> Any:
         """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
-        space = self.multipatch, self._pattern
-        whole = transport.convective_stiffness(
-            *space, self._density, rotation, self.comm, self._kept
-        )
-        return self._restricted(whole)
+        return self._elasticity.convective(rotation)
 
     @property
     def prescribed(self) -> Any | None:
@@ -181,21 +170,7 @@ class NurbsBody:
 
     def full_stiffness(self) -> Any:
         """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
-        return self._elastic(None)
-
-    def _elastic(self, kept: Kept | None) -> Any:
-        """Stiffness with springs of the unknowns that are kept."""
-        space = self.multipatch, self._pattern
-        K = assembly.stiffness(*space, self.material.lame, self.comm, kept)
-        for spring in self._springs:
-            foundation = self._foundation(spring)
-            if kept is not None:
-                whole = foundation
-                foundation = self._constraints.restrict(whole, self.expansion)
-                whole.destroy()
-            K.axpy(1.0, foundation, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
-            foundation.destroy()
-        return K
+        return self._elasticity.full_stiffness()
 
     def load(self) -> Any:
         """Forces of loads and of prescribed displacements, PETSc vector (free), N."""
@@ -203,10 +178,7 @@ class NurbsBody:
 
     def geometric_stiffness(self, displacement: Floats) -> Any:
         """Stiffness that stresses of a displacement make, PETSc AIJ (free x free), N/m."""
-        u = displacement.reshape(-1, self.dim)
-        space = self.multipatch, self._pattern
-        whole = prestress.geometric_stiffness(*space, self.material, u, self.comm, self._kept)
-        return self._restricted(whole)
+        return self._elasticity.geometric(displacement)
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
         """Sample of the whole body, each knot span divided so many times a direction.
@@ -245,34 +217,16 @@ class NurbsBody:
         return slice(int(first), int(last))
 
     @cached_property
-    def _pattern(self) -> Pattern:
-        return Pattern.of(self.multipatch, self.comm.rank)
-
-    @cached_property
-    def _stiffness(self) -> Any:
-        return self._restricted(self._elastic(self._kept))
-
-    @cached_property
-    def _spring_stiffness(self) -> Any | None:
-        if not self._springs:
-            return None
-        foundations = [self._foundation(spring) for spring in self._springs]
-        whole = total(foundations)
-        destroy(*foundations)
-        if self._kept is None:
-            return self._restricted(whole)
-        restricted = self._constraints.restrict(whole, self.expansion)
-        whole.destroy()
-        return restricted
-
-    @cached_property
-    def _mass(self) -> Any:
-        space = self.multipatch, self._pattern
-        return self._restricted(assembly.mass(*space, self._density, self.comm, self._kept))
-
-    @property
-    def _density(self) -> float:
-        return check_density(self.material, f"bodies.{self.name}.material")
+    def _elasticity(self) -> Elasticity:
+        return Elasticity(
+            self.multipatch,
+            self._constraints,
+            self.material,
+            self._springs,
+            self.surfaces,
+            self.comm,
+            f"bodies.{self.name}",
+        )
 
     @cached_property
     def _load(self) -> Any:
@@ -294,28 +248,8 @@ class NurbsBody:
 
     def _add_body_force(self, full: Any, force: Floats) -> None:
         """Add the forces on all dofs of a force on every part (N/m^3)."""
-        volumes = assembly.mass(self.multipatch, self._pattern, 1.0, self.comm)
+        volumes = self._elasticity.volumes()
         uniform = volumes.createVecRight()
         uniform.array[:] = np.tile(force, uniform.getLocalSize() // self.dim)
         volumes.multAdd(uniform, full, full)
         destroy(volumes, uniform)
-
-    def _foundation(self, spring: Spring) -> Any:
-        """Matrix of a spring, all dofs."""
-        points = max(self.degree) + 1
-        return foundation(self.surfaces[spring.surface], spring, points, self._owned, self.comm)
-
-    @cached_property
-    def _kept(self) -> Kept | None:
-        """Unknowns that supports leave, where matrices are assembled for them alone."""
-        constraints = self._constraints
-        return constraints.kept if constraints.any and constraints.selects else None
-
-    def _restricted(self, matrix: Any, exactly: Callable[[Any], Any] = symmetrised) -> Any:
-        """Rows and columns of the free unknowns, where the matrix is not assembled for them."""
-        if self._kept is not None or not self._constraints.any:
-            return matrix
-        restricted = self._constraints.restrict(matrix, self.expansion)
-        exactly(restricted)  # products with a turned frame are so up to rounding only
-        matrix.destroy()
-        return restricted

@@ -11,9 +11,10 @@ import numpy as np
 
 from cea.arrays import Floats, Ints
 from cea.ranks import agreed
+from iga_cea.chunks import chunks
 from iga_cea.metric import Map, factors_of, lines_of
 from iga_cea.multipatch import Multipatch
-from iga_cea.pattern import Pattern
+from iga_cea.pattern import Order, Pattern
 from iga_cea.sum_factorisation import Form, slabs
 
 
@@ -70,7 +71,7 @@ def _add_patch(
     def patch_map(across: list[tuple[Floats, Floats]]) -> Map:
         return Map(patch, factors is not None, across, field, f"patches[{number}]")
 
-    rows, table = pattern.rows[number], pattern.tables[number]
+    rows = pattern.rows[number]
     rows = rows.reshape(*rows.shape, *(1,) * (3 - rows.ndim))
     place_of = (np.cumsum(rows >= 0) - 1).reshape(rows.shape)
     alone = len(multipatch.patches) == 1
@@ -79,10 +80,13 @@ def _add_patch(
         for i, part, slab in slabs(patch_map, lines, form, box):
             here = (i, part, box[2])
             chosen = place_of[here].ravel()
-            row = pattern.sparse_rows(number, chosen, rows[here].ravel())[:, None]
             if factors is None:
                 slab = slab * _weights(patch.weights.reshape(rows.shape), lines, here)
-            place = table[chosen][:, None, :]
+            if pattern.order is not None:
+                _put_in_order(data, pattern, pattern.order, chosen, slab)
+                continue
+            row = pattern.sparse_rows(number, chosen, rows[here].ravel())[:, None]
+            place = pattern.tables[number][chosen][:, None, :]
             component = np.arange(n)[:, None]
             at = place + (n * pattern.starts[row] + pattern.counts[row] * component)
             at[np.broadcast_to(place < 0, at.shape)] = len(data) - 1
@@ -94,6 +98,22 @@ def _add_patch(
                 data[at] = slab
             else:
                 data[at] += slab
+
+
+def _put_in_order(data: Floats, pattern: Pattern, order: Order, chosen: Ints, slab: Floats) -> None:
+    """A slab of which the pairs on this rank lie as they come, in one stretch."""
+    first, last = int(chosen[0]), int(chosen[-1]) + 1
+    assert last - first == len(chosen)
+    count, n, offsets, _ = slab.shape
+    starts, rows = pattern.starts, pattern.last - pattern.first
+    every = np.broadcast_to(order.near[first:last, None], (count, n, offsets))
+    stretch = data[n * starts[first] : n * starts[last]]
+    np.take(slab.reshape(-1, n), np.flatnonzero(every), axis=0, out=stretch, mode="clip")
+    far = slice(*starts[rows + np.array([first, last])] - pattern.num_inner)
+    function, offset = np.divmod(order.far[far], offsets)
+    row = (rows + function)[:, None]
+    at = n * starts[row] + pattern.counts[row] * np.arange(n) + order.places[far][:, None]
+    data[at] = slab[(function - first)[:, None], np.arange(n), offset[:, None]]
 
 
 def _weights(weights: Floats, lines: Any, here: Any) -> Floats:
@@ -116,14 +136,17 @@ def _mirror(data: Floats, pattern: Pattern, n: int, sign: int) -> None:
     """Entries below the diagonal from those above."""
     tuples, rows = data.reshape(-1, n), pattern.row
     above, below = pattern.mirrored
-    source, step = _tuples(pattern, above, rows[above], n), pattern.counts[rows[above]]
-    target, jump = _tuples(pattern, below, rows[below], n), pattern.counts[rows[below]]
-    for a in range(n):
-        values = tuples[source + a * step]
+    for part in chunks(len(above), 16 * n * (n + 4)):
+        up, down = above[part], below[part]
+        source, step = _tuples(pattern, up, rows[up], n), pattern.counts[rows[up]]
+        target, jump = _tuples(pattern, down, rows[down], n), pattern.counts[rows[down]]
+        blocks = np.empty((n, len(up), n))
+        for a in range(n):
+            blocks[:, :, a] = tuples[source + a * step].T
         if sign < 0:
-            values = -values
+            np.negative(blocks, out=blocks)
         for b in range(n):
-            tuples[target + b * jump, a] = values[:, b]
+            tuples[target + b * jump] = blocks[b]
     inner = pattern.num_inner
     diagonal = np.flatnonzero(pattern.columns[:inner] == pattern.first + rows[:inner])
     at, step = _tuples(pattern, diagonal, rows[diagonal], n), pattern.counts[: len(diagonal)]

@@ -2,7 +2,8 @@
 
 Control points that coincide, in joined faces and along collapsed edges, are one scalar dof.
 
-Elements of all patches, in order, are shared out over ranks in contiguous ranges. A scalar dof
+Elements of all patches, in order, are shared out over ranks in contiguous ranges; within a patch
+they are counted so that cuts are across a parameter with most of them. A scalar dof
 belongs to the rank with the element in the middle of its support, the lowest where patches share
 it, and the dofs of a rank are numbered contiguously. The integer connectivity is on every rank,
 matrices are not.
@@ -38,14 +39,11 @@ class Multipatch:
         Scalar dof of each control point of each patch, in the shape of its net.
     dof_ranges
         First scalar dof of each rank, and their number last, shape (ranks + 1,).
-    element_ranges
-        First element of each rank, and their number last, shape (ranks + 1,).
     """
 
     patches: tuple[Patch, ...]
     dofs: tuple[Ints, ...]
     dof_ranges: Ints
-    element_ranges: Ints
 
     @property
     def dim(self) -> int:
@@ -68,16 +66,6 @@ class Multipatch:
     def faces(self, ends: Sequence[End]) -> list[PatchFace]:
         """Faces (patch, axis, side) with their global scalar dofs."""
         return [PatchFace.of(self.patches[end[0]], self.dofs[end[0]], end) for end in ends]
-
-    def elements_of(self, rank: int) -> list[Ints]:
-        """Elements of each patch that belong to a rank, in C order of their spans."""
-        counts = [int(np.prod(patch.spans)) for patch in self.patches]
-        offsets = np.concatenate([[0], np.cumsum(counts)])
-        first, last = self.element_ranges[rank : rank + 2]
-        return [
-            np.arange(*np.clip([first - offset, last - offset], 0, count))
-            for offset, count in zip(offsets, counts, strict=False)
-        ]
 
 
 def join(patches: Sequence[Patch], ranks: int, field: str) -> Multipatch:
@@ -118,7 +106,6 @@ def join(patches: Sequence[Patch], ranks: int, field: str) -> Multipatch:
         patches=tuple(patches),
         dofs=tuple(number[scalar[copy]] for copy in copies),
         dof_ranges=np.searchsorted(owner[order], np.arange(ranks + 1)),
-        element_ranges=element_ranges,
     )
 
 
@@ -143,8 +130,19 @@ def _merge(patches: Sequence[Patch], copies: Sequence[Ints], count: int, field: 
     return rank_of_label[inverse]
 
 
+def _slowest_first(spans: Sequence[int]) -> list[int]:
+    """Parameters by falling number of spans, the first one last of equal ones.
+
+    What ranks share along the first parameter each of them computes (:mod:`iga_cea.separation`).
+    """
+    return sorted(range(len(spans)), key=lambda axis: (-spans[axis], -axis))
+
+
 def _middle_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
-    """Element in the middle of the support of each control point, and the number of elements."""
+    """Element in the middle of the support of each control point, and the number of elements.
+
+    Elements are counted along a parameter of most of them last: cuts across it are small.
+    """
     middle, offset = [], 0
     for patch in patches:
         along = []
@@ -157,6 +155,10 @@ def _middle_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
             along.append((lowest + highest) // 2)
         spans = patch.spans
         numbers = np.meshgrid(*along, indexing="ij")
-        middle.append(offset + np.ravel_multi_index(tuple(numbers), spans).ravel())
+        order = _slowest_first(spans)
+        number = np.ravel_multi_index(
+            [numbers[axis] for axis in order], [spans[axis] for axis in order]
+        )
+        middle.append(offset + number.ravel())
         offset += reduce(lambda a, b: a * b, spans)
     return np.concatenate(middle), offset

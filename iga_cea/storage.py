@@ -7,6 +7,7 @@ others.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,9 @@ from cea.matrices import from_blocks
 from cea.petsc import PETSc
 from iga_cea.chunks import chunks
 from iga_cea.pattern import Pattern
+
+_CACHED = 2**10
+"""Bytes that an entry is counted as: few enough are done at a time to stay in the cache."""
 
 Kept = NDArray[np.bool_]
 """Whether each of all full dofs is kept, shape (dim * num_scalar_dofs,)."""
@@ -42,8 +46,8 @@ def block_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None, co
     columns = pattern.columns.astype(PETSc.IntType)[:, None] * dim
     columns = columns + np.arange(dim, dtype=PETSc.IntType)
     indices = np.empty((dim * len(columns), dim), dtype=PETSc.IntType)
-    for _, at in _places(pattern, dim):
-        indices[at] = columns
+    for stretch in _stretches(pattern, dim):
+        np.take(columns, stretch.source, axis=0, out=indices[stretch.part], mode="clip")
     return _matrix(pattern, data, indices.reshape(-1), dim, kept, comm)
 
 
@@ -66,9 +70,11 @@ def component_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None
     columns = pattern.columns.astype(PETSc.IntType) * dim
     indices = np.empty(dim * len(columns), dtype=PETSc.IntType)
     values = np.empty(dim * len(columns))
-    for component, at in _places(pattern, dim):
-        indices[at] = columns + component
-        values[at] = data
+    for stretch in _stretches(pattern, dim):
+        part = indices[stretch.part]
+        np.take(columns, stretch.source, out=part, mode="clip")
+        part += stretch.component
+        np.take(data, stretch.source, out=values[stretch.part], mode="clip")
     return _matrix(pattern, values, indices, dim, kept, comm)
 
 
@@ -85,21 +91,54 @@ def combined(pattern: Pattern, parts: Sequence[tuple[Floats, Floats]], dim: int)
         Dimension of space.
     """
     data = np.zeros((dim * len(pattern.columns), dim))
-    for component, at in _places(pattern, dim):
+    for stretch in _stretches(pattern, dim):
         for scalar, factor in parts:
-            data[at] += scalar[:, None] * factor[component]
+            values = scalar[stretch.source][:, None] * factor[stretch.component]
+            data[stretch.part] += values
     return data.reshape(-1)
 
 
-def _places(pattern: Pattern, dim: int) -> Iterator[tuple[int, Ints]]:
-    """For each component of rows, where the scalar entries lie."""
-    at = np.arange(len(pattern.columns))
-    at += np.repeat((dim - 1) * pattern.starts[:-1], pattern.counts)
-    step = np.repeat(pattern.counts, pattern.counts)
-    for component in range(dim):
-        if component:
-            at += step
-        yield component, at
+@dataclass(frozen=True)
+class _Stretch:
+    """Tuples that lie one after the other, those of the components of some scalar rows.
+
+    Parameters
+    ----------
+    part
+        Which these are of all.
+    source
+        The scalar entry of each.
+    rows
+        How many of them follow one another in a row of the matrix.
+    dim
+        Dimension of space.
+    """
+
+    part: slice
+    source: Ints
+    rows: Ints
+    dim: int
+
+    @property
+    def component(self) -> NDArray[Any]:
+        """Component of the row of each."""
+        every = np.arange(len(self.rows), dtype=PETSc.IntType) % self.dim
+        return np.repeat(every, self.rows)
+
+
+def _stretches(pattern: Pattern, dim: int) -> Iterator[_Stretch]:
+    """All tuples in turn."""
+    rows = len(pattern.counts)
+    entries = len(pattern.columns) / max(1, rows)
+    for part in chunks(rows, max(1.0, entries * dim * _CACHED)):
+        counts, starts = pattern.counts[part], pattern.starts[part]
+        end = int(pattern.starts[part.stop])
+        ahead = ((dim - 1) * starts)[:, None] + counts[:, None] * np.arange(dim)
+        lengths = np.repeat(counts, dim)
+        every = slice(dim * int(starts[0]), dim * end)
+        source = np.arange(every.start, every.stop)
+        source -= np.repeat(ahead.ravel(), lengths)
+        yield _Stretch(every, source, lengths, dim)
 
 
 def _matrix(

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
+from scipy.linalg import lapack
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
@@ -26,7 +26,12 @@ _DEPENDENT = 1e-12
 """Rows whose pivot is below this part of their column are taken to depend on those before."""
 _NEGLIGIBLE = 1e-12
 """Entries below this part of their row are rounding."""
-_LEAF = 96
+_FADED = 1e-14
+"""What is left of a column of T, relative to its length, that is rounding: with uniform friction a
+column is gone from T where G has it no more."""
+_BLOCKED = 64
+"""Columns that LAPACK works on at a time, for which it wants room."""
+_LEAF = 160
 """Points that are worked on at once."""
 
 
@@ -83,7 +88,9 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[c
     size = np.sqrt(comm.allreduce(squares, MPI.SUM))
     touching = np.bincount(gap.indices, minlength=gap.shape[1])
     slip = _without(slip, np.zeros(len(size), dtype=bool))
-    compression = _Compression(gap, slip, size, comm.allreduce(touching, MPI.SUM))
+    squares = np.bincount(slip.indices, slip.data**2, slip.shape[1])
+    least = _FADED * np.sqrt(comm.allreduce(squares, MPI.SUM))
+    compression = _Compression(gap, slip, size, comm.allreduce(touching, MPI.SUM), least)
     rest = compression.of_points(np.arange(gap.shape[0]), x)
     if comm.size > 1:
         parts = comm.gather(rest)
@@ -125,24 +132,46 @@ class _Compression:
         Length of each column of G over all points.
     touching
         Points that touch it.
+    least
+        What is rounding of each column of T.
     """
 
-    def __init__(self, gap: csr_array, slip: csr_array, size: Floats, touching: Ints) -> None:
+    def __init__(
+        self, gap: csr_array, slip: csr_array, size: Floats, touching: Ints, least: Floats
+    ) -> None:
         self._gap, self._slip = gap, slip
-        self._size, self._touching = size, touching
+        self._size, self._touching, self._least = size, touching, least
         self.finished = _Finished()
 
     def of_points(self, points: Ints, x: Floats) -> _Front:
         """What remains of some points once all that is theirs alone is done."""
         if len(points) <= _LEAF:
             return self.finish(self._leaf(points))
-        halves = min((_halves(points, along) for along in x.T), key=self._shared)
+        halves = self._halves(points, x)
         return self.finish(_joined([self.of_points(half, x) for half in halves]))
 
-    def _shared(self, halves: Sequence[Ints]) -> int:
-        """Columns that two parts share."""
-        first, second = (np.unique(self._gap[half].indices) for half in halves)
-        return len(np.intersect1d(first, second, assume_unique=True))
+    def _halves(self, points: Ints, x: Floats) -> list[Ints]:
+        """Two parts of equal size, divided where the fewest columns are shared."""
+        starts, ends = self._gap.indptr[points], self._gap.indptr[points + 1]
+        lengths = ends - starts
+        at = np.repeat(starts - (np.cumsum(lengths) - lengths), lengths)
+        columns = self._gap.indices[at + np.arange(len(at))]
+        columns -= columns.min(initial=self._gap.shape[1])
+        count = int(columns.max(initial=-1)) + 1
+        row = np.repeat(np.arange(len(points)), lengths)
+        fewest, best = count + 1, []
+        for along in x.T:
+            order = np.argsort(along[points], kind="stable")
+            first, second = np.array_split(order, 2)
+            in_first = np.zeros(len(points), dtype=bool)
+            in_first[first] = True
+            near, far = np.zeros((2, count), dtype=bool)
+            near[columns[in_first[row]]] = True
+            far[columns[~in_first[row]]] = True
+            shared = int(np.count_nonzero(near & far))
+            if shared < fewest:
+                fewest, best = shared, [points[first], points[second]]
+        return best
 
     def _leaf(self, points: Ints) -> _Front:
         gap, slip = self._gap[points], self._slip[points]
@@ -162,24 +191,40 @@ class _Compression:
         rows, carried = front.rows[order] / size, front.carried[order]
         rest = rows[:, ~own]
         if len(inner) and len(rows):
-            q, triangle, pivots = qr(rows[:, own], pivoting=True)
-            rank = int(np.sum(np.abs(np.diag(triangle)) > _DEPENDENT))
-            rest, carried = q.T @ rest, q.T @ carried
+            room = _BLOCKED * (len(inner) + 2)
+            factors, pivots, reflections, _, _ = lapack.dgeqp3(rows[:, own], room)
+            rank = int(np.sum(np.abs(np.diag(factors)) > _DEPENDENT))
+            rest = _reflected(factors, reflections, rest)
+            carried = _reflected(factors, reflections, carried)
             done = np.empty((rank, len(front.columns)))
-            done[:, np.flatnonzero(own)[pivots]] = triangle[:rank]
+            done[:, np.flatnonzero(own)[pivots - 1]] = np.triu(factors)[:rank]
             done[:, ~own] = rest[:rank]
             self.finished.closure.append((done * size, front.columns))
             self.finished.slip.append((carried[:rank], front.carried_columns))
             rest, carried = rest[rank:], carried[rank:]
         if len(rest) > len(edge):
-            q, rest = qr(rest) if len(edge) else (np.eye(len(rest)), rest)
-            rest, carried = rest[: len(edge)], (q.T @ carried)[: len(edge)]
-        return _Front(rest * size[~own], edge, front.touching[~own], carried, front.carried_columns)
+            if len(edge):
+                factors, reflections, _, _ = lapack.dgeqrf(rest, _BLOCKED * len(edge))
+                carried = _reflected(factors, reflections, carried)
+                rest = np.triu(factors)
+            rest, carried = rest[: len(edge)], carried[: len(edge)]
+        lasting = np.abs(carried).max(axis=0, initial=0.0) > self._least[front.carried_columns]
+        return _Front(
+            rest * size[~own],
+            edge,
+            front.touching[~own],
+            carried[:, lasting],
+            front.carried_columns[lasting],
+        )
 
 
-def _halves(points: Ints, along: Floats) -> list[Ints]:
-    """Two parts of equal size, divided by a coordinate."""
-    return np.array_split(points[np.argsort(along[points], kind="stable")], 2)
+def _reflected(factors: Floats, reflections: Floats, block: Floats) -> Floats:
+    """Q^T times a block, of a QR factorisation as LAPACK keeps it."""
+    if block.shape[1] == 0:
+        return block
+    factors, room = factors[:, : len(reflections)], _BLOCKED * (block.shape[1] + _BLOCKED)
+    result: Floats = lapack.dormqr("L", "T", factors, reflections, block, room)[0]
+    return result
 
 
 def _joined(parts: Sequence[_Front]) -> _Front:

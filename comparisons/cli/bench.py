@@ -98,9 +98,9 @@ def scaling(
     from comparisons.bench.scaling.page import REPORT
     from comparisons.bench.scaling.study import ScalingStudy, run_scaling
 
-    def run(progress: "Progress") -> "list[dict[str, Any]]":
+    def run(progress: "Progress") -> "Iterator[dict[str, Any]]":
         counts = tuple(ranks) if ranks else ScalingStudy.ranks
-        return [run_scaling(ScalingStudy(size, counts, repeats, seconds=seconds), progress)]
+        return run_scaling(ScalingStudy(size, counts, repeats, seconds=seconds), progress)
 
     _shown(REPORT, run, out, redraw=redraw)
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from blocks import assemble, two_blocks
 from motions import dense
-from scipy.sparse import csr_array
+from scipy.linalg import qr
+from scipy.sparse import csr_array, diags_array, hstack, kron
 
 from cea.contact.compression import compressed
 from cea.contact.saddle import contact_forces
@@ -26,6 +27,17 @@ def rows(points=700, seed=1):
     return csr_array(gap), csr_array(slip), x[:, None]
 
 
+def face(left, right, friction):
+    """Gaps and slips at 3 x 3 points in each of left x left cells, against right x right cells."""
+    nodes, _ = np.polynomial.legendre.leggauss(3)
+    along = ((np.arange(left)[:, None] + (nodes + 1) / 2) / left).ravel()
+    near, far = (csr_array(hats(along, cells)) for cells in (left, right))
+    gap = csr_array(hstack([kron(near, near), -kron(far, far)]))
+    x = np.stack(np.meshgrid(along, along, indexing="ij"), axis=-1).reshape(-1, 2)
+    mu = np.broadcast_to(friction(x[:, 0]), len(x))
+    return gap, csr_array(diags_array(mu) @ gap), x
+
+
 def size(matrix):
     return np.abs(matrix).max()
 
@@ -43,6 +55,26 @@ def test_what_is_left_is_sparse():
     gap, slip, x = rows(points=4000)
     closure, _ = compressed(gap, slip, x, MPI.COMM_SELF)
     assert closure.nnz < 0.15 * closure.shape[0] * 75
+
+
+@pytest.mark.parametrize("friction", [lambda x: 0.3, lambda x: 0.2 + x**2])
+def test_an_interface_gives_what_one_dense_factorisation_gives(friction):
+    gap, slip, x = face(10, 9, friction)
+    closure, reaction = compressed(gap, slip, x, MPI.COMM_SELF)
+    gap, slip, J, R = (m.toarray() for m in (gap, slip, closure, reaction))
+    assert len(J) == np.linalg.matrix_rank(gap)
+    assert size(J.T @ J - gap.T @ gap) < 1e-13 * size(gap.T @ gap)
+    q, triangle, order = qr(gap, mode="economic", pivoting=True)
+    q, triangle = q[:, : len(J)], triangle[: len(J), np.argsort(order)]
+    # R is the one matrix that gives the friction with this J.
+    friction_of_gaps = np.linalg.lstsq(J.T, triangle.T @ (q.T @ slip), rcond=None)[0]
+    assert size(R - friction_of_gaps) < 1e-12 * size(slip)
+
+
+def test_uniform_friction_fills_no_more_than_gaps():
+    for cells in (12, 24, 48):
+        closure, reaction = compressed(*face(cells, cells - 1, lambda x: 0.3), MPI.COMM_SELF)
+        assert reaction.nnz <= 1.5 * closure.nnz
 
 
 def test_of_fewer_points_than_gaps_all_are_kept():

@@ -146,14 +146,17 @@ def test_a_study_is_stored_drawn_and_told(tmp_path):
     assert any("took more than 1 s" in row[1] for row in left_out_table(DATA).rows)
 
 
-def test_a_run_that_fails_leaves_the_others(monkeypatch):
+def test_a_run_that_fails_leaves_the_others(monkeypatch, tmp_path):
     def asked(module, question, folder, *, ranks, seconds):
         if ranks == 2 or module.endswith("inverse"):
             raise ConvergenceError("no second core")
         return made("size", 1, 1_000, 1.0)["answers"][0]
 
     monkeypatch.setattr(study, "asked", asked)
-    data = study.run_scaling(ScalingStudy("tiny"), QUIET)
+    *before, data = study.run_scaling(ScalingStudy("tiny"), QUIET)
+    assert [len(each["inverses"]) for each in before] == [0, 3]  # what a study cut short leaves
+    assert before[0]["runs"] == data["runs"]
+    assert "no second core" in REPORT.write(before[0], tmp_path).read_text()
     failed = [run for run in data["runs"] if run["failed"]]
     assert {run["ranks"] for run in failed} == {2}
     assert all(run["answers"] for run in data["runs"] if run["ranks"] == 1)

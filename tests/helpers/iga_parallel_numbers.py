@@ -30,6 +30,9 @@ def cases(name):
     }
     if name == "disc":
         return body(Disc(1.7, -0.1, 0.2), (3, 8, 2), (2, 2, 2), **conditions), 0.165
+    if name == "sector":  # one patch, cut across its second parameter
+        sector = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
+        return body(sector, (3, 7, 2), (2, 3, 2), **conditions), 0.35
     if name == "hub":
         hub = Hub(0.3, 0.8, 1.7, -0.1, 0.1, -0.1, 0.3)
         return body(hub, (2, 8, 2), (2, 2, 1), **conditions), 0.15

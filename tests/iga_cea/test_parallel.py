@@ -5,7 +5,8 @@ import pytest
 from mpi import on_ranks
 
 pytestmark = pytest.mark.mpi
-CASES = {1: ("ring", "disc", "hub", "odd"), 2: ("ring", "disc", "hub", "odd"), 3: ("disc", "odd")}
+EVERY = ("ring", "disc", "hub", "odd", "sector")
+CASES = {1: EVERY, 2: EVERY, 3: ("disc", "odd", "sector")}
 """By number of ranks; three of them wait for each other on two cores."""
 
 

@@ -4,7 +4,7 @@ Every run is a process of its own, and rows of runs are repeated by turns. A dir
 inverse find the same eigenvalues at each size; from both a model tells what others would take.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -68,15 +68,17 @@ class ScalingStudy:
             raise InputError("tolerance", self.tolerance, "between 0 and 1")
 
 
-def run_scaling(study: ScalingStudy, progress: Progress) -> dict[str, Any]:
+def run_scaling(study: ScalingStudy, progress: Progress) -> Iterator[dict[str, Any]]:
     """Run every case and both inverses.
 
-    Returns
-    -------
+    Yields
+    ------
     dict
-        The record: ``runs``, each a case with ``failed`` (the reason, or "") and ``answers``, one
-        for each repeat (:func:`comparisons.bench.scaling.process.answer`); ``inverses``, each with
-        ``failed`` and what :func:`comparisons.bench.scaling.inverse.answer` gives.
+        The record so far, after each round of runs and after the inverses of each size, so that
+        what was measured outlives a study that is cut short: ``runs``, each a case with
+        ``failed`` (the reason, or "") and ``answers``, one for each repeat
+        (:func:`comparisons.bench.scaling.process.answer`); ``inverses``, each with ``failed`` and
+        what :func:`comparisons.bench.scaling.inverse.answer` gives.
 
     Raises
     ------
@@ -88,6 +90,14 @@ def run_scaling(study: ScalingStudy, progress: Progress) -> dict[str, Any]:
     begun = perf_counter()
     every = list(dict.fromkeys(cases(study.size, study.ranks)))
     runs = [{**each.plain(), "failed": "", "answers": []} for each in every]
+    inverses = list[dict[str, Any]]()
+    inputs = asdict(study) | {"ranks": list(study.ranks)}
+
+    def so_far() -> dict[str, Any]:
+        done = [dict(run) for run in runs if run["failed"] or run["answers"]]
+        data = {"runs": done, "inverses": list(inverses)}
+        return record(COMMAND, data, inputs=inputs, seconds=perf_counter() - begun)
+
     with TemporaryDirectory() as name:
         folder = Path(name)
         for number in range(study.repeats):
@@ -95,12 +105,10 @@ def run_scaling(study: ScalingStudy, progress: Progress) -> dict[str, Any]:
                 progress.step(f"{told(run)}, {number + 1} of {study.repeats}")
                 if not run["failed"]:
                     _add(run, case, study, folder)
-        inverses = list[dict[str, Any]]()
+            yield so_far()
         for factor in SIZES[study.size]:
             inverses += _inverses(Case("size", 1, *boxes(factor)), study, folder, progress)
-    data = {"runs": runs, "inverses": inverses}
-    inputs = asdict(study) | {"ranks": list(study.ranks)}
-    return record(COMMAND, data, inputs=inputs, seconds=perf_counter() - begun)
+            yield so_far()
 
 
 def told(run: Mapping[str, Any]) -> str:
