@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from cea.eigen.factorisation import Mumps
+from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
 from cea.matrices import destroy, distributed, empty

@@ -15,7 +15,7 @@ from scipy.sparse import csr_array, diags_array
 
 from cea.arrays import Floats
 from cea.eigen.blocks import times, transposed_times
-from cea.eigen.factorisation import Mumps
+from cea.eigen.mumps import Mumps
 from cea.matrices import destroy, distributed, identity, local_part
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows

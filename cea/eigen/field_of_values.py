@@ -15,7 +15,7 @@ import numpy as np
 
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.dense_products import combined, subtract
-from cea.eigen.factorisation import Mumps
+from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import balanced, count_below, force_scale
 from cea.eigen.single_precision import shares_inertia

@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from cea.eigen.factorisation import Mumps
 from cea.eigen.field_of_values import factorised_hermitian, field_of_values, hermitian_part
+from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.matrices import destroy, distributed, local_part, scaled_total
 from cea.petsc import PETSc

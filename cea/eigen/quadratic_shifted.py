@@ -21,9 +21,9 @@ from scipy.sparse import csr_array, kron
 
 from cea.arrays import Floats
 from cea.eigen.blocks import image_of, transposed_times
-from cea.eigen.factorisation import Mumps
 from cea.eigen.low_rank import LowRankSum
 from cea.eigen.low_rank_update import LowRankUpdate
+from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import bordered, force_scale
 from cea.errors import ConvergenceError

@@ -17,8 +17,9 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 
 from cea.arrays import Floats
-from cea.eigen.factorisation import Mumps, Refined
+from cea.eigen.factorisation import Refined
 from cea.eigen.multipliers import Multipliers
+from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.matrices import destroy, distributed, largest_row, local_part
 from cea.petsc import PETSc

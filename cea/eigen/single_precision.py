@@ -16,7 +16,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.blocks import all_inner, image_of
-from cea.eigen.factorisation import Mumps
+from cea.eigen.mumps import Mumps
 
 _COLUMNS, _STEPS = 4, 2
 """Columns of the block, and steps."""

@@ -5,9 +5,9 @@ import pytest
 import scipy.sparse as sp
 from petsc_matrices import to_petsc
 
-from cea.eigen import factorisation, field_of_values
-from cea.eigen.factorisation import Mumps, unknowns_of_nodes
+from cea.eigen import field_of_values, mumps
 from cea.eigen.factors_on_disk import factors_on_disk, folder_of_factors
+from cea.eigen.mumps import Mumps, unknowns_of_nodes
 from cea.eigen.single_precision import relative_rounding, shares_inertia
 from cea.matrices import destroy
 from scenes import load_scene, run_modes
@@ -60,7 +60,7 @@ def test_field_of_values_in_both_precisions(backend, mu, monkeypatch):
     depth = 0.1 * (2 * np.pi * scene.analysis.max_frequency) ** 2
     fields = []
     for large in (LARGE, 0):
-        for module in (field_of_values, factorisation):
+        for module in (field_of_values, mumps):
             monkeypatch.setattr(module, "_LARGE", large)
         fields.append(field_of_values.field_of_values(matrices, depth, cone=True))
     double, single = fields
@@ -73,7 +73,7 @@ def test_modes_are_those_of_small_systems(backend, monkeypatch):
     """Orders by node, panels and evidence in single precision change nothing but rounding."""
     scene = load_scene("blocks", backend=backend)
     plain = run_modes(scene).modes
-    for module in (field_of_values, factorisation):
+    for module in (field_of_values, mumps):
         monkeypatch.setattr(module, "_LARGE", 0)
     modes = run_modes(scene).modes
     assert len(modes) == len(plain)

@@ -29,7 +29,7 @@ def unsolved(monkeypatch):
     def solve(*arguments, **options):
         raise AssertionError("something was solved")
 
-    monkeypatch.setattr("cea.eigen.factorisation.Mumps.__init__", solve)
+    monkeypatch.setattr("cea.eigen.mumps.Mumps.__init__", solve)
 
 
 def test_what_is_seen_before_is_what_a_run_has(backend):
