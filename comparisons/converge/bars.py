@@ -13,7 +13,7 @@ takes off less than half.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf, isfinite, log
 
 import numpy as np
 from scipy.optimize import brentq
@@ -24,6 +24,9 @@ MOST = 1.0
 """Largest eta that is made use of: what falls faster than theory leaves another part behind."""
 SAFETY = 3.0
 """Factor on Richardson's error."""
+_TRUSTED = log(20.0)
+"""Most that a last step is trusted to have taken off, as a logarithm: what fell by more may have
+left another part behind."""
 _LUCK = 0.3
 """Part of the difference that the whole window makes likely, below which one is taken for luck."""
 
@@ -119,7 +122,7 @@ def bar(
     before, step = np.diff(positions[-3:])
     used = min(rate, MOST, MOST if typical is None else max(typical, LEAST))
     likely = -_LUCK * former * np.expm1(-used * step) / np.expm1(used * before)
-    size = SAFETY * max(last, likely, _LUCK * usual) / np.expm1(used * step)
+    size = SAFETY * max(last, likely, _LUCK * usual) / np.expm1(min(used * step, _TRUSTED))
     return Bar(float(size) + rounding, rate)
 
 

@@ -78,7 +78,11 @@ def _history(cluster: Cluster, sequence: Sequence) -> _History:
         rigid &= bool(level.rigid[numbers].all())
         resolutions.append(level.resolution)
     values = np.array(rows)
-    positions = _positions(values, resolutions, sequence)
+    if sequence.parts is not None:
+        of_parts = cluster.members[sequence.parts.level]
+        positions = sequence.parts.positions(of_parts, resolutions)
+    else:
+        positions = _positions(values, resolutions, sequence)
     return _History(values, rounding, residual, positions, rigid and len(values) > 1)
 
 

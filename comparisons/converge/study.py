@@ -137,6 +137,13 @@ def _turn(course: Course, active: int, clock: _Clock, progress: Progress) -> Non
         return
     first = not course.sequence.levels
     left = clock.left / active if first else clock.left
+    if not first and course.can_measure(left / active):
+        progress.step(f"{course.backend}, what each body and direction owes")
+        try:
+            course.measure(clock.guarded(progress))
+        except _OutOfTimeError:
+            course.ended = "the budget: measuring errors took longer than expected"
+        return
     if _corrected(course, clock, progress, last=False):
         return
     step = course.next(left)
