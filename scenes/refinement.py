@@ -241,9 +241,7 @@ def _with_breaks(
     if not own.layers or not edges:
         return replace(mesh, elements=elements, through=through)
     along = zip(shape.directions, breaks_of(shape, elements, through), strict=True)
-    breaks = {
-        d: layered(each, edges.towards.get(d, ()), own.layers, RATIO) for d, each in along
-    }
+    breaks = {d: layered(each, edges.towards.get(d, ()), own.layers, RATIO) for d, each in along}
     return replace(
         mesh,
         elements=tuple(len(each) - 1 for each in breaks.values()),

@@ -4,7 +4,7 @@ from math import tau
 
 import numpy as np
 
-from comparisons.converge.bars import SAFETY
+from comparisons.converge.bars import AGREED
 from comparisons.converge.following import Sequence
 from comparisons.converge.judged import Judged, shortfall
 from comparisons.converge.leanest import Wanted
@@ -75,13 +75,13 @@ def wanted(
     if not asked:
         return None
     reached = whole.last.resolution
-    errors = np.concatenate([parts.of(modes) for _, modes in asked])
+    errors = np.array([parts.of_mean(modes) for _, modes in asked])
     now = parts.at(reached, errors).sum(axis=1)
     needs = np.array([need_of(member, request, scene) for member, _ in asked])
     if len(whole.levels) < ENOUGH:
         speeds = np.array([abs(member.value) for member, _ in asked])
         bars = np.array([member.frequency_bar for member, _ in asked]) / speeds
-        expected = SAFETY * now
+        expected = AGREED * now
         known = np.isfinite(bars)
         with np.errstate(invalid="ignore"):
             scaled = needs * np.minimum(1.0, expected / bars)

@@ -16,11 +16,11 @@ from comparisons.converge.estimated import (
     seconds_of,
 )
 from comparisons.converge.following import Sequence
+from comparisons.converge.histories import Window
 from comparisons.converge.judged import Judged, judge
 from comparisons.converge.leanest import leanest
 from comparisons.converge.levels import Level, estimate, given_elements, run_level
 from comparisons.converge.probes import measured, seconds_of_probes
-from comparisons.converge.quantities import Window
 from comparisons.converge.request import Request
 from comparisons.converge.steps import Step, cheapest, chosen, steps
 from comparisons.converge.theory import Fallen, fallen, reduction
@@ -41,6 +41,8 @@ _PROBES_PART = 0.25
 """Part of the time left that measuring what bodies and directions owe may take."""
 _EXPECTED_RATE = 0.8
 """Observed order over that of theory before any was observed."""
+_MEASURED_RATE = 0.9
+"""The same where errors were measured in their parts."""
 _UNKNOWN_NEED = 10.0
 """Factor by which errors are supposed too large while no bar is known."""
 _FIRST_SLOWER = 4.0
@@ -285,7 +287,9 @@ class Course:
 
     def _rate(self, window: Window) -> float:
         """Observed order over that of theory, or what it usually is."""
-        return _EXPECTED_RATE if window.rate is None else min(max(window.rate, LEAST), MOST)
+        if window.rate is not None:
+            return min(max(window.rate, LEAST), MOST)
+        return _EXPECTED_RATE if self.sequence.parts is None else _MEASURED_RATE
 
     def _error_now(self) -> float:
         """Relative error of the newest mesh, from the last change of the window."""

@@ -1,12 +1,14 @@
 """The cheapest mesh that is expected to hold all modes, each body and direction at its own density.
 
-From a mesh whose errors are known in their parts (:mod:`comparisons.converge.parts`) the move is
-made, again and again, that brings the modes nearest to what is wanted of them for the time that it
-adds: more elements along a direction of a body, a degree of a body, a layer towards its edges.
+The errors of a mesh are known in their parts (:mod:`comparisons.converge.parts`). For every choice
+of degree and layers of a body elements are added, along the direction of a body that brings the
+modes nearest to what is wanted of them for the time that it adds, until all are there; the cheapest
+of these meshes is taken. Bodies are chosen for one after the other.
 """
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from math import ceil
 
 import numpy as np
@@ -17,9 +19,11 @@ from comparisons.converge.steps import Step
 from scenes.refinement import MAX_DEGREE, BodyResolution, Resolution, mixed
 from scenes.spec.body import Backend
 
-_MOVES = 80
-"""Moves at most."""
-_MORE = 1.15
+_MOVES = 60
+"""Times that elements are added at most."""
+_DEGREES, _LAYERS = 3, 4
+"""Degrees, and layers, of a body that are tried: so many from those it has."""
+_MORE = 1.2
 """Factor on the elements along a direction, in a move."""
 _WORTH = np.log(1.5)
 """What a mesh that does not reach all must take off at least from the largest shortage."""
@@ -88,28 +92,94 @@ def leanest(
         gained = wanted.rate * (before - _logarithms(parts, resolution, wanted))
         return np.maximum(wanted.gains - gained, 0.0)
 
-    now, cost = newest, seconds(newest)
-    short = first = shortages(now)
+    best = _Mesh(newest, seconds(newest), shortages(newest))
+    first, base = float(best.short.max()), newest
+    for name in _by_need(parts, wanted):
+        for start in _starts(parts, backend, base, name):
+            most = best.seconds if best.enough else most_seconds
+            found = _refined(start, parts, given, shortages, seconds, most)
+            if found is not None and found.better(best):
+                best = found
+        chosen = dict(best.resolution.bodies)[name]  # its degree and layers stay
+        old = dict(base.bodies)
+        kept = replace(old[name], degree=chosen.degree, layers=chosen.layers)
+        base = mixed({**old, name: kept})
+    if best.resolution is newest or (not best.enough and first - best.short.max() < _WORTH):
+        return None
+    gain = float((wanted.gains - best.short).min())
+    return Step(best.resolution, gain, best.seconds, enough=best.enough)
+
+
+@dataclass(frozen=True)
+class _Mesh:
+    """A mesh, its time (s), what modes are short of, shape (modes,)."""
+
+    resolution: Resolution
+    seconds: float
+    short: Floats
+
+    @property
+    def enough(self) -> bool:
+        return not self.short.any()
+
+    def better(self, other: "_Mesh") -> bool:
+        """Whether it is nearer to what is wanted, or cheaper where both are there."""
+        if self.enough and other.enough:
+            return self.seconds < other.seconds
+        return self.enough or bool(not other.enough and self.short.sum() < other.short.sum())
+
+
+def _by_need(parts: Parts, wanted: Wanted) -> list[str]:
+    """Bodies by what the modes owe to them, most first."""
+    names = dict.fromkeys(part.body for part in parts.parts)
+    usual = np.median(wanted.errors, axis=0)
+    owed = {
+        name: sum(e for part, e in zip(parts.parts, usual, strict=True) if part.body == name)
+        for name in names
+    }
+    return sorted(names, key=lambda name: -owed[name])
+
+
+def _starts(parts: Parts, backend: Backend, base: Resolution, name: str) -> Iterator[Resolution]:
+    """A mesh with degrees and layers added to a body, from which elements are then refined."""
+    bodies = dict(base.bodies)
+    own = bodies[name]
+    edges = any(part.edges for part in parts.parts if part.body == name)
+    for more, crowded in product(range(_DEGREES), range(_LAYERS if edges else 1)):
+        if own.degree + more <= MAX_DEGREE[backend]:
+            new = replace(own, degree=own.degree + more, layers=own.layers + crowded)
+            yield mixed({**bodies, name: new})
+
+
+def _refined(
+    start: Resolution,
+    parts: Parts,
+    given: Mapping[str, tuple[int, ...] | None],
+    shortages: Callable[[Resolution], Floats],
+    seconds: Callable[[Resolution], float],
+    most_seconds: float,
+) -> _Mesh | None:
+    """Elements added to a mesh where they bring most for their time; None where it takes more."""
+    now = _Mesh(start, seconds(start), shortages(start))
+    if now.seconds > most_seconds:
+        return None
     for _ in range(_MOVES):
-        if not short.any():
+        if now.enough:
             break
         best, most = None, 0.0
-        for move in _moves(parts, backend, now, given):
+        for move in _moves(parts, now.resolution, given):
             after = shortages(move)
-            gained = float((short - after).sum())
+            gained = float((now.short - after).sum())
             if gained <= 0:
                 continue
             taken = seconds(move)
-            worth = gained / max(taken - cost, 1e-3 * cost)
+            worth = gained / max(taken - now.seconds, 1e-3 * now.seconds)
             if taken <= most_seconds and worth > most:
-                best, most = (move, taken, after), worth
+                best, most = _Mesh(move, taken, after), worth
         if best is None:
             break
-        now, cost, short = best
-    gain = float((wanted.gains - short).min())
-    if now is newest or (short.any() and first.max() - short.max() < _WORTH):
-        return None
-    return Step(now, gain, cost, enough=not short.any())
+        now = best
+    return now
 
 
 def _logarithms(parts: Parts, resolution: Resolution, wanted: Wanted) -> Floats:
@@ -119,23 +189,14 @@ def _logarithms(parts: Parts, resolution: Resolution, wanted: Wanted) -> Floats:
 
 
 def _moves(
-    parts: Parts,
-    backend: Backend,
-    now: Resolution,
-    given: Mapping[str, tuple[int, ...] | None],
+    parts: Parts, now: Resolution, given: Mapping[str, tuple[int, ...] | None]
 ) -> Iterator[Resolution]:
-    """Meshes a little finer than one."""
+    """Meshes with some more elements along a direction of a body."""
     bodies = dict(now.bodies)
     for part in parts.parts:
-        own = bodies[part.body]
-        if part.edges:
-            finer = replace(own, layers=own.layers + 1)
-        else:
-            finer = _denser(own, part.directions, given[part.body])
-        yield mixed({**bodies, part.body: finer})
-    for name, own in bodies.items():
-        if own.degree < MAX_DEGREE[backend]:
-            yield mixed({**bodies, name: replace(own, degree=own.degree + 1)})
+        if not part.edges:
+            finer = _denser(bodies[part.body], part.directions, given[part.body])
+            yield mixed({**bodies, part.body: finer})
 
 
 def _denser(

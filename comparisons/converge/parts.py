@@ -7,16 +7,16 @@ across them and their layers. Bodies and directions so are refined by what they 
 of two meshes are compared that are finer in different directions.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Complexes, Floats, Ints
 from comparisons.converge.theory import EXPONENT, LARGEST_ERROR, SMALLEST_ERROR
 from scenes.refinement import RATIO, BodyResolution, Resolution
-
 
 _LEAST_STEP = 0.1
 """What a finer mesh takes off at least: parts that are rounding do not tell."""
@@ -44,62 +44,106 @@ class Part:
 
 @dataclass(frozen=True)
 class Parts:
-    """Errors of all modes of one mesh in their parts.
+    """What the modes of one mesh owe to each part.
 
     Parameters
     ----------
     parts
         What the parts come from.
-    errors
-        Relative errors of lambda, shape (modes, parts).
+    takes
+        What theory says that each richer space takes off of its part, shape (parts,).
+    eigenvalues
+        lambda on the mesh (1/s), shape (modes,).
+    corrected
+        lambda in each richer space, shape (parts, modes).
+    known
+        Modes whose errors tell anything: not those of rigid motions, shape (modes,).
+    damped
+        Whether lambda itself is followed, not its square.
     resolution
-        The mesh on which they were measured, densities of all bodies given.
+        The mesh, densities of all bodies given.
     level
         Its number in the sequence.
     """
 
     parts: tuple[Part, ...]
-    errors: Floats
+    takes: Floats
+    eigenvalues: Complexes
+    corrected: Complexes
+    known: NDArray[np.bool_]
+    damped: bool
     resolution: Resolution
     level: int
 
-    def at(self, resolution: Resolution, errors: Floats | None = None) -> Floats:
-        """Errors in their parts on another mesh, shape (modes, parts).
+    def of_mean(self, modes: Ints | None) -> Floats:
+        """Parts of the relative error of lambda, or of the mean of some, shape (parts,).
+
+        Parameters
+        ----------
+        modes
+            Modes of the mesh that are judged together; None takes what is usual in the window.
+        """
+        if modes is None:
+            every = [self.of_mean(np.array([i])) for i in np.flatnonzero(self.known)]
+            return np.asarray(np.median(every, axis=0)) if every else np.zeros(len(self.parts))
+        power = 1 if self.damped else 2
+        mean = (self.eigenvalues[modes] ** power).mean()
+        change = (self.corrected[:, modes] ** power).mean(axis=1) - mean
+        size = max(abs(mean), np.finfo(float).tiny)
+        return np.asarray(np.abs(change) / (power * size * self.takes))
+
+    def of_splitting(self, modes: Ints) -> Floats:
+        """Parts of the error of the squared splitting of the lambda^2 of a pair, (parts,)."""
+        change = _splitting(self.corrected[:, modes]) - _splitting(self.eigenvalues[None, modes])
+        return np.asarray(np.abs(change) / self.takes)
+
+    def at(self, resolution: Resolution, errors: Floats) -> Floats:
+        """Parts of errors on another mesh, shape (n, parts).
 
         Parameters
         ----------
         resolution
             The mesh, densities of all bodies given.
         errors
-            Errors on the mesh on which parts were measured; by default those measured.
+            Parts on the mesh on which they were measured, shape (n, parts).
         """
         old, new = dict(self.resolution.bodies), dict(resolution.bodies)
-        before = self.errors if errors is None else errors
         columns = [
-            _fallen(before[:, i], part, old[part.body], new[part.body])
+            _fallen(errors[:, i], part, old[part.body], new[part.body])
             for i, part in enumerate(self.parts)
         ]
         return np.stack(columns, axis=1)
 
-    def of(self, modes: Ints | None) -> Floats:
-        """Parts of some modes, the largest of each; those usual in the window where None."""
-        if modes is None or not len(modes):
-            return np.median(self.errors, axis=0)[None, :]
-        return self.errors[modes].max(axis=0)[None, :]
+    def fallen(self, errors: Floats, scale: float, resolutions: Sequence[Resolution]) -> Floats:
+        """What an error is expected to be on each of some meshes, shape (meshes,).
 
-    def positions(self, modes: Ints | None, resolutions: Sequence[Resolution]) -> list[float]:
-        """Logarithms, rising, of what the errors of some modes have fallen to on each mesh."""
-        own = self.of(modes)
-        sums = [max(float(self.at(each, own).sum()), SMALLEST_ERROR) for each in resolutions]
-        found = [-log(sums[0])]
-        for each in sums[1:]:
-            found.append(max(-log(each), found[-1] + _LEAST_STEP))
-        return found
+        Parameters
+        ----------
+        errors
+            Its parts on the mesh on which they were measured, shape (parts,).
+        scale
+            The number it is an error of.
+        resolutions
+            The meshes.
+        """
+        size = max(abs(scale), np.finfo(float).tiny)
+        relative = errors[None, :] / size
+        return np.array([size * self.at(each, relative).sum() for each in resolutions])
 
-    def of_bodies(self) -> Mapping[Part, float]:
-        """Median of every part over the modes."""
-        medians = np.median(self.errors, axis=0).tolist()
-        return dict(zip(self.parts, medians, strict=True))
+
+def positions_of(errors: Floats, scale: float) -> list[float]:
+    """Logarithms, rising, of what errors that are expected on meshes have fallen to."""
+    floor = SMALLEST_ERROR * max(abs(scale), np.finfo(float).tiny)
+    found = [-log(max(float(errors[0]), floor))]
+    for error in errors[1:].tolist():
+        found.append(max(-log(max(error, floor)), found[-1] + _LEAST_STEP))
+    return found
+
+
+def _splitting(values: Complexes) -> Floats:
+    """Squared splittings of pairs, shape (n,)."""
+    squares = values**2
+    return np.asarray((0.25 * (squares[:, 0] - squares[:, 1]) ** 2).real)
 
 
 def _fallen(errors: Floats, part: Part, old: BodyResolution, new: BodyResolution) -> Floats:
@@ -113,5 +157,7 @@ def _fallen(errors: Floats, part: Part, old: BodyResolution, new: BodyResolution
     finer = left - 2 * old.degree * more
     low, high = sorted((old.degree, new.degree))
     for degree in range(low, high):
-        finer = finer * ((degree + 1) / degree if new.degree > old.degree else degree / (degree + 1))
+        finer = finer * (
+            (degree + 1) / degree if new.degree > old.degree else degree / (degree + 1)
+        )
     return np.asarray(errors * np.exp(finer - left))

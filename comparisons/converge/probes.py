@@ -1,9 +1,9 @@
 """What each body and direction owes to the errors of a mesh, measured one after the other.
 
-The modes of a mesh are corrected (:func:`scenes.nested.estimate_errors`) in a space richer along one
-direction of one body alone, which has twice the elements there, or richer in one layer towards its
-singular edges. What that changes is the part of the error that comes from there, but for what theory
-says that the richer space leaves of it.
+The modes of a mesh are corrected (:func:`scenes.nested.estimate_errors`) in a space richer along
+one direction of one body alone, which has twice the elements there, or richer in one layer towards
+its singular edges. What that changes is the part of the error that comes from there, but for what
+theory says that the richer space leaves of it.
 """
 
 from collections.abc import Iterator
@@ -11,8 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cea.arrays import Floats
-from cea.nested.estimate import ErrorEstimate
 from comparisons.converge.estimated import seconds_of
 from comparisons.converge.levels import Level, widened
 from comparisons.converge.parts import Part, Parts
@@ -32,6 +30,7 @@ from scenes.refinement import (
 from scenes.refinement_edges import crowding
 from scenes.spec.body import Backend
 from scenes.variants import on_backend
+
 
 @dataclass(frozen=True)
 class Probe:
@@ -129,21 +128,18 @@ def measured(level: Level, number: int, scene: Scene, progress: Progress) -> Par
     assert level.result is not None
     resolution = counted(scene, level.backend, level.resolution)
     found = probes(scene, level.backend, resolution)
-    columns = []
+    corrected = []
     for probe in found:
         richer = widened(refined(scene, level.backend, probe.resolution))
         estimate = estimate_errors(level.result, richer, listener=progress.stage)
-        columns.append(relative_errors(estimate) / probe.takes)
-    errors = np.stack(columns, axis=1)
-    errors[level.rigid] = 0.0
-    return Parts(tuple(probe.part for probe in found), errors, resolution, number)
-
-
-def relative_errors(estimate: ErrorEstimate) -> Floats:
-    """Errors of lambda relative to it, those of the mean where modes nearly coalesce."""
-    errors = np.empty(len(estimate.eigenvalues))
-    power = 1 if estimate.damped else 2
-    for cluster in estimate.clusters:
-        size = max(abs(cluster.mean), np.finfo(float).tiny)
-        errors[cluster.members] = cluster.mean_error / (power * size)
-    return errors
+        corrected.append(estimate.corrected)
+    return Parts(
+        tuple(probe.part for probe in found),
+        np.array([probe.takes for probe in found]),
+        level.eigenvalues,
+        np.array(corrected),
+        ~level.rigid,
+        scene.damped or scene.rotates,
+        resolution,
+        number,
+    )

@@ -1,0 +1,173 @@
+"""What is known of a cluster of modes on every mesh, and of the window as a whole."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.eigenvalue_matching import assign
+from comparisons.converge.bars import AGREED, SAFETY, Usual, rate_of, typical_rate
+from comparisons.converge.following import Cluster, Sequence
+from comparisons.converge.parts import Parts, positions_of
+from comparisons.converge.theory import reduction
+from scenes.refinement import Resolution
+
+_AGREES = 0.5
+"""Part of what is expected down to which what is observed agrees with it."""
+
+
+@dataclass(frozen=True)
+class History:
+    """Numbers of a cluster over the levels that have it.
+
+    Parameters
+    ----------
+    values
+        lambda (1/s), shape (levels, members).
+    rounding
+        Their errors by rounding on the newest level (1/s), shape (members,).
+    residual
+        Largest relative residual there.
+    resolutions
+        The meshes.
+    positions
+        Logarithms of what is expected to be taken off from the error of their mean.
+    rigid
+        Whether lambda is zero but for rounding on all of them.
+    expected
+        Relative errors of their mean on all levels, where errors are known in their parts.
+    splittings
+        The same of the squared splitting of a pair, relative to 4 m sqrt(s).
+    """
+
+    values: Complexes
+    rounding: Floats
+    residual: float
+    resolutions: list[Resolution]
+    positions: list[float]
+    rigid: bool
+    expected: Floats | None = None
+    splittings: Floats | None = None
+
+    def usual(self, window: "Window") -> Usual:
+        """Last relative change of lambda, or of the mean, that is no luck."""
+        return _usual(self.expected, window)
+
+    def usual_splitting(self, window: "Window") -> Usual:
+        """The same of the squared splitting, relative to 4 m sqrt(s)."""
+        return _usual(self.expected if self.splittings is None else self.splittings, window)
+
+    @property
+    def splitting_positions(self) -> list[float]:
+        """Logarithms of what is expected to be taken off from the error of the splitting."""
+        return self.positions if self.splittings is None else positions_of(self.splittings, 1.0)
+
+
+@dataclass(frozen=True)
+class Window:
+    """What the modes of a window show together, beside which that of one may be luck.
+
+    Parameters
+    ----------
+    rate
+        Observed order over that of theory; None where it is not known.
+    change
+        Last difference of lambda, relative; 0 where it is not known.
+    over
+        The same over what is expected from the parts of the errors.
+    """
+
+    rate: float | None = None
+    change: float = 0.0
+    over: float = 1.0
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the meshes change the modes as the parts of their errors, measured, say."""
+        return self.rate is not None and self.rate >= _AGREES and _AGREES < self.over < 1 / _AGREES
+
+
+def _usual(expected: Floats | None, window: Window) -> Usual:
+    if expected is None:
+        return Usual(window.change)
+    if len(expected) < 2:
+        return Usual(0.0, own=True)
+    size = window.over * float(expected[-2] - expected[-1])
+    return Usual(size, own=True, safety=AGREED if window.agrees else SAFETY)
+
+
+def history_of(cluster: Cluster, sequence: Sequence) -> History:
+    """The members on all levels, each beside the one of the newest that is nearest."""
+    newest = sequence.last.eigenvalues[cluster.newest]
+    rows, rounding, resolutions = [], np.zeros(len(newest)), []
+    residual, rigid = 0.0, True
+    for numbers, level in zip(cluster.members, sequence.levels, strict=True):
+        if numbers is None:
+            continue
+        ordered = _nearest(level.eigenvalues[numbers], newest)
+        rows.append(level.eigenvalues[numbers][ordered])
+        rounding = level.uncertainties[numbers][ordered]
+        residual = float(level.residuals[numbers].max())
+        rigid &= bool(level.rigid[numbers].all())
+        resolutions.append(level.resolution)
+    values = np.array(rows)
+    rigid &= len(values) > 1
+    if sequence.parts is None or rigid:
+        positions = _positions(values, resolutions, sequence)
+        return History(values, rounding, residual, resolutions, positions, rigid)
+    modes = cluster.members[sequence.parts.level]
+    expected, splittings = _expected(sequence.parts, modes, resolutions)
+    positions = positions_of(expected, 1.0)
+    return History(values, rounding, residual, resolutions, positions, rigid, expected, splittings)
+
+
+def _expected(
+    parts: Parts, modes: Ints | None, resolutions: list[Resolution]
+) -> tuple[Floats, Floats | None]:
+    """Relative errors of the mean of some modes, and of the splitting of two, on meshes."""
+    of_mean = parts.fallen(parts.of_mean(modes), 1.0, resolutions)
+    if modes is None or len(modes) != 2 or parts.damped:
+        return of_mean, None
+    squares = parts.eigenvalues[modes] ** 2
+    splitting = abs(0.25 * (squares[0] - squares[1]) ** 2)
+    unit = max(4 * abs(squares.mean()) * np.sqrt(splitting), np.finfo(float).tiny)
+    return of_mean, parts.fallen(parts.of_splitting(modes) / unit, 1.0, resolutions)
+
+
+def _positions(values: Complexes, resolutions: list[Resolution], sequence: Sequence) -> list[float]:
+    """Logarithms of what theory takes off, from what each step changed in the mean of lambda^2."""
+    means = (values**2).mean(axis=1)
+    sizes = np.maximum(np.abs(means), np.finfo(float).tiny)
+    changes = 0.5 * np.abs(np.diff(means)) / sizes[1:]
+    positions = [0.0]
+    for old, new, change in zip(resolutions, resolutions[1:], changes, strict=False):
+        taken = reduction(old, new, float(change), singular=sequence.singular)
+        positions.append(positions[-1] + taken)
+    return positions
+
+
+def _nearest(values: Complexes, wanted: Complexes) -> Ints:
+    """Order in which some numbers are nearest to others."""
+    return assign(np.abs(values[None, :] - wanted[:, None]))[1]
+
+
+def window_of(found: list[Cluster], sequence: Sequence, *, damped: bool) -> Window:
+    """Medians over the clusters of a level."""
+    rates, changes, over = [], [], []
+    for cluster in found:
+        history = history_of(cluster, sequence)
+        if history.rigid:
+            continue
+        numbers = (history.values if damped else history.values**2).mean(axis=1)
+        rates.append(rate_of(numbers.tolist(), history.positions))
+        if len(numbers) > 1 and numbers[-1] != 0:
+            change = float(abs(numbers[-1] - numbers[-2]) / abs(numbers[-1]))
+            changes.append(change if damped else 0.5 * change)
+            if history.expected is not None:
+                taken = float(history.expected[-2] - history.expected[-1])
+                over.append(changes[-1] / max(taken, np.finfo(float).tiny))
+    return Window(
+        typical_rate(rates),
+        float(np.median(changes)) if changes else 0.0,
+        float(np.median(over)) if over else 1.0,
+    )
