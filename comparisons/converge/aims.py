@@ -1,10 +1,10 @@
 """What the next mesh is to reach, mode by mode, where errors are known in their parts."""
 
-from math import tau
+from math import inf, tau
 
 import numpy as np
 
-from comparisons.converge.bars import AGREED
+from comparisons.converge.bars import SAFETY
 from comparisons.converge.following import Sequence
 from comparisons.converge.judged import Judged, shortfall
 from comparisons.converge.leanest import Wanted
@@ -42,6 +42,7 @@ def wanted(
     rate: float,
     *,
     spare: float,
+    most: float = inf,
 ) -> Wanted | None:
     """What is to be taken off from the errors of the modes.
 
@@ -59,6 +60,8 @@ def wanted(
         Observed order over that of theory.
     spare
         Logarithm of what needs not be taken off, and is left to a correction.
+    most
+        Logarithm of what is to be taken off at most.
 
     Returns
     -------
@@ -81,10 +84,10 @@ def wanted(
     if len(whole.levels) < ENOUGH:
         speeds = np.array([abs(member.value) for member, _ in asked])
         bars = np.array([member.frequency_bar for member, _ in asked]) / speeds
-        expected = AGREED * now
+        expected = SAFETY * now
         known = np.isfinite(bars)
         with np.errstate(invalid="ignore"):
             scaled = needs * np.minimum(1.0, expected / bars)
         needs = np.where(known, scaled, expected / request.tolerance)
     gains = np.log(np.maximum(needs, 1e-3)) + RESERVE - spare
-    return Wanted(errors, np.maximum(gains, LEAST_GAIN), reached, rate)
+    return Wanted(errors, np.clip(gains, LEAST_GAIN, most), reached, rate)

@@ -12,7 +12,7 @@ takes off less than half.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf, isfinite, log
 
 import numpy as np
@@ -24,9 +24,7 @@ MOST = 1.0
 """Largest eta that is made use of: what falls faster than theory leaves another part behind."""
 SAFETY = 3.0
 """Factor on Richardson's error."""
-AGREED = 2.0
-"""The same where meshes and what was measured on one of them independently agree."""
-_TRUSTED = log(20.0)
+_TRUSTED = log(40.0)
 """Most that a last step is trusted to have taken off, as a logarithm: what fell by more may have
 left another part behind."""
 _LUCK = 0.3
@@ -60,16 +58,13 @@ class Usual:
     own
         Whether it is that expected of the number itself, as its error is known in its parts, and
         not of what numbers of this size have in the window.
-    safety
-        Factor on Richardson's error.
     """
 
     size: float = 0.0
     own: bool = False
-    safety: float = SAFETY
 
     def __mul__(self, factor: float) -> "Usual":
-        return replace(self, size=self.size * factor)
+        return Usual(self.size * factor, self.own)
 
 
 NO_USUAL = Usual()
@@ -153,7 +148,7 @@ def bar(
     likely = usual.size
     if not usual.own:
         likely = max(likely, -former * float(np.expm1(-used * step) / np.expm1(used * before)))
-    size = usual.safety * max(last, _LUCK * likely) / np.expm1(min(used * step, _TRUSTED))
+    size = SAFETY * max(last, _LUCK * likely) / np.expm1(min(used * step, _TRUSTED))
     return Bar(float(size) + rounding, rate)
 
 

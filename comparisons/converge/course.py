@@ -53,6 +53,8 @@ _AWAY = 5.0
 """Time of a step relative to that of the last mesh while no order is known."""
 _SHORT = 2.0
 """Seconds up to which steps are short whatever the last mesh took."""
+_AT_ONCE = log(300.0)
+"""What one mesh is to take off at most, as a logarithm: what is expected far ahead may fail."""
 _LEFT = log(8.0)
 """What the mesh before a correction leaves to it, as a logarithm."""
 
@@ -152,7 +154,8 @@ class Course:
         most = most_seconds / _SURE
         if self.sequence.parts is not None:
             few = len(self.sequence.levels) < ENOUGH - 1
-            return self._leanest(most, spare=_LEFT if few and need is None else -log(need or 1.0))
+            spare = _LEFT if few and need is None else -log(need or 1.0)
+            return self._leanest(most, spare=spare, at_once=_AT_ONCE)
         if len(self.sequence.levels) < ENOUGH:
             short = min(most, max(_AWAY * self.sequence.last.seconds, _SHORT))
             found = chosen(self._candidates(), need or self.need, short)
@@ -222,7 +225,7 @@ class Course:
         if sequence.correction is not None or len(sequence.levels) < (1 if last else 2):
             return None
         if sequence.parts is not None:
-            step = self._leanest(most_seconds / _SURE, spare=0.0, share=True)
+            step = self._leanest(most_seconds / _SURE, spare=0.0, share=SHARE)
             if step is None or not (last or step.enough):
                 return None
             return finer_of(sequence.last, self.scene, step.resolution)
@@ -245,13 +248,16 @@ class Course:
         """Correct the newest mesh in a richer space; collective."""
         self.sequence.correction = estimated_level(self.sequence.last, richer, progress)
 
-    def _leanest(self, most_seconds: float, *, spare: float, share: bool = False) -> Step | None:
-        """The cheapest mesh for what is wanted, or richer space where it is to share a run."""
+    def _leanest(
+        self, most_seconds: float, *, spare: float, at_once: float = inf, share: float = 1.0
+    ) -> Step | None:
+        """The cheapest mesh for what is wanted, or richer space that takes a share of a run."""
         sequence, judged = self.sequence, self.judged
         assert sequence.parts is not None
-        slower = self.slower * (SHARE if share else 1.0)
+        slower = self.slower * share
         rate = self._rate(judged.window)
-        aim = wanted(judged, sequence, self.request, self.scene, rate, spare=spare)
+        asked = (self.request, self.scene)
+        aim = wanted(judged, sequence, *asked, rate, spare=spare, most=at_once)
         if aim is None:
             return None
         return leanest(

@@ -6,14 +6,11 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign
-from comparisons.converge.bars import AGREED, SAFETY, Usual, rate_of, typical_rate
+from comparisons.converge.bars import Usual, rate_of, typical_rate
 from comparisons.converge.following import Cluster, Sequence
 from comparisons.converge.parts import Parts, positions_of
 from comparisons.converge.theory import reduction
 from scenes.refinement import Resolution
-
-_AGREES = 0.5
-"""Part of what is expected down to which what is observed agrees with it."""
 
 
 @dataclass(frozen=True)
@@ -81,19 +78,13 @@ class Window:
     change: float = 0.0
     over: float = 1.0
 
-    @property
-    def agrees(self) -> bool:
-        """Whether the meshes change the modes as the parts of their errors, measured, say."""
-        return self.rate is not None and self.rate >= _AGREES and _AGREES < self.over < 1 / _AGREES
-
 
 def _usual(expected: Floats | None, window: Window) -> Usual:
     if expected is None:
         return Usual(window.change)
     if len(expected) < 2:
         return Usual(0.0, own=True)
-    size = window.over * float(expected[-2] - expected[-1])
-    return Usual(size, own=True, safety=AGREED if window.agrees else SAFETY)
+    return Usual(window.over * float(expected[-2] - expected[-1]), own=True)
 
 
 def history_of(cluster: Cluster, sequence: Sequence) -> History:

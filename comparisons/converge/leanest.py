@@ -21,7 +21,7 @@ from scenes.spec.body import Backend
 
 _MOVES = 60
 """Times that elements are added at most."""
-_DEGREES, _LAYERS = 3, 4
+_DEGREES, _LAYERS = 2, 4
 """Degrees, and layers, of a body that are tried: so many from those it has."""
 _MORE = 1.2
 """Factor on the elements along a direction, in a move."""
