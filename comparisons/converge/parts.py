@@ -15,9 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
-from comparisons.converge.theory import EXPONENT, LARGEST_ERROR, SMALLEST_ERROR
+from comparisons.converge.theory import LARGEST_ERROR, SMALLEST_ERROR
 from scenes.refinement import RATIO, BodyResolution, Resolution
 
+EDGES = 0.6
+"""Exponent of displacements at edges, the least that usual nu have at clamped ones; splines of a
+higher degree, as smooth as they can be, have no more functions there and do little better."""
+_HALVED_EDGES = 1 - 2.0 ** (-2 * EDGES)
+"""What of the part of singular edges elements of half the size across them take off."""
+_SMOOTH = 0.1
+"""Part of what was measured along a direction that is no doing of edges, at least."""
 _LEAST_STEP = 0.1
 """What a finer mesh takes off at least: parts that are rounding do not tell."""
 
@@ -90,12 +97,30 @@ class Parts:
         mean = (self.eigenvalues[modes] ** power).mean()
         change = (self.corrected[:, modes] ** power).mean(axis=1) - mean
         size = max(abs(mean), np.finfo(float).tiny)
-        return np.asarray(np.abs(change) / (power * size * self.takes))
+        return self._parted(np.abs(change) / (power * size * self.takes))
 
     def of_splitting(self, modes: Ints) -> Floats:
         """Parts of the error of the squared splitting of the lambda^2 of a pair, (parts,)."""
         change = _splitting(self.corrected[:, modes]) - _splitting(self.eigenvalues[None, modes])
-        return np.asarray(np.abs(change) / self.takes)
+        return self._parted(np.abs(change) / self.takes)
+
+    def _parted(self, errors: Floats) -> Floats:
+        """Parts of smooth solutions without what finer elements took off of that of edges."""
+        found = errors.copy()
+        for i, part in enumerate(self.parts):
+            if not part.edges:
+                continue
+            across = [
+                j
+                for j, other in enumerate(self.parts)
+                if other.body == part.body
+                and not other.edges
+                and other.directions[0] in part.directions
+            ]
+            both = float(errors[across].sum())
+            if both > 0:
+                found[across] *= max(1 - _HALVED_EDGES * float(errors[i]) / both, _SMOOTH)
+        return found
 
     def at(self, resolution: Resolution, errors: Floats) -> Floats:
         """Parts of errors on another mesh, shape (n, parts).
@@ -151,8 +176,8 @@ def _fallen(errors: Floats, part: Part, old: BodyResolution, new: BodyResolution
     each = [log(new.densities[d] / old.densities[d]) for d in part.directions]
     more = min(each)
     if part.edges:
-        taken = 2 * (more - (new.layers - old.layers) * log(RATIO))
-        return np.asarray(errors * np.exp(-EXPONENT * (taken + 4 * log(new.degree / old.degree))))
+        taken = more - (new.layers - old.layers) * log(RATIO) + log(new.degree / old.degree)
+        return np.asarray(errors * np.exp(-2 * EDGES * taken))
     left = np.log(np.clip(errors, SMALLEST_ERROR, LARGEST_ERROR))
     finer = left - 2 * old.degree * more
     low, high = sorted((old.degree, new.degree))

@@ -13,8 +13,7 @@ import numpy as np
 
 from comparisons.converge.estimated import seconds_of
 from comparisons.converge.levels import Level, widened
-from comparisons.converge.parts import Part, Parts
-from comparisons.converge.theory import EXPONENT
+from comparisons.converge.parts import EDGES, Part, Parts
 from comparisons.kit.progress import Progress
 from scenes.nested import estimate_errors
 from scenes.read import Scene
@@ -88,7 +87,7 @@ def _of_body(
     if towards and structured(body):
         across = tuple(d for d in along if body.geometry.directions[d] in towards)
         layered = replace(own, layers=own.layers + 1)
-        yield Part(name, across, edges=True), layered, 1 - RATIO ** (2 * EXPONENT)
+        yield Part(name, across, edges=True), layered, 1 - RATIO ** (2 * EDGES)
 
 
 def _doubled(own: BodyResolution, along: range | tuple[int, ...]) -> tuple[float, ...]:

@@ -18,7 +18,7 @@ from math import exp, log
 
 from scenes.refinement import RATIO, Resolution
 
-EXPONENT = 0.7
+_EXPONENT = 0.7
 """Of displacements at a clamped edge (Williams 1952), between 0.6 and 0.75 for usual nu."""
 LARGEST_ERROR = 0.1
 """Relative error from which on a mode is not resolved, and a higher degree helps no more."""
@@ -68,7 +68,7 @@ def fallen(old: Resolution, new: Resolution, error: float) -> Fallen:
     for degree in range(old.degree, new.degree):
         finer *= (degree + 1) / degree
     layered = more - (new.layers - old.layers) * log(RATIO)
-    rough = 2 * EXPONENT * layered + 4 * EXPONENT * log(new.degree / old.degree)
+    rough = 2 * _EXPONENT * layered + 4 * _EXPONENT * log(new.degree / old.degree)
     return Fallen(min(left - finer, _MOST), min(rough, _MOST))
 
 
