@@ -1,10 +1,11 @@
 """The course of one backend: its sequence of meshes, what it holds, what comes next."""
 
 from dataclasses import dataclass, field
-from math import exp, inf, log
+from math import inf, log
 from time import perf_counter
 
 from cea.errors import ConvergenceError, InputError
+from cea.petsc import MPI
 from comparisons.converge.aims import ENOUGH, is_asked, need_of, wanted
 from comparisons.converge.bars import LEAST, MOST, SAFETY
 from comparisons.converge.estimated import (
@@ -22,7 +23,7 @@ from comparisons.converge.leanest import leanest
 from comparisons.converge.levels import Level, estimate, given_elements, run_level
 from comparisons.converge.probes import measured, seconds_of_probes
 from comparisons.converge.request import Request
-from comparisons.converge.steps import Step, cheapest, chosen, steps
+from comparisons.converge.steps import Step, cheapest, chosen, error_now, steps
 from comparisons.converge.theory import Fallen, fallen, reduction
 from comparisons.kit.progress import Progress
 from scenes.read import Scene
@@ -37,7 +38,7 @@ _COARSER = 0.7
 _COARSEST = 0.1
 _FIRST_PART = 0.05
 """Part of the budget that a first mesh may take."""
-_PROBES_PART = 0.25
+_PROBES_PART = 0.3
 """Part of the time left that measuring what bodies and directions owe may take."""
 _EXPECTED_RATE = 0.8
 """Observed order over that of theory before any was observed."""
@@ -178,8 +179,9 @@ class Course:
     def follow(self, level: Level) -> None:
         """Follow the modes to a mesh that was run; collective."""
         if self.sequence.levels and self.sequence.parts is None:
-            old = self.sequence.last.resolution
-            self.so_far += fallen(old, level.resolution, self._error_now())
+            old, window = self.sequence.last.resolution, self.judged.window
+            error = error_now(self.sequence, window, self._rate(window))
+            self.so_far += fallen(old, level.resolution, error)
         self.sequence.add(level)
 
     def can_measure(self, most_seconds: float) -> bool:
@@ -194,7 +196,7 @@ class Course:
             return False
         newest = self.sequence.last
         seconds = seconds_of_probes(self.scene, self.backend, newest.resolution)
-        return _SURE * self.slower * seconds <= _PROBES_PART * most_seconds
+        return self.slower * seconds <= _PROBES_PART * most_seconds
 
     def measure(self, progress: Progress) -> None:
         """Measure what bodies and directions owe to the errors of the newest mesh; collective."""
@@ -204,7 +206,8 @@ class Course:
         except (InputError, ConvergenceError):
             return  # all are refined alike then
         finally:
-            self.probing += perf_counter() - begun
+            # Decisions hang on times, which differ from rank to rank.
+            self.probing += MPI.COMM_WORLD.bcast(perf_counter() - begun)
 
     def correction(self, most_seconds: float, *, last: bool) -> Richer | None:
         """A richer space in which the newest mesh is worth correcting.
@@ -239,7 +242,7 @@ class Course:
         gain = self._rate(window) * reduction(
             newest.resolution,
             richer.resolution,
-            self._error_now(),
+            error_now(self.sequence, window, self._rate(window)),
             singular=sequence.singular,
         )
         return richer if log(max(self.need, 1.0)) <= gain - log(SAFETY) else None
@@ -271,24 +274,16 @@ class Course:
         )
 
     def _candidates(self) -> list[Step]:
-        last = self.sequence.last
-        slower = self.slower
-        rate = self._rate(self.judged.window)
+        """Meshes refined in all bodies alike that may follow."""
+        slower, judged = self.slower, self.judged
+        rate = self._rate(judged.window)
 
         def seconds(resolution: Resolution) -> float:
             return slower * estimate(self.scene, self.backend, resolution)
 
-        error = self._error_now()
-        singular = self.sequence.singular
-        found = steps(
-            self.backend,
-            last.resolution,
-            self.so_far,
-            error,
-            rate,
-            seconds,
-            singular=singular,
-        )
+        error = error_now(self.sequence, judged.window, rate)
+        last, singular = self.sequence.last.resolution, self.sequence.singular
+        found = steps(self.backend, last, self.so_far, error, rate, seconds, singular=singular)
         return list(found)
 
     def _rate(self, window: Window) -> float:
@@ -296,17 +291,3 @@ class Course:
         if window.rate is not None:
             return min(max(window.rate, LEAST), MOST)
         return _EXPECTED_RATE if self.sequence.parts is None else _MEASURED_RATE
-
-    def _error_now(self) -> float:
-        """Relative error of the newest mesh, from the last change of the window."""
-        levels = self.sequence.levels
-        if len(levels) < 2:
-            return inf
-        window = self.judged.window
-        taken = reduction(
-            levels[-2].resolution,
-            levels[-1].resolution,
-            window.change,
-            singular=self.sequence.singular,
-        )
-        return window.change * exp(-self._rate(window) * taken)

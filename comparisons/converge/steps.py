@@ -7,9 +7,11 @@ the last mesh took over its estimate.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import log
+from math import exp, inf, log
 
-from comparisons.converge.theory import Fallen, fallen
+from comparisons.converge.following import Sequence
+from comparisons.converge.histories import Window
+from comparisons.converge.theory import Fallen, fallen, reduction
 from scenes.refinement import MAX_DEGREE, Resolution
 from scenes.spec.body import Backend
 
@@ -123,3 +125,23 @@ def cheapest(candidates: list[Step], need: float) -> Step | None:
     """The cheapest step that is expected to make errors fall by a factor; None where none does."""
     enough = [step for step in candidates if step.gain >= log(need)]
     return min(enough, key=lambda step: step.seconds, default=None)
+
+
+def error_now(sequence: Sequence, window: Window, rate: float) -> float:
+    """Relative error of the newest mesh, from the last change of the window.
+
+    Parameters
+    ----------
+    sequence
+        The meshes.
+    window
+        What their modes show together.
+    rate
+        Observed order over that of theory.
+    """
+    levels = sequence.levels
+    if len(levels) < 2:
+        return inf
+    old, new = levels[-2].resolution, levels[-1].resolution
+    taken = reduction(old, new, window.change, singular=sequence.singular)
+    return window.change * exp(-rate * taken)
