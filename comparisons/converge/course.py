@@ -40,6 +40,8 @@ _FIRST_PART = 0.05
 """Part of the budget that a first mesh may take."""
 _PROBES_PART = 0.3
 """Part of the time left that measuring what bodies and directions owe may take."""
+_FAILED = 0.5
+"""Observed order over that expected below which what bodies and directions owe is measured anew."""
 _EXPECTED_RATE = 0.8
 """Observed order over that of theory before any was observed."""
 _MEASURED_RATE = 0.9
@@ -78,6 +80,8 @@ class Course:
         What theory took off from the error of the first mesh.
     probing
         Seconds that measuring took what bodies and directions owe.
+    tried
+        Number of meshes when that was last begun.
     ended
         Why no more follow: the digits are held, or what stands against it; empty while they do.
     """
@@ -88,6 +92,7 @@ class Course:
     sequence: Sequence = field(init=False)
     so_far: Fallen = field(default_factory=Fallen)
     probing: float = 0.0
+    tried: int = 0
     ended: str = ""
 
     def __post_init__(self) -> None:
@@ -185,22 +190,27 @@ class Course:
         self.sequence.add(level)
 
     def can_measure(self, most_seconds: float) -> bool:
-        """Whether there is the time to measure what bodies and directions owe, and it is unknown.
+        """Whether there is the time to measure what bodies and directions owe, and cause to.
+
+        It is unknown on the first mesh, and what was expected of it may fail on later ones.
 
         Parameters
         ----------
         most_seconds
             Time left.
         """
-        if self.sequence.parts is not None or len(self.sequence.levels) != 1:
+        parts, levels = self.sequence.parts, self.sequence.levels
+        rate = None if parts is None else self.judged.window.rate
+        cause = len(levels) == 1 if parts is None else rate is not None and rate < _FAILED
+        if self.tried == len(levels) or not cause:
             return False
-        newest = self.sequence.last
-        seconds = seconds_of_probes(self.scene, self.backend, newest.resolution)
+        seconds = seconds_of_probes(self.scene, self.backend, self.sequence.last.resolution)
         return self.slower * seconds <= _PROBES_PART * most_seconds
 
     def measure(self, progress: Progress) -> None:
         """Measure what bodies and directions owe to the errors of the newest mesh; collective."""
         begun, levels = perf_counter(), self.sequence.levels
+        self.tried = len(levels)
         try:
             self.sequence.parts = measured(levels[-1], len(levels) - 1, self.scene, progress)
         except (InputError, ConvergenceError):
