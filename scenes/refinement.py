@@ -155,10 +155,15 @@ def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
     SceneError
         When the meshes cannot be made so, or a body has none of the backend.
     """
+    return unchecked(scene, backend, resolution).on(backend)
+
+
+def unchecked(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
+    """The same, not looked at for faults: to be estimated, not run."""
     on = on_backend(scene, backend)
     bodies = {name: _refined(on, name, resolution) for name in on.bodies}
     contacts = {name: _accurate(contact) for name, contact in scene.contacts.items()}
-    return replace(on, bodies=bodies, contacts=contacts).on(backend)
+    return replace(on, bodies=bodies, contacts=contacts)
 
 
 def moved_to_mortar(scene: Scene) -> dict[str, str]:

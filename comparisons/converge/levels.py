@@ -11,7 +11,7 @@ from cea.arrays import Complexes, Floats
 from comparisons.kit.progress import Progress
 from scenes.memory import estimated_memory
 from scenes.read import Scene
-from scenes.refinement import Resolution, refined
+from scenes.refinement import Resolution, refined, unchecked
 from scenes.results import ModesResult
 from scenes.run import run_modes
 from scenes.run_time import estimated_seconds
@@ -107,7 +107,7 @@ def given_elements(scene: Scene, backend: Backend) -> dict[str, tuple[int, ...] 
 
 def estimate(scene: Scene, backend: Backend, resolution: Resolution) -> float:
     """Seconds that a scene takes at a resolution, from fits to earlier runs."""
-    finer = widened(refined(scene, backend, resolution))
+    finer = widened(unchecked(scene, backend, resolution))
     return estimated_seconds(finer, estimated_memory(finer))
 
 
