@@ -1,6 +1,6 @@
 """What is known of a cluster of modes on every mesh, and of the window as a whole."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign
 from comparisons.converge.bars import Usual, rate_of, typical_rate
 from comparisons.converge.following import Cluster, Sequence
-from comparisons.converge.parts import Parts, positions_of
+from comparisons.converge.parts import positions_of
 from comparisons.converge.theory import reduction
 from scenes.refinement import Resolution
 
@@ -35,6 +35,8 @@ class History:
         Relative errors of their mean on all levels, where errors are known in their parts.
     splittings
         The same of the squared splitting of a pair, relative to 4 m sqrt(s).
+    of_splitting
+        Positions of the splitting, where they are its own.
     """
 
     values: Complexes
@@ -45,6 +47,7 @@ class History:
     rigid: bool
     expected: Floats | None = None
     splittings: Floats | None = None
+    of_splitting: list[float] | None = None
 
     def usual(self, window: "Window") -> Usual:
         """Last relative change of lambda, or of the mean, that is no luck."""
@@ -57,7 +60,7 @@ class History:
     @property
     def splitting_positions(self) -> list[float]:
         """Logarithms of what is expected to be taken off from the error of the splitting."""
-        return self.positions if self.splittings is None else positions_of(self.splittings, 1.0)
+        return self.positions if self.of_splitting is None else self.of_splitting
 
 
 @dataclass(frozen=True)
@@ -106,23 +109,26 @@ def history_of(cluster: Cluster, sequence: Sequence) -> History:
     if sequence.parts is None or rigid:
         positions = _positions(values, resolutions, sequence)
         return History(values, rounding, residual, resolutions, positions, rigid)
-    modes = cluster.members[sequence.parts.level]
-    expected, splittings = _expected(sequence.parts, modes, resolutions)
-    positions = positions_of(expected, 1.0)
-    return History(values, rounding, residual, resolutions, positions, rigid, expected, splittings)
-
-
-def _expected(
-    parts: Parts, modes: Ints | None, resolutions: list[Resolution]
-) -> tuple[Floats, Floats | None]:
-    """Relative errors of the mean of some modes, and of the splitting of two, on meshes."""
-    of_mean = parts.fallen(parts.of_mean(modes), 1.0, resolutions)
+    parts, modes = sequence.parts, cluster.members[sequence.parts.level]
+    own = parts.of_mean(modes)
+    fallen = parts.fallen(own, resolutions)
+    history = History(
+        values,
+        rounding,
+        residual,
+        resolutions,
+        positions_of(fallen, own),
+        rigid,
+        expected=fallen.sum(axis=1),
+    )
     if modes is None or len(modes) != 2 or parts.damped:
-        return of_mean, None
+        return history
     squares = parts.eigenvalues[modes] ** 2
     splitting = abs(0.25 * (squares[0] - squares[1]) ** 2)
     unit = max(4 * abs(squares.mean()) * np.sqrt(splitting), np.finfo(float).tiny)
-    return of_mean, parts.fallen(parts.of_splitting(modes) / unit, 1.0, resolutions)
+    own = parts.of_splitting(modes) / unit
+    fallen = parts.fallen(own, resolutions)
+    return replace(history, splittings=fallen.sum(axis=1), of_splitting=positions_of(fallen, own))
 
 
 def _positions(values: Complexes, resolutions: list[Resolution], sequence: Sequence) -> list[float]:

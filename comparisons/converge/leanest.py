@@ -14,7 +14,7 @@ from math import ceil
 import numpy as np
 
 from cea.arrays import Floats
-from comparisons.converge.parts import Parts
+from comparisons.converge.parts import Parts, taken_off
 from comparisons.converge.steps import Step
 from scenes.refinement import MAX_DEGREE, BodyResolution, Resolution, mixed
 from scenes.spec.body import Backend
@@ -86,11 +86,11 @@ def leanest(
         A mesh that comes as near as the time allows, ``enough`` where it takes off all that is
         wanted; None where none is worth its time.
     """
-    before = _logarithms(parts, wanted.reached, wanted)
+    before = parts.at(wanted.reached, wanted.errors)
 
     def shortages(resolution: Resolution) -> Floats:
-        gained = wanted.rate * (before - _logarithms(parts, resolution, wanted))
-        return np.maximum(wanted.gains - gained, 0.0)
+        taken = taken_off(before, parts.at(resolution, wanted.errors), wanted.errors)
+        return np.maximum(wanted.gains - wanted.rate * taken, 0.0)
 
     best = _Mesh(newest, seconds(newest), shortages(newest))
     first, base = float(best.short.max()), newest
@@ -180,12 +180,6 @@ def _refined(
             break
         now = best
     return now
-
-
-def _logarithms(parts: Parts, resolution: Resolution, wanted: Wanted) -> Floats:
-    """Logarithms of the errors of the modes on a mesh."""
-    sums = parts.at(resolution, wanted.errors).sum(axis=1)
-    return np.asarray(np.log(np.maximum(sums, np.finfo(float).tiny)))
 
 
 def _moves(

@@ -25,6 +25,10 @@ _HALVED_EDGES = 1 - 2.0 ** (-2 * EDGES)
 """What of the part of singular edges elements of half the size across them take off."""
 _SMOOTH = 0.1
 """Part of what was measured along a direction that is no doing of edges, at least."""
+_MATTERS = 0.05
+"""Share of an error as measured from which on a part matters."""
+_LEADS = log(5.0)
+"""What a step is trusted to take off beyond that of the part that falls least, as a logarithm."""
 _LEAST_STEP = 0.1
 """What a finer mesh takes off at least: parts that are rounding do not tell."""
 
@@ -139,30 +143,44 @@ class Parts:
         ]
         return np.stack(columns, axis=1)
 
-    def fallen(self, errors: Floats, scale: float, resolutions: Sequence[Resolution]) -> Floats:
-        """What an error is expected to be on each of some meshes, shape (meshes,).
-
-        Parameters
-        ----------
-        errors
-            Its parts on the mesh on which they were measured, shape (parts,).
-        scale
-            The number it is an error of.
-        resolutions
-            The meshes.
-        """
-        size = max(abs(scale), np.finfo(float).tiny)
-        relative = errors[None, :] / size
-        return np.array([size * self.at(each, relative).sum() for each in resolutions])
+    def fallen(self, errors: Floats, resolutions: Sequence[Resolution]) -> Floats:
+        """Parts of a relative error on each of some meshes, shape (meshes, parts)."""
+        return np.concatenate([self.at(each, errors[None, :]) for each in resolutions])
 
 
-def positions_of(errors: Floats, scale: float) -> list[float]:
-    """Logarithms, rising, of what errors that are expected on meshes have fallen to."""
-    floor = SMALLEST_ERROR * max(abs(scale), np.finfo(float).tiny)
-    found = [-log(max(float(errors[0]), floor))]
-    for error in errors[1:].tolist():
-        found.append(max(-log(max(error, floor)), found[-1] + _LEAST_STEP))
-    return found
+def taken_off(old: Floats, new: Floats, measured: Floats) -> Floats:
+    """Logarithms of what a step is trusted to take off from errors in their parts, shape (n,).
+
+    Little more than from the part that falls least, of those that matter: which of them leads on
+    another mesh, of another degree most of all, is known less well than how each falls.
+
+    Parameters
+    ----------
+    old, new
+        Parts before and after the step, shape (n, parts).
+    measured
+        Parts as they were measured, shape (n, parts).
+    """
+    tiny = np.finfo(float).tiny
+    of_sums = np.log(np.maximum(old.sum(axis=1), tiny) / np.maximum(new.sum(axis=1), tiny))
+    each = np.log(np.maximum(old, tiny) / np.maximum(new, tiny))
+    matters = measured >= _MATTERS * measured.sum(axis=1, keepdims=True)
+    least = np.where(matters, each, np.inf).min(axis=1)
+    return np.asarray(np.minimum(of_sums, least + _LEADS))
+
+
+def positions_of(fallen: Floats, measured: Floats) -> list[float]:
+    """Logarithms, rising, of what is taken off from an error from mesh to mesh.
+
+    Parameters
+    ----------
+    fallen
+        Its parts on the meshes, shape (meshes, parts).
+    measured
+        Its parts as they were measured, shape (parts,).
+    """
+    steps = taken_off(fallen[:-1], fallen[1:], np.tile(measured, (len(fallen) - 1, 1)))
+    return [0.0, *np.cumsum(np.maximum(steps, _LEAST_STEP)).tolist()]
 
 
 def _splitting(values: Complexes) -> Floats:

@@ -10,7 +10,7 @@ from exact_scenes import ExactScene
 from cea.eigen.eigenvalue_matching import assign
 from comparisons.converge.leanest import Wanted, leanest
 from comparisons.converge.levels import estimate, given_elements, run_level
-from comparisons.converge.parts import Part, Parts, positions_of
+from comparisons.converge.parts import Part, Parts, positions_of, taken_off
 from comparisons.converge.probes import measured, probes, seconds_of_probes
 from comparisons.kit.progress import Progress
 from scenes.read import load_scene
@@ -82,9 +82,22 @@ def test_what_finer_elements_take_off_of_edges_is_no_smooth_part():
 
 
 def test_positions_rise_with_what_is_taken_off():
-    assert positions_of(np.array([1e-2, 1e-4]), 1.0) == pytest.approx([-log(1e-2), -log(1e-4)])
-    flat = positions_of(np.zeros(3), 1.0)
+    own = np.array([1e-2, 1e-5])
+    fallen = np.array([own, own / 30, own / 900])
+    assert positions_of(fallen, own) == pytest.approx([0.0, log(30), log(900)])
+    flat = positions_of(np.zeros((3, 2)), np.zeros(2))
     assert np.all(np.diff(flat) > 0)
+
+
+def test_a_step_is_trusted_little_more_than_the_part_that_falls_least():
+    """Of parts that matter: which of them leads on the finer mesh is not known for sure."""
+    own = np.array([[1e-2, 1e-3, 1e-5]])
+    new = own / np.array([1000.0, 2.0, 1.0])
+    assert taken_off(own, new, own)[0] == pytest.approx(log(own.sum() / new.sum()))
+    assert taken_off(own, own / np.array([1000.0, 1.0, 1.0]), own)[0] == pytest.approx(log(5.0))
+    even = np.array([[1e-2, 1e-2, 1e-5]])
+    half = even / np.array([1e6, 20.0, 1.0])
+    assert taken_off(even, half, even)[0] == pytest.approx(log(even.sum() / half.sum()), rel=1e-3)
 
 
 # Measured
@@ -127,7 +140,7 @@ def test_what_is_predicted_of_another_mesh_is_its_error(backend):
     for value in values[real]:
         i = np.abs(level.eigenvalues - value).argmin()
         true = np.abs(exact - value).min() / abs(value)
-        found.append(parts.fallen(parts.of_mean(np.array([i])), 1.0, [finer])[0] / true)
+        found.append(parts.fallen(parts.of_mean(np.array([i])), [finer]).sum() / true)
     assert 0.5 < np.median(found) < 2
 
 
