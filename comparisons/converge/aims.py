@@ -43,6 +43,7 @@ def wanted(
     *,
     spare: float,
     most: float = inf,
+    everywhere: bool = False,
 ) -> Wanted | None:
     """What is to be taken off from the errors of the modes.
 
@@ -62,6 +63,9 @@ def wanted(
         Logarithm of what needs not be taken off, and is left to a correction.
     most
         Logarithm of what is to be taken off at most.
+    everywhere
+        Whether every part is to fall by half, however small it is: one that was taken for small
+        and is not is seen then.
 
     Returns
     -------
@@ -90,4 +94,10 @@ def wanted(
             scaled = needs * np.minimum(1.0, expected / bars)
         needs = np.where(known, scaled, expected / request.tolerance)
     gains = np.log(np.maximum(needs, 1e-3)) + RESERVE - spare
-    return Wanted(errors, np.clip(gains, LEAST_GAIN, most), reached, rate)
+    gains = np.clip(gains, LEAST_GAIN, most)
+    if everywhere:
+        usual = errors.max(axis=0)
+        alone = np.diag(usual)[usual > 0]
+        errors = np.concatenate([errors, alone])
+        gains = np.concatenate([gains, np.full(len(alone), rate * LEAST_GAIN)])
+    return Wanted(errors, gains, reached, rate)

@@ -270,7 +270,8 @@ class Course:
         slower = self.slower * share
         rate = self._rate(judged.window)
         asked = (self.request, self.scene)
-        aim = wanted(judged, sequence, *asked, rate, spare=spare, most=at_once)
+        later = len(sequence.levels) > 1
+        aim = wanted(judged, sequence, *asked, rate, spare=spare, most=at_once, everywhere=later)
         if aim is None:
             return None
         return leanest(
