@@ -1,11 +1,12 @@
-"""Scenes refined: more elements along every direction, a higher degree, layers at singular edges.
+"""Scenes refined: more elements along directions, higher degrees, layers at singular edges.
 
 Pure: a scene in, a scene out. Meshes that did not match before refinement keep their proportions,
 and every contact becomes mortar, the error of which is that of the meshes at any stiffness.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, exp, log
 from typing import Any
 
 from cea.contact.formulations import Mortar
@@ -26,6 +27,26 @@ MAX_DEGREE: dict[Backend, int] = {"fe": 4, "iga": 8}
 
 
 @dataclass(frozen=True)
+class BodyResolution:
+    """How fine one body is made.
+
+    Parameters
+    ----------
+    degree
+        Degree of its elements.
+    densities
+        Factor on the elements of the scene along each direction; of unstructured meshes, which
+        have one size, all are the same.
+    layers
+        Geometric layers towards its singular edges.
+    """
+
+    degree: int
+    densities: tuple[float, ...]
+    layers: int = 0
+
+
+@dataclass(frozen=True)
 class Resolution:
     """How fine a scene is made.
 
@@ -37,19 +58,62 @@ class Resolution:
         Factor on the elements of the scene along every direction.
     layers
         Geometric layers towards singular edges.
+    bodies
+        Bodies with a resolution of their own, by name; the three numbers above then sum them up.
     """
 
     degree: int
     density: float
     layers: int = 0
+    bodies: tuple[tuple[str, BodyResolution], ...] = ()
 
     def __post_init__(self) -> None:
-        if not self.density > 0:
-            raise InputError("density", self.density, "greater than 0")
+        for density in (self.density, *(d for _, each in self.bodies for d in each.densities)):
+            if not density > 0:
+                raise InputError("density", density, "greater than 0")
+
+    def of(self, name: str, directions: int) -> BodyResolution:
+        """Resolution of a body with some directions."""
+        same = BodyResolution(self.degree, (self.density,) * directions, self.layers)
+        return dict(self.bodies).get(name, same)
 
     def plain(self) -> dict[str, Any]:
         """Plain data."""
-        return {"degree": self.degree, "density": self.density, "layers": self.layers}
+        degrees = {name: each.degree for name, each in self.bodies}
+        layers = {name: each.layers for name, each in self.bodies}
+        own = {"degrees": degrees, "layers_of": layers} if self.bodies else {}
+        return {
+            "degree": self.degree,
+            "density": self.density,
+            "layers": self.layers,
+            **own,
+        }
+
+
+def mixed(bodies: Mapping[str, BodyResolution]) -> Resolution:
+    """Bodies each at a resolution of its own, summed up by the highest and by the mean density."""
+    every = [log(d) for each in bodies.values() for d in each.densities]
+    return Resolution(
+        max(each.degree for each in bodies.values()),
+        exp(sum(every) / len(every)),
+        max(each.layers for each in bodies.values()),
+        tuple(bodies.items()),
+    )
+
+
+def counted(scene: Scene, backend: Backend, resolution: Resolution) -> Resolution:
+    """The same meshes, with densities that are the numbers of elements there are."""
+    on = on_backend(scene, backend)
+    bodies = {}
+    for name, body in on.bodies.items():
+        own = resolution.of(name, len(body.geometry.directions))
+        mesh = body.mesh.fe if backend == "fe" else body.mesh.iga
+        if mesh is not None and mesh.elements:
+            counts = _counts(on, name, mesh.elements, own.densities)
+            densities = tuple(n / given for n, given in zip(counts, mesh.elements, strict=True))
+            own = replace(own, densities=densities)
+        bodies[name] = own
+    return replace(resolution, bodies=tuple(bodies.items()))
 
 
 def check_refinable(scene: Scene, backend: Backend) -> None:
@@ -71,7 +135,7 @@ def check_refinable(scene: Scene, backend: Backend) -> None:
 
 def has_singular_edges(scene: Scene) -> bool:
     """Whether layers make any difference: a body has singular edges and a structured mesh."""
-    return any(crowding(scene, name) and _structured(body) for name, body in scene.bodies.items())
+    return any(crowding(scene, name) and structured(body) for name, body in scene.bodies.items())
 
 
 def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
@@ -91,10 +155,15 @@ def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
     SceneError
         When the meshes cannot be made so, or a body has none of the backend.
     """
+    return unchecked(scene, backend, resolution).on(backend)
+
+
+def unchecked(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
+    """The same, not looked at for faults: to be estimated, not run."""
     on = on_backend(scene, backend)
     bodies = {name: _refined(on, name, resolution) for name in on.bodies}
     contacts = {name: _accurate(contact) for name, contact in scene.contacts.items()}
-    return replace(on, bodies=bodies, contacts=contacts).on(backend)
+    return replace(on, bodies=bodies, contacts=contacts)
 
 
 def moved_to_mortar(scene: Scene) -> dict[str, str]:
@@ -113,7 +182,7 @@ def _accurate(contact: ContactSpec) -> ContactSpec:
     return replace(contact, formulation=Mortar(), full_pass=False)
 
 
-def _structured(body: BodySpec) -> bool:
+def structured(body: BodySpec) -> bool:
     """Whether the mesh of a body follows coordinates of its shape."""
     if not hasattr(body.geometry, "extent"):
         return False
@@ -122,20 +191,21 @@ def _structured(body: BodySpec) -> bool:
 
 def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
     body = scene.bodies[name]
+    own = resolution.of(name, len(body.geometry.directions))
     mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
     if isinstance(mesh, FeMesh):
-        finer: FeMesh | IgaMesh = replace(mesh, degree=resolution.degree)
+        finer: FeMesh | IgaMesh = replace(mesh, degree=own.degree)
     elif mesh is not None:
-        degree = (resolution.degree,) * len(body.geometry.directions)
+        degree = (own.degree,) * len(body.geometry.directions)
         finer = replace(mesh, degree=degree, continuity=None)
     else:
         raise InputError(f"bodies.{name}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
     if isinstance(finer, FeMesh) and finer.size is not None:
-        finer = replace(finer, size=finer.size / resolution.density)
-    elif _structured(body):
-        finer = _with_breaks(finer, body, crowding(scene, name), resolution)
+        finer = replace(finer, size=finer.size / own.densities[0])
+    elif structured(body):
+        finer = _with_breaks(finer, scene, name, own)
     else:
-        elements = tuple(_times(n, resolution.density) for n in finer.elements or ())
+        elements = _counts(scene, name, finer.elements or (), own.densities)
         finer = replace(finer, elements=elements)
     return replace(body, mesh=_of_backend(finer))
 
@@ -144,24 +214,39 @@ def _of_backend(mesh: FeMesh | IgaMesh) -> MeshSpec:
     return MeshSpec(fe=mesh) if isinstance(mesh, FeMesh) else MeshSpec(iga=mesh)
 
 
-def _with_breaks(
-    mesh: FeMesh | IgaMesh, body: BodySpec, edges: Crowding, resolution: Resolution
-) -> FeMesh | IgaMesh:
-    """A structured mesh with as many elements as asked for, and layers at singular edges."""
-    shape = body.geometry
-    through = dict(mesh.through)
+def _through(scene: Scene, name: str, edges: Crowding) -> dict[str, tuple[float, ...]]:
+    """Coordinates that must be element boundaries of a structured mesh."""
+    body = scene.bodies[name]
+    mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
+    through = dict(mesh.through) if mesh is not None else {}
     for direction, values in edges.through.items():
         through[direction] = tuple(sorted({*through.get(direction, ()), *values}))
-    elements = tuple(
-        max(_times(n, resolution.density), few)
-        for n, few in zip(mesh.elements or (), fewest(shape, through), strict=True)
-    )
-    if not resolution.layers or not edges:
+    return through
+
+
+def _counts(
+    scene: Scene, name: str, given: tuple[int, ...], densities: tuple[float, ...]
+) -> tuple[int, ...]:
+    """Elements along each direction but for layers, as many as boundaries ask for at least."""
+    counts = [_times(n, density) for n, density in zip(given, densities, strict=True)]
+    body = scene.bodies[name]
+    if structured(body):
+        few = fewest(body.geometry, _through(scene, name, crowding(scene, name)))
+        counts = [max(n, least) for n, least in zip(counts, few, strict=True)]
+    return tuple(counts)
+
+
+def _with_breaks(
+    mesh: FeMesh | IgaMesh, scene: Scene, name: str, own: BodyResolution
+) -> FeMesh | IgaMesh:
+    """A structured mesh with as many elements as asked for, and layers at singular edges."""
+    shape, edges = scene.bodies[name].geometry, crowding(scene, name)
+    through = _through(scene, name, edges)
+    elements = _counts(scene, name, mesh.elements or (), own.densities)
+    if not own.layers or not edges:
         return replace(mesh, elements=elements, through=through)
     along = zip(shape.directions, breaks_of(shape, elements, through), strict=True)
-    breaks = {
-        d: layered(each, edges.towards.get(d, ()), resolution.layers, RATIO) for d, each in along
-    }
+    breaks = {d: layered(each, edges.towards.get(d, ()), own.layers, RATIO) for d, each in along}
     return replace(
         mesh,
         elements=tuple(len(each) - 1 for each in breaks.values()),

@@ -13,7 +13,7 @@ takes off less than half.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf, isfinite, log
 
 import numpy as np
 from scipy.optimize import brentq
@@ -24,6 +24,9 @@ MOST = 1.0
 """Largest eta that is made use of: what falls faster than theory leaves another part behind."""
 SAFETY = 3.0
 """Factor on Richardson's error."""
+_TRUSTED = log(40.0)
+"""Most that a last step is trusted to have taken off, as a logarithm: what fell by more may have
+left another part behind."""
 _LUCK = 0.3
 """Part of the difference that the whole window makes likely, below which one is taken for luck."""
 
@@ -42,6 +45,30 @@ class Bar:
 
     size: float
     rate: float | None
+
+
+@dataclass(frozen=True)
+class Usual:
+    """Last difference of a number that is no luck.
+
+    Parameters
+    ----------
+    size
+        The difference.
+    own
+        Whether it is that expected of the number itself, as its error is known in its parts, and
+        not of what numbers of this size have in the window.
+    """
+
+    size: float = 0.0
+    own: bool = False
+
+    def __mul__(self, factor: float) -> "Usual":
+        return Usual(self.size * factor, self.own)
+
+
+NO_USUAL = Usual()
+"""Where nothing is known of it."""
 
 
 def observed_rate(positions: Sequence[float], differences: Sequence[float]) -> float | None:
@@ -85,7 +112,7 @@ def bar(
     positions: Sequence[float],
     typical: float | None,
     rounding: float = 0.0,
-    usual: float = 0.0,
+    usual: Usual = NO_USUAL,
 ) -> Bar:
     """Error of the last number of a sequence.
 
@@ -101,16 +128,16 @@ def bar(
     rounding
         Error of each number by rounding, beside that of its mesh.
     usual
-        Last difference that numbers of this size have in the window: of two numbers alone, a
-        smaller difference is taken for luck, and of more one below a part of it. What a mode owes
-        to something else than the others, as to the shape of curved cells, need not fall as theirs.
+        Last difference that is no luck: of two numbers alone a smaller one is taken for luck, and
+        of more one below a part of it. What a mode owes to something else than the others, as to
+        the shape of curved cells, need not fall as theirs.
     """
     if len(values) < 2:
         return Bar(inf, None)
     differences = np.abs(np.diff(values))
     last = float(differences[-1])
     if len(values) < 3:
-        return Bar(_unseen([max(last, usual)], positions) + rounding, None)
+        return Bar(_unseen([max(last, usual.size)], positions) + rounding, None)
     rate, former = rate_of(values, positions), float(differences[-2])
     if max(last, former) <= 2 * rounding:  # nothing but rounding is left to differ
         return Bar(max(last, former) + rounding, rate)
@@ -118,8 +145,10 @@ def bar(
         return Bar(_unseen([former, last], positions) + rounding, rate)
     before, step = np.diff(positions[-3:])
     used = min(rate, MOST, MOST if typical is None else max(typical, LEAST))
-    likely = -_LUCK * former * np.expm1(-used * step) / np.expm1(used * before)
-    size = SAFETY * max(last, likely, _LUCK * usual) / np.expm1(used * step)
+    likely = usual.size
+    if not usual.own:
+        likely = max(likely, -former * float(np.expm1(-used * step) / np.expm1(used * before)))
+    size = SAFETY * max(last, _LUCK * likely) / np.expm1(min(used * step, _TRUSTED))
     return Bar(float(size) + rounding, rate)
 
 

@@ -1,26 +1,33 @@
 """The course of one backend: its sequence of meshes, what it holds, what comes next."""
 
 from dataclasses import dataclass, field
-from math import exp, inf, log, tau
+from math import inf, log
+from time import perf_counter
 
+from cea.errors import ConvergenceError, InputError
+from cea.petsc import MPI
+from comparisons.converge.aims import ENOUGH, is_asked, need_of, wanted
 from comparisons.converge.bars import LEAST, MOST, SAFETY
 from comparisons.converge.estimated import (
+    SHARE,
+    Richer,
     estimated_level,
+    finer_of,
     richer_of,
-    richer_resolution,
     seconds_of,
 )
 from comparisons.converge.following import Sequence
-from comparisons.converge.judged import Judged, judge, shortfall
-from comparisons.converge.levels import Level, estimate, run_level
-from comparisons.converge.quantities import Window
+from comparisons.converge.histories import Window
+from comparisons.converge.judged import Judged, judge
+from comparisons.converge.leanest import leanest
+from comparisons.converge.levels import Level, estimate, given_elements, run_level
+from comparisons.converge.probes import measured, seconds_of_probes
 from comparisons.converge.request import Request
-from comparisons.converge.steps import Step, cheapest, chosen, steps
+from comparisons.converge.steps import Step, cheapest, chosen, error_now, steps
 from comparisons.converge.theory import Fallen, fallen, reduction
 from comparisons.kit.progress import Progress
 from scenes.read import Scene
-from scenes.refinement import Resolution, has_singular_edges
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.refinement import Resolution, counted, has_singular_edges
 from scenes.spec.body import Backend
 from scenes.variants import on_backend
 
@@ -31,10 +38,14 @@ _COARSER = 0.7
 _COARSEST = 0.1
 _FIRST_PART = 0.05
 """Part of the budget that a first mesh may take."""
-_ENOUGH = 3
-"""Meshes from which on bars rest on an observed order."""
+_PROBES_PART = 0.3
+"""Part of the time left that measuring what bodies and directions owe may take."""
+_FAILED = 0.5
+"""Observed order over that expected below which what bodies and directions owe is measured anew."""
 _EXPECTED_RATE = 0.8
 """Observed order over that of theory before any was observed."""
+_MEASURED_RATE = 0.9
+"""The same where errors were measured in their parts."""
 _UNKNOWN_NEED = 10.0
 """Factor by which errors are supposed too large while no bar is known."""
 _FIRST_SLOWER = 4.0
@@ -45,6 +56,10 @@ _AWAY = 5.0
 """Time of a step relative to that of the last mesh while no order is known."""
 _SHORT = 2.0
 """Seconds up to which steps are short whatever the last mesh took."""
+_AT_ONCE = log(300.0)
+"""What one mesh is to take off at most, as a logarithm: what is expected far ahead may fail."""
+_LEFT = log(8.0)
+"""What the mesh before a correction leaves to it, as a logarithm."""
 
 
 @dataclass
@@ -63,6 +78,10 @@ class Course:
         Meshes so far.
     so_far
         What theory took off from the error of the first mesh.
+    probing
+        Seconds that measuring took what bodies and directions owe.
+    tried
+        Number of meshes when that was last begun.
     ended
         Why no more follow: the digits are held, or what stands against it; empty while they do.
     """
@@ -72,6 +91,8 @@ class Course:
     request: Request
     sequence: Sequence = field(init=False)
     so_far: Fallen = field(default_factory=Fallen)
+    probing: float = 0.0
+    tried: int = 0
     ended: str = ""
 
     def __post_init__(self) -> None:
@@ -80,8 +101,8 @@ class Course:
 
     @property
     def spent(self) -> float:
-        """Seconds of all meshes."""
-        return sum(level.seconds for level in self.levels)
+        """Seconds of all meshes and of what was measured on them."""
+        return self.probing + sum(level.seconds for level in self.levels)
 
     @property
     def levels(self) -> list[Level]:
@@ -104,25 +125,14 @@ class Course:
         """Factor by which the largest bar is too large; 1 or less where the digits are held."""
         if len(self.levels) < 2:
             return _UNKNOWN_NEED
-        return self.need_of(self.judged)
-
-    def need_of(self, judged: Judged) -> float:
-        """The same, for bars that are known already."""
-        analysis = self.scene.analysis
-        assert isinstance(analysis, ComplexEigenvalueAnalysis)
-        highest = tau * analysis.max_frequency
-        asked = [
-            shortfall(member, self.request, analysis.growth_threshold)
-            for member in judged.members
-            if member.value.imag <= highest
-            and not (self.request.unstable and member.verdict == "stable")
-        ]
-        return max(asked, default=0.0)
+        members = self.judged.members
+        asked = [m for m in members if is_asked(m, self.request, self.scene)]
+        return max((need_of(m, self.request, self.scene) for m in asked), default=0.0)
 
     @property
     def holds(self) -> bool:
         """Whether the digits are held, by bars that rest on an observed order."""
-        return bool(len(self.levels) >= _ENOUGH and self.need <= 1)
+        return bool(len(self.levels) >= ENOUGH and self.need <= 1)
 
     def first(self, most_seconds: float) -> Step:
         """The first mesh: half as dense as the scene, or coarser where that takes too long."""
@@ -148,31 +158,68 @@ class Course:
         if not self.sequence.levels:
             return self.first(most_seconds)
         most = most_seconds / _SURE
-        if len(self.sequence.levels) < _ENOUGH:
-            most = min(most, max(_AWAY * self.sequence.last.seconds, _SHORT))
-            if most < most_seconds / _SURE:
-                found = chosen(self._candidates(), need or self.need, most)
-                if found is not None:
-                    return found
-                most = most_seconds / _SURE
+        if self.sequence.parts is not None:
+            few = len(self.sequence.levels) < ENOUGH - 1
+            spare = _LEFT if few and need is None else -log(need or 1.0)
+            return self._leanest(most, spare=spare, at_once=_AT_ONCE)
+        if len(self.sequence.levels) < ENOUGH:
+            short = min(most, max(_AWAY * self.sequence.last.seconds, _SHORT))
+            found = chosen(self._candidates(), need or self.need, short)
+            if found is not None:
+                return found
         return chosen(self._candidates(), need or self.need, most)
 
     def cost_of(self, factor: float) -> Step | None:
         """The cheapest mesh expected to make the newest's errors fall by a factor."""
-        return cheapest(self._candidates(), factor)
+        if self.sequence.parts is None:
+            return cheapest(self._candidates(), factor)
+        step = self._leanest(inf, spare=-log(factor / max(self.need, 1.0)))
+        return step if step is not None and step.enough else None
 
     def run(self, step: Step, progress: Progress) -> Level:
         """Run a mesh; collective."""
-        return run_level(self.scene, self.backend, step.resolution, progress)
+        resolution = counted(self.scene, self.backend, step.resolution)
+        return run_level(self.scene, self.backend, resolution, progress)
 
     def follow(self, level: Level) -> None:
         """Follow the modes to a mesh that was run; collective."""
-        if self.sequence.levels:
-            old = self.sequence.last.resolution
-            self.so_far += fallen(old, level.resolution, self._error_now())
+        if self.sequence.levels and self.sequence.parts is None:
+            old, window = self.sequence.last.resolution, self.judged.window
+            error = error_now(self.sequence, window, self._rate(window))
+            self.so_far += fallen(old, level.resolution, error)
         self.sequence.add(level)
 
-    def correction(self, most_seconds: float, *, last: bool) -> Scene | None:
+    def can_measure(self, most_seconds: float) -> bool:
+        """Whether there is the time to measure what bodies and directions owe, and cause to.
+
+        It is unknown on the first mesh, and what was expected of it may fail on later ones.
+
+        Parameters
+        ----------
+        most_seconds
+            Time left.
+        """
+        parts, levels = self.sequence.parts, self.sequence.levels
+        rate = None if parts is None else self.judged.window.rate
+        cause = len(levels) == 1 if parts is None else rate is not None and rate < _FAILED
+        if self.tried == len(levels) or not cause:
+            return False
+        seconds = seconds_of_probes(self.scene, self.backend, self.sequence.last.resolution)
+        return self.slower * seconds <= _PROBES_PART * most_seconds
+
+    def measure(self, progress: Progress) -> None:
+        """Measure what bodies and directions owe to the errors of the newest mesh; collective."""
+        begun, levels = perf_counter(), self.sequence.levels
+        self.tried = len(levels)
+        try:
+            self.sequence.parts = measured(levels[-1], len(levels) - 1, self.scene, progress)
+        except (InputError, ConvergenceError):
+            return  # all are refined alike then
+        finally:
+            # Decisions hang on times, which differ from rank to rank.
+            self.probing += MPI.COMM_WORLD.bcast(perf_counter() - begun)
+
+    def correction(self, most_seconds: float, *, last: bool) -> Richer | None:
         """A richer space in which the newest mesh is worth correcting.
 
         Parameters
@@ -184,66 +231,74 @@ class Course:
 
         Returns
         -------
-        Scene or None
+        Richer or None
             None where it would take too long, or is not expected to make the digits hold.
         """
         sequence = self.sequence
         if sequence.correction is not None or len(sequence.levels) < (1 if last else 2):
             return None
+        if sequence.parts is not None:
+            step = self._leanest(most_seconds / _SURE, spare=0.0, share=SHARE)
+            if step is None or not (last or step.enough):
+                return None
+            return finer_of(sequence.last, self.scene, step.resolution)
         newest = sequence.last
-        richer = richer_of(newest)
-        if richer is None or _SURE * seconds_of(richer, self.slower) > most_seconds:
+        richer = richer_of(newest, self.scene)
+        if richer is None or _SURE * seconds_of(richer.scene, self.slower) > most_seconds:
             return None
         if last:
             return richer
         window = self.judged.window
         gain = self._rate(window) * reduction(
             newest.resolution,
-            richer_resolution(newest),
-            self._error_now(),
+            richer.resolution,
+            error_now(self.sequence, window, self._rate(window)),
             singular=sequence.singular,
         )
         return richer if log(max(self.need, 1.0)) <= gain - log(SAFETY) else None
 
-    def correct(self, richer: Scene, progress: Progress) -> None:
+    def correct(self, richer: Richer, progress: Progress) -> None:
         """Correct the newest mesh in a richer space; collective."""
         self.sequence.correction = estimated_level(self.sequence.last, richer, progress)
 
+    def _leanest(
+        self, most_seconds: float, *, spare: float, at_once: float = inf, share: float = 1.0
+    ) -> Step | None:
+        """The cheapest mesh for what is wanted, or richer space that takes a share of a run."""
+        sequence, judged = self.sequence, self.judged
+        assert sequence.parts is not None
+        slower = self.slower * share
+        rate = self._rate(judged.window)
+        asked = (self.request, self.scene)
+        later = len(sequence.levels) > 1
+        aim = wanted(judged, sequence, *asked, rate, spare=spare, most=at_once, everywhere=later)
+        if aim is None:
+            return None
+        return leanest(
+            sequence.parts,
+            self.backend,
+            sequence.last.resolution,
+            given_elements(self.scene, self.backend),
+            aim,
+            lambda resolution: slower * estimate(self.scene, self.backend, resolution),
+            most_seconds,
+        )
+
     def _candidates(self) -> list[Step]:
-        last = self.sequence.last
-        slower = self.slower
-        rate = self._rate(self.judged.window)
+        """Meshes refined in all bodies alike that may follow."""
+        slower, judged = self.slower, self.judged
+        rate = self._rate(judged.window)
 
         def seconds(resolution: Resolution) -> float:
             return slower * estimate(self.scene, self.backend, resolution)
 
-        error = self._error_now()
-        singular = self.sequence.singular
-        found = steps(
-            self.backend,
-            last.resolution,
-            self.so_far,
-            error,
-            rate,
-            seconds,
-            singular=singular,
-        )
+        error = error_now(self.sequence, judged.window, rate)
+        last, singular = self.sequence.last.resolution, self.sequence.singular
+        found = steps(self.backend, last, self.so_far, error, rate, seconds, singular=singular)
         return list(found)
 
     def _rate(self, window: Window) -> float:
         """Observed order over that of theory, or what it usually is."""
-        return _EXPECTED_RATE if window.rate is None else min(max(window.rate, LEAST), MOST)
-
-    def _error_now(self) -> float:
-        """Relative error of the newest mesh, from the last change of the window."""
-        levels = self.sequence.levels
-        if len(levels) < 2:
-            return inf
-        window = self.judged.window
-        taken = reduction(
-            levels[-2].resolution,
-            levels[-1].resolution,
-            window.change,
-            singular=self.sequence.singular,
-        )
-        return window.change * exp(-self._rate(window) * taken)
+        if window.rate is not None:
+            return min(max(window.rate, LEAST), MOST)
+        return _EXPECTED_RATE if self.sequence.parts is None else _MEASURED_RATE

@@ -5,22 +5,22 @@ eigenproblem there. What it gives stands in a sequence as the richer mesh would,
 solve changed beside its rounding; it has no vectors, so that no mesh can follow it.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 
 from cea.errors import InputError
-from comparisons.converge.levels import Level
+from comparisons.converge.levels import Level, widened
 from comparisons.kit.progress import Progress
 from scenes.memory import estimated_memory
 from scenes.nested import estimate_errors
 from scenes.read import Scene
-from scenes.refinement import MAX_DEGREE, Resolution
+from scenes.refinement import MAX_DEGREE, Resolution, counted, refined
 from scenes.richer import Enrichment, richer_scene
 from scenes.run_time import estimated_seconds
 
-_SHARE = 0.5
+SHARE = 0.5
 """Time of an estimate relative to that of a run in the richer space."""
 
 
@@ -30,30 +30,59 @@ def enrichment_of(level: Level) -> Enrichment:
     return "bisection" if highest else "degree"
 
 
-def richer_resolution(level: Level) -> Resolution:
-    """Resolution of the richer space."""
-    old = level.resolution
-    if enrichment_of(level) == "degree":
-        return replace(old, degree=old.degree + 1)
-    return replace(old, density=2 * old.density)
+@dataclass(frozen=True)
+class Richer:
+    """A richer space in which a mesh is corrected.
+
+    Parameters
+    ----------
+    resolution
+        The space, densities of all bodies given.
+    scene
+        The scene in it.
+    """
+
+    resolution: Resolution
+    scene: Scene
 
 
-def richer_of(level: Level) -> Scene | None:
-    """The scene in the richer space; None where there is none of such a mesh."""
+def richer_of(level: Level, scene: Scene) -> Richer | None:
+    """The space that is richer everywhere; None where there is none of such a mesh.
+
+    Parameters
+    ----------
+    level
+        The newest mesh.
+    scene
+        The scene as the user gives it.
+    """
     if level.result is None:
         return None
+    old, by = level.resolution, enrichment_of(level)
+    same = replace(old, bodies=())
+    new = (
+        replace(same, degree=old.degree + 1)
+        if by == "degree"
+        else replace(same, density=2 * old.density)
+    )
     try:
-        return richer_scene(level.result.scene, enrichment_of(level))
+        richer = richer_scene(level.result.scene, by)
     except InputError:
         return None
+    return Richer(counted(scene, level.backend, new), richer)
+
+
+def finer_of(level: Level, scene: Scene, resolution: Resolution) -> Richer:
+    """The space of a finer mesh, densities of all bodies given."""
+    return Richer(resolution, widened(refined(scene, level.backend, resolution)))
 
 
 def seconds_of(richer: Scene, slower: float) -> float:
     """Time that the estimate is expected to take (s), runs being slower than estimated."""
-    return _SHARE * slower * estimated_seconds(richer, estimated_memory(richer))
+    return SHARE * slower * estimated_seconds(richer, estimated_memory(richer))
 
 
-def estimated_level(level: Level, richer: Scene, progress: Progress) -> Level:
+def estimated_level(level: Level, richer: Richer, progress: Progress) -> Level:
     """The mesh's modes corrected in a richer space; collective.
 
     Parameters
@@ -61,7 +90,7 @@ def estimated_level(level: Level, richer: Scene, progress: Progress) -> Level:
     level
         The newest mesh, with its run.
     richer
-        The scene in the richer space.
+        The richer space.
     progress
         Told the stages.
 
@@ -72,14 +101,14 @@ def estimated_level(level: Level, richer: Scene, progress: Progress) -> Level:
     """
     assert level.result is not None
     begun = perf_counter()
-    found = estimate_errors(level.result, richer, listener=progress.stage)
+    found = estimate_errors(level.result, richer.scene, listener=progress.stage)
     uncertainties = found.uncertainties + found.remaining
     return replace(
         level,
-        resolution=richer_resolution(level),
+        resolution=richer.resolution,
         dofs=found.dofs,
         seconds=float(level.result.comm.bcast(perf_counter() - begun)),
-        estimated=seconds_of(richer, 1.0),
+        estimated=seconds_of(richer.scene, 1.0),
         eigenvalues=found.corrected,
         uncertainties=uncertainties,
         rigid=level.rigid & (np.abs(found.corrected) <= uncertainties),

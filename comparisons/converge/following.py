@@ -8,6 +8,7 @@ import numpy as np
 from cea.arrays import Complexes, Ints
 from cea.eigen.eigenvalue_matching import assign, connected
 from comparisons.converge.levels import Level
+from comparisons.converge.parts import Parts
 from scenes.run_matching import match_runs
 from scenes.spec.body import Backend
 
@@ -31,6 +32,8 @@ class Sequence:
         Groups of modes of each level and of the next that were matched.
     correction
         The newest level in a richer space (:mod:`comparisons.converge.estimated`).
+    parts
+        Errors of the modes of a level in their parts, where they were measured.
     """
 
     backend: Backend
@@ -38,6 +41,7 @@ class Sequence:
     levels: list[Level] = field(default_factory=list)
     links: list[list[tuple[Ints, Ints]]] = field(default_factory=list)
     correction: Level | None = None
+    parts: Parts | None = None
 
     @property
     def with_correction(self) -> "Sequence":
@@ -46,7 +50,8 @@ class Sequence:
             return self
         each = [(np.array([n]), np.array([n])) for n in range(len(self.correction.eigenvalues))]
         levels = [*self.levels, self.correction]
-        return Sequence(self.backend, self.singular, levels, [*self.links, each])
+        links = [*self.links, each]
+        return Sequence(self.backend, self.singular, levels, links, parts=self.parts)
 
     def add(self, level: Level) -> None:
         """Match the modes of a new level with those of the last one; collective."""

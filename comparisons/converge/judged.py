@@ -8,7 +8,8 @@ import numpy as np
 from cea.arrays import Ints
 from cea.eigen.eigenvalue_matching import connected
 from comparisons.converge.following import Cluster, Sequence, clusters
-from comparisons.converge.quantities import Member, Window, members_of, window_of
+from comparisons.converge.histories import Window, window_of
+from comparisons.converge.quantities import Member, members_of
 from comparisons.converge.request import Request
 from scenes.read import Scene
 

@@ -11,7 +11,7 @@ from cea.arrays import Complexes, Floats
 from comparisons.kit.progress import Progress
 from scenes.memory import estimated_memory
 from scenes.read import Scene
-from scenes.refinement import Resolution, refined
+from scenes.refinement import Resolution, refined, unchecked
 from scenes.results import ModesResult
 from scenes.run import run_modes
 from scenes.run_time import estimated_seconds
@@ -96,9 +96,18 @@ def elements_of(scene: Scene) -> dict[str, Any]:
     return found
 
 
+def given_elements(scene: Scene, backend: Backend) -> dict[str, tuple[int, ...] | None]:
+    """Elements of the meshes of a scene along each direction; None of unstructured ones."""
+    found: dict[str, tuple[int, ...] | None] = {}
+    for name, body in scene.bodies.items():
+        mesh = body.mesh.fe if backend == "fe" else body.mesh.iga
+        found[name] = tuple(mesh.elements) if mesh is not None and mesh.elements else None
+    return found
+
+
 def estimate(scene: Scene, backend: Backend, resolution: Resolution) -> float:
     """Seconds that a scene takes at a resolution, from fits to earlier runs."""
-    finer = widened(refined(scene, backend, resolution))
+    finer = widened(unchecked(scene, backend, resolution))
     return estimated_seconds(finer, estimated_memory(finer))
 
 

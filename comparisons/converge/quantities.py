@@ -11,13 +11,10 @@ from math import inf, sqrt
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.spectrum import Verdict
-from comparisons.converge.bars import Bar, bar, rate_of, typical_rate
+from comparisons.converge.bars import Bar, bar
 from comparisons.converge.following import Cluster, Sequence
-from comparisons.converge.theory import reduction
-from scenes.refinement import Resolution
+from comparisons.converge.histories import History, Window, history_of
 
 _ROUNDING = 10.0
 """Rounding of the mean of a pair relative to its residual."""
@@ -52,84 +49,6 @@ class Member:
     rigid: bool = False
 
 
-@dataclass(frozen=True)
-class _History:
-    """Numbers of a cluster over the levels that have it: shape (levels, members)."""
-
-    values: Complexes
-    rounding: Floats
-    residual: float
-    positions: list[float]
-    rigid: bool
-
-
-def _history(cluster: Cluster, sequence: Sequence) -> _History:
-    """The members on all levels, each beside the one of the newest that is nearest."""
-    newest = sequence.last.eigenvalues[cluster.newest]
-    rows, rounding, resolutions = [], np.zeros(len(newest)), []
-    residual, rigid = 0.0, True
-    for numbers, level in zip(cluster.members, sequence.levels, strict=True):
-        if numbers is None:
-            continue
-        ordered = _nearest(level.eigenvalues[numbers], newest)
-        rows.append(level.eigenvalues[numbers][ordered])
-        rounding = level.uncertainties[numbers][ordered]
-        residual = float(level.residuals[numbers].max())
-        rigid &= bool(level.rigid[numbers].all())
-        resolutions.append(level.resolution)
-    values = np.array(rows)
-    positions = _positions(values, resolutions, sequence)
-    return _History(values, rounding, residual, positions, rigid and len(values) > 1)
-
-
-def _positions(values: Complexes, resolutions: list[Resolution], sequence: Sequence) -> list[float]:
-    """Logarithms of what theory takes off, from what each step changed in the mean of lambda^2."""
-    means = (values**2).mean(axis=1)
-    sizes = np.maximum(np.abs(means), np.finfo(float).tiny)
-    changes = 0.5 * np.abs(np.diff(means)) / sizes[1:]
-    positions = [0.0]
-    for old, new, change in zip(resolutions, resolutions[1:], changes, strict=False):
-        taken = reduction(old, new, float(change), singular=sequence.singular)
-        positions.append(positions[-1] + taken)
-    return positions
-
-
-def _nearest(values: Complexes, wanted: Complexes) -> Ints:
-    """Order in which some numbers are nearest to others."""
-    return assign(np.abs(values[None, :] - wanted[:, None]))[1]
-
-
-@dataclass(frozen=True)
-class Window:
-    """What the modes of a window show together, beside which that of one may be luck.
-
-    Parameters
-    ----------
-    rate
-        Observed order over that of theory; None where it is not known.
-    change
-        Last difference of lambda, relative; 0 where it is not known.
-    """
-
-    rate: float | None = None
-    change: float = 0.0
-
-
-def window_of(found: list[Cluster], sequence: Sequence, *, damped: bool) -> Window:
-    """Medians over the clusters of a level."""
-    rates, changes = [], []
-    for cluster in found:
-        history = _history(cluster, sequence)
-        if history.rigid:
-            continue
-        numbers = (history.values if damped else history.values**2).mean(axis=1)
-        rates.append(rate_of(numbers.tolist(), history.positions))
-        if len(numbers) > 1 and numbers[-1] != 0:
-            change = float(abs(numbers[-1] - numbers[-2]) / abs(numbers[-1]))
-            changes.append(change if damped else 0.5 * change)
-    return Window(typical_rate(rates), float(np.median(changes)) if changes else 0.0)
-
-
 def members_of(
     cluster: Cluster, sequence: Sequence, window: Window, *, damped: bool, grows: bool
 ) -> list[Member]:
@@ -148,7 +67,7 @@ def members_of(
     grows
         Whether anything can grow: something damps, rotates or rubs.
     """
-    history = _history(cluster, sequence)
+    history = history_of(cluster, sequence)
     if history.rigid:
         return _rigid(history)
     if damped:
@@ -160,7 +79,7 @@ def members_of(
     return _undamped(history, window)
 
 
-def _rigid(history: _History) -> list[Member]:
+def _rigid(history: History) -> list[Member]:
     """Motions that nothing holds: every mesh has them, and lambda = 0 but for rounding."""
     bars = np.abs(history.values[-1]) + history.rounding
     return [
@@ -169,12 +88,12 @@ def _rigid(history: _History) -> list[Member]:
     ]
 
 
-def _each(history: _History, window: Window, *, of_squares: bool) -> list[Member]:
+def _each(history: History, window: Window, *, of_squares: bool) -> list[Member]:
     """Members one by one; undamped and without friction none of them grows."""
     found = []
     for column, rounding in zip(history.values.T, history.rounding, strict=True):
         value, count = complex(column[-1]), len(column)
-        usual = window.change * abs(value)
+        usual = history.usual(window) * abs(value)
         frequency = bar(column.imag.tolist(), history.positions, window.rate, rounding, usual)
         if of_squares:
             found.append(
@@ -187,7 +106,7 @@ def _each(history: _History, window: Window, *, of_squares: bool) -> list[Member
     return found
 
 
-def _undamped(history: _History, window: Window) -> list[Member]:
+def _undamped(history: History, window: Window) -> list[Member]:
     """Members of clusters other than pairs, by their lambda^2.
 
     One alone is stable: without damping a mode grows only beside a partner that decays. Where more
@@ -202,7 +121,7 @@ def _undamped(history: _History, window: Window) -> list[Member]:
             history.positions,
             window.rate,
             2 * size * rounding + rounding**2,
-            2 * window.change * abs(value) ** 2,
+            history.usual(window) * 2 * abs(value) ** 2,
         )
         error = _root_error(value**2, squares.size)
         still = bool(np.all(column.real == 0))
@@ -230,7 +149,7 @@ def _root_error(square: complex, error: float) -> float:
     return sqrt(size) - sqrt(size - error) if error < size else sqrt(size + error)
 
 
-def _pair(history: _History, window: Window) -> list[Member]:
+def _pair(history: History, window: Window) -> list[Member]:
     """A pair by its mean and its squared splitting."""
     squares = history.values**2
     mean = squares.mean(axis=1)
@@ -243,14 +162,14 @@ def _pair(history: _History, window: Window) -> list[Member]:
         history.positions,
         window.rate,
         min(of_member, _ROUNDING * history.residual * size + np.finfo(float).eps * size),
-        2 * window.change * size,
+        history.usual(window) * 2 * size,
     )
     of_splitting = bar(
         splitting.tolist(),
-        history.positions,
+        history.splitting_positions,
         window.rate,
         2 * sqrt(abs(last)) * of_member + of_member**2,
-        4 * window.change * size * sqrt(abs(last)),
+        history.usual_splitting(window) * 4 * size * sqrt(abs(last)),
     )
     apart = sqrt(abs(last))
     error = _root_error(last, of_splitting.size)

@@ -7,9 +7,11 @@ the last mesh took over its estimate.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import log
+from math import exp, inf, log
 
-from comparisons.converge.theory import Fallen, fallen
+from comparisons.converge.following import Sequence
+from comparisons.converge.histories import Window
+from comparisons.converge.theory import Fallen, fallen, reduction
 from scenes.refinement import MAX_DEGREE, Resolution
 from scenes.spec.body import Backend
 
@@ -18,9 +20,9 @@ _DEGREES = (0, 1)
 _LAYERS = (0, 1, 2)
 _ALL_ROUND = 1.25
 """Factor on the elements from which on a step refines everything, as a degree more does."""
-_LEAST_GAIN = log(2.0)
+LEAST_GAIN = log(2.0)
 """A step takes off half of the error at least: what it changes then is seen."""
-_RESERVE = log(1.5)
+RESERVE = log(1.5)
 """What a step must take off beyond the need."""
 
 
@@ -36,11 +38,14 @@ class Step:
         Logarithm of what it is expected to take off from the error.
     seconds
         Expected time.
+    enough
+        Whether that is all that is wanted of it.
     """
 
     resolution: Resolution
     gain: float
     seconds: float
+    enough: bool = False
 
 
 def steps(
@@ -88,7 +93,7 @@ def steps(
                 after = so_far + fallen(resolution, new, error)
                 gain = after.whole(singular=singular) - so_far.whole(singular=singular)
                 gain *= rate
-                if gain >= _LEAST_GAIN:
+                if gain >= LEAST_GAIN:
                     yield Step(new, gain, seconds(new))
 
 
@@ -109,7 +114,7 @@ def chosen(candidates: list[Step], need: float, most_seconds: float) -> Step | N
     Step or None
         None where none is possible in that time.
     """
-    wanted = max(log(max(need, 1.0)) + _RESERVE, _LEAST_GAIN)
+    wanted = max(log(max(need, 1.0)) + RESERVE, LEAST_GAIN)
     possible = [step for step in candidates if step.seconds <= most_seconds]
     return max(
         possible, key=lambda step: min(step.gain, wanted) / max(step.seconds, 1e-3), default=None
@@ -120,3 +125,23 @@ def cheapest(candidates: list[Step], need: float) -> Step | None:
     """The cheapest step that is expected to make errors fall by a factor; None where none does."""
     enough = [step for step in candidates if step.gain >= log(need)]
     return min(enough, key=lambda step: step.seconds, default=None)
+
+
+def error_now(sequence: Sequence, window: Window, rate: float) -> float:
+    """Relative error of the newest mesh, from the last change of the window.
+
+    Parameters
+    ----------
+    sequence
+        The meshes.
+    window
+        What their modes show together.
+    rate
+        Observed order over that of theory.
+    """
+    levels = sequence.levels
+    if len(levels) < 2:
+        return inf
+    old, new = levels[-2].resolution, levels[-1].resolution
+    taken = reduction(old, new, window.change, singular=sequence.singular)
+    return window.change * exp(-rate * taken)

@@ -6,21 +6,19 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-
-from cea.eigen.eigenvalue_matching import assign
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from comparisons.converge.combined import Mode, combine
 from comparisons.converge.course import Course
-from comparisons.converge.following import lost
 from comparisons.converge.judged import Judged
-from comparisons.converge.levels import Level
-from comparisons.converge.request import Request, half_unit
+from comparisons.converge.levels import elements_of
+from comparisons.converge.request import Request
+from comparisons.converge.steps import Step
+from comparisons.converge.tables import degree_text, elements_text
+from comparisons.converge.told import data_of, warnings_of
 from comparisons.kit.progress import Progress
 from scenes.read import Scene, load_scene
-from scenes.refinement import check_refinable, moved_to_mortar
-from scenes.scene_toml import scene_text
+from scenes.refinement import check_refinable, refined
 from scenes.spec.body import Backend
 from scenes.stored import record
 
@@ -32,10 +30,6 @@ HELD = "the digits asked for are held"
 
 _FINISH = 1.5
 """Seconds kept back for tables and the page."""
-_REACH = 0.1
-"""Relative distance at which an eigenvalue of a mesh no longer stands for a final one."""
-_MORE = 10.0
-"""Factor between errors of one digit and of the next."""
 _AGAIN = 3.0
 """Factor by which bars are to fall where backends disagree."""
 _ROUNDS_OF_DISAGREEMENT = 2
@@ -116,10 +110,10 @@ def run_converge(
     progress.stage("report")
     return record(
         COMMAND,
-        _data(courses, modes, request, scene),
+        data_of(courses, modes, request, scene),
         inputs=request.plain(),
         seconds=clock.gone,
-        warnings=_warnings(courses, modes, scene),
+        warnings=warnings_of(courses, modes, scene),
     )
 
 
@@ -137,6 +131,15 @@ def _turn(course: Course, active: int, clock: _Clock, progress: Progress) -> Non
         return
     first = not course.sequence.levels
     left = clock.left / active if first else clock.left
+    if not first and course.can_measure(left / active):
+        progress.step(
+            f"{course.backend}, what each body and direction owes, {max(clock.left, 0):.0f} s left"
+        )
+        try:
+            course.measure(clock.guarded(progress))
+        except _OutOfTimeError:
+            course.ended = "the budget: measuring errors took longer than expected"
+        return
     if _corrected(course, clock, progress, last=False):
         return
     step = course.next(left)
@@ -145,7 +148,7 @@ def _turn(course: Course, active: int, clock: _Clock, progress: Progress) -> Non
         if _corrected(course, clock, progress, last=True) and course.holds:
             course.ended = HELD
         return
-    _step(course, step.resolution.plain(), clock, progress, step.seconds)
+    _step(course, step, clock, progress)
     try:
         level = course.run(step, clock.guarded(progress))
     except (InputError, ConvergenceError) as error:
@@ -170,15 +173,15 @@ def _corrected(course: Course, clock: _Clock, progress: Progress, *, last: bool)
     return True
 
 
-def _step(
-    course: Course, mesh: Mapping[str, Any], clock: _Clock, progress: Progress, seconds: float
-) -> None:
+def _step(course: Course, step: Step, clock: _Clock, progress: Progress) -> None:
+    mesh, seconds = step.resolution.plain(), step.seconds
+    elements = elements_of(refined(course.scene, course.backend, step.resolution))
     need = course.need
     seen = len(course.sequence.levels) > 1 and isfinite(need) and need > 1
     wanted = f", bars {need:.2g} times too large" if seen else ""
     progress.step(
-        f"{course.backend}, degree {mesh['degree']}, density {mesh['density']:.2g}, "
-        f"{mesh['layers']} layers: about {seconds:.2g} s of {max(clock.left, 0):.0f} s{wanted}"
+        f"{course.backend}, degree {degree_text(mesh)}, {elements_text(elements)}: "
+        f"about {seconds:.2g} s of {max(clock.left, 0):.0f} s{wanted}"
     )
 
 
@@ -202,7 +205,7 @@ def _refine_once_more(
         step = course.next(clock.left, _AGAIN) if course.backend in judged else None
         if step is None:
             continue
-        _step(course, step.resolution.plain(), clock, progress, step.seconds)
+        _step(course, step, clock, progress)
         try:
             course.follow(course.run(step, clock.guarded(progress)))
         except (InputError, ConvergenceError, _OutOfTimeError):
@@ -222,141 +225,3 @@ def _compared(
     if not ran:
         return [], judged
     return combine(sequences, judged, tau * scene.analysis.max_frequency), judged
-
-
-def _data(
-    courses: Mapping[Backend, Course], modes: list[Mode], request: Request, scene: Scene
-) -> dict[str, Any]:
-    moving = [mode.member for mode in modes if not mode.member.rigid]
-    final = np.array([member.value for member in moving], complex)
-    bars = np.array([np.hypot(member.frequency_bar, member.growth_bar) for member in moving])
-    levels = []
-    for course in courses.values():
-        levels += [(level, _errors(level, final, bars)) for level in course.levels]
-    for_sweeps = _cheapest(levels, half_unit(request.sweep_digits))
-    scenes = {f"finest_{b}": c.sequence.last for b, c in courses.items() if c.sequence.levels}
-    if for_sweeps is not None:
-        scenes["for_sweeps"] = for_sweeps
-    return {
-        "modes": [mode.plain() for mode in modes],
-        "levels": [level.plain() | errors for level, errors in levels],
-        "backends": {backend: _told(course) for backend, course in courses.items()},
-        "lost": [
-            {"backend": course.backend, "frequency": value.imag / tau, "growth": value.real}
-            for course in courses.values()
-            for value in lost(course.sequence, _highest(scene) * tau)
-        ],
-        "mortar": moved_to_mortar(scene),
-        "scenes": {name: scene_text(level.scene) for name, level in scenes.items()},
-        "max_frequency": _highest(scene),
-    }
-
-
-def _highest(scene: Scene) -> float:
-    assert scene.analysis.kind == "cea"
-    return scene.analysis.max_frequency
-
-
-def _errors(level: Level, final: np.ndarray, bars: np.ndarray) -> dict[str, Any]:
-    """Distance of a mesh's eigenvalues from the final ones but zeros, relative to abs(lambda).
-
-    ``bound`` is the worst of them with the bars of the final ones; None where one has no bar.
-    """
-    values = level.eigenvalues
-    if not len(final) or not len(values):
-        return {"worst": None, "bound": None, "median": None, "missing": len(final)}
-    distance = np.abs(values[None, :] - final[:, None]) / np.abs(final)[:, None]
-    rows, columns = assign(distance, _REACH)
-    errors = distance[rows, columns]
-    missing = len(final) - len(rows)
-    worst, bound = float(errors.max(initial=0.0)), np.inf
-    if not missing:
-        bound = float((errors + bars[rows] / np.abs(final[rows])).max(initial=0.0))
-    return {
-        "worst": worst if not missing else None,
-        "bound": bound if isfinite(bound) else None,
-        "median": float(np.median(errors)) if len(errors) else None,
-        "missing": missing,
-    }
-
-
-def _cheapest(levels: list[tuple[Level, dict[str, Any]]], tolerance: float) -> Level | None:
-    """The mesh tried that takes least time of those that are within a tolerance, bars included."""
-    enough = [
-        level
-        for level, e in levels
-        if e["bound"] is not None and e["bound"] <= tolerance and not level.corrected
-    ]
-    return min(enough, key=lambda level: level.seconds, default=None)
-
-
-def _told(course: Course) -> dict[str, Any]:
-    """Why a backend ended, what its bars need, what a digit more would cost."""
-    if not course.sequence.levels:
-        return {"ended": course.ended, "held": False, "need": None, "more": None, "rate": None}
-    need = course.need
-    more = course.cost_of(max(need, 1.0) * _MORE) if isfinite(need) else None
-    return {
-        "ended": course.ended,
-        "held": course.holds,
-        "need": need if isfinite(need) else None,
-        "rate": course.judged.window.rate,
-        "more": None if more is None else {"seconds": more.seconds, **more.resolution.plain()},
-    }
-
-
-def _warnings(
-    courses: Mapping[Backend, Course], modes: list[Mode], scene: Scene
-) -> list[dict[str, Any]]:
-    """What the result must be read with."""
-    found = []
-    apart = [mode for mode in modes if mode.agree is False]
-    if apart:
-        found.append(
-            {
-                "kind": "backends-disagree",
-                "message": f"the backends differ by more than their bars in {len(apart)} modes",
-                "data": {"frequencies": [m.member.value.imag / tau for m in apart]},
-            }
-        )
-    both = sum(1 for course in courses.values() if course.sequence.levels) > 1
-    alone = [mode for mode in modes if both and len(mode.members) == 1]
-    if alone:
-        found.append(
-            {
-                "kind": "modes-alone",
-                "message": f"{len(alone)} modes were found by one backend only",
-                "data": {"frequencies": [m.member.value.imag / tau for m in alone]},
-            }
-        )
-    for course in courses.values():
-        if not course.holds:
-            found.append(
-                {
-                    "kind": "digits-not-held",
-                    "message": f"{course.backend}: {course.ended}",
-                    "data": {"backend": course.backend},
-                }
-            )
-        if course.sequence.levels and not course.sequence.last.complete:
-            found.append(
-                {
-                    "kind": "window-not-complete",
-                    "message": f"{course.backend}: modes that grow fast are not excluded",
-                    "data": {"backend": course.backend},
-                }
-            )
-    if missing := lost_of(courses, scene):
-        found.append(
-            {
-                "kind": "modes-lost",
-                "message": f"{missing} modes of a mesh are not among those of the next",
-                "data": {"count": missing},
-            }
-        )
-    return found
-
-
-def lost_of(courses: Mapping[Backend, Course], scene: Scene) -> int:
-    """Number of modes that the newest meshes do not have and those before had."""
-    return sum(len(lost(course.sequence, _highest(scene) * tau)) for course in courses.values())

@@ -106,9 +106,9 @@ def levels_table(data: Data) -> Table:
         (
             backend_name(level["backend"]),
             "corrected" if level["corrected"] else "run",
-            level["degree"],
+            degree_text(level),
             level["density"],
-            level["layers"],
+            layers_text(level),
             elements_text(level["elements"]),
             level["dofs"],
             level["seconds"],
@@ -127,9 +127,9 @@ def levels_table(data: Data) -> Table:
         (
             Column("backend", "backend"),
             Column("kind", "kind"),
-            Column("degree", "degree", number),
+            Column("degree", "degree"),
             Column("density", "density", shown(3)),
-            Column("layers", "layers", number),
+            Column("layers", "layers"),
             Column("elements", "elements"),
             Column("dofs", "dofs", number),
             Column("seconds", "time", shown(3), "s"),
@@ -137,6 +137,50 @@ def levels_table(data: Data) -> Table:
             Column("median", "median error", shown(2)),
             Column("missing", "modes missing", number),
             Column("pareto", "on the front"),
+        ),
+        rows,
+    )
+
+
+def degree_text(mesh: Data) -> str:
+    """Degree of a mesh, of each body where they differ."""
+    return _of_bodies(mesh["degree"], mesh.get("degrees", {}))
+
+
+def layers_text(mesh: Data) -> str:
+    """Layers of a mesh towards edges, of each body where they differ."""
+    return _of_bodies(mesh["layers"], mesh.get("layers_of", {}))
+
+
+def _of_bodies(whole: int, own: Data) -> str:
+    if len(set(own.values())) < 2:
+        return str(whole)
+    return ", ".join(f"{name} {value}" for name, value in own.items())
+
+
+def owed_table(data: Data) -> Table:
+    """What each body and direction was measured to owe to the errors of a mesh."""
+    rows = [
+        (
+            backend_name(backend),
+            part["body"],
+            "edges" if part["edges"] else ", ".join(part["directions"]),
+            part["median"],
+            part["worst"],
+        )
+        for backend, of in data["backends"].items()
+        for part in of["owed"]
+    ]
+    return Table(
+        "owed",
+        "What each body and direction owes to the relative errors of lambda on the first mesh, "
+        "measured in spaces richer there alone; the next meshes are made by it.",
+        (
+            Column("backend", "backend"),
+            Column("body", "body"),
+            Column("direction", "direction"),
+            Column("median", "median error", shown(2)),
+            Column("worst", "worst error", shown(2)),
         ),
         rows,
     )
@@ -202,7 +246,7 @@ def sweeps_table(data: Data) -> Table:
                 (
                     digits,
                     backend_name(best["backend"]),
-                    best["degree"],
+                    degree_text(best),
                     elements_text(best["elements"]),
                     best["dofs"],
                     best["seconds"],
@@ -214,7 +258,7 @@ def sweeps_table(data: Data) -> Table:
         (
             Column("digits", "digits", number),
             Column("backend", "backend"),
-            Column("degree", "degree", number),
+            Column("degree", "degree"),
             Column("elements", "elements"),
             Column("dofs", "dofs", number),
             Column("seconds", "time", decimals(2), "s"),
@@ -223,5 +267,5 @@ def sweeps_table(data: Data) -> Table:
     )
 
 
-TABLES = (modes_table, orders_table, levels_table, sweeps_table)
+TABLES = (modes_table, orders_table, levels_table, owed_table, sweeps_table)
 """What makes the tables of a record."""

@@ -20,9 +20,9 @@ from scenes.refinement import RATIO, Resolution
 
 _EXPONENT = 0.7
 """Of displacements at a clamped edge (Williams 1952), between 0.6 and 0.75 for usual nu."""
-_LARGEST_ERROR = 0.1
+LARGEST_ERROR = 0.1
 """Relative error from which on a mode is not resolved, and a higher degree helps no more."""
-_SMALLEST_ERROR = 1e-15
+SMALLEST_ERROR = 1e-15
 _ROUGH = 0.1
 """Part of the singular edges in the error of a first mesh."""
 _MOST = log(1e4)
@@ -63,7 +63,7 @@ def fallen(old: Resolution, new: Resolution, error: float) -> Fallen:
         Relative error of the eigenvalue before.
     """
     more = log(new.density / old.density)
-    left = log(min(max(error, _SMALLEST_ERROR), _LARGEST_ERROR))
+    left = log(min(max(error, SMALLEST_ERROR), LARGEST_ERROR))
     finer = left - 2 * old.degree * more
     for degree in range(old.degree, new.degree):
         finer *= (degree + 1) / degree

@@ -1,6 +1,6 @@
 """What a record says, in sentences."""
 
-from comparisons.converge.tables import SINGULAR_RATE, elements_text
+from comparisons.converge.tables import SINGULAR_RATE, degree_text, elements_text
 from comparisons.kit.numbers import capitalised, counted, listed, number
 from comparisons.kit.tables import Data
 from scenes.names import backend_name
@@ -38,8 +38,7 @@ def _of_backend(data: Data, backend: str, of: Data) -> str:
     more = of["more"]
     cost = (
         f" A digit more is expected to cost {number(more['seconds'], 2)} s: degree "
-        f"{more['degree']}, {number(more['density'], 2)} times the elements of the scene, "
-        f"{counted(more['layers'], 'layer')} at edges."
+        f"{degree_text(more)}, {elements_text(more['elements'])}."
         if more
         else " No mesh that is within reach in one step is expected to give a digit more."
     )
@@ -109,6 +108,6 @@ def for_sweeps(data: Data) -> str:
     )
     return (
         f"for_sweeps.toml holds {counted(digits, 'digit')} of lambda in every mode: "
-        f"{backend_name(best['backend'])}, degree {best['degree']}, "
+        f"{backend_name(best['backend'])}, degree {degree_text(best)}, "
         f"{elements_text(best['elements'])}, {number(best['seconds'], 2)} s a run."
     )

@@ -6,12 +6,13 @@ from math import exp, inf
 import numpy as np
 import pytest
 
-from comparisons.converge.bars import bar, observed_rate, typical_rate
+from comparisons.converge.bars import Usual, bar, observed_rate, typical_rate
 from comparisons.converge.combined import combine
 from comparisons.converge.following import Sequence, clusters, lost, partners
+from comparisons.converge.histories import Window
 from comparisons.converge.judged import Judged, judge, shortfall
 from comparisons.converge.levels import Level
-from comparisons.converge.quantities import Member, Window
+from comparisons.converge.quantities import Member
 from comparisons.converge.request import Request
 from comparisons.converge.steps import Step, cheapest, chosen, steps
 from comparisons.converge.theory import Fallen, fallen, reduction
@@ -94,12 +95,30 @@ def test_a_step_that_takes_little_off_hides_much():
     assert bar(values, [0.0, little], None).size == pytest.approx(error)
 
 
+def test_no_step_is_trusted_to_have_taken_off_more_than_it_is_known_to():
+    """A step of 1e6 by theory may have left a part behind that it does not touch."""
+    positions, values = [0.0, 3.0, 3.0 + np.log(1e6)], [1.0 + 0.1, 1.0 + 0.005, 1.0]
+    size = bar(values, positions, 1.0, usual=Usual(0.005, own=True)).size
+    assert size == pytest.approx(3 * 0.005 / 39)
+
+
+def test_a_number_whose_error_is_known_in_its_parts_has_luck_of_its_own():
+    """What it changed before tells no more of it than what its parts let expect."""
+    positions, values = [0.0, 3.0, 6.0], [1.5, 1.0 + 1e-4, 1.0]
+    of_window = bar(values, positions, 1.0, usual=Usual(1e-4)).size
+    of_parts = bar(values, positions, 1.0, usual=Usual(1e-4, own=True)).size
+    assert of_parts == pytest.approx(3e-4 / np.expm1(3.0))
+    assert of_window > 10 * of_parts
+    lucky = bar(values, positions, 1.0, usual=Usual(1e-2, own=True)).size
+    assert lucky == pytest.approx(30 * of_parts)
+
+
 def test_a_small_last_difference_alone_is_taken_for_luck():
     positions = [0.0, 1.0, 2.0]
     usual = bar([1.0, 1.1, 1.1 + 0.1 * exp(-1.0)], positions, 1.0).size
     lucky = bar([1.0, 1.1, 1.1 + 1e-9], positions, 1.0).size
     assert 0.1 * usual < lucky < usual
-    assert bar([1.0, 1.0 + 1e-9], [0.0, 1.0], None, usual=0.02).size == 0.02
+    assert bar([1.0, 1.0 + 1e-9], [0.0, 1.0], None, usual=Usual(0.02)).size == 0.02
 
 
 def test_one_number_has_no_bar_and_equal_ones_that_of_rounding():
@@ -229,9 +248,10 @@ def test_a_mode_that_changed_less_than_others_is_not_known_that_much_better():
     """As of the ring's axisymmetric one: an error of its own, that of curved cells, stays."""
     positions, values = [0.0, 0.9, 5.3], [1 + 1.6e-6, 1 + 1e-7, 1 - 1.5e-7]
     alone = bar(values, positions, 1.0)
-    among = bar(values, positions, 1.0, usual=1.6e-4)
-    assert alone.size < 1.5e-7 < among.size < 3e-6
-    assert bar(values, positions, 1.0, usual=1e-8).size == alone.size
+    among = bar(values, positions, 1.0, usual=Usual(1.6e-4))
+    assert alone.size < 1.5e-7 < among.size
+    assert among.size == pytest.approx(3 * 0.3 * 1.6e-4 / 39)
+    assert bar(values, positions, 1.0, usual=Usual(1e-8)).size == alone.size
 
 
 def test_rigid_motions_are_known_to_their_rounding():

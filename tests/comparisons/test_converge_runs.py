@@ -19,7 +19,8 @@ from comparisons.converge.course import Course
 from comparisons.converge.page import read_converge, write_converge
 from comparisons.converge.request import Request
 from comparisons.converge.steps import Step
-from comparisons.converge.study import _errors, run_converge
+from comparisons.converge.study import run_converge
+from comparisons.converge.told import errors_of
 from comparisons.kit.progress import Progress
 from scenes.read import load_scene
 from scenes.refinement import Resolution
@@ -71,11 +72,11 @@ def test_the_mesh_for_sweeps_is_the_cheapest_that_is_good_enough(result, tmp_pat
 def test_a_mesh_is_its_own_measure_only_with_its_bars():
     final = np.array([1j, 2j])
     newest, other = (SimpleNamespace(eigenvalues=values) for values in (final, 1.01 * final))
-    assert _errors(newest, final, np.array([0.1, 0.0]))["worst"] == 0.0
-    assert _errors(newest, final, np.array([0.1, 0.0]))["bound"] == pytest.approx(0.1)
-    assert _errors(other, final, np.array([0.1, 0.0]))["bound"] == pytest.approx(0.11)
-    assert _errors(newest, final, np.array([0.1, np.inf]))["bound"] is None
-    short = _errors(SimpleNamespace(eigenvalues=final[:1]), final, np.zeros(2))
+    assert errors_of(newest, final, np.array([0.1, 0.0]))["worst"] == 0.0
+    assert errors_of(newest, final, np.array([0.1, 0.0]))["bound"] == pytest.approx(0.1)
+    assert errors_of(other, final, np.array([0.1, 0.0]))["bound"] == pytest.approx(0.11)
+    assert errors_of(newest, final, np.array([0.1, np.inf]))["bound"] is None
+    short = errors_of(SimpleNamespace(eigenvalues=final[:1]), final, np.zeros(2))
     assert (short["worst"], short["bound"], short["missing"]) == (None, None, 1)
 
 

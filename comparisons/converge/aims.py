@@ -1,0 +1,103 @@
+"""What the next mesh is to reach, mode by mode, where errors are known in their parts."""
+
+from math import inf, tau
+
+import numpy as np
+
+from comparisons.converge.bars import SAFETY
+from comparisons.converge.following import Sequence
+from comparisons.converge.judged import Judged, shortfall
+from comparisons.converge.leanest import Wanted
+from comparisons.converge.quantities import Member
+from comparisons.converge.request import Request
+from comparisons.converge.steps import LEAST_GAIN, RESERVE
+from scenes.read import Scene
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+
+ENOUGH = 3
+"""Numbers of a sequence from which on bars rest on an observed order."""
+
+
+def is_asked(member: Member, request: Request, scene: Scene) -> bool:
+    """Whether digits are asked of a mode."""
+    analysis = scene.analysis
+    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    if member.value.imag > tau * analysis.max_frequency:
+        return False
+    return not (request.unstable and member.verdict == "stable")
+
+
+def need_of(member: Member, request: Request, scene: Scene) -> float:
+    """Factor by which the bar of a mode is too large; 1 or less where its digits are held."""
+    analysis = scene.analysis
+    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    return shortfall(member, request, analysis.growth_threshold)
+
+
+def wanted(
+    judged: Judged,
+    sequence: Sequence,
+    request: Request,
+    scene: Scene,
+    rate: float,
+    *,
+    spare: float,
+    most: float = inf,
+    everywhere: bool = False,
+) -> Wanted | None:
+    """What is to be taken off from the errors of the modes.
+
+    While bars rest on one mesh or two, what they would be is expected from the parts.
+
+    Parameters
+    ----------
+    judged
+        The newest modes, of the corrected mesh where there is one.
+    sequence
+        Levels with the parts of their errors.
+    request, scene
+        What is asked of which scene.
+    rate
+        Observed order over that of theory.
+    spare
+        Logarithm of what needs not be taken off, and is left to a correction.
+    most
+        Logarithm of what is to be taken off at most.
+    everywhere
+        Whether every part is to fall by half, however small it is: one that was taken for small
+        and is not is seen then.
+
+    Returns
+    -------
+    Wanted or None
+        None where no digits are asked of any mode.
+    """
+    parts, whole = sequence.parts, sequence.with_correction
+    assert parts is not None
+    asked = [
+        (member, judged.cluster_of(i).members[parts.level])
+        for i, member in enumerate(judged.members)
+        if is_asked(member, request, scene) and not member.rigid
+    ]
+    if not asked:
+        return None
+    reached = whole.last.resolution
+    errors = np.array([parts.of_mean(modes) for _, modes in asked])
+    now = parts.at(reached, errors).sum(axis=1)
+    needs = np.array([need_of(member, request, scene) for member, _ in asked])
+    if len(whole.levels) < ENOUGH:
+        speeds = np.array([abs(member.value) for member, _ in asked])
+        bars = np.array([member.frequency_bar for member, _ in asked]) / speeds
+        expected = SAFETY * now
+        known = np.isfinite(bars)
+        with np.errstate(invalid="ignore"):
+            scaled = needs * np.minimum(1.0, expected / bars)
+        needs = np.where(known, scaled, expected / request.tolerance)
+    gains = np.log(np.maximum(needs, 1e-3)) + RESERVE - spare
+    gains = np.clip(gains, LEAST_GAIN, most)
+    if everywhere:
+        usual = errors.max(axis=0)
+        alone = np.diag(usual)[usual > 0]
+        errors = np.concatenate([errors, alone])
+        gains = np.concatenate([gains, np.full(len(alone), rate * LEAST_GAIN)])
+    return Wanted(errors, gains, reached, rate)

@@ -1,0 +1,206 @@
+"""The error of every mode as a sum of parts, one for each body and direction and for its edges.
+
+What each part is comes from measurement on one mesh (:mod:`comparisons.converge.probes`); how it
+falls from theory (:mod:`comparisons.converge.theory`). A part of smooth solutions falls with the
+elements along its direction and the degree of its body, that of singular edges with the elements
+across them and their layers. Bodies and directions so are refined by what they owe, and the errors
+of two meshes are compared that are finer in different directions.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.arrays import Complexes, Floats, Ints
+from comparisons.converge.theory import LARGEST_ERROR, SMALLEST_ERROR
+from scenes.refinement import RATIO, BodyResolution, Resolution
+
+EDGES = 0.6
+"""Exponent of displacements at edges, the least that usual nu have at clamped ones; splines of a
+higher degree, as smooth as they can be, have no more functions there and do little better."""
+_HALVED_EDGES = 1 - 2.0 ** (-2 * EDGES)
+"""What of the part of singular edges elements of half the size across them take off."""
+_SMOOTH = 0.1
+"""Part of what was measured along a direction that is no doing of edges, at least."""
+_MATTERS = 0.05
+"""Share of an error as measured from which on a part matters."""
+_LEADS = log(5.0)
+"""What a step is trusted to take off beyond that of the part that falls least, as a logarithm."""
+_LEAST_STEP = 0.1
+"""What a finer mesh takes off at least: parts that are rounding do not tell."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a part of the errors comes from.
+
+    Parameters
+    ----------
+    body
+        Name of the body.
+    directions
+        Numbers of the directions along which finer elements make it fall: one; all of an
+        unstructured mesh; those across which singular edges lie.
+    edges
+        Whether it is that of singular edges.
+    """
+
+    body: str
+    directions: tuple[int, ...]
+    edges: bool = False
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What the modes of one mesh owe to each part.
+
+    Parameters
+    ----------
+    parts
+        What the parts come from.
+    takes
+        What theory says that each richer space takes off of its part, shape (parts,).
+    eigenvalues
+        lambda on the mesh (1/s), shape (modes,).
+    corrected
+        lambda in each richer space, shape (parts, modes).
+    known
+        Modes whose errors tell anything: not those of rigid motions, shape (modes,).
+    damped
+        Whether lambda itself is followed, not its square.
+    resolution
+        The mesh, densities of all bodies given.
+    level
+        Its number in the sequence.
+    """
+
+    parts: tuple[Part, ...]
+    takes: Floats
+    eigenvalues: Complexes
+    corrected: Complexes
+    known: NDArray[np.bool_]
+    damped: bool
+    resolution: Resolution
+    level: int
+
+    def of_mean(self, modes: Ints | None) -> Floats:
+        """Parts of the relative error of lambda, or of the mean of some, shape (parts,).
+
+        Parameters
+        ----------
+        modes
+            Modes of the mesh that are judged together; None takes what is usual in the window.
+        """
+        if modes is None:
+            every = [self.of_mean(np.array([i])) for i in np.flatnonzero(self.known)]
+            return np.asarray(np.median(every, axis=0)) if every else np.zeros(len(self.parts))
+        power = 1 if self.damped else 2
+        mean = (self.eigenvalues[modes] ** power).mean()
+        change = (self.corrected[:, modes] ** power).mean(axis=1) - mean
+        size = max(abs(mean), np.finfo(float).tiny)
+        return self._parted(np.abs(change) / (power * size * self.takes))
+
+    def of_splitting(self, modes: Ints) -> Floats:
+        """Parts of the error of the squared splitting of the lambda^2 of a pair, (parts,)."""
+        change = _splitting(self.corrected[:, modes]) - _splitting(self.eigenvalues[None, modes])
+        return self._parted(np.abs(change) / self.takes)
+
+    def _parted(self, errors: Floats) -> Floats:
+        """Parts of smooth solutions without what finer elements took off of that of edges."""
+        found = errors.copy()
+        for i, part in enumerate(self.parts):
+            if not part.edges:
+                continue
+            across = [
+                j
+                for j, other in enumerate(self.parts)
+                if other.body == part.body
+                and not other.edges
+                and other.directions[0] in part.directions
+            ]
+            both = float(errors[across].sum())
+            if both > 0:
+                found[across] *= max(1 - _HALVED_EDGES * float(errors[i]) / both, _SMOOTH)
+        return found
+
+    def at(self, resolution: Resolution, errors: Floats) -> Floats:
+        """Parts of errors on another mesh, shape (n, parts).
+
+        Parameters
+        ----------
+        resolution
+            The mesh, densities of all bodies given.
+        errors
+            Parts on the mesh on which they were measured, shape (n, parts).
+        """
+        old, new = dict(self.resolution.bodies), dict(resolution.bodies)
+        columns = [
+            _fallen(errors[:, i], part, old[part.body], new[part.body])
+            for i, part in enumerate(self.parts)
+        ]
+        return np.stack(columns, axis=1)
+
+    def fallen(self, errors: Floats, resolutions: Sequence[Resolution]) -> Floats:
+        """Parts of a relative error on each of some meshes, shape (meshes, parts)."""
+        return np.concatenate([self.at(each, errors[None, :]) for each in resolutions])
+
+
+def taken_off(old: Floats, new: Floats, measured: Floats) -> Floats:
+    """Logarithms of what a step is trusted to take off from errors in their parts, shape (n,).
+
+    Little more than from the part that falls least, of those that matter: which of them leads on
+    another mesh, of another degree most of all, is known less well than how each falls.
+
+    Parameters
+    ----------
+    old, new
+        Parts before and after the step, shape (n, parts).
+    measured
+        Parts as they were measured, shape (n, parts).
+    """
+    tiny = np.finfo(float).tiny
+    of_sums = np.log(np.maximum(old.sum(axis=1), tiny) / np.maximum(new.sum(axis=1), tiny))
+    each = np.log(np.maximum(old, tiny) / np.maximum(new, tiny))
+    matters = measured >= _MATTERS * measured.sum(axis=1, keepdims=True)
+    least = np.where(matters, each, np.inf).min(axis=1)
+    return np.asarray(np.minimum(of_sums, least + _LEADS))
+
+
+def positions_of(fallen: Floats, measured: Floats) -> list[float]:
+    """Logarithms, rising, of what is taken off from an error from mesh to mesh.
+
+    Parameters
+    ----------
+    fallen
+        Its parts on the meshes, shape (meshes, parts).
+    measured
+        Its parts as they were measured, shape (parts,).
+    """
+    steps = taken_off(fallen[:-1], fallen[1:], np.tile(measured, (len(fallen) - 1, 1)))
+    return [0.0, *np.cumsum(np.maximum(steps, _LEAST_STEP)).tolist()]
+
+
+def _splitting(values: Complexes) -> Floats:
+    """Squared splittings of pairs, shape (n,)."""
+    squares = values**2
+    return np.asarray((0.25 * (squares[:, 0] - squares[:, 1]) ** 2).real)
+
+
+def _fallen(errors: Floats, part: Part, old: BodyResolution, new: BodyResolution) -> Floats:
+    """A part of all modes on a finer, or a coarser, mesh of its body."""
+    each = [log(new.densities[d] / old.densities[d]) for d in part.directions]
+    more = min(each)
+    if part.edges:
+        taken = more - (new.layers - old.layers) * log(RATIO) + log(new.degree / old.degree)
+        return np.asarray(errors * np.exp(-2 * EDGES * taken))
+    left = np.log(np.clip(errors, SMALLEST_ERROR, LARGEST_ERROR))
+    finer = left - 2 * old.degree * more
+    low, high = sorted((old.degree, new.degree))
+    for degree in range(low, high):
+        finer = finer * (
+            (degree + 1) / degree if new.degree > old.degree else degree / (degree + 1)
+        )
+    return np.asarray(errors * np.exp(finer - left))

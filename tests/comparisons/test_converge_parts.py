@@ -1,0 +1,245 @@
+"""Errors in parts, one for each body and direction: measured, predicted, made use of."""
+
+from dataclasses import replace
+from math import log
+
+import numpy as np
+import pytest
+from exact_scenes import ExactScene
+
+from cea.eigen.eigenvalue_matching import assign
+from comparisons.converge.leanest import Wanted, leanest
+from comparisons.converge.levels import estimate, given_elements, run_level
+from comparisons.converge.parts import Part, Parts, positions_of, taken_off
+from comparisons.converge.probes import measured, probes, seconds_of_probes
+from comparisons.kit.progress import Progress
+from scenes.read import load_scene
+from scenes.refinement import BodyResolution, Resolution, counted, mixed, refined
+
+SILENT = Progress(step=lambda _: None, stage=lambda _: None)
+PARTS = (Part("disc", (1,)), Part("disc", (0, 2), edges=True), Part("pad", (0,)))
+
+
+def resolution(disc=(1.0, 1.0, 1.0), pad=(1.0, 1.0, 1.0), degree=3, layers=0):
+    """A mesh of disc and pad."""
+    return mixed(
+        {"disc": BodyResolution(degree, disc, layers), "pad": BodyResolution(degree, pad, 0)}
+    )
+
+
+def parts_of(errors):
+    """Parts of one mode with given relative errors of lambda, as if measured on a mesh."""
+    values = np.array([1j])
+    corrected = np.array([[1j * (1 - e)] for e in errors])
+    ones = np.ones(len(errors))
+    return Parts(PARTS, ones, values, corrected, np.array([True]), False, resolution(), 0)
+
+
+def errors_at(parts, mesh):
+    """Parts of the first mode on a mesh."""
+    own = parts.of_mean(np.array([0]))[None, :]
+    return parts.at(mesh, own)[0]
+
+
+# How parts fall
+
+
+def test_a_part_falls_with_its_own_direction_alone():
+    parts = parts_of([1e-3, 0.0, 1e-4])
+    before = errors_at(parts, resolution())
+    assert before == pytest.approx([1e-3, 0.0, 1e-4], rel=1e-2)
+    theta = errors_at(parts, resolution(disc=(1.0, 2.0, 1.0)))
+    assert theta / np.maximum(before, 1e-99) == pytest.approx([2.0**-6, 0.0, 1.0])
+    pad = errors_at(parts, resolution(pad=(2.0, 1.0, 1.0)))
+    assert pad[[0, 2]] / before[[0, 2]] == pytest.approx([1.0, 2.0**-6])
+
+
+def test_a_degree_raises_every_smooth_part_of_its_body_to_a_power():
+    parts = parts_of([1e-3, 0.0, 1e-4])
+    before = errors_at(parts, resolution())
+    after = errors_at(parts, resolution(degree=4))
+    assert after[[0, 2]] == pytest.approx(before[[0, 2]] ** (4 / 3), rel=1e-9)
+    back = replace(parts, resolution=resolution(degree=4))
+    assert errors_at(back, resolution())[[0, 2]] == pytest.approx(before[[0, 2]] ** 0.75, rel=1e-9)
+
+
+def test_edges_fall_with_layers_and_with_the_coarser_of_their_directions():
+    parts = parts_of([0.0, 1e-3, 0.0])
+    whole = errors_at(parts, resolution())[1]
+    assert errors_at(parts, resolution(layers=1))[1] / whole == pytest.approx(0.2**1.2)
+    assert errors_at(parts, resolution(disc=(2.0, 9.0, 1.0)))[1] == pytest.approx(whole)
+    both = errors_at(parts, resolution(disc=(2.0, 1.0, 2.0)))[1]
+    assert both / whole == pytest.approx(2.0**-1.2)
+
+
+def test_what_finer_elements_take_off_of_edges_is_no_smooth_part():
+    found = replace(parts_of([1e-3, 1e-3, 5e-4]), parts=(Part("disc", (0,)), *PARTS[1:]))
+    of_mean = found.of_mean(np.array([0]))
+    assert of_mean[0] == pytest.approx(1e-3 - (1 - 2.0**-1.2) * 1e-3, rel=1e-2)
+    assert of_mean[2] == pytest.approx(5e-4, rel=1e-2)  # another body's
+    edges_alone = replace(found, corrected=np.array([[0.9995j], [0.998j], [1j]]))
+    assert edges_alone.of_mean(np.array([0]))[0] == pytest.approx(0.1 * 5e-4, rel=1e-2)
+
+
+def test_positions_rise_with_what_is_taken_off():
+    own = np.array([1e-2, 1e-5])
+    fallen = np.array([own, own / 30, own / 900])
+    assert positions_of(fallen, own) == pytest.approx([0.0, log(30), log(900)])
+    flat = positions_of(np.zeros((3, 2)), np.zeros(2))
+    assert np.all(np.diff(flat) > 0)
+
+
+def test_a_step_is_trusted_little_more_than_the_part_that_falls_least():
+    """Of parts that matter: which of them leads on the finer mesh is not known for sure."""
+    own = np.array([[1e-2, 1e-3, 1e-5]])
+    assert taken_off(own, own / np.array([1000.0, 2.0, 1.0]), own)[0] == pytest.approx(log(10.0))
+    assert taken_off(own, own / np.array([1000.0, 1.0, 1.0]), own)[0] == pytest.approx(log(5.0))
+    even = np.array([[1e-2, 1e-2, 1e-5]])
+    half = even / np.array([1e6, 20.0, 1.0])
+    assert taken_off(even, half, even)[0] == pytest.approx(log(even.sum() / half.sum()), rel=1e-3)
+
+
+# Measured
+
+
+@pytest.mark.parametrize("name", ["blocks", "drum"])
+def test_the_sum_of_the_parts_is_the_error(backend, name):
+    """Against exact eigenvalues, mode by mode, on a mesh of another density for each direction."""
+    scene = load_scene(name)
+    degree = {"iga": 3, "fe": 2}[backend]
+    level = run_level(scene, backend, counted(scene, backend, Resolution(degree, 0.8)), SILENT)
+    parts = measured(level, 0, scene, SILENT)
+    assert len(parts.parts) == 4
+    exact = ExactScene(name).exact()
+    values = level.eigenvalues
+    rows, columns = assign(np.abs(values[:, None] - exact) / np.abs(exact))
+    squares, true = values[rows] ** 2, exact[columns] ** 2
+    alone = np.abs(squares - true) < 0.02 * np.abs(true)
+    errors = (0.5 * np.abs(squares - true) / np.abs(true))[alone]
+    sums = np.array([parts.of_mean(np.array([i])).sum() for i in rows[alone]])
+    ratio = sums / errors
+    assert 0.9 < np.median(ratio) < 1.3
+    assert (ratio > 0.7).all()
+
+
+def test_what_is_predicted_of_another_mesh_is_its_error(backend):
+    """Measured on one mesh, the errors of one that is finer in two directions are told."""
+    scene, exact = load_scene("blocks"), ExactScene("blocks").exact()
+    degree = {"iga": 3, "fe": 2}[backend]
+    first = counted(scene, backend, Resolution(degree, 0.8))
+    level = run_level(scene, backend, first, SILENT)
+    parts = measured(level, 0, scene, SILENT)
+    bodies = dict(first.bodies)
+    n = bodies["upper"].densities
+    bodies["upper"] = replace(bodies["upper"], densities=(1.5 * n[0], 2 * n[1]))
+    finer = counted(scene, backend, mixed(bodies))
+    values = run_level(scene, backend, finer, SILENT).eigenvalues
+    real = np.flatnonzero(values.real == 0)[:6]
+    found = []
+    for value in values[real]:
+        i = np.abs(level.eigenvalues - value).argmin()
+        true = np.abs(exact - value).min() / abs(value)
+        found.append(parts.fallen(parts.of_mean(np.array([i])), [finer]).sum() / true)
+    assert 0.5 < np.median(found) < 2
+
+
+def test_probes_are_of_every_body_and_direction_and_of_edges():
+    scene = load_scene("disc_pad")
+    mesh = counted(scene, "iga", Resolution(3, 0.5))
+    found = [
+        (probe.part.body, probe.part.directions, probe.part.edges)
+        for probe in probes(scene, "iga", mesh)
+    ]
+    assert found == [
+        *(("pad", (d,), False) for d in range(3)),
+        ("pad", (0, 1, 2), True),
+        *(("disc", (d,), False) for d in range(3)),
+        ("disc", (0, 2), True),
+    ]
+    assert seconds_of_probes(scene, "iga", mesh) > 0
+
+
+def test_unstructured_bodies_are_probed_as_a_whole():
+    scene = load_scene("ventilated_brake")
+    found = probes(scene, "fe", counted(scene, "fe", Resolution(2, 0.5)))
+    assert [probe.part.body for probe in found] == list(scene.bodies)
+    for probe in found:
+        assert dict(probe.resolution.bodies)[probe.part.body].degree == 3
+    highest = probes(scene, "fe", counted(scene, "fe", Resolution(4, 0.5)))
+    for probe in highest:
+        assert dict(probe.resolution.bodies)[probe.part.body].densities[0] == 1.0
+
+
+# The cheapest mesh
+
+
+def leanest_of(errors, gain, most_seconds=1e9):
+    """The cheapest mesh that takes a factor off the error of one mode, with its elements."""
+    scene = load_scene("disc_pad")
+    first = counted(scene, "iga", Resolution(3, 0.5))
+    parts = replace(parts_of(errors), resolution=first)
+    own = parts.of_mean(np.array([0]))[None, :]
+    wanted = Wanted(own, np.array([log(gain)]), first, 1.0)
+    step = leanest(
+        parts,
+        "iga",
+        first,
+        given_elements(scene, "iga"),
+        wanted,
+        lambda mesh: estimate(scene, "iga", mesh),
+        most_seconds,
+    )
+    return first, parts, step, own
+
+
+def test_the_direction_that_owes_most_is_refined():
+    first, parts, step, own = leanest_of([1e-3, 1e-6, 1e-6], 20.0)
+    assert step.enough
+    before, after = dict(first.bodies), dict(step.resolution.bodies)
+    assert after["pad"] == before["pad"]
+    assert after["disc"].densities[0] == before["disc"].densities[0]
+    assert after["disc"].layers == 0
+    assert parts.at(step.resolution, own).sum() * 20 <= own.sum() * (1 + 1e-9)
+
+
+def test_layers_are_laid_where_edges_owe_most():
+    _, _, step, _ = leanest_of([1e-6, 1e-3, 1e-6], 20.0)
+    assert step.enough
+    assert dict(step.resolution.bodies)["disc"].layers >= 1
+    assert dict(step.resolution.bodies)["pad"].layers == 0
+
+
+def test_a_mesh_that_time_does_not_allow_is_as_near_as_it_does():
+    first = counted(load_scene("disc_pad"), "iga", Resolution(3, 0.5))
+    time = estimate(load_scene("disc_pad"), "iga", first)
+    _, _, step, _ = leanest_of([1e-3, 1e-6, 1e-6], 1e4, most_seconds=1.6 * time)
+    assert not step.enough
+    assert step.seconds <= 1.6 * time
+    assert leanest_of([1e-3, 1e-6, 1e-6], 1e4, most_seconds=time)[2] is None
+
+
+# Resolutions
+
+
+def test_bodies_have_resolutions_of_their_own(backend):
+    scene = load_scene("disc_pad")
+    mesh = resolution(disc=(0.5, 0.25, 1.0), pad=(1.0, 1.0, 1.0), degree=2)
+    mesh = mixed({**dict(mesh.bodies), "pad": BodyResolution(3, (0.5, 0.5, 0.5))})
+    finer = refined(scene, backend, mesh)
+    on = {n: b.mesh.fe if backend == "fe" else b.mesh.iga for n, b in finer.bodies.items()}
+    given = given_elements(scene, backend)
+    for name, factors in (("disc", (0.5, 0.25, 1.0)), ("pad", (0.5, 0.5, 0.5))):
+        assert on[name].elements == tuple(
+            int(np.ceil(n * f)) for n, f in zip(given[name], factors, strict=True)
+        )
+    assert np.max(on["pad"].degree) == 3
+    assert np.max(on["disc"].degree) == 2
+    assert (mesh.degree, mesh.layers) == (3, 0)
+
+
+def test_counted_densities_make_the_same_mesh(backend):
+    scene = load_scene("disc_pad")
+    for given in (Resolution(2, 0.01), Resolution(2, 0.37, 1)):
+        same = counted(scene, backend, given)
+        assert refined(scene, backend, same) == refined(scene, backend, given)
+        assert counted(scene, backend, same) == same
