@@ -1,9 +1,10 @@
 """A pencil on a basis, in small matrices alone, and on few vectors of that basis once more."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.parameters import Dependence
@@ -14,8 +15,12 @@ from cea.reduced.products import real_times
 from cea.reduced.quadratic import quadratic_spectrum
 from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
 
-LOCAL = 1e-7
-"""Part of an eigenvector of the larger basis that a local one leaves out."""
+LOCAL = 1e-6
+"""Part of an eigenvector of the larger basis that a local one leaves out, in the energy norm."""
+_WIDE = 10.0
+"""Ratio of a stiffness from which on there is no one energy norm for all of a line."""
+_WIDELY = 0.1
+"""The part left out where there is none, relative to what is left out with one."""
 
 Rounding = tuple[float, tuple[float, ...]]
 """What rounding does to eigenvalues of condition one (1/s^2), and the stiff coefficients there."""
@@ -102,25 +107,28 @@ class SmallPencil:
             found = reduced_spectrum(K, M, self.settings, rounding)
         return found if self.axes is None else found.lifted(self.axes)
 
-    def derivatives(self, found: ReducedSpectrum, values: Values, name: str) -> Complexes:
-        """Derivatives of eigenvalues lambda in a parameter, shape (n,).
+    def derivatives(
+        self, found: ReducedSpectrum, values: Values, names: Sequence[str]
+    ) -> Complexes:
+        """Derivatives of eigenvalues lambda in parameters that change together, shape (n,).
 
         - y^H (lambda^2 dM + lambda dD + dK) x / y^H (2 lambda M + D) x; infinite at a coalescence.
 
         Parameters
         ----------
         found
-            Eigenvalues, their coordinates in this basis.
+            Eigenvalues, their coordinates in this basis or, of a local one, in the larger one.
         values
             Values of all parameters there.
-        name
-            The parameter.
+        names
+            The parameters.
         """
-        x, y, eigenvalues = found.right, found.left.conj(), found.eigenvalues
+        x, y = self.coordinates(found.right), self.coordinates(found.left).conj()
+        eigenvalues = found.eigenvalues
         change: Complexes = np.zeros(len(found), dtype=complex)
         turned: Complexes = np.zeros(len(found), dtype=complex)
         for piece in self.pieces:
-            slope = piece.coefficient.derivative(name, values)
+            slope = sum(piece.coefficient.derivative(name, values) for name in names)
             factor = piece.coefficient.at(values) if piece.role != "stiffness" else 0.0
             if not (slope or factor):
                 continue
@@ -133,16 +141,35 @@ class SmallPencil:
             moved: Complexes = -change / turned
         return moved
 
-    def local(self, vectors: Floats) -> "SmallPencil":
+    def coordinates[T: (Floats, Complexes)](self, vectors: T) -> T:
+        """Of vectors in the larger basis, in this one."""
+        return vectors if self.axes is None else self.axes.T @ vectors
+
+    def local(
+        self, vectors: Floats, line: Sequence[Values], tolerance: float = LOCAL
+    ) -> "SmallPencil":
         """The pencil on the span of some coordinates; its residuals are as full as before.
+
+        Errors of eigenvalues go by the square of what is left out, in the energy norm of where they
+        are: with a stiff contact a part of a vector that is small in that of a soft one is not.
 
         Parameters
         ----------
         vectors
             Coordinates in this basis, shape (k, columns).
+        line
+            Values of all parameters for which it is made.
+        tolerance
+            Part of the longest vector that is left out.
         """
-        axes, sizes, _ = np.linalg.svd(vectors, full_matrices=False)
-        axes = axes[:, sizes > LOCAL * sizes.max(initial=0.0)]
+        root = self._stiffened(line)
+        scaled = vectors if root is None else root.T @ vectors
+        scaled = scaled / np.maximum(np.linalg.norm(scaled, axis=0), np.finfo(float).tiny)
+        axes, sizes, _ = np.linalg.svd(scaled, full_matrices=False)
+        tolerance *= _WIDELY if root is None else 1.0
+        axes = axes[:, sizes > tolerance * sizes.max(initial=0.0)]
+        if root is not None:
+            axes, _ = np.linalg.qr(solve_triangular(root, axes, lower=True, trans="T"))
         images = [piece.right @ axes for piece in self.pieces]
         images += [piece.left @ axes for piece in self.pieces if not piece.symmetric]
         # Lengths of combinations are those of the columns of R.
@@ -163,13 +190,16 @@ class SmallPencil:
             axes if self.axes is None else self.axes @ axes,
         )
 
-    def spanned(self, found: ReducedSpectrum, values: Values) -> Floats:
-        """Coordinates that a local basis takes from a spectrum, shape (k, columns).
+    def spanned(self, found: ReducedSpectrum, values: Values, line: Sequence[Values]) -> Floats:
+        """Coordinates that a basis local to a line takes from a spectrum, shape (k, columns).
 
-        Real and imaginary parts of right and left vectors, of unit length, and the static
-        displacements under the forces that stiff pieces have on them: X is one in this basis.
+        Real and imaginary parts of right and left vectors, of unit length; where a stiffness varies
+        widely over the line the static displacements under its forces on them too: X is one in this
+        basis.
         """
         vectors = columns_of(found.right, found.left)
+        if not self._widely(line):
+            return vectors
         blocks = [vectors]
         for piece in self.pieces:
             if piece.stiff:
@@ -177,12 +207,35 @@ class SmallPencil:
                 blocks.append(moved / np.maximum(np.linalg.norm(moved, axis=0), 1.0))
         return np.hstack(blocks)
 
+    def _widely(self, line: Sequence[Values]) -> bool:
+        """Whether a stiffness varies so much over a line that it has no one energy norm."""
+        sizes = np.array([self._stiff(values) for values in line])
+        return bool((sizes.max(axis=0) > _WIDE * sizes.min(axis=0)).any())
+
+    def _stiffened(self, line: Sequence[Values]) -> Floats | None:
+        """Cholesky factor of the energy norm where a line is stiffest; None where it has no one.
+
+        That of the basis, which is one, with the pieces that are stiff.
+        """
+        if self._widely(line):
+            return None
+        norm = np.eye(self.size)
+        most = np.max([self._stiff(values) for values in line], axis=0)
+        stiff = (piece for piece in self.pieces if piece.stiff)
+        for size, piece in zip(most, stiff, strict=True):
+            norm += size * piece.square
+        return np.linalg.cholesky(norm)
+
+    def _stiff(self, values: Values) -> list[float]:
+        """Coefficients of the pieces that are stiff."""
+        return [piece.coefficient.at(values) for piece in self.pieces if piece.stiff]
+
     def _rounding(self, values: Values) -> float:
         """What rounding does to eigenvalues of condition one (1/s^2).
 
         Where it was seen at greater stiffness it is less in proportion, but no less than anywhere.
         """
-        stiff = [piece.coefficient.at(values) for piece in self.pieces if piece.stiff]
+        stiff = self._stiff(values)
         sizes = [
             size * max((min(1.0, a / b) for a, b in zip(stiff, at, strict=True)), default=1.0)
             for size, at in self.roundings

@@ -82,8 +82,8 @@ def test_spectra_between_neighbours_are_those_of_the_whole_basis(built, toleranc
     def parameters(mu):
         return pencil.values({MU: mu, P: 30.0})
 
-    spectra, basis = along(small, [parameters(mu) for mu in values], tolerance, least=10)
-    at = Between(basis, values, spectra, parameters, tolerance)
+    line = along(small, [parameters(mu) for mu in values], tolerance, least=10)
+    at = Between(small, line, values, parameters, tolerance)
     for mu in (0.003, 0.37, 0.371, 0.52, 0.999):
         found, whole = at(mu).window, small.at(parameters(mu)).window
         assert len(found) == len(whole)
@@ -93,13 +93,13 @@ def test_spectra_between_neighbours_are_those_of_the_whole_basis(built, toleranc
         assert np.abs(mine - theirs).max() <= doubt
         assert found.worst <= 2 * max(tolerance, whole.worst)
         assert at(mu) is at(mu)
-    assert at(values[4]) is spectra[4]
+    assert at(values[4]) is line.spectra[4]
 
 
 def test_a_row_keeps_its_tolerance_at_values_that_were_not_looked_at_first(built):
     small, pencil = built.model.small, built.model.pencil
     line = [pencil.values({MU: mu, P: 300.0}) for mu in np.linspace(0, 1, 61)]
-    spectra, _ = along(small, line, 1e-8, least=10)
+    spectra = along(small, line, 1e-8, least=10).spectra
     whole = [small.at(values) for values in line]
     for found, other in zip(spectra, whole, strict=True):
         assert found.worst <= max(1e-8, other.worst)
@@ -111,7 +111,7 @@ def test_a_row_that_no_local_basis_holds_is_solved_on_the_whole_one(built):
     points = [
         pencil.values({MU: mu, P: p}) for p in np.geomspace(1, 1e4, 12) for mu in (0.1, 0.5, 0.9)
     ]
-    spectra, basis = along(small, points, 1e-14, least=10)
-    assert basis is small
-    for values, found in zip(points, spectra, strict=True):
+    line = along(small, points, 1e-14, least=10)
+    assert line.basis is small
+    for values, found in zip(points, line.spectra, strict=True):
         np.testing.assert_array_equal(found.kappa, small.at(values).kappa)
