@@ -52,8 +52,7 @@ class Between:
             self._known[value] = found
         return self._known[value]
 
-    def on(self, vectors: Floats, ends: tuple[float, float]) -> Spectra:
-        """Spectra between two values on the span of some vectors of the whole basis."""
-        line = [self._parameters(end) for end in ends]
-        basis = self._basis.local(self._basis.coordinates(vectors), line, _LEFT_OUT)
+    def on(self, vectors: Floats) -> Spectra:
+        """Spectra on the span of some vectors of the whole basis."""
+        basis = self._basis.local(self._basis.coordinates(vectors), tolerance=_LEFT_OUT)
         return lambda value: basis.at(self._parameters(value))

@@ -17,13 +17,13 @@ from cea.reduced.spectrum import ReducedSpectrum
 
 Spectra = Callable[[float], ReducedSpectrum]
 """Spectra at values of a parameter."""
-OnSpan = Callable[[Floats, tuple[float, float]], Spectra]
-"""Makes spectra between two values on the span of some vectors."""
+OnSpan = Callable[[Floats], Spectra]
+"""Makes spectra on the span of some vectors."""
 Followed = Callable[[ReducedSpectrum, float], float]
 """What has a root, of a spectrum and the value that it is at."""
 
-_SAME = 1e-9
-"""Step, relative to the parameter, after which the next would be less than rounding."""
+_SAME = 1e-6
+"""Step, relative to the interval, after which the next, of its square, is as good as none."""
 _ROUNDS = 6
 """Times that vectors are taken in before whole spectra are bracketed."""
 _NEAR = 1e-3
@@ -61,13 +61,12 @@ def root_of(
     PairLostError
         When what is followed is lost.
     """
-    scale = max(map(abs, ends))
     if on is not None:
         known, last, within = [vectors(at(end), end) for end in ends], np.inf, ends
         try:
             for _ in range(_ROUNDS):
-                value, slope = _bracketed(on(np.hstack(known), ends), function, within)
-                if abs(value - last) <= _SAME * scale:
+                value, slope = _bracketed(on(np.hstack(known)), function, within)
+                if abs(value - last) <= _SAME * abs(ends[1] - ends[0]):
                     return value, slope
                 known.append(vectors(at(value), value))
                 last, within = value, _about(value, ends)

@@ -17,6 +17,8 @@ _SMALL = 120
 """Size of a basis up to which it is not reduced again, for as few values as a row has."""
 _LESS = 0.8
 """Size of a local basis relative to the whole one from which on it is not worth its making."""
+_WIDE = 10.0
+"""Ratio of a stiffness along a line from which on its vectors are of no one energy norm."""
 _FIRST = 5
 """Values solved on the whole basis before any other."""
 _MOST = 12
@@ -63,24 +65,47 @@ def along(
     first = np.unique(np.linspace(0, len(line) - 1, _FIRST).round().astype(int)).tolist()
     whole = {i: small.at(line[i]) for i in first}
     certified: dict[int, ReducedSpectrum] = {}
-    while True:
-        known = [small.spanned(found, line[i], line) for i, found in whole.items()]
-        basis = small.local(np.hstack(known), line)
-        if basis.size > _LESS * small.size:
-            return _on_the_whole(small, line, whole)
-        open_ = [i for i in range(len(line)) if i not in certified]
-        looked = {i: basis.at(line[i]) for i in open_}
-        certified |= {i: found for i, found in looked.items() if found.worst <= tolerance}
-        left = [i for i in open_ if i not in certified and i not in whole]
-        if not left:
-            break
-        if len(whole) >= _MOST:
-            whole |= {i: small.at(line[i]) for i in left}
-            break
-        worst = max(left, key=lambda i: looked[i].worst)
-        whole[worst] = small.at(line[worst])
-    spectra = [certified[i] if i in certified else whole[i] for i in range(len(line))]
-    return Line(spectra, basis, frozenset(whole) - frozenset(certified))
+    bounds = dict.fromkeys(range(len(line)), np.inf)
+    basis = _local(small, line, whole, tolerance)
+    fresh: set[int] = set()
+    while bounds and basis.size <= _LESS * small.size:
+        number = max(bounds, key=lambda each: bounds[each])
+        if number in fresh:  # the worst of all that are left, on this basis
+            if number in whole:
+                del bounds[number]
+                continue
+            if len(whole) >= _MOST:
+                break
+            whole[number] = small.at(line[number])
+            basis, fresh = _local(small, line, whole, tolerance), set()
+        fresh.add(number)
+        found = basis.at(line[number])
+        bounds[number] = found.worst
+        if found.worst <= tolerance:
+            certified[number] = found
+            del bounds[number]
+    if basis.size > _LESS * small.size:
+        return _on_the_whole(small, line, whole)
+    rest = [i for i in range(len(line)) if i not in certified]
+    known = certified | {i: whole[i] if i in whole else small.at(line[i]) for i in rest}
+    return Line([known[i] for i in range(len(line))], small if bounds else basis, frozenset(rest))
+
+
+def _local(
+    small: SmallPencil,
+    line: Sequence[Values],
+    solved: dict[int, ReducedSpectrum],
+    tolerance: float,
+) -> SmallPencil:
+    """A basis of what is known along a line, with static displacements where it needs them."""
+    stiff = np.array([small.stiffness(values) for values in line])
+    if not (stiff.max(axis=0) > _WIDE * stiff.min(axis=0)).any():
+        basis = small.local(np.hstack([small.spanned(each) for each in solved.values()]), line[0])
+        if all(
+            basis.at(line[i]).worst <= max(tolerance, known.worst) for i, known in solved.items()
+        ):
+            return basis
+    return small.local(np.hstack([small.spanned(each, line[i]) for i, each in solved.items()]))
 
 
 def _on_the_whole(

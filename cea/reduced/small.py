@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg import cho_factor, cho_solve
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.parameters import Dependence
@@ -15,12 +15,8 @@ from cea.reduced.products import real_times
 from cea.reduced.quadratic import quadratic_spectrum
 from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
 
-LOCAL = 1e-6
-"""Part of an eigenvector of the larger basis that a local one leaves out, in the energy norm."""
-_WIDE = 10.0
-"""Ratio of a stiffness from which on there is no one energy norm for all of a line."""
-_WIDELY = 0.1
-"""The part left out where there is none, relative to what is left out with one."""
+LOCAL = 1e-5
+"""Part of an eigenvector of the larger basis that a local one leaves out, or of its forces."""
 
 Rounding = tuple[float, tuple[float, ...]]
 """What rounding does to eigenvalues of condition one (1/s^2), and the stiff coefficients there."""
@@ -146,30 +142,27 @@ class SmallPencil:
         return vectors if self.axes is None else self.axes.T @ vectors
 
     def local(
-        self, vectors: Floats, line: Sequence[Values], tolerance: float = LOCAL
+        self, vectors: Floats, stiff: Values | None = None, tolerance: float = LOCAL
     ) -> "SmallPencil":
         """The pencil on the span of some coordinates; its residuals are as full as before.
-
-        Errors of eigenvalues go by the square of what is left out, in the energy norm of where they
-        are: with a stiff contact a part of a vector that is small in that of a soft one is not.
 
         Parameters
         ----------
         vectors
             Coordinates in this basis, shape (k, columns).
-        line
-            Values of all parameters for which it is made.
+        stiff
+            Values of all parameters where the basis is to serve: what is left out is measured by
+            the forces that it has there. None where these vary widely: by itself.
         tolerance
-            Part of the longest vector that is left out.
+            Part of the vectors that is left out.
         """
-        root = self._stiffened(line)
-        scaled = vectors if root is None else root.T @ vectors
-        scaled = scaled / np.maximum(np.linalg.norm(scaled, axis=0), np.finfo(float).tiny)
-        axes, sizes, _ = np.linalg.svd(scaled, full_matrices=False)
-        tolerance *= _WIDELY if root is None else 1.0
-        axes = axes[:, sizes > tolerance * sizes.max(initial=0.0)]
-        if root is not None:
-            axes, _ = np.linalg.qr(solve_triangular(root, axes, lower=True, trans="T"))
+        axes = vectors / np.linalg.norm(vectors, axis=0)
+        if stiff is None:
+            axes = _principal(axes, tolerance)
+        else:
+            norm = self._stiffened(stiff)
+            axes = cho_solve(cho_factor(norm), _principal(norm @ axes, tolerance))
+            axes, _ = np.linalg.qr(axes)
         images = [piece.right @ axes for piece in self.pieces]
         images += [piece.left @ axes for piece in self.pieces if not piece.symmetric]
         # Lengths of combinations are those of the columns of R.
@@ -190,43 +183,31 @@ class SmallPencil:
             axes if self.axes is None else self.axes @ axes,
         )
 
-    def spanned(self, found: ReducedSpectrum, values: Values, line: Sequence[Values]) -> Floats:
-        """Coordinates that a basis local to a line takes from a spectrum, shape (k, columns).
+    def spanned(self, found: ReducedSpectrum, static: Values | None = None) -> Floats:
+        """Coordinates that a local basis takes from a spectrum, shape (k, columns).
 
-        Real and imaginary parts of right and left vectors, of unit length; where a stiffness varies
-        widely over the line the static displacements under its forces on them too: X is one in this
-        basis.
+        Real and imaginary parts of right and left vectors, of unit length; and, at values of all
+        parameters, the static displacements under the forces that stiff pieces have on them there:
+        X is one in this basis. Left vectors keep gaps open that friction closes; where a contact is
+        all but rigid no others can be closed without these.
         """
         vectors = columns_of(found.right, found.left)
-        if not self._widely(line):
-            return vectors
         blocks = [vectors]
         for piece in self.pieces:
-            if piece.stiff:
-                moved = piece.coefficient.at(values) * piece.square @ vectors
+            if piece.stiff and static is not None:
+                moved = piece.coefficient.at(static) * piece.square @ vectors
                 blocks.append(moved / np.maximum(np.linalg.norm(moved, axis=0), 1.0))
         return np.hstack(blocks)
 
-    def _widely(self, line: Sequence[Values]) -> bool:
-        """Whether a stiffness varies so much over a line that it has no one energy norm."""
-        sizes = np.array([self._stiff(values) for values in line])
-        return bool((sizes.max(axis=0) > _WIDE * sizes.min(axis=0)).any())
-
-    def _stiffened(self, line: Sequence[Values]) -> Floats | None:
-        """Cholesky factor of the energy norm where a line is stiffest; None where it has no one.
-
-        That of the basis, which is one, with the pieces that are stiff.
-        """
-        if self._widely(line):
-            return None
+    def _stiffened(self, values: Values) -> Floats:
+        """The energy norm at some parameters: that of the basis, one, with what is stiff there."""
         norm = np.eye(self.size)
-        most = np.max([self._stiff(values) for values in line], axis=0)
-        stiff = (piece for piece in self.pieces if piece.stiff)
-        for size, piece in zip(most, stiff, strict=True):
-            norm += size * piece.square
-        return np.linalg.cholesky(norm)
+        for piece in self.pieces:
+            if piece.stiff:
+                norm += piece.coefficient.at(values) * piece.square
+        return norm
 
-    def _stiff(self, values: Values) -> list[float]:
+    def stiffness(self, values: Values) -> list[float]:
         """Coefficients of the pieces that are stiff."""
         return [piece.coefficient.at(values) for piece in self.pieces if piece.stiff]
 
@@ -235,7 +216,7 @@ class SmallPencil:
 
         Where it was seen at greater stiffness it is less in proportion, but no less than anywhere.
         """
-        stiff = self._stiff(values)
+        stiff = self.stiffness(values)
         sizes = [
             size * max((min(1.0, a / b) for a, b in zip(stiff, at, strict=True)), default=1.0)
             for size, at in self.roundings
@@ -277,6 +258,13 @@ def columns_of(right: Complexes, left: Complexes) -> Floats:
     units = [each / np.linalg.norm(each, axis=0) for each in (right, left)]
     vectors = np.hstack([part for each in units for part in (each.real, each.imag)])
     return vectors[:, vectors.any(axis=0)]
+
+
+def _principal(vectors: Floats, least: float) -> Floats:
+    """Principal directions of columns, those longer than a length."""
+    axes, sizes, _ = np.linalg.svd(vectors, full_matrices=False)
+    kept: Floats = axes[:, sizes > least]
+    return kept
 
 
 def _padded(rows_of: Floats, rows: int) -> Floats:
