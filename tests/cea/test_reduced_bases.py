@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from reduced_cases import MU, P, blocks_pencil, enrichment, grid
 
+from cea.reduced import greedy
 from cea.reduced.between import Between
 from cea.reduced.model import ReducedModel
 from cea.reduced.onsets import onset, span_of
@@ -195,3 +196,17 @@ def test_what_few_vectors_lose_is_sought_on_all(built):
     assert roots[0] == roots[1] == pytest.approx(0.5, rel=1e-9)
     with pytest.raises(PairLostError):
         root_of(at, lowest, (0.6, 0.8), lambda found, mu: found.right.real, None)
+
+
+def test_bounds_are_looked_at_a_few_times_for_each_solve_and_all_are_small(monkeypatch):
+    points = grid(mu=np.linspace(0, 1, 6), P=np.geomspace(1, 1e4, 12))
+    made = enrichment(blocks_pencil("iga"), {MU: (0.0, 1.0), P: (1.0, 1e4)}, TOP)
+    looks, worst = [], greedy.Enrichment._worst
+    monkeypatch.setattr(greedy, "_LOOKS", 4)
+    monkeypatch.setattr(
+        greedy.Enrichment, "_worst", lambda built, point: looks.append(1) or worst(built, point)
+    )
+    assert made.cover(points, 5e-9) == 0.0
+    assert len(made.snapshots) >= 3
+    assert len(looks) <= len(points) + 4 * len(made.snapshots)
+    assert max(made.at(point).worst for point in points) <= 2 * 5e-9
