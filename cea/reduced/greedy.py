@@ -227,10 +227,14 @@ class Enrichment:
         self.snapshots.append(replace(snapshot, grown=np.empty((0, 0))))
 
     def confirm(self, points: Sequence[Point]) -> bool:
-        """Test the model at points by full solves; whether it stood them all."""
+        """Test the model at points by full solves; whether it stood them all.
+
+        Where it was tested already, before an interruption, nothing is solved again.
+        """
         stood = True
         for point in points:
-            tested = self.solve(point, self._worst(point))
+            known = [each.tested for each in self.snapshots if dict(each.point) == dict(point)]
+            tested = known[0] if known else self.solve(point, self._worst(point))
             stood = stood and (tested is None or tested <= 1)
         return stood
 
