@@ -25,6 +25,8 @@ TOLERANCE = 1e-8
 """Error of lambda relative to its speed up to which a value counts as certified."""
 _MEANINGFUL = 1e-3
 """The same up to which a reduced model is tested by a full solve."""
+_LOOKS = 24
+"""Bounds above the tolerance that are computed anew before the largest is taken."""
 _REACH = 0.5
 """Distance of a partner, relative to a speed, beyond which a mode is missing."""
 
@@ -127,36 +129,60 @@ class Enrichment:
         """The reduced model at a point."""
         return self.model.small.at(self.model.pencil.values(point))
 
-    def cover(self, points: Sequence[Point]) -> float:
+    def cover(self, points: Sequence[Point], tolerance: float | None = None) -> float:
         """Solve where bounds are worst until all are small, there are solves enough, or none helps.
 
         Bounds hardly rise as a basis grows: those that were small stay, and of the others the
-        largest is computed anew until it is known to be the largest.
+        largest is computed anew until it is known to be the largest, or that of two dozen.
+
+        Parameters
+        ----------
+        points
+            Where bounds are to be small.
+        tolerance
+            Error of lambda, relative to its speed, up to which they are; None for that of all.
 
         Returns
         -------
         float
             The worst bound left.
         """
-        waiting = [(np.inf, number) for number in range(len(points))]
-        if not self.snapshots and waiting:
-            waiting.remove((np.inf, len(points) // 2))
+        tolerance = self.tolerance if tolerance is None else tolerance
+        known = dict.fromkeys(_spread_out(len(points)), np.inf)
+        if not self.snapshots and known:
+            known.pop(len(points) // 2)
             self.solve(points[len(points) // 2], np.inf)
-        while waiting:
-            waiting.sort(key=lambda each: -each[0])
-            fresh = self._worst(points[waiting[0][1]])
-            waiting[0] = (fresh, waiting[0][1])
-            if fresh <= self.tolerance:
-                del waiting[0]
-            elif len(waiting) == 1 or fresh >= waiting[1][0]:
-                if len(self.snapshots) >= self.most:
-                    return fresh
-                known = self.model.size, len(self.failed)
-                self.solve(points[waiting[0][1]], fresh)
-                if known == (self.model.size, len(self.failed)):
-                    return fresh
-                del waiting[0]
+        while known:
+            worst, fresh = self._worst_of(points, known, tolerance)
+            if worst < 0:
+                break
+            if len(self.snapshots) >= self.most:
+                return fresh
+            before = self.model.size, len(self.failed)
+            self.solve(points[worst], fresh)
+            if before == (self.model.size, len(self.failed)):
+                return fresh
+            del known[worst]
         return 0.0
+
+    def _worst_of(
+        self, points: Sequence[Point], known: dict[int, float], tolerance: float
+    ) -> tuple[int, float]:
+        """Number of the point with the largest bound, and that; -1 where all are small.
+
+        Points whose bounds are small are taken out of those known.
+        """
+        looked: dict[int, float] = {}
+        while known:
+            number = max(known, key=lambda each: known[each])
+            if number in looked or len(looked) == _LOOKS:
+                return max(looked.items(), key=lambda each: each[1])
+            bound = known[number] = self._worst(points[number])
+            if bound <= tolerance:
+                del known[number]
+            else:
+                looked[number] = bound
+        return -1, 0.0
 
     def solve(self, point: Point, worst: float) -> float | None:
         """Solve in full, test the reduced model, take the modes in.
@@ -201,10 +227,14 @@ class Enrichment:
         self.snapshots.append(replace(snapshot, grown=np.empty((0, 0))))
 
     def confirm(self, points: Sequence[Point]) -> bool:
-        """Test the model at points by full solves; whether it stood them all."""
+        """Test the model at points by full solves; whether it stood them all.
+
+        Where it was tested already, before an interruption, nothing is solved again.
+        """
         stood = True
         for point in points:
-            tested = self.solve(point, self._worst(point))
+            known = [each.tested for each in self.snapshots if dict(each.point) == dict(point)]
+            tested = known[0] if known else self.solve(point, self._worst(point))
             stood = stood and (tested is None or tested <= 1)
         return stood
 
@@ -216,6 +246,13 @@ class Enrichment:
     def _worst(self, point: Point) -> float:
         """The worst bound at a point, the same on every rank."""
         return float(self.model.norm.comm.bcast(self.at(point).worst))
+
+
+def _spread_out(count: int) -> list[int]:
+    """Numbers up to a count in an order whose beginnings are spread over all of them."""
+    golden = 0.5 * (np.sqrt(5) - 1)
+    order: list[int] = np.argsort(np.arange(count) * golden % 1).tolist()
+    return order
 
 
 def largest_ratio(found: ReducedSpectrum, modes: Modes) -> float:

@@ -5,13 +5,13 @@ The discriminant d = (kappa_1 - kappa_2)^2 of a pair is analytic and passes thro
 bounds the error of the threshold.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
 
 from cea.arrays import Floats, Ints
+from cea.reduced.roots import OnSpan, PairLostError, Spectra, root_of, vectors_of
 from cea.reduced.spectrum import ReducedSpectrum, upper_root
 
 _LEAST_PART = 0.5
@@ -45,12 +45,8 @@ class Onset:
     begins: bool
 
 
-class PairLostError(Exception):
-    """No two eigenvalues continue a pair."""
-
-
 def onset(
-    at: Callable[[float], ReducedSpectrum], still: float, flutters: float, pair: Floats
+    at: Spectra, still: float, flutters: float, pair: Floats, on: OnSpan | None = None
 ) -> Onset:
     """Where a pair that flutters at one value, and does not at another, coalesces.
 
@@ -76,41 +72,40 @@ def onset(
         When the pair is lost, or does not coalesce between.
     """
 
-    def discriminant(value: float) -> float:
-        return _discriminant(*_pair(at(value), pair))
-
-    def surely_flutters(value: float) -> float:
-        found, members = _pair(at(value), pair)
+    def surely_flutters(found: ReducedSpectrum) -> float:
+        members = _pair(found, pair)
         return _discriminant(found, members) + _doubt(found, members)
 
-    scale = max(abs(still), abs(flutters))
-    precision = {"xtol": 1e-14 * scale, "rtol": 1e-14}
-    if abs(discriminant(still)) <= _doubt(*_pair(at(still), pair)):
-        if not surely_flutters(flutters) < 0:
+    def discriminant(found: ReducedSpectrum, _: float) -> float:
+        return _discriminant(found, _pair(found, pair))
+
+    def vectors(found: ReducedSpectrum, _: float) -> Floats:
+        return vectors_of(found[_pair(found, pair)])
+
+    ends = still, flutters
+    before, after = (discriminant(at(end), end) for end in ends)
+    if abs(before) <= _doubt(at(still), _pair(at(still), pair)):
+        if not surely_flutters(at(flutters)) < 0:
             raise PairLostError
-        value, sure = still, float(brentq(surely_flutters, still, flutters, **precision))
-        slope = (discriminant(sure) - discriminant(still)) / (sure - still)
-        found, members = _pair(at(value), pair)
+        scale = max(abs(still), abs(flutters))
+        sure = brentq(lambda value: surely_flutters(at(value)), *ends, xtol=1e-14 * scale)
+        value, slope = still, (discriminant(at(sure), sure) - before) / (sure - still)
         error = abs(sure - still)
     else:
-        if not discriminant(still) > 0 > discriminant(flutters):
+        if not before > 0 > after:
             raise PairLostError
-        value = float(brentq(discriminant, still, flutters, **precision))
-        slope = slope_between(discriminant, value, (still, flutters))
-        found, members = _pair(at(value), pair)
-        error = 4 * float(found.certificate.errors[members].max()) ** 2 / abs(slope)
+        value, slope = root_of(at, discriminant, ends, vectors, on)
+        found = at(value)
+        members = _pair(found, pair)
+        doubt = 4 * float(found.certificate.errors[members].max()) ** 2
+        error = (doubt + abs(_discriminant(found, members))) / abs(slope)
+        if not error < abs(flutters - still):
+            raise PairLostError
+    found = at(value)
+    members = _pair(found, pair)
     mean = found.kappa[members].mean()
     root = complex(upper_root(np.array([mean]))[0])
     return Onset(value, float(error), root, float(slope), begins=bool(flutters > still))
-
-
-def slope_between(
-    function: Callable[[float], float], value: float, ends: tuple[float, float]
-) -> float:
-    """Slope of a function at a value, by differences that do not leave an interval."""
-    step = 1e-3 * abs(ends[1] - ends[0])
-    low, high = max(value - step, min(ends)), min(value + step, max(ends))
-    return (function(high) - function(low)) / (high - low)
 
 
 def span_of(vector: Floats) -> Floats:
@@ -119,14 +114,14 @@ def span_of(vector: Floats) -> Floats:
     return basis
 
 
-def _pair(found: ReducedSpectrum, pair: Floats) -> tuple[ReducedSpectrum, Ints]:
+def _pair(found: ReducedSpectrum, pair: Floats) -> Ints:
     """The two eigenvalues with the greatest parts in the span of a pair."""
     lengths = np.linalg.norm(found.right, axis=0)
     part = np.linalg.norm(pair.T @ found.right, axis=0) / lengths
     members = np.argsort(part)[-2:]
     if len(members) < 2 or part[members].min() < _LEAST_PART:
         raise PairLostError
-    return found, members
+    return members
 
 
 def _discriminant(found: ReducedSpectrum, members: Ints) -> float:

@@ -4,7 +4,8 @@ At a few values the reduced model is solved as it is. Its eigenvectors there are
 all values between; residuals are those of the whole pencil, so that bounds say as much as before.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,15 +17,36 @@ _SMALL = 120
 """Size of a basis up to which it is not reduced again, for as few values as a row has."""
 _LESS = 0.8
 """Size of a local basis relative to the whole one from which on it is not worth its making."""
-_LOOKS = 12
-"""Values at which a local basis is looked at before it is at all of them."""
+_WIDE = 10.0
+"""Ratio of a stiffness along a line from which on its vectors are of no one energy norm."""
+_FIRST = 5
+"""Values solved on the whole basis before any other."""
 _MOST = 12
 """Values solved on the whole basis after which all that are not certified yet are."""
 
 
+@dataclass(frozen=True)
+class Line:
+    """Spectra at values along a line in parameters.
+
+    Parameters
+    ----------
+    spectra
+        One for each value, coordinates in the whole basis.
+    basis
+        The basis for values between.
+    whole
+        Numbers of those that were solved on the whole basis.
+    """
+
+    spectra: list[ReducedSpectrum]
+    basis: SmallPencil
+    whole: frozenset[int]
+
+
 def along(
     small: SmallPencil, line: Sequence[Values], tolerance: float, *, least: int = _SMALL
-) -> tuple[list[ReducedSpectrum], SmallPencil]:
+) -> Line:
     """Spectra at values along a line in parameters.
 
     Parameters
@@ -37,65 +59,57 @@ def along(
         Error of lambda, relative to its speed, above which a value is solved on the whole basis.
     least
         Size of a basis up to which it is not reduced again.
-
-    Returns
-    -------
-    tuple
-        The spectra, and the basis for values between these.
     """
     if small.size <= least or len(line) < 4:
-        return [small.at(values) for values in line], small
-    solved: dict[int, ReducedSpectrum] = {}
-    known, basis, number = np.empty((small.size, 0)), small, len(line) // 2
-    stride = max(len(line) // _LOOKS, 1)
-    local: dict[int, ReducedSpectrum] = {}
-    while True:
-        found = solved[number] = small.at(line[number])
-        known = np.hstack([known, small.spanned(found, line[number])])
-        basis = small.local(known)
-        if basis.size > _LESS * small.size:
-            local = {}
-            break
-        if len(solved) > _MOST:
-            stride = 1
-        local = _looked_at(basis, line, solved, stride, {})
-        if stride > 1 and _worst(local)[1] <= tolerance:
-            local = _looked_at(basis, line, solved, 1, local)
-        number, worst = _worst(local)
-        if worst <= tolerance:
-            return [{**local, **solved}[i] for i in range(len(line))], basis
-        if len(solved) > _MOST:
-            break
-    certified = solved | {i: found for i, found in local.items() if found.worst <= tolerance}
-    return [certified[i] if i in certified else small.at(line[i]) for i in range(len(line))], small
+        return _on_the_whole(small, line, {})
+    first = np.unique(np.linspace(0, len(line) - 1, _FIRST).round().astype(int)).tolist()
+    whole = {i: small.at(line[i]) for i in first}
+    certified: dict[int, ReducedSpectrum] = {}
+    bounds = dict.fromkeys(range(len(line)), np.inf)
+    basis = _local(small, line, whole, tolerance)
+    fresh: set[int] = set()
+    while bounds and basis.size <= _LESS * small.size:
+        number = max(bounds, key=lambda each: bounds[each])
+        if number in fresh:  # the worst of all that are left, on this basis
+            if number in whole:
+                del bounds[number]
+                continue
+            if len(whole) >= _MOST:
+                break
+            whole[number] = small.at(line[number])
+            basis, fresh = _local(small, line, whole, tolerance), set()
+        fresh.add(number)
+        found = basis.at(line[number])
+        bounds[number] = found.worst
+        if found.worst <= tolerance:
+            certified[number] = found
+            del bounds[number]
+    if basis.size > _LESS * small.size:
+        return _on_the_whole(small, line, whole)
+    rest = [i for i in range(len(line)) if i not in certified]
+    known = certified | {i: whole[i] if i in whole else small.at(line[i]) for i in rest}
+    return Line([known[i] for i in range(len(line))], small if bounds else basis, frozenset(rest))
 
 
-def _worst(local: Mapping[int, ReducedSpectrum]) -> tuple[int, float]:
-    """Number of the spectrum with the largest bound, and that; 0 where there is none."""
-    return max(((i, found.worst) for i, found in local.items()), key=lambda x: x[1], default=(0, 0))
-
-
-def _looked_at(
-    basis: SmallPencil,
+def _local(
+    small: SmallPencil,
     line: Sequence[Values],
-    solved: Mapping[int, ReducedSpectrum],
-    stride: int,
-    before: Mapping[int, ReducedSpectrum],
-) -> dict[int, ReducedSpectrum]:
-    """Spectra on a local basis at every so many values, the last one, and none that was solved.
+    solved: dict[int, ReducedSpectrum],
+    tolerance: float,
+) -> SmallPencil:
+    """A basis of what is known along a line, with static displacements where it needs them."""
+    stiff = np.array([small.stiffness(values) for values in line])
+    if not (stiff.max(axis=0) > _WIDE * stiff.min(axis=0)).any():
+        basis = small.local(np.hstack([small.spanned(each) for each in solved.values()]), line[0])
+        if all(
+            basis.at(line[i]).worst <= max(tolerance, known.worst) for i, known in solved.items()
+        ):
+            return basis
+    return small.local(np.hstack([small.spanned(each, line[i]) for i, each in solved.items()]))
 
-    Parameters
-    ----------
-    basis
-        The local basis.
-    line
-        Values of all parameters, one after the other along the line.
-    solved
-        Where the whole basis was solved on.
-    stride
-        Steps between values looked at.
-    before
-        Spectra on this basis that are known.
-    """
-    looked = {*range(0, len(line), stride), len(line) - 1} - set(solved)
-    return {i: before[i] if i in before else basis.at(line[i]) for i in sorted(looked)}
+
+def _on_the_whole(
+    small: SmallPencil, line: Sequence[Values], known: dict[int, ReducedSpectrum]
+) -> Line:
+    spectra = [known[i] if i in known else small.at(line[i]) for i in range(len(line))]
+    return Line(spectra, small, frozenset(range(len(line))))

@@ -1,9 +1,10 @@
 """A pencil on a basis, in small matrices alone, and on few vectors of that basis once more."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.parameters import Dependence
@@ -14,8 +15,8 @@ from cea.reduced.products import real_times
 from cea.reduced.quadratic import quadratic_spectrum
 from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
 
-LOCAL = 1e-7
-"""Part of an eigenvector of the larger basis that a local one leaves out."""
+LOCAL = 1e-5
+"""Part of an eigenvector of the larger basis that a local one leaves out, or of its forces."""
 
 Rounding = tuple[float, tuple[float, ...]]
 """What rounding does to eigenvalues of condition one (1/s^2), and the stiff coefficients there."""
@@ -102,25 +103,28 @@ class SmallPencil:
             found = reduced_spectrum(K, M, self.settings, rounding)
         return found if self.axes is None else found.lifted(self.axes)
 
-    def derivatives(self, found: ReducedSpectrum, values: Values, name: str) -> Complexes:
-        """Derivatives of eigenvalues lambda in a parameter, shape (n,).
+    def derivatives(
+        self, found: ReducedSpectrum, values: Values, names: Sequence[str]
+    ) -> Complexes:
+        """Derivatives of eigenvalues lambda in parameters that change together, shape (n,).
 
         - y^H (lambda^2 dM + lambda dD + dK) x / y^H (2 lambda M + D) x; infinite at a coalescence.
 
         Parameters
         ----------
         found
-            Eigenvalues, their coordinates in this basis.
+            Eigenvalues, their coordinates in this basis or, of a local one, in the larger one.
         values
             Values of all parameters there.
-        name
-            The parameter.
+        names
+            The parameters.
         """
-        x, y, eigenvalues = found.right, found.left.conj(), found.eigenvalues
+        x, y = self.coordinates(found.right), self.coordinates(found.left).conj()
+        eigenvalues = found.eigenvalues
         change: Complexes = np.zeros(len(found), dtype=complex)
         turned: Complexes = np.zeros(len(found), dtype=complex)
         for piece in self.pieces:
-            slope = piece.coefficient.derivative(name, values)
+            slope = sum(piece.coefficient.derivative(name, values) for name in names)
             factor = piece.coefficient.at(values) if piece.role != "stiffness" else 0.0
             if not (slope or factor):
                 continue
@@ -133,16 +137,32 @@ class SmallPencil:
             moved: Complexes = -change / turned
         return moved
 
-    def local(self, vectors: Floats) -> "SmallPencil":
+    def coordinates[T: (Floats, Complexes)](self, vectors: T) -> T:
+        """Of vectors in the larger basis, in this one."""
+        return vectors if self.axes is None else self.axes.T @ vectors
+
+    def local(
+        self, vectors: Floats, stiff: Values | None = None, tolerance: float = LOCAL
+    ) -> "SmallPencil":
         """The pencil on the span of some coordinates; its residuals are as full as before.
 
         Parameters
         ----------
         vectors
             Coordinates in this basis, shape (k, columns).
+        stiff
+            Values of all parameters where the basis is to serve: what is left out is measured by
+            the forces that it has there. None where these vary widely: by itself.
+        tolerance
+            Part of the vectors that is left out.
         """
-        axes, sizes, _ = np.linalg.svd(vectors, full_matrices=False)
-        axes = axes[:, sizes > LOCAL * sizes.max(initial=0.0)]
+        axes = vectors / np.linalg.norm(vectors, axis=0)
+        if stiff is None:
+            axes = _principal(axes, tolerance)
+        else:
+            norm = self._stiffened(stiff)
+            axes = cho_solve(cho_factor(norm), _principal(norm @ axes, tolerance))
+            axes, _ = np.linalg.qr(axes)
         images = [piece.right @ axes for piece in self.pieces]
         images += [piece.left @ axes for piece in self.pieces if not piece.symmetric]
         # Lengths of combinations are those of the columns of R.
@@ -163,26 +183,40 @@ class SmallPencil:
             axes if self.axes is None else self.axes @ axes,
         )
 
-    def spanned(self, found: ReducedSpectrum, values: Values) -> Floats:
+    def spanned(self, found: ReducedSpectrum, static: Values | None = None) -> Floats:
         """Coordinates that a local basis takes from a spectrum, shape (k, columns).
 
-        Real and imaginary parts of right and left vectors, of unit length, and the static
-        displacements under the forces that stiff pieces have on them: X is one in this basis.
+        Real and imaginary parts of right and left vectors, of unit length; and, at values of all
+        parameters, the static displacements under the forces that stiff pieces have on them there:
+        X is one in this basis. Left vectors keep gaps open that friction closes; where a contact is
+        all but rigid no others can be closed without these.
         """
         vectors = columns_of(found.right, found.left)
         blocks = [vectors]
         for piece in self.pieces:
-            if piece.stiff:
-                moved = piece.coefficient.at(values) * piece.square @ vectors
+            if piece.stiff and static is not None:
+                moved = piece.coefficient.at(static) * piece.square @ vectors
                 blocks.append(moved / np.maximum(np.linalg.norm(moved, axis=0), 1.0))
         return np.hstack(blocks)
+
+    def _stiffened(self, values: Values) -> Floats:
+        """The energy norm at some parameters: that of the basis, one, with what is stiff there."""
+        norm = np.eye(self.size)
+        for piece in self.pieces:
+            if piece.stiff:
+                norm += piece.coefficient.at(values) * piece.square
+        return norm
+
+    def stiffness(self, values: Values) -> list[float]:
+        """Coefficients of the pieces that are stiff."""
+        return [piece.coefficient.at(values) for piece in self.pieces if piece.stiff]
 
     def _rounding(self, values: Values) -> float:
         """What rounding does to eigenvalues of condition one (1/s^2).
 
         Where it was seen at greater stiffness it is less in proportion, but no less than anywhere.
         """
-        stiff = [piece.coefficient.at(values) for piece in self.pieces if piece.stiff]
+        stiff = self.stiffness(values)
         sizes = [
             size * max((min(1.0, a / b) for a, b in zip(stiff, at, strict=True)), default=1.0)
             for size, at in self.roundings
@@ -224,6 +258,13 @@ def columns_of(right: Complexes, left: Complexes) -> Floats:
     units = [each / np.linalg.norm(each, axis=0) for each in (right, left)]
     vectors = np.hstack([part for each in units for part in (each.real, each.imag)])
     return vectors[:, vectors.any(axis=0)]
+
+
+def _principal(vectors: Floats, least: float) -> Floats:
+    """Principal directions of columns, those longer than a length."""
+    axes, sizes, _ = np.linalg.svd(vectors, full_matrices=False)
+    kept: Floats = axes[:, sizes > least]
+    return kept
 
 
 def _padded(rows_of: Floats, rows: int) -> Floats:

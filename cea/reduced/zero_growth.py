@@ -4,12 +4,11 @@ With damping or rotation modes decay before they grow, and lambda is smooth in t
 The bound of lambda over the slope of its growth bounds the error of the threshold.
 """
 
-from collections.abc import Callable
-
 import numpy as np
-from scipy.optimize import brentq
 
-from cea.reduced.onsets import Onset, PairLostError, slope_between
+from cea.arrays import Floats
+from cea.reduced.onsets import Onset
+from cea.reduced.roots import OnSpan, PairLostError, Spectra, root_of, vectors_of
 from cea.reduced.spectrum import ReducedSpectrum
 
 _LEAST_PART = 0.5
@@ -19,10 +18,11 @@ _ZERO = 1e-6
 
 
 def zero_growth(
-    at: Callable[[float], ReducedSpectrum],
+    at: Spectra,
     ends: tuple[float, float],
     before: ReducedSpectrum,
     after: ReducedSpectrum,
+    on: OnSpan | None = None,
 ) -> Onset:
     """Where the growth rate of a branch passes zero.
 
@@ -43,29 +43,30 @@ def zero_growth(
     span, _ = np.linalg.qr(np.hstack([before.right, after.right]))
     here, there = complex(before.eigenvalues[0]), complex(after.eigenvalues[0])
 
-    def followed(value: float) -> tuple[ReducedSpectrum, int]:
-        found = at(value)
+    def followed(found: ReducedSpectrum, value: float) -> int:
         part = np.linalg.norm(span.conj().T @ found.right, axis=0)
         part /= np.linalg.norm(found.right, axis=0)
         foreseen = here + (there - here) * (value - ends[0]) / (ends[1] - ends[0])
         distance = np.where(part >= _LEAST_PART, np.abs(found.eigenvalues - foreseen), np.inf)
         if not np.isfinite(distance).any():
             raise PairLostError
-        return found, int(np.argmin(distance))
+        return int(np.argmin(distance))
 
-    def growth(value: float) -> float:
-        found, mode = followed(value)
-        return float(found.eigenvalues[mode].real)
+    def growth(found: ReducedSpectrum, value: float) -> float:
+        return float(found.eigenvalues[followed(found, value)].real)
 
-    if not growth(ends[0]) * growth(ends[1]) < 0:
+    def vectors(found: ReducedSpectrum, value: float) -> Floats:
+        return vectors_of(found[np.array([followed(found, value)])])
+
+    if not growth(at(ends[0]), ends[0]) * growth(at(ends[1]), ends[1]) < 0:
         raise PairLostError
-    scale = max(map(abs, ends))
-    value = float(brentq(growth, *ends, xtol=1e-14 * scale, rtol=1e-14))
-    found, mode = followed(value)
+    value, slope = root_of(at, growth, ends, vectors, on)
+    found = at(value)
+    mode = followed(found, value)
     root = complex(found.eigenvalues[mode])
     doubt = float(found.uncertainties[mode])
     if abs(root.real) > doubt + _ZERO * max(abs(here.real), abs(there.real)):
         raise PairLostError
-    slope = slope_between(growth, value, ends)
     begins = (there.real > here.real) == (ends[1] > ends[0])
-    return Onset(value, doubt / abs(slope), 1j * root.imag, slope, begins=begins)
+    error = (doubt + abs(root.real)) / abs(slope)
+    return Onset(value, error, 1j * root.imag, slope, begins=begins)

@@ -11,8 +11,8 @@ from comparisons.sweep.map_record import Timed
 from comparisons.sweep.mapped import Mapped
 from comparisons.sweep.store import Store
 
-LOCAL = 0.5
-"""Part of the tolerance that a local basis may use up."""
+_AT_FIRST = 0.5
+"""Bound, relative to the tolerance, of a basis where it is made: elsewhere it is larger."""
 _ROUNDS = 4
 """Times that full solves may find fault with a basis before it is given up."""
 
@@ -116,7 +116,7 @@ class Filling:
             When full solves keep passing the bounds.
         """
         for _ in range(_ROUNDS):
-            self.basis.cover(training)
+            self.basis.cover(training, _AT_FIRST * self.basis.tolerance)
             if self.spent or self.basis.confirm(list(picked())):
                 return
         raise ConvergenceError(

@@ -15,7 +15,7 @@ from cea.ranks import agreed
 from cea.reduced.branches import Branches
 from cea.reduced.greedy import TOLERANCE
 from comparisons.sweep.axes import Axis
-from comparisons.sweep.filling import LOCAL, Filling, check_effort
+from comparisons.sweep.filling import Filling, check_effort
 from comparisons.sweep.map_record import Spent, confirm_some, record_of, warnings_of
 from comparisons.sweep.mapped import Mapped, mapped
 from comparisons.sweep.rows import Row, map_row
@@ -188,8 +188,8 @@ class _Run:
             return row
         self._progress(f"row {number + 1} of {len(others)}")
         before = process_time()
-        tolerance = LOCAL * self._asked.tolerance
-        row = map_row(self._filling.model.small, self._scene, others[number], start, tolerance)
+        small, tolerance = self._filling.model.small, self._asked.tolerance
+        row = map_row(small, self._scene, others[number], start, tolerance)
         spent, values = self._online
         self._online = spent + process_time() - before, values + len(row.worst)
         self._store.keep_row(number, row)

@@ -13,7 +13,8 @@ from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.spectrum import RELATIVE_GROWTH
 from cea.reduced.between import Between
 from cea.reduced.branches import Branches
-from cea.reduced.onsets import Onset, PairLostError, onset, span_of
+from cea.reduced.onsets import Onset, onset, span_of
+from cea.reduced.roots import PairLostError
 from cea.reduced.rows import along
 from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
@@ -92,13 +93,14 @@ def map_row(
     def parameters(value: float) -> dict[str, float]:
         return asked.pencil.values(asked.point((value, *others)))
 
-    spectra, basis = along(small, [parameters(value) for value in values], tolerance)
+    line = along(small, [parameters(value) for value in values], tolerance)
+    spectra = line.spectra
     branches = Branches(start[1])
     numbers = [start[0]]
     branches.back_to(spectra[0], start[0])
     numbers += [branches.follow(found) for found in spectra[1:]]
 
-    at = Between(basis, values, spectra, parameters, tolerance)
+    at = Between(small, line, values, parameters, tolerance)
     seek = _crossings if small.damped else _coalescences
     onsets, lost = [], 0
     for sought in seek(at, values, spectra, numbers):
@@ -106,32 +108,27 @@ def map_row(
             onsets.append(sought())
         except PairLostError:
             lost += 1
-    slopes = [
-        np.stack(
-            [
-                sum(small.derivatives(found.window, parameters(value), name) for name in names)
-                for names in asked.names
-            ],
-            axis=1,
-        )
-        for value, found in zip(values, spectra, strict=True)
-    ]
+    slopes = []
+    for i, (value, found) in enumerate(zip(values, spectra, strict=True)):
+        known, there = small if i in line.whole else line.basis, parameters(value)
+        moved = [known.derivatives(found.window, there, names) for names in asked.names]
+        slopes.append(np.stack(moved, axis=1))
     return replace(_table(spectra, numbers, slopes, tuple(onsets), asked), lost=lost)
 
 
 def _coalescences(
-    at: Callable[[float], ReducedSpectrum],
+    at: Between,
     values: Sequence[float],
     spectra: Sequence[ReducedSpectrum],
     _: Sequence[Ints],
 ) -> Iterator[Callable[[], Onset]]:
     """What seeks each threshold of an undamped pencil."""
     for still, flutters, pair in _beginnings(spectra):
-        yield partial(onset, at, values[still], values[flutters], span_of(pair))
+        yield partial(onset, at, values[still], values[flutters], span_of(pair), at.on)
 
 
 def _crossings(
-    at: Callable[[float], ReducedSpectrum],
+    at: Between,
     values: Sequence[float],
     spectra: Sequence[ReducedSpectrum],
     numbers: Sequence[Ints],
@@ -144,7 +141,8 @@ def _crossings(
         for found in (one, other):
             changes &= found.inside & (np.abs(found.eigenvalues.real) > found.uncertainties)
         for mode in np.flatnonzero(changes)[:, None]:
-            yield partial(zero_growth, at, (values[i], values[i + 1]), one[mode], other[mode])
+            ends = values[i], values[i + 1]
+            yield partial(zero_growth, at, ends, one[mode], other[mode], at.on)
 
 
 def _beginnings(spectra: Sequence[ReducedSpectrum]) -> Iterator[tuple[int, int, Any]]:

@@ -15,7 +15,7 @@ from cea.ranks import agreed
 from cea.reduced.greedy import TOLERANCE
 from comparisons.sweep.cells import cells_of, numbered
 from comparisons.sweep.distributions import Distribution, Drawn, draw
-from comparisons.sweep.filling import LOCAL, Filling, check_effort
+from comparisons.sweep.filling import Filling, check_effort
 from comparisons.sweep.mapped import Mapped, mapped
 from comparisons.sweep.probabilities import record_of, warnings_of
 from comparisons.sweep.sampled import Sampled, gathered, solved
@@ -183,7 +183,7 @@ class _Run:
                     cells[i],
                     [self._scene.pencil.values(self._point(int(n))) for n in cells[i].samples],
                     (middles[i], numbers[i]),
-                    LOCAL * self._asked.tolerance,
+                    self._asked.tolerance,
                     self._scene.growth_threshold,
                 )
         whole = {i: part for parts in comm.allgather(made) for i, part in parts.items()}

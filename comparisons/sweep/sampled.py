@@ -72,7 +72,7 @@ def solved(
     growth_threshold
         Growth rate (1/s) above which a mode grows; None where it is relative.
     """
-    spectra, _ = along(small, points, tolerance, least=_SMALL)
+    spectra = along(small, points, tolerance, least=_SMALL).spectra
     shape = (len(spectra), max(int(found.inside.sum()) for found in spectra))
     growth, frequency, uncertainty = (np.full(shape, np.nan) for _ in range(3))
     number = np.full(shape, -1, dtype=np.int64)

@@ -24,7 +24,8 @@ from cea.eigen.thresholds import flutter_threshold
 from cea.errors import InputError
 from cea.reduced.branches import Branches
 from cea.reduced.greedy import largest_ratio
-from cea.reduced.onsets import PairLostError, onset, span_of
+from cea.reduced.onsets import onset, span_of
+from cea.reduced.roots import PairLostError
 from cea.reduced.rows import along
 from cea.reduced.spectrum import MARGIN, upper_root
 
@@ -72,7 +73,8 @@ def test_rows_on_a_local_basis_are_those_of_the_whole_basis(maps, backend):
     small = maps(backend).model.small
     pencil = maps(backend).model.pencil
     line = [pencil.values({MU: mu, P: 40.0}) for mu in np.linspace(0.5, 0.6, 21)]
-    spectra, basis = along(small, line, 1e-9, least=10)
+    found_there = along(small, line, 1e-9, least=10)
+    spectra, basis = found_there.spectra, found_there.basis
     assert basis.size < small.size
     for values, found in zip(line[::4], spectra[::4], strict=True):
         assert found.worst <= 1e-9

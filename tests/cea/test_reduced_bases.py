@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 from reduced_cases import MU, P, blocks_pencil, enrichment, grid
 
+from cea.reduced import greedy
 from cea.reduced.between import Between
 from cea.reduced.model import ReducedModel
+from cea.reduced.onsets import onset, span_of
 from cea.reduced.products import real_times
+from cea.reduced.roots import PairLostError, root_of
 from cea.reduced.rows import along
+from cea.reduced.small import SmallPencil
 from cea.reduced.span import Span
 
 TOP = 0.6
@@ -70,8 +74,8 @@ def test_products_of_real_matrices_are_those_in_complex_arithmetic():
 @pytest.fixture(scope="module")
 def built():
     pencil = blocks_pencil("iga")
-    made = enrichment(pencil, {MU: (0.0, 1.0), P: (1.0, 1e4)}, TOP)
-    assert made.cover(grid(mu=[0.0, 0.5, 1.0], P=np.geomspace(1, 1e4, 5))) <= made.tolerance
+    made = enrichment(pencil, {MU: (0.0, 1.0), P: (1.0, 1e8)}, TOP)
+    assert made.cover(grid(mu=[0.0, 0.5, 1.0], P=np.geomspace(1, 1e8, 9))) <= made.tolerance
     return made
 
 
@@ -82,8 +86,8 @@ def test_spectra_between_neighbours_are_those_of_the_whole_basis(built, toleranc
     def parameters(mu):
         return pencil.values({MU: mu, P: 30.0})
 
-    spectra, basis = along(small, [parameters(mu) for mu in values], tolerance, least=10)
-    at = Between(basis, values, spectra, parameters, tolerance)
+    line = along(small, [parameters(mu) for mu in values], tolerance, least=10)
+    at = Between(small, line, values, parameters, tolerance)
     for mu in (0.003, 0.37, 0.371, 0.52, 0.999):
         found, whole = at(mu).window, small.at(parameters(mu)).window
         assert len(found) == len(whole)
@@ -93,13 +97,13 @@ def test_spectra_between_neighbours_are_those_of_the_whole_basis(built, toleranc
         assert np.abs(mine - theirs).max() <= doubt
         assert found.worst <= 2 * max(tolerance, whole.worst)
         assert at(mu) is at(mu)
-    assert at(values[4]) is spectra[4]
+    assert at(values[4]) is line.spectra[4]
 
 
 def test_a_row_keeps_its_tolerance_at_values_that_were_not_looked_at_first(built):
     small, pencil = built.model.small, built.model.pencil
     line = [pencil.values({MU: mu, P: 300.0}) for mu in np.linspace(0, 1, 61)]
-    spectra, _ = along(small, line, 1e-8, least=10)
+    spectra = along(small, line, 1e-8, least=10).spectra
     whole = [small.at(values) for values in line]
     for found, other in zip(spectra, whole, strict=True):
         assert found.worst <= max(1e-8, other.worst)
@@ -111,7 +115,98 @@ def test_a_row_that_no_local_basis_holds_is_solved_on_the_whole_one(built):
     points = [
         pencil.values({MU: mu, P: p}) for p in np.geomspace(1, 1e4, 12) for mu in (0.1, 0.5, 0.9)
     ]
-    spectra, basis = along(small, points, 1e-14, least=10)
-    assert basis is small
-    for values, found in zip(points, spectra, strict=True):
+    line = along(small, points, 1e-14, least=10)
+    assert line.basis is small
+    for values, found in zip(points, line.spectra, strict=True):
         np.testing.assert_array_equal(found.kappa, small.at(values).kappa)
+
+
+@pytest.fixture
+def sizes(monkeypatch):
+    """Sizes of the bases on which spectra were made."""
+    made, at = [], SmallPencil.at
+
+    def counted(small, values):
+        made.append(small.size)
+        return at(small, values)
+
+    monkeypatch.setattr(SmallPencil, "at", counted)
+    return made
+
+
+@pytest.mark.parametrize("p", [1.0, 1e4, 1e8])
+def test_a_row_rests_on_few_values_of_the_whole_basis_however_stiff(built, sizes, p):
+    """What a local basis leaves out is small in the energy norm there, not in that of soft ones."""
+    small, pencil = built.model.small, built.model.pencil
+    line = along(small, [pencil.values({MU: mu, P: p}) for mu in np.linspace(0, 1, 41)], 1e-7)
+    assert small.size > 1.5 * line.basis.size
+    assert max(found.worst for found in line.spectra) <= 1e-7
+    assert sizes.count(small.size) <= 8
+    assert not line.whole
+
+
+def flutters(found):
+    return np.flatnonzero(found.inside & (found.kappa.imag > 1e-6 * found.speeds**2))
+
+
+def test_a_threshold_takes_few_spectra_and_is_that_of_many(built, sizes):
+    small, pencil, values = built.model.small, built.model.pencil, np.linspace(0, 1, 11).tolist()
+
+    def parameters(mu):
+        return pencil.values({MU: mu, P: 30.0})
+
+    line = along(small, [parameters(mu) for mu in values], 1e-9, least=10)
+    first = next(i for i, found in enumerate(line.spectra) if len(flutters(found)))
+    grows = line.spectra[first]
+    pair = span_of(grows.right[:, flutters(grows)[0]])
+    ends = values[first - 1], values[first]
+    at = Between(small, line, values, parameters, 1e-9)
+    sizes.clear()
+    found = onset(at, *ends, pair, at.on)
+    assert sum(size > 20 for size in sizes) <= 4
+    sizes.clear()
+    slow = onset(lambda mu: small.at(parameters(mu)), *ends, pair)
+    assert sum(size > 20 for size in sizes) > 8
+    assert abs(found.value - slow.value) <= 1e-9 * slow.value
+    assert abs(found.value - slow.value) <= found.error
+    assert found.slope == pytest.approx(slow.slope, rel=1e-3)
+
+
+def test_what_few_vectors_lose_is_sought_on_all(built):
+    """A basis on which the pair cannot be told leads to the same root, by whole spectra."""
+    small, pencil = built.model.small, built.model.pencil
+
+    def at(mu):
+        return small.at(pencil.values({MU: mu, P: 30.0}))
+
+    def lost(_vectors):
+        def nothing(_):
+            raise PairLostError
+
+        return nothing
+
+    def lowest(found, mu):
+        return found.eigenvalues[0].imag - middle
+
+    middle = at(0.5).eigenvalues[0].imag
+    roots = [
+        root_of(at, lowest, (0.3, 0.8), lambda found, mu: found.right.real, on)[0]
+        for on in (lost, None)
+    ]
+    assert roots[0] == roots[1] == pytest.approx(0.5, rel=1e-9)
+    with pytest.raises(PairLostError):
+        root_of(at, lowest, (0.6, 0.8), lambda found, mu: found.right.real, None)
+
+
+def test_bounds_are_looked_at_a_few_times_for_each_solve_and_all_are_small(monkeypatch):
+    points = grid(mu=np.linspace(0, 1, 6), P=np.geomspace(1, 1e4, 12))
+    made = enrichment(blocks_pencil("iga"), {MU: (0.0, 1.0), P: (1.0, 1e4)}, TOP)
+    looks, worst = [], greedy.Enrichment._worst
+    monkeypatch.setattr(greedy, "_LOOKS", 4)
+    monkeypatch.setattr(
+        greedy.Enrichment, "_worst", lambda built, point: looks.append(1) or worst(built, point)
+    )
+    assert made.cover(points, 5e-9) == 0.0
+    assert len(made.snapshots) >= 3
+    assert len(looks) <= len(points) + 4 * len(made.snapshots)
+    assert max(made.at(point).worst for point in points) <= 2 * 5e-9

@@ -210,6 +210,18 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     assert not third.parent.exists()
 
 
+def test_what_was_solved_before_an_interruption_is_not_solved_again(tmp_path):
+    """Full solves that tested the map least of all: they are at the same random values."""
+    wanted = asked("iga", "mu=0:2:7", "P=0.5:50:log:3", checks=3, confirm=0)
+    first, before, _ = run_map(wanted, tmp_path / "out")
+    again, after, store = run_map(wanted, tmp_path / "out")
+    store.discard()
+    assert again["stored_before"] == len(first["snapshots"]) > 3
+    assert again["snapshots"] == first["snapshots"]
+    for one, other in zip(before, after, strict=True):
+        np.testing.assert_array_equal(one.growth, other.growth)
+
+
 def test_the_command_threshold_confirms_what_it_finds(tmp_path, monkeypatch, capsys):
     chosen = (*overrides("iga"), "contacts.interface.p=0.25")
     settings = [part for each in chosen for part in ("--set", each)]
