@@ -12,7 +12,7 @@ takes off less than half.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite, log
 
 import numpy as np
@@ -24,6 +24,9 @@ MOST = 1.0
 """Largest eta that is made use of: what falls faster than theory leaves another part behind."""
 SAFETY = 3.0
 """Factor on Richardson's error."""
+_UNMEASURED, _SHOWN = 2.0, 4
+"""Factor on errors of which no parts were measured, until so many meshes show how they fall: on
+coarse ones a step may take off another part than the one before, and leave more than either says."""
 _TRUSTED = log(40.0)
 """Most that a last step is trusted to have taken off, as a logarithm: what fell by more may have
 left another part behind."""
@@ -58,13 +61,16 @@ class Usual:
     own
         Whether it is that expected of the number itself, as its error is known in its parts, and
         not of what numbers of this size have in the window.
+    unmeasured
+        Whether errors could not be measured in their parts: bars of few meshes are doubled then.
     """
 
     size: float = 0.0
     own: bool = False
+    unmeasured: bool = False
 
     def __mul__(self, factor: float) -> "Usual":
-        return Usual(self.size * factor, self.own)
+        return replace(self, size=self.size * factor)
 
 
 NO_USUAL = Usual()
@@ -136,19 +142,20 @@ def bar(
         return Bar(inf, None)
     differences = np.abs(np.diff(values))
     last = float(differences[-1])
+    doubt = _UNMEASURED if usual.unmeasured and len(values) < _SHOWN else 1.0
     if len(values) < 3:
-        return Bar(_unseen([max(last, usual.size)], positions) + rounding, None)
+        return Bar(doubt * _unseen([max(last, usual.size)], positions) + rounding, None)
     rate, former = rate_of(values, positions), float(differences[-2])
     if max(last, former) <= 2 * rounding:  # nothing but rounding is left to differ
         return Bar(max(last, former) + rounding, rate)
     if rate is None or rate < LEAST:
-        return Bar(_unseen([former, last], positions) + rounding, rate)
+        return Bar(doubt * _unseen([former, last], positions) + rounding, rate)
     before, step = np.diff(positions[-3:])
     used = min(rate, MOST, MOST if typical is None else max(typical, LEAST))
     likely = usual.size
     if not usual.own:
         likely = max(likely, -former * float(np.expm1(-used * step) / np.expm1(used * before)))
-    size = SAFETY * max(last, _LUCK * likely) / np.expm1(min(used * step, _TRUSTED))
+    size = doubt * SAFETY * max(last, _LUCK * likely) / np.expm1(min(used * step, _TRUSTED))
     return Bar(float(size) + rounding, rate)
 
 

@@ -84,7 +84,7 @@ class Window:
 
 def _usual(expected: Floats | None, window: Window) -> Usual:
     if expected is None:
-        return Usual(window.change)
+        return Usual(window.change, unmeasured=True)
     if len(expected) < 2:
         return Usual(0.0, own=True)
     return Usual(window.over * float(expected[-2] - expected[-1]), own=True)

@@ -110,7 +110,7 @@ def _undamped(history: History, window: Window) -> list[Member]:
     """Members of clusters other than pairs, by their lambda^2.
 
     One alone is stable: without damping a mode grows only beside a partner that decays. Where more
-    than two meet, only bars of growth that do not hold zero decide.
+    than two meet, only bars of growth that do not hold zero decide. Without a bar none is alone.
     """
     alone, found = history.values.shape[1] == 1, []
     for column, rounding in zip(history.values.T, history.rounding, strict=True):
@@ -125,7 +125,7 @@ def _undamped(history: History, window: Window) -> list[Member]:
         )
         error = _root_error(value**2, squares.size)
         still = bool(np.all(column.real == 0))
-        if alone and still:
+        if alone and still and np.isfinite(error):
             member = Member(value, error, 0.0, "stable", squares.rate, len(column))
         else:
             verdict = sign_of(value.real, error)

@@ -66,6 +66,15 @@ def test_observed_rate_is_that_of_the_sequence(rate):
     assert observed_rate(positions, np.abs(np.diff(numbers))) == pytest.approx(rate, rel=1e-9)
 
 
+@pytest.mark.parametrize("values", [[1, 1.1], [1, 1.1, 1.11], [1, 1.1, 1.3], [1, 1.1, 1.11, 1.111]])
+def test_bars_of_few_meshes_are_doubled_where_errors_were_not_measured_in_parts(values):
+    positions = [float(i) for i in range(len(values))]
+    known = bar(values, positions, 1.0).size
+    doubt = 2.0 if len(values) < 4 else 1.0
+    found = bar(values, positions, 1.0, usual=Usual(unmeasured=True)).size
+    assert found == pytest.approx(doubt * known)
+
+
 @pytest.mark.parametrize("rate", [0.4, 0.7, 1.0])
 def test_bar_is_three_times_the_error_of_a_sequence_that_keeps_its_rate(rate):
     positions = [0.0, 2.0, 4.0, 5.0]
@@ -269,6 +278,15 @@ def test_what_one_mesh_alone_calls_rigid_has_no_such_bar(rows):
     (member,) = judge(sequence(rows), load_scene("blocks")).members
     assert not member.rigid
     assert shortfall(member, Request("blocks", digits=1), None) > 1
+
+
+def test_of_one_mesh_no_mode_is_called_stable_where_there_is_friction():
+    """Without a bar a mode may meet any other."""
+    rows = [[1j, 2j]]
+    rubbing = judge(sequence(rows), load_scene("blocks")).members
+    assert [member.verdict for member in rubbing] == ["undecided"] * 2
+    still = judge(sequence(rows), load_scene("blocks", ["contacts.interface.mu=0.0"])).members
+    assert [member.verdict for member in still] == ["stable"] * 2
 
 
 def test_digits_are_asked_of_growth_where_a_mode_grows():
