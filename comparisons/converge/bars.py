@@ -25,8 +25,8 @@ MOST = 1.0
 SAFETY = 3.0
 """Factor on Richardson's error."""
 _UNMEASURED, _SHOWN = 2.0, 4
-"""Factor on errors of which no parts were measured, until so many meshes show how they fall: on
-coarse ones a step may take off another part than the one before, and leave more than either says."""
+"""Factor on errors of which no parts were measured, until so many meshes show how they fall: a
+coarse step may take off another part than the one before, and leave more than either says."""
 _TRUSTED = log(40.0)
 """Most that a last step is trusted to have taken off, as a logarithm: what fell by more may have
 left another part behind."""
