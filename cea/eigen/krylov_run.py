@@ -147,7 +147,8 @@ class KrylovRun:
             start = np.asfortranarray(start)
             # OP takes what is far away out of a vector, ties above all.
             far = both_ends and owner.finite == owner.size
-            times = owner.cleansing if known.size or both_ends else _CLEANSED
+            once = known.size or both_ends or columns == self._room
+            times = owner.cleansing if once else _CLEANSED
             for _ in range(0 if far else times):
                 start = self._applied(start)
             self._space.start(start)

@@ -26,9 +26,9 @@ from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
 
-_PLACE = 0.62
-"""Shift relative to the end of the window in kappa, of which nothing lies far below zero: what lies
-above the window is all that its ends must be told from."""
+_PLACE = 0.5
+"""Shift relative to the end of the window in kappa. Nearer to what lies above the window a search
+takes 5 per cent fewer columns, but residuals of the lowest modes are up to 25 times as large."""
 
 
 class KrylovSchur:

@@ -7,8 +7,13 @@ from typing import Self
 import numpy as np
 from scipy.linalg import schur
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.dense_products import beside, combined
+
+_EQUAL = 1e3
+"""Distance of eigenvalues, in rounding of the matrix, up to which they may be equal."""
+_APART = 1e-2
+"""Least singular value of unit eigenvectors that are told from each other."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +95,10 @@ class InvariantSubspace:
 
     @cached_property
     def _pairs(self) -> tuple[Complexes, Complexes]:
-        return small_eigenpairs(self.projected, symmetric=self.symmetric)
+        values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
+        if not self.symmetric:
+            _tell_apart(self.projected, values, vectors)
+        return values, vectors
 
     def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
         """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
@@ -112,6 +120,44 @@ def small_eigenpairs(matrix: Floats, *, symmetric: bool) -> tuple[Complexes, Com
     """Eigenvalues and vectors of a small matrix."""
     values, vectors = np.linalg.eigh(symmetric_part(matrix)) if symmetric else np.linalg.eig(matrix)
     return values.astype(complex), vectors.astype(complex)
+
+
+def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
+    """Mend vectors of equal eigenvalues of an unsymmetric matrix.
+
+    Those of rigid motions, say, are what rounding makes of them, which may be one vector twice.
+    Where that is so orthonormal ones stand for them, if they are as good.
+    """
+    rounding = _EQUAL * np.finfo(float).eps * float(np.linalg.norm(matrix))
+    real = not np.iscomplexobj(matrix)
+    for members in _equal(values, rounding):
+        if np.linalg.svd(vectors[:, members], compute_uv=False)[-1] >= _APART:
+            continue
+        mean = values[members].mean()
+        if real and mean.imag < -rounding:
+            continue  # they are mended with those they are the conjugates of
+        shift = mean.real if real and mean.imag <= rounding else mean
+        _, sizes, axes = np.linalg.svd(matrix - shift * np.eye(len(matrix)))
+        if sizes[-len(members)] <= rounding:
+            own = axes[-len(members) :].conj().T
+            vectors[:, members] = own
+            values[members] = np.einsum("ij,ij->j", own.conj(), matrix @ own)
+            if real and mean.imag > rounding:
+                vectors[:, members + 1], values[members + 1] = own.conj(), values[members].conj()
+
+
+def _equal(values: Complexes, rounding: float) -> list[Ints]:
+    """Groups of two or more that differ by no more than rounding from the first of them."""
+    left, groups = np.arange(len(values)), []
+    close = np.abs(values[:, None] - values) <= rounding
+    np.fill_diagonal(close, False)
+    for first in np.flatnonzero(close.any(axis=1)):
+        if first in left:
+            members = left[close[first, left] | (left == first)]
+            left = np.setdiff1d(left, members)
+            if len(members) > 1:
+                groups.append(members)
+    return groups
 
 
 def conditions_of(gram: Complexes) -> Floats:

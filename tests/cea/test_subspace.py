@@ -1,0 +1,57 @@
+"""Eigenpairs of an invariant subspace whose eigenvalues are equal but for rounding."""
+
+import numpy as np
+import pytest
+
+from cea.eigen.subspace import InvariantSubspace
+
+EPS = np.finfo(float).eps
+
+
+def pairs_of(projected):
+    """Eigenvalues and vectors of a subspace that is all there is."""
+    made = InvariantSubspace(np.eye(len(projected)), projected, symmetric=False)
+    return made.eigenpairs()
+
+
+def rotated(block, others, seed=3):
+    """A block beside other eigenvalues, in other coordinates."""
+    whole = np.diag(np.concatenate([np.zeros(len(block)), others]))
+    whole[: len(block), : len(block)] = block
+    axes = np.linalg.qr(np.random.default_rng(seed).standard_normal(whole.shape))[0]
+    return axes @ whole @ axes.T
+
+
+@pytest.mark.parametrize("corner", [0.0, 1e-6 * EPS, -1e-6 * EPS])
+def test_one_vector_twice_is_mended(corner):
+    """A Jordan block that is nothing but rounding, or nearly so, as of rigid motions."""
+    matrix = np.diag([0.0, 0.0, 1.0, 2.0, 3.0])
+    matrix[:2, :2] = [[0.0, 30 * EPS], [corner, 0.0]]
+    own = np.linalg.eig(matrix)[1]
+    values, vectors = pairs_of(matrix)
+    slow = np.abs(values) < 1e-9
+    assert slow.sum() == 2
+    assert np.linalg.svd(own[:, slow], compute_uv=False)[-1] < 1e-2
+    assert np.linalg.svd(vectors[:, slow], compute_uv=False)[-1] > 0.9
+    assert np.abs(matrix @ vectors - vectors * values).max() < 1e3 * EPS
+
+
+def test_equal_complex_pairs_stay_conjugate():
+    turn = np.array([[1.0, -1.0], [1.0, 1.0]])
+    noise = np.zeros((4, 4))
+    noise[:2, 2:] = 20 * EPS * np.eye(2)
+    matrix = rotated(np.kron(np.eye(2), turn) + noise, [5.0])
+    values, vectors = pairs_of(matrix)
+    assert np.abs(matrix @ vectors - vectors * values).max() < 1e3 * EPS
+    upper = np.flatnonzero(values.imag > 0)
+    np.testing.assert_array_equal(values[upper + 1], values[upper].conj())
+    np.testing.assert_array_equal(vectors[:, upper + 1], vectors[:, upper].conj())
+    assert np.linalg.svd(vectors, compute_uv=False)[-1] > 0.1
+
+
+def test_what_coalesces_in_earnest_is_left_as_it_is():
+    """Of a Jordan block there is no second vector."""
+    matrix = rotated(np.array([[1.0, 1.0], [0.0, 1.0]]), [3.0])
+    values, vectors = pairs_of(matrix)
+    two = np.argsort(np.abs(values - 1.0))[:2]
+    assert np.linalg.svd(vectors[:, two], compute_uv=False)[-1] < 1e-6
