@@ -91,7 +91,6 @@ class BlockSearch(ABC):
         radius: float,
         seed: int,
         *,
-        centre: complex | None = None,
         both_ends: bool = False,
     ) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc.
@@ -104,11 +103,9 @@ class BlockSearch(ABC):
         known
             An invariant subspace found before, at any shift.
         radius
-            Radius of the disc.
+            Radius of the disc about the shift.
         seed
             Of the random start vectors.
-        centre
-            Its centre, no farther from the shift than ``radius``; None takes the shift.
         both_ends
             Whether the far end of the spectrum is to be seen too, and nothing taken from around
             the disc: far from the shift digits are lost to it. With ties, whose infinite
@@ -123,8 +120,7 @@ class BlockSearch(ABC):
             When it holds more than ``most`` eigenvalues.
         """
         with self._timer("krylov"):
-            centre = self.shift if centre is None else centre
-            run = KrylovRun(self, known, radius, seed, centre=centre, both_ends=both_ends)
+            run = KrylovRun(self, known, radius, seed, both_ends=both_ends)
             known = run.complete()
             self.farthest, self.reached = run.farthest, run.reached
             return known

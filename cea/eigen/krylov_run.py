@@ -96,11 +96,9 @@ class KrylovRun:
     known
         Q.
     radius
-        Radius of the disc.
+        Radius of the disc about the shift.
     seed
         Of the random start vectors.
-    centre
-        Its centre; the shift lies inside.
     both_ends
         Whether the far end of the spectrum is to be seen too.
 
@@ -110,8 +108,7 @@ class KrylovRun:
         Largest modulus of an eigenvalue that the space knows of; infinite where it does not see the
         far end of the spectrum.
     reached
-        Radius of the disc about the shift that the search ended with; None where it is that asked
-        for.
+        Radius of the disc that the search ended with; None where it is that asked for.
     """
 
     def __init__(
@@ -121,14 +118,10 @@ class KrylovRun:
         radius: float,
         seed: int,
         *,
-        centre: complex,
         both_ends: bool,
     ) -> None:
         self._owner, self._known = owner, known
-        # abs(kappa - centre) <= radius, in theta, is what is outside of another disc.
-        self._radius, aside = radius, centre - owner.shift
-        square = radius**2 - abs(aside) ** 2
-        self._centre, self._least = -np.conj(aside) / square, radius / square
+        self._least = 1.0 / radius
         self._both_ends = both_ends
         self.farthest = np.inf
         self.reached: float | None = None
@@ -171,13 +164,12 @@ class KrylovRun:
                 self._space.extend()
                 continue
             theta, residuals = self._ritz()
-            inside = self._distances(theta) >= self._least
-            near = inside if self._both_ends else inside | (np.abs(theta) >= _AROUND * self._least)
+            inside = np.abs(theta) >= self._least
+            near = inside if self._both_ends else np.abs(theta) >= _AROUND * self._least
             converged = residuals <= self._owner.tolerance * np.abs(theta)
             if exhausted:  # ties have infinite eigenvalues, theta = 0 but for rounding
                 converged = self._largest(theta)
                 self.farthest = self._far_end(theta[converged], 0 * residuals[converged])
-                self._centre = 0.0  # what is infinite is the least of all
                 return self._locked(theta, converged & near)
             if converged[inside].all() and self._clear(theta, residuals, inside):
                 self.farthest = self._far_end(theta, residuals)
@@ -195,7 +187,7 @@ class KrylovRun:
                     where = f"{self._owner.unknown} = {self._shift:.4g}"
                     raise ConvergenceError(
                         f"{int((inside & ~converged).sum())} eigenvalues in the disc of radius "
-                        f"{self._radius:.4g} about {where} did not converge",
+                        f"{1 / self._least:.4g} about {where} did not converge",
                         best=self._locked(theta, converged),
                     )
                 restarts += 1
@@ -215,14 +207,10 @@ class KrylovRun:
         first = order[number]
         reached = float(1 / (np.abs(theta[first]) + _CLEAR * residuals[first]))
         inside = converged & (np.abs(theta) * reached > 1)
-        if inside.sum() * self._radius <= self._owner.plan.many * reached:
+        if inside.sum() <= self._owner.plan.many * self._least * reached:
             return None
-        self._centre, self.reached = 0.0, reached
+        self.reached = reached
         return self._locked(theta, inside)
-
-    def _distances(self, theta: Complexes) -> Floats:
-        """By which eigenvalues lead: the disc holds those at which this is large."""
-        return np.abs(theta - self._centre)
 
     def _square(self) -> NDArray[Any]:
         square = self._space.square
@@ -254,7 +242,7 @@ class KrylovRun:
         """Whether the first eigenvalue outside has converged enough to be outside."""
         if inside.all():
             return False
-        sizes = np.where(inside, 0.0, self._distances(theta))
+        sizes = np.where(inside, 0.0, np.abs(theta))
         first = int(np.argmax(sizes))
         return bool(_CLEAR * residuals[first] <= self._least - sizes[first])
 
@@ -269,19 +257,19 @@ class KrylovRun:
         return part / (1 - part) * abs(self._shift) if part < 1 else np.inf
 
     def _leading(self, theta: Complexes, number: int) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Schur form of OP on so many eigenvalues, the leading ones; no pair is split."""
-        sizes = np.sort(self._distances(theta))[::-1]
+        """Schur form of OP on so many eigenvalues of largest modulus; no pair is split."""
+        sizes = np.sort(np.abs(theta))[::-1]
         while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:
             number += 1
         output: Any = "complex" if self._owner.dtype is complex else "real"
         if number >= len(sizes):
             form, vectors = schur(self._square(), output=output)
             return form, vectors
-        centre, cut = self._centre, 0.5 * (sizes[number - 1] + sizes[number])
+        cut = 0.5 * (sizes[number - 1] + sizes[number])
         form, vectors, kept = schur(
             self._square(),
             output=output,
-            sort=lambda value, im=0.0: bool(np.abs(value + 1j * im - centre) >= cut),
+            sort=lambda value, im=0.0: bool(np.abs(value + 1j * im) >= cut),
         )
         return form[:kept, :kept], vectors[:, :kept]
 
@@ -293,7 +281,7 @@ class KrylovRun:
 
     def _locked(self, theta: Complexes, converged: NDArray[np.bool_]) -> InvariantSubspace:
         """The known with the leading eigenvalues, as far as they have converged."""
-        order = np.argsort(-self._distances(theta))
+        order = np.argsort(-np.abs(theta))
         number = len(order) if converged.all() else int(np.argmin(converged[order]))
         if 0 < number < len(order):
             last, beyond = theta[order[number - 1]], theta[order[number]]

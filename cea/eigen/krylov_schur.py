@@ -26,10 +26,6 @@ from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer
 
-_PLACE = 0.5
-"""Shift relative to the end of the window in kappa. Nearer to what lies above the window a search
-takes 5 per cent fewer columns, but residuals of the lowest modes are up to 25 times as large."""
-
 
 class KrylovSchur:
     """Shift-and-invert Krylov-Schur on a parametric pencil.
@@ -134,7 +130,7 @@ class KrylovSchur:
                 raise InputError("solver", self.solver, "'block' with damping or rotation")
             return self._quadratic(matrices, values, max_frequency, min_growth, timer, left=left)
         top = (2 * np.pi * max_frequency) ** 2
-        shift, upper, counted = _PLACE * top, upper_end(top), None
+        shift, upper, counted = 0.5 * top, upper_end(top), None
         with timer("factorisation"):
             factors = self._kept.in_the_middle(matrices, values, shift)
             if matrices.symmetric:
@@ -142,7 +138,6 @@ class KrylovSchur:
         search = WindowSearch(
             matrices,
             factors,
-            0.5 * top,
             tolerance=self._tolerance,
             max_restarts=self._max_restarts,
             timer=timer,

@@ -67,7 +67,7 @@ class _NearestRun(KrylovRun):
 
     def __init__(self, owner: BlockSearch, rows: int, wanted: int) -> None:
         nothing = InvariantSubspace.empty(rows, symmetric=False)
-        super().__init__(owner, nothing, 1.0, 0, centre=owner.shift, both_ends=False)
+        super().__init__(owner, nothing, 1.0, 0, both_ends=False)
         self._wanted = wanted
 
     def complete(self) -> InvariantSubspace:

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cea.arrays import Complexes
+from cea.arrays import Complexes, Floats
 from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.coverage import distance_of_cone, distance_within, touching_disc
 from cea.eigen.field_of_values import FieldOfValues, field_of_values
@@ -65,9 +65,7 @@ class WindowSearch:
     matrices
         The pencil at given parameters.
     factors
-        The pencil factorised in the window; the search moves them.
-    middle
-        Middle of the window (1/s^2), in the disc about which the shift of the factors lies.
+        The pencil factorised in the middle of the window; the search moves them.
     tolerance, max_restarts
         Of each search (:class:`cea.eigen.block_krylov.BlockKrylov`).
     timer
@@ -87,7 +85,6 @@ class WindowSearch:
         self,
         matrices: Matrices,
         factors: Shifted,
-        middle: float,
         *,
         tolerance: float,
         max_restarts: int,
@@ -95,14 +92,14 @@ class WindowSearch:
         solver: Solver = "block",
     ) -> None:
         self._matrices, self._factors = matrices, factors
-        self._middle, self._shift = middle, factors.kappa
+        self._middle = factors.kappa
         self.factorisations = 0
         self._finite = matrices.size - matrices.tied
         self._limits = tolerance, max_restarts
         self._timer, self._solver = timer, solver
         self._searches = self.slices = 0
         self._discs: list[Disc] = []
-        self._farthest: dict[tuple[float, float], float] = {}
+        self._farthest: dict[float, float] = {}
         self._signs: dict[float, int] = {}
         self._farthest_kappa = np.inf
 
@@ -120,7 +117,7 @@ class WindowSearch:
         known = self._around_the_middle(upper)
         radius = upper - self._middle
         if _below(known, upper) < counted:
-            known = self._filled(known, Disc(self._middle, radius))
+            known = self._filled(known, radius)
         depth = max(0.0, radius - self._middle)
         while _below(known, upper) < counted and len(self._discs) < _MOST_DISCS[True]:
             depth = _DEEPER * max(depth, top)  # a stiffness that is not positive definite
@@ -142,8 +139,7 @@ class WindowSearch:
         radius = distance_of_cone(top, self._middle, field)
         if radius <= _AROUND * (upper - self._middle):
             known = self._around_the_middle(max(upper, self._middle + radius))
-            radius = distance_of_cone(top, self._middle, field)
-            known = self._filled(known, Disc(self._middle, radius))
+            known = self._filled(known, distance_of_cone(top, self._middle, field))
             if not self._odd(known):
                 return Found(known, tuple(self._discs), depth, bounded, slices=self.slices)
         else:
@@ -165,62 +161,56 @@ class WindowSearch:
             reached, bounded = np.inf, True
         known = self._with_real_ones(known)
         if len(self._discs) > _NEAR:
-            self._move(self._shift)  # modes are judged by factors near them
+            self._move(self._middle)  # modes are judged by factors near them
         odd = bool(self._odd(known))
         return Found(known, tuple(self._discs), reached, bounded, odd, slices=self.slices)
 
     def _around_the_middle(self, upper: float) -> InvariantSubspace:
         """Eigenvalues about the middle of the window; the shift steps aside where it is one."""
-        middle = self._middle
         for _ in range(_STEPS_ASIDE):
-            self._move(self._shift)
-            known = self._first(Disc(middle, upper - middle))
-            nearest = np.abs(known.eigenvalues() - self._shift).min(initial=np.inf)
-            if nearest > _ASIDE**2 * self._shift:
+            self._move(self._middle)
+            known = self._first(upper - self._middle)
+            nearest = np.abs(known.eigenvalues() - self._middle).min(initial=np.inf)
+            if nearest > _ASIDE**2 * self._middle:
                 break
             self._farthest.clear()
             self._signs.clear()
             self._discs.clear()
-            self.slices = 0
-            self._shift *= 1 - _ASIDE
+            self._middle *= 1 - _ASIDE
         if not known.size:  # what lies around shows what rounding does
-            known = self._filled(known, Disc(middle, _WIDER * (upper - middle)), once=True)
+            known = self._filled(known, _WIDER * (upper - self._middle), once=True)
         return known
 
-    def _first(self, disc: Disc) -> InvariantSubspace:
-        """Eigenvalues of a disc of which none is known; of many, in slices."""
+    def _first(self, radius: float) -> InvariantSubspace:
+        """Eigenvalues of the disc about the middle, of which none is known; of many, in slices."""
         self.slices = 0
-        first = self._slice(disc)
+        first = self._slice(radius)
         if self.slices:
-            low, high = disc.centre - disc.radius, disc.centre + disc.radius
-            slices = covered(first, low, high, lambda at, r: self._slice(Disc(at, r), move=True))
+            low, high = self._middle - radius, self._middle + radius
+            slices = covered(first, low, high, lambda at, reach: self._slice(reach, at))
             with self._timer("krylov"):
                 known = joined(slices, self._matrices.mass)
-            self._move(self._shift)
+            self._move(self._middle)
         else:
             known = first.found
-        self._discs.append(disc)
+        self._discs.append(Disc(self._middle, radius))
         return known
 
-    def _slice(self, disc: Disc, *, move: bool = False) -> Slice:
-        """What a disc holds about the shift, or about its centre; of many those nearest."""
-        if move:
-            self._move(disc.centre)
+    def _slice(self, radius: float, to: float | None = None) -> Slice:
+        """What a disc about the shift holds, or about one to move to; of many those nearest."""
+        if to is not None:
+            self._move(to)
         shift = self._factors.kappa
         krylov = self._searcher(plan=plan_of(self._finite, *self._factors.cost()))
-        found = krylov.search(self._nothing(), disc.radius, self._searches, centre=disc.centre)
+        found = krylov.search(self._nothing(), radius, self._searches)
         self._searches += 1
-        nearest = np.abs(found.eigenvalues() - shift).min(initial=np.inf)
-        if move and nearest <= _ASIDE**2 * abs(shift):
+        distances = np.abs(found.eigenvalues() - shift)
+        if to is not None and distances.min(initial=np.inf) <= _ASIDE**2 * abs(shift):
             self._signs.pop(shift, None)
-            return self._slice(Disc(shift + _ASIDE * disc.radius, disc.radius), move=True)
-        if krylov.reached is not None:
-            disc = Disc(shift, krylov.reached)
-        self.slices += move or krylov.reached is not None
-        distances = np.abs(found.eigenvalues() - disc.centre)
-        if len(distances):
-            self._note(shift, disc.centre, float(distances.max()))
-        return Slice(disc, found)
+            return self._slice(radius, shift + _ASIDE * radius)
+        self.slices += to is not None or krylov.reached is not None
+        self._note(shift, distances)
+        return Slice(Disc(shift, krylov.reached or radius), found)
 
     def _odd(self, known: InvariantSubspace) -> list[float]:
         """Shifts to the left of which the sign of the determinant shows another real kappa."""
@@ -233,7 +223,7 @@ class WindowSearch:
             odd = self._odd(known)
             if (low in odd) != (high in odd):
                 self._move(0.5 * (low + high))
-                known = self._filled(known, Disc(self._factors.kappa, 0.5 * (high - low)))
+                known = self._filled(known, 0.5 * (high - low))
         return known
 
     def left(self) -> tuple[Complexes, Complexes]:
@@ -244,9 +234,9 @@ class WindowSearch:
         known = self._nothing()
         if self._matrices.symmetric:
             return known.eigenpairs()
-        for (shift, centre), radius in self._farthest.items():
+        for shift, distance in self._farthest.items():
             self._move(shift)
-            known = self._filled(known, Disc(centre, _INSIDE * radius), transposed=True)
+            known = self._filled(known, _INSIDE * distance, transposed=True)
         return known.eigenpairs()
 
     def _covered(
@@ -262,46 +252,44 @@ class WindowSearch:
         centre = touching_disc(top, depth)
         radius = distance_within(top, centre, -left * depth, right)
         self._move(centre)
-        return self._filled(known, Disc(centre, radius))
+        return self._filled(known, radius)
 
     def _filled(
         self,
         known: InvariantSubspace,
-        disc: Disc,
+        radius: float,
         *,
         once: bool = False,
         transposed: bool = False,
     ) -> InvariantSubspace:
         """Search a disc, once or again and again beside what was found until nothing more is."""
-        factors, centre = self._factors, disc.centre
+        shift = self._factors.kappa
         krylov = self._searcher(transposed=transposed)
         for _ in range(1 if once else _MOST_SEARCHES):
             before = known.size
-            known = krylov.search(
-                known, disc.radius, self._searches, centre=centre, both_ends=not once
-            )
+            known = krylov.search(known, radius, self._searches, both_ends=not once)
             self._farthest_kappa = krylov.farthest
             self._searches += 1  # never from the same random vectors
-            new = np.abs(known.eigenvalues(before) - centre)
-            if not transposed and len(new):
-                self._note(factors.kappa, centre, float(new.max()))
-            if not (new < disc.radius).any():
+            new = np.abs(known.eigenvalues(before) - shift)
+            if not transposed:
+                self._note(shift, new)
+            if not (new < radius).any():
                 break
         else:
             if not once:
                 raise ConvergenceError(
-                    f"the disc of radius {disc.radius:.4g} about kappa = {centre:.4g} is not "
+                    f"the disc of radius {radius:.4g} about kappa = {shift:.4g} is not "
                     f"full after {_MOST_SEARCHES} searches, each of which found more",
                     best=known,
                 )
         if not transposed:
-            self._discs.append(disc)
+            self._discs.append(Disc(shift, radius))
         return known
 
-    def _note(self, shift: float, centre: float, radius: float) -> None:
-        """Take note of a disc that holds what was found at a shift, for its left vectors."""
-        before = self._farthest.get((shift, centre), 0.0)
-        self._farthest[shift, centre] = max(before, radius)
+    def _note(self, shift: float, distances: Floats) -> None:
+        """Take note of how far from a shift something was found, for its left vectors."""
+        if len(distances):
+            self._farthest[shift] = max(self._farthest.get(shift, 0.0), float(distances.max()))
 
     def _searcher(
         self, *, transposed: bool = False, plan: Plan = NO_SLICES

@@ -70,7 +70,6 @@ class SlepcSearch:
         radius: float,
         seed: int,
         *,
-        centre: float | None = None,
         both_ends: bool = False,
     ) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc.
@@ -80,11 +79,9 @@ class SlepcSearch:
         known
             An invariant subspace found before, at any shift.
         radius
-            Radius of the disc.
+            Radius of the disc about the shift.
         seed
             Of the random start vector.
-        centre
-            Its centre; None takes the shift.
         both_ends
             As of :meth:`cea.eigen.block_krylov.BlockSearch.search`; it changes nothing here.
 
@@ -94,14 +91,12 @@ class SlepcSearch:
             When the disc does not become full.
         """
         del both_ends
-        shift = self._factors.kappa
-        centre = shift if centre is None else centre
         left, wanted = self._finite - known.size, _FIRST
         while left > 0:
             kappa, vectors = self._nearest.nearest(min(wanted, left), known.basis, seed)
-            reached = np.abs(kappa - shift).max()
-            if len(kappa) >= left or reached > radius + abs(centre - shift):
-                return self._with(known, kappa, vectors, np.abs(kappa - centre) <= radius)
+            distances = np.abs(kappa - self._factors.kappa)
+            if len(kappa) >= left or distances.max() > radius:
+                return self._with(known, kappa, vectors, distances <= radius)
             wanted *= 2
         return known
 

@@ -197,10 +197,5 @@ def _fallen(errors: Floats, part: Part, old: BodyResolution, new: BodyResolution
         taken = more - (new.layers - old.layers) * log(RATIO) + log(new.degree / old.degree)
         return np.asarray(errors * np.exp(-2 * EDGES * taken))
     left = np.log(np.clip(errors, SMALLEST_ERROR, LARGEST_ERROR))
-    finer = left - 2 * old.degree * more
-    low, high = sorted((old.degree, new.degree))
-    for degree in range(low, high):
-        finer = finer * (
-            (degree + 1) / degree if new.degree > old.degree else degree / (degree + 1)
-        )
+    finer = (left - 2 * old.degree * more) * new.degree / old.degree
     return np.asarray(errors * np.exp(finer - left))
