@@ -40,7 +40,7 @@ def cluster_bounds(
     """
     bounds = np.full(len(kappa), np.inf)
     every = np.linalg.eigvals(projected).astype(complex)
-    for members in _clusters(kappa, errors * conditions):
+    for members in clusters(kappa, errors * conditions):
         if conditions[members].max() < _ILL:
             continue
         reach = (errors[members] * conditions[members]).max()
@@ -54,7 +54,7 @@ def cluster_bounds(
     return bounds
 
 
-def _clusters(kappa: Complexes, reach: Floats) -> Iterator[NDArray[np.int64]]:
+def clusters(kappa: Complexes, reach: Floats) -> Iterator[NDArray[np.int64]]:
     """Numbers of eigenvalues whose errors overlap, two or more together."""
     near = np.abs(kappa[:, None] - kappa) <= np.add.outer(reach, reach)
     count, label = connected_components(csr_array(near), directed=False)

@@ -107,7 +107,7 @@ def checked(
         f = np.empty((0, x.shape[1]), dtype=x.dtype)
         if matrices.multipliers is not None:
             x, f = inverse_step(matrices, factors, value, x)
-        force, inertia = _internal_forces(matrices, x, f), times(mass, x)
+        force, inertia = internal_forces(matrices, x, f), times(mass, x)
         size = np.sqrt(columns_inner(x, inertia, comm).real)
         for part in (x, f, force, inertia):
             part /= size
@@ -201,11 +201,13 @@ def inverse_step(
     return x[:, :n] + 1j * x[:, n:], f[:, :n] + 1j * f[:, n:]
 
 
-def _internal_forces(matrices: Matrices, x: NDArray[Any], f: NDArray[Any]) -> NDArray[Any]:
-    """K x + L^T f."""
+def internal_forces(
+    matrices: Matrices, x: NDArray[Any], f: NDArray[Any], *, transposed: bool = False
+) -> NDArray[Any]:
+    """K x + L^T f, or K^T x + J^T f, of displacements and contact forces, in blocks of columns."""
     force = times(matrices.stiffness, x)
     if matrices.unsymmetric is not None:
-        force += times(matrices.unsymmetric, x)
-    if matrices.multipliers is not None:
-        force += transposed_times(matrices.multipliers.reaction, f)
+        force += (transposed_times if transposed else times)(matrices.unsymmetric, x)
+    if (forces := matrices.multipliers) is not None:
+        force += transposed_times(forces.closure if transposed else forces.reaction, f)
     return force

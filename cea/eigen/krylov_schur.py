@@ -13,6 +13,8 @@ from typing import Any, Self, get_args
 
 import numpy as np
 
+from cea.eigen.balance import Balance, balance_of
+from cea.eigen.balanced import balanced_pencil, in_own_unknowns
 from cea.eigen.eigenpairs import checked
 from cea.eigen.found import Found, nearest_window, upper_end
 from cea.eigen.judged import Question, judged
@@ -125,9 +127,16 @@ class KrylovSchur:
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
             matrices = self._kept.matrices(values)
+            balance = balance_of(matrices, 2 * np.pi * max_frequency)
+        if matrices.quadratic and self.solver != "block":
+            raise InputError("solver", self.solver, "'block' with damping or rotation")
+        if balance is not None:
+            with self._balanced(matrices, balance) as driver:
+                modes = driver.solve(max_frequency, min_growth=min_growth, left=True, timer=timer)
+                self.solves += 1
+                self._searched += driver.factorisations
+            return in_own_unknowns(modes, balance, self.pencil, values, matrices, left=left)
         if matrices.quadratic:
-            if self.solver != "block":
-                raise InputError("solver", self.solver, "'block' with damping or rotation")
             return self._quadratic(matrices, values, max_frequency, min_growth, timer, left=left)
         top = (2 * np.pi * max_frequency) ** 2
         shift, upper, counted = 0.5 * top, upper_end(top), None
@@ -155,7 +164,7 @@ class KrylovSchur:
             self.solves += 1
             self._searched += search.factorisations
         self._kept.moved(values, factors.kappa)
-        modes = judged(found, top, question, search if left else None)
+        modes = judged(found, top, question, search, left=left)
         self._kept.moved(values, factors.kappa)
         if counted is not None and not modes.window.complete:
             raise ConvergenceError(
@@ -164,6 +173,15 @@ class KrylovSchur:
                 best=modes,
             )
         return modes
+
+    def _balanced(self, matrices: Matrices, balance: Balance) -> "KrylovSchur":
+        """A driver of the balanced pencil."""
+        return KrylovSchur(
+            balanced_pencil(matrices, balance),
+            tolerance=self._tolerance,
+            max_restarts=self._max_restarts,
+            solver=self.solver,
+        )
 
     def _quadratic(
         self,

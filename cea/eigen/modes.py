@@ -9,7 +9,7 @@ import numpy as np
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenpairs import Eigenpairs
 from cea.eigen.pencil import Matrices, Pencil
-from cea.eigen.sensitivity import LeftVectors, derivatives, dual_norms
+from cea.eigen.sensitivity import LeftVectors, derivatives
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import ConvergenceError, InputError
 from cea.warned import ResultWarning
@@ -106,7 +106,7 @@ def modes_of(
     pencil, values, matrices
         What was solved, at which parameters.
     pairs
-        Eigenpairs that were found.
+        Eigenpairs that were found, with the conditions that left vectors give where there are any.
     left
         Left vectors in their order; None where they were not asked for.
     window
@@ -115,8 +115,6 @@ def modes_of(
     eigenvalues = np.sqrt(-pairs.kappa).astype(complex)
     eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
     conditions = pairs.conditions
-    if left is not None and not matrices.symmetric:  # y^H M x = 1 and x^H M x = 1
-        conditions = dual_norms(matrices.mass, left.vectors)
     # Copies of a real kappa below zero part by rounding: each grows, as the one it is a copy of.
     errors = np.minimum(pairs.errors * conditions, pairs.bounds)
     diverges = (pairs.kappa.real < 0) & (np.abs(pairs.kappa.imag) <= errors)
@@ -156,8 +154,11 @@ def refuse_what_is_lost(modes: Modes, eigenvalues: Complexes, uncertainties: Flo
 
 def uncertainties_of(eigenvalues: Complexes, errors: Floats) -> Floats:
     """Errors of lambda (1/s) that errors of lambda^2 make: their half relative, or their root."""
-    sizes = np.maximum(np.abs(eigenvalues), np.sqrt(errors))
-    return errors / np.maximum(2 * sizes - np.sqrt(errors), np.finfo(float).tiny)
+    known = np.isfinite(errors)
+    some = np.where(known, errors, 0.0)
+    sizes = np.maximum(np.abs(eigenvalues), np.sqrt(some))
+    errors = some / np.maximum(2 * sizes - np.sqrt(some), np.finfo(float).tiny)
+    return np.where(known, errors, np.inf)
 
 
 def warnings_of(modes: Modes) -> tuple[ResultWarning, ...]:

@@ -17,7 +17,7 @@ from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.found import nearest_window
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.pencil import Pencil
-from cea.eigen.sensitivity import left_vectors_of
+from cea.eigen.sensitivity import dual_norms, left_vectors_of
 from cea.eigen.spectrum import Window
 from cea.errors import InputError
 from cea.nested.block_steps import Approximation, BlockSteps, middle_shift
@@ -104,6 +104,9 @@ def continued(
                 left_vectors = left_vectors_of(
                     matrices, work.factors, pairs, kappa.conj(), found.left, top
                 )
+                if not matrices.symmetric:
+                    conditions = dual_norms(matrices.mass, left_vectors.vectors)
+                    pairs = replace(pairs, conditions=conditions)
             window = _window(max_frequency, work.factors.kappa, pairs.kappa)
             return modes_of(pencil, values, matrices, pairs, left_vectors, window)
     finally:
