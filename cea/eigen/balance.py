@@ -49,7 +49,7 @@ class Balance:
     right: Floats
 
 
-def balance_of(matrices: Matrices, end: float) -> Balance | None:
+def balance_of(matrices: Matrices, end: float, *, local: bool = False) -> Balance | None:
     """Balance of a pencil at given parameters; None where it is not graded; collective.
 
     Pencils that it would make unsymmetric are left as they are, and so are those with pieces of
@@ -61,11 +61,15 @@ def balance_of(matrices: Matrices, end: float) -> Balance | None:
         The pencil.
     end
         omega of the end of a window (1/s), by which damping is measured.
+    local
+        Whether each entry is measured by the diagonal entries of its own row and column: that finds
+        a grading beside much larger entries, and also where stiff contacts join bodies of unlike
+        masses, which are solved as well without.
     """
     if matrices.multipliers is not None or matrices.low_rank is not None:
         return None
     scale = _mass_scale(matrices.mass)
-    if not _stands_out(matrices, end, scale):
+    if not local and not _stands_out(matrices, end, scale):
         return None
     comm = matrices.mass.comm.tompi4py()
     total = csr_array(
@@ -77,14 +81,16 @@ def balance_of(matrices: Matrices, end: float) -> Balance | None:
         for rows in (total, local_part(matrices.mass), csr_array(scale[:, None]))
     )
     in_masses = diags_array(scales.toarray()[:, 0])
-    factors = osborne(csr_array(in_masses @ whole @ in_masses), csr_array(couples))
-    if factors is None:
+    sizes = csr_array(in_masses @ whole @ in_masses)
+    factors = osborne(sizes, csr_array(couples))
+    before, after = (_excess(sizes, each, end**2, local=local) for each in (None, factors))
+    if before <= _GRADED or after * _WORTH > before:
         return None
     own = factors[slice(*matrices.mass.getOwnershipRange())]
     return Balance(scale / own, scale * own)
 
 
-def osborne(sizes: csr_array, couples: csr_array) -> Floats | None:
+def osborne(sizes: csr_array, couples: csr_array) -> Floats:
     """T, powers of two, shape (n,), which makes rows of T^-1 A T as large as columns.
 
     Parameters
@@ -93,16 +99,10 @@ def osborne(sizes: csr_array, couples: csr_array) -> Floats | None:
         Absolute entries of A, shape (n, n).
     couples
         A symmetric matrix, shape (n, n): T is the same wherever it has an entry.
-
-    Returns
-    -------
-    NDArray or None
-        None where the norm hardly falls.
     """
     squares = sizes.copy()
-    squares.data = (sizes.data / sizes.data.max()) ** 2
-    kept = csr_array(couples != 0)
-    count, label = connected_components(kept, directed=False)
+    squares.data = (sizes.data / max(sizes.data.max(initial=0.0), np.finfo(float).tiny)) ** 2
+    count, label = connected_components(csr_array(couples != 0), directed=False)
     belongs = csr_array((np.ones(len(label)), (np.arange(len(label)), label)), (len(label), count))
     blocks = csr_array(belongs.T @ squares @ belongs)
     transposed = csr_array(blocks.T)
@@ -111,18 +111,23 @@ def osborne(sizes: csr_array, couples: csr_array) -> Floats | None:
         weights = np.exp(2 * logs)
         rows, columns = blocks @ weights / weights, transposed @ (1 / weights) * weights
         both = (rows > 0) & (columns > 0)
-        # A quarter of the logarithm of squares is balance of one row alone; all move at once.
+        # A quarter of the logarithm balances one row alone; all move at once, by half of it.
         step = np.zeros(count)
         step[both] = 0.125 * np.log(rows[both] / columns[both])
         logs += step
-        if np.abs(step).max() <= 0.25 * _EVEN:
+        if np.abs(step).max(initial=0.0) <= 0.25 * _EVEN:
             break
-    powers = np.round(logs / np.log(2))
-    weights = 4.0**powers
-    before, after = blocks.sum(), (blocks @ weights / weights).sum()
-    if not after * _WORTH**2 <= before:
-        return None
-    return np.asarray(2.0**powers)[label]
+    return np.asarray(2.0 ** np.round(logs / np.log(2)))[label]
+
+
+def _excess(sizes: csr_array, factors: Floats | None, least: float, *, local: bool) -> float:
+    """Largest entry of T^-1 A T beside the diagonal, relative to it; A itself without factors."""
+    diagonal = np.maximum(sizes.diagonal(), least)
+    entries = sizes.tocoo()
+    rows, columns = entries.coords
+    by = np.maximum(diagonal[rows], diagonal[columns]) if local else diagonal.max()
+    scaled = entries.data if factors is None else entries.data * factors[columns] / factors[rows]
+    return float((scaled / by).max(initial=0.0))
 
 
 def _mass_scale(mass: Mat) -> Floats:
@@ -140,13 +145,16 @@ def _stands_out(matrices: Matrices, end: float, scale: Floats) -> bool:
     the diagonal: few entries are looked at.
     """
     comm = matrices.mass.comm.tompi4py()
+    symmetric = [(matrices.stiffness, 1.0), (matrices.damping, end)]
+    rest = [(matrices.unsymmetric, 1.0), (matrices.gyroscopic, end)]
     largest, across = 0.0, 0.0
-    for part, factor in _parts(matrices, end):
-        diagonal = part.getDiagonal()
-        largest += factor * np.abs(diagonal.array_r * scale**2).max(initial=0.0)
-        destroy(diagonal)
-    for part, factor in _parts(matrices, end):
-        if part is matrices.unsymmetric or part is matrices.gyroscopic:
+    for part, factor in [*symmetric, *rest]:
+        if part is not None:
+            diagonal = part.getDiagonal()
+            largest += factor * float(np.abs(diagonal.array_r * scale**2).max(initial=0.0))
+            destroy(diagonal)
+    for part, factor in rest:
+        if part is not None:
             scaled, vector = part.copy(), part.createVecLeft()
             vector.array[:] = scale
             scaled.diagonalScale(L=vector, R=vector)
@@ -154,12 +162,6 @@ def _stands_out(matrices: Matrices, end: float, scale: Floats) -> bool:
             across = max(across, factor * float(np.abs(entries).max(initial=0.0)))
             destroy(scaled, vector)
     return bool(comm.allreduce(across, MPI.MAX) > _GRADED * comm.allreduce(largest, MPI.MAX))
-
-
-def _parts(matrices: Matrices, end: float) -> list[tuple[Any, float]]:
-    parts = (matrices.stiffness, matrices.unsymmetric, matrices.damping, matrices.gyroscopic)
-    factors = (1.0, 1.0, end, end)
-    return [(p, factor) for p, factor in zip(parts, factors, strict=True) if p is not None]
 
 
 def _absolute(sums: list[Any], like: Any) -> csr_array:

@@ -70,9 +70,7 @@ def judged(
     with timer("post-processing"):  # those around the window show too what rounding does
         pairs = checked(matrices, factors, kappa, vectors, subspace.conditions())
         if not matrices.symmetric:
-            bounds = cluster_bounds(
-                subspace.projected, pairs.kappa, pairs.errors, pairs.conditions
-            )
+            bounds = cluster_bounds(subspace.projected, pairs.kappa, pairs.errors, pairs.conditions)
             pairs = replace(pairs, bounds=bounds)
         unsure = search is not None and one_sided(matrices, factors, subspace, pairs)
     left_vectors = None

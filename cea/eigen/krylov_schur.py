@@ -9,12 +9,12 @@ rotation the problem is quadratic in lambda, and another driver takes it
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Self, get_args
 
 import numpy as np
 
-from cea.eigen.balance import Balance, balance_of
-from cea.eigen.balanced import balanced_pencil, in_own_unknowns
+from cea.eigen.balanced import Asked, modes_with_balance
 from cea.eigen.eigenpairs import checked
 from cea.eigen.found import Found, nearest_window, upper_end
 from cea.eigen.judged import Question, judged
@@ -127,18 +127,38 @@ class KrylovSchur:
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
             matrices = self._kept.matrices(values)
-            balance = balance_of(matrices, 2 * np.pi * max_frequency)
         if matrices.quadratic and self.solver != "block":
             raise InputError("solver", self.solver, "'block' with damping or rotation")
-        if balance is not None:
-            with self._balanced(matrices, balance) as driver:
-                modes = driver.solve(max_frequency, min_growth=min_growth, left=True, timer=timer)
-                self.solves += 1
+        asked = Asked(self.pencil, values, matrices, max_frequency, min_growth, left)
+        return modes_with_balance(
+            asked,
+            lambda: self._as_it_stands(asked, timer),
+            lambda pencil: self._balanced(replace(asked, pencil=pencil, left=True), timer),
+        )
+
+    def _balanced(self, asked: Asked, timer: StageTimer) -> Modes:
+        """All modes of another pencil, one without parameters."""
+        with KrylovSchur(
+            asked.pencil,
+            tolerance=self._tolerance,
+            max_restarts=self._max_restarts,
+            solver=self.solver,
+        ) as driver:
+            matrices = driver._kept.matrices({})
+            try:
+                return driver._as_it_stands(replace(asked, values={}, matrices=matrices), timer)
+            finally:
+                self.solves += driver.solves
                 self._searched += driver.factorisations
-            return in_own_unknowns(modes, balance, self.pencil, values, matrices, left=left)
-        if matrices.quadratic:
-            return self._quadratic(matrices, values, max_frequency, min_growth, timer, left=left)
-        top = (2 * np.pi * max_frequency) ** 2
+
+    def _as_it_stands(self, asked: Asked, timer: StageTimer) -> Modes:
+        """All modes of a pencil that is not balanced."""
+        return (self._quadratic if asked.matrices.quadratic else self._linear)(asked, timer)
+
+    def _linear(self, asked: Asked, timer: StageTimer) -> Modes:
+        """All modes of a pencil without damping and rotation."""
+        values, matrices = dict(asked.values), asked.matrices
+        top = (2 * np.pi * asked.max_frequency) ** 2
         shift, upper, counted = 0.5 * top, upper_end(top), None
         with timer("factorisation"):
             factors = self._kept.in_the_middle(matrices, values, shift)
@@ -163,8 +183,7 @@ class KrylovSchur:
         finally:
             self.solves += 1
             self._searched += search.factorisations
-        self._kept.moved(values, factors.kappa)
-        modes = judged(found, top, question, search, left=left)
+        modes = judged(found, top, question, search, left=asked.left)
         self._kept.moved(values, factors.kappa)
         if counted is not None and not modes.window.complete:
             raise ConvergenceError(
@@ -174,29 +193,11 @@ class KrylovSchur:
             )
         return modes
 
-    def _balanced(self, matrices: Matrices, balance: Balance) -> "KrylovSchur":
-        """A driver of the balanced pencil."""
-        return KrylovSchur(
-            balanced_pencil(matrices, balance),
-            tolerance=self._tolerance,
-            max_restarts=self._max_restarts,
-            solver=self.solver,
-        )
-
-    def _quadratic(
-        self,
-        matrices: Matrices,
-        values: dict[str, float],
-        max_frequency: float,
-        min_growth: float | None,
-        timer: StageTimer,
-        *,
-        left: bool,
-    ) -> Modes:
+    def _quadratic(self, asked: Asked, timer: StageTimer) -> Modes:
         """All modes of a pencil with damping or rotation."""
-        driver = self._of_quadratic(matrices, values, timer)
+        driver = self._of_quadratic(dict(asked.values), asked.matrices, timer)
         try:
-            return driver.solve(max_frequency, min_growth, left=left)
+            return driver.solve(asked.max_frequency, asked.min_growth, left=asked.left)
         finally:
             self.solves += 1
             self._searched += driver.factorisations
@@ -266,7 +267,7 @@ class KrylovSchur:
         if not (kappa and np.isfinite(kappa)):
             raise InputError("kappa", kappa, "a finite number that is not zero")
         place = complex(np.sqrt(-kappa))
-        driver = self._of_quadratic(matrices, values, timer)
+        driver = self._of_quadratic(values, matrices, timer)
         try:
             return driver.nearest(place if place.imag >= 0 else -place, wanted)
         finally:
@@ -274,7 +275,7 @@ class KrylovSchur:
             self._searched += driver.factorisations
 
     def _of_quadratic(
-        self, matrices: Matrices, values: dict[str, float], timer: StageTimer
+        self, values: dict[str, float], matrices: Matrices, timer: StageTimer
     ) -> QuadraticDriver:
         return QuadraticDriver(
             self.pencil, values, matrices, self._tolerance, self._max_restarts, timer

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.linalg import LinAlgError
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
@@ -19,6 +20,7 @@ from cea.eigen.quadratic_damping import Damping
 from cea.eigen.quadratic_nearest import nearest_subspace, neighbours
 from cea.eigen.quadratic_pairs import QuadraticPairs, checked_pairs, inverse_step
 from cea.eigen.quadratic_search import MARGIN, QuadraticSearch
+from cea.eigen.quadratic_two_sided import judged_by_both, one_sided
 from cea.eigen.quadratic_window import QuadraticFound, QuadraticWindow
 from cea.eigen.sensitivity import SAME, LeftVectors, dual_norms
 from cea.eigen.spectrum import SLOW
@@ -89,7 +91,7 @@ class QuadraticDriver:
         except ConvergenceError as error:
             if isinstance(error.best, InvariantSubspace) and search.factors is not None:
                 known = QuadraticFound(error.best)
-                error.best = self._judged(search, known, end, left=False)
+                error.best = self._judged(search, known, end, left=None)
             raise
         finally:
             self.factorisations += search.factorisations
@@ -101,12 +103,13 @@ class QuadraticDriver:
         found: QuadraticFound,
         end: float,
         *,
-        left: bool,
+        left: bool | None,
     ) -> Modes:
+        """Modes of what was found; None for ``left`` searches no left vectors whatever is found."""
         assert search.factors is not None
         with self.timer("post-processing"):
             pairs = checked_pairs(self.matrices, search.factors, found.subspace, end)
-        vectors = self._left(search, pairs, end) if left else None
+        pairs, vectors = self._by_left(search, found.subspace, pairs, end, left=left)
         inside = (pairs.eigenvalues.imag >= 0) & (pairs.eigenvalues.imag <= end)
         first = found.discs[0] if found.discs else None
         window = QuadraticWindow(
@@ -156,8 +159,42 @@ class QuadraticDriver:
         window, near = neighbours(place, found), MARGIN * abs(place)
         return _modes_of(self.pencil, self.values, self.matrices, pairs, None, window, near)
 
-    def _left(self, search: QuadraticSearch, pairs: QuadraticPairs, end: float) -> LeftVectors:
-        """Left vectors of the eigenpairs found."""
+    def _by_left(
+        self,
+        search: QuadraticSearch,
+        subspace: InvariantSubspace,
+        pairs: QuadraticPairs,
+        end: float,
+        *,
+        left: bool | None,
+    ) -> tuple[QuadraticPairs, LeftVectors | None]:
+        """Eigenpairs judged by left vectors where right ones say too little, and left vectors."""
+        assert search.factors is not None
+        unsure, found = False, None
+        if left is not None:
+            with self.timer("post-processing"):
+                unsure = one_sided(self.matrices, search.factors, subspace, pairs, end)
+        if left or unsure:
+            try:
+                found = self._left(search, pairs, end)
+            except (ConvergenceError, LinAlgError):
+                if left:
+                    raise
+        with self.timer("post-processing"):
+            if left and found is not None:
+                slopes = dual_norms(self.matrices.mass, found[1].vectors)
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    slopes = slopes / (2 * np.abs(pairs.eigenvalues))
+                slopes = np.where(np.isfinite(slopes), slopes, pairs.slopes)
+                pairs = replace(pairs, slopes=slopes)
+            if unsure:
+                pairs = judged_by_both(self.matrices, subspace, pairs, found, end)
+        return pairs, found[1] if left and found is not None else None
+
+    def _left(
+        self, search: QuadraticSearch, pairs: QuadraticPairs, end: float
+    ) -> tuple[Complexes, LeftVectors]:
+        """Eigenvalues of the transposed pencil, and left vectors of the eigenpairs found."""
         values, vectors = search.left()
         assert search.factors is not None
         with self.timer("post-processing"):
@@ -175,7 +212,7 @@ class QuadraticDriver:
                 )
                 y, g = y.conj(), g.conj()
             damping.free()
-        return LeftVectors(y, g)
+        return values, LeftVectors(y, g)
 
 
 def _dual(
@@ -241,11 +278,7 @@ def _modes_of(
 ) -> Modes:
     """Modes in the window, those that decay faster than it reaches left out."""
     eigenvalues, slopes = pairs.eigenvalues, pairs.slopes
-    if left is not None:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            true = dual_norms(matrices.mass, left.vectors) / (2 * np.abs(eigenvalues))
-        slopes = np.where(np.isfinite(true), true, slopes)
-    uncertainties = np.minimum(pairs.errors * slopes, pairs.bounds)
+    uncertainties = pairs.uncertainties
     real = _real(eigenvalues, uncertainties, near)
     eigenvalues = np.where(real, eigenvalues.real, eigenvalues)
     inside = (eigenvalues.imag >= 0) & (eigenvalues.imag <= window.upper)

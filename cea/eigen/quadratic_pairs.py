@@ -61,6 +61,8 @@ class QuadraticPairs:
     bounds
         Bounds on the errors of lambda (1/s) by the clusters that they belong to, shape (n,);
         infinite where there is none.
+    conditions
+        Condition numbers of lambda in the companion form, within the subspace, shape (n,).
     """
 
     eigenvalues: Complexes
@@ -70,6 +72,7 @@ class QuadraticPairs:
     slopes: Floats
     errors: Floats
     bounds: Floats
+    conditions: Floats
 
     @property
     def uncertainties(self) -> Floats:
@@ -123,7 +126,7 @@ def checked_pairs(
     slopes = np.maximum(duals.slopes, np.minimum(least, 1 / np.sqrt(errors)))
     conditions = duals.right * duals.left
     bounds = cluster_bounds(subspace.projected, values, errors * slopes / conditions, conditions)
-    return QuadraticPairs(values, x, f, residuals, slopes, errors, bounds)
+    return QuadraticPairs(values, x, f, residuals, slopes, errors, bounds, conditions)
 
 
 def inverse_step(

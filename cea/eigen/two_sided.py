@@ -7,16 +7,16 @@ leaves out comes out of one step of inverse iteration,
     W = Q - A^-T M Q (R - sigma)^T,    A = K - sigma M,    M^-1 K Q = Q R,
 
 which vanishes where the subspace holds its left vectors too. Friction between bodies makes it about
-as large as one. Where it is much larger the left vectors are searched themselves. With the residuals
+as large as one. Where it is much larger, or conditions are bad, or the mass cancels, left vectors
+are searched themselves. With the residual r = (K - kappa M) x and rounding u of all entries, kappa
+is then in error by
 
-    r = (K - kappa M) x,    s^H = y^H (K - kappa M)
+    abs(y)^T (abs(r) + u (abs(K) + abs(kappa) abs(M)) abs(x)) / abs(y^H M x)
 
-and rounding u of all entries, kappa is then in error by
-
-    (abs(y)^T abs(r) + abs(s)^T abs(x) + u abs(y)^T (abs(K) + abs(kappa M)) abs(x)) / abs(y^H M x)
-
-to first order (Kahan, Parlett & Jiang, SIAM J. Numer. Anal. 19 (1982), entry by entry). Scaling of
-unknowns and equations does not change it.
+to first order, however unknowns and equations are scaled. That holds as far as y is right. Left
+eigenvalues come of systems, start vectors and roundings of their own: by how much they and right
+ones differ is what both searches have made of the matrices, a backward error that is counted for
+every eigenvalue, times its condition.
 """
 
 from dataclasses import replace
@@ -41,15 +41,15 @@ from cea.eigen.subspace import InvariantSubspace
 from cea.matrices import absolute, destroy
 from cea.petsc import Mat
 
-_PLAIN = 10.0
+_PLAIN = 30.0
 """Norm of W up to which the subspace says enough of its left vectors."""
-_ILL = 1e2
+ILL = 1e2
 """Condition number up to which one residual says enough of an eigenvalue."""
-_CANCELS = 10.0
+_CANCELS = 100.0
 """Sum of m_ii abs(x_i)^2, x^H M x = 1, up to which rounding of the mass counts for nothing."""
-_MORE = 3.0
+MORE = 2.0
 """Factor by which errors by left vectors are larger where they are believed instead."""
-_UNKNOWN = 1e300
+UNKNOWN = 1e300
 """Error (1/s^2) in the place of an infinite one."""
 _COLUMNS = 4
 """Random combinations of the subspace by which its left vectors are judged."""
@@ -69,13 +69,15 @@ def one_sided(
     """
     if matrices.symmetric or not subspace.size:
         return False
-    if pairs.conditions.max() > _ILL:
-        return True
-    weights = _diagonal(matrices.mass)[:, None]
-    sums = (weights * np.abs(pairs.vectors) ** 2).sum(axis=0)
-    if matrices.mass.comm.tompi4py().allreduce(sums).max() > _CANCELS:
+    if pairs.conditions.max() > ILL or cancels(matrices.mass, pairs.vectors):
         return True
     return _left_out(matrices, factors, subspace) > _PLAIN
+
+
+def cancels(mass: Mat, vectors: Complexes) -> bool:
+    """Whether parts of x^H M x = 1 are much larger than their sum; collective."""
+    sums = (_diagonal(mass)[:, None] * np.abs(vectors) ** 2).sum(axis=0)
+    return bool(mass.comm.tompi4py().allreduce(sums).max() > _CANCELS)
 
 
 def _left_out(matrices: Matrices, factors: Shifted, subspace: InvariantSubspace) -> float:
@@ -90,7 +92,7 @@ def _left_out(matrices: Matrices, factors: Shifted, subspace: InvariantSubspace)
 
 def _diagonal(mass: Mat) -> Floats:
     vector = mass.getDiagonal()
-    diagonal: Floats = vector.array_r.copy()
+    diagonal = np.array(vector.array_r, dtype=float)
     destroy(vector)
     return diagonal
 
@@ -114,11 +116,11 @@ def two_sided_errors(
     for block in column_blocks(len(kappa)):
         value, x, y = kappa[block], pairs.vectors[:, block], left.vectors[:, block]
         inertia = times(mass, x)
-        r = internal_forces(matrices, x, pairs.forces[:, block]) - inertia * value
+        force = internal_forces(matrices, x, pairs.forces[:, block])
         big, other = np.abs(x), np.abs(y)
         entries = sizes.forces(big, 2 * np.abs(pairs.forces[:, block]))
         entries += np.abs(value) * image_of(inertia_sizes, big)
-        parts = np.einsum("ij,ij->j", other, np.abs(r))
+        parts = np.einsum("ij,ij->j", other, np.abs(force - inertia * value))
         parts += np.finfo(float).eps * np.einsum("ij,ij->j", other, entries)
         overlap = np.abs(columns_inner(y, inertia, comm))
         total = comm.tompi4py().allreduce(parts)
@@ -134,7 +136,6 @@ def two_sided_errors(
     return errors, np.maximum(np.nan_to_num(conditions, nan=np.inf), 1.0)
 
 
-
 def _disagreement(
     kappa: Complexes, left_kappa: Complexes, conditions: Floats, top: float
 ) -> Floats:
@@ -142,10 +143,23 @@ def _disagreement(
 
     It is one for all of a window, and grows with the square of the distance beyond.
     """
-    distances = np.abs(kappa[:, None] - left_kappa.conj())
-    rows, columns = assign(distances)
     far = np.maximum(1.0, np.abs(kappa) / top) ** 2
-    return far * (distances[rows, columns] / (conditions * far)[rows]).max(initial=0.0)
+    return far * disagreement(kappa, left_kappa.conj(), conditions * far)
+
+
+def disagreement(values: Complexes, left: Complexes, conditions: Floats) -> float:
+    """Largest distance of right and left eigenvalues over the conditions of the right ones.
+
+    Parameters
+    ----------
+    values, left
+        Eigenvalues, and conjugates of those of the transposed problem, in any order.
+    conditions
+        What the distances are measured by, shape (n,).
+    """
+    distances = np.abs(values[:, None] - left)
+    rows, columns = assign(distances)
+    return float((distances[rows, columns] / conditions[rows]).max(initial=0.0))
 
 
 def judged_by_both(
@@ -176,12 +190,12 @@ def judged_by_both(
         return replace(pairs, errors=unknown, bounds=unknown)
     errors, conditions = two_sided_errors(matrices, pairs, left[1])
     errors = np.maximum(errors, conditions * _disagreement(pairs.kappa, left[0], conditions, top))
-    within = np.minimum(errors, _UNKNOWN) / pairs.conditions
+    within = np.minimum(errors, UNKNOWN) / pairs.conditions
     bounds = cluster_bounds(subspace.projected, pairs.kappa, within, pairs.conditions)
     for members in clusters(pairs.kappa, errors):
         errors[members] *= len(members)  # discs that overlap hold all of their eigenvalues
     told = np.minimum(pairs.errors * pairs.conditions, pairs.bounds)
-    more = np.minimum(errors, bounds) > _MORE * told
+    more = np.minimum(errors, bounds) > MORE * told
     return replace(
         pairs,
         conditions=np.where(more, conditions, pairs.conditions),
