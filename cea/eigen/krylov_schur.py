@@ -153,7 +153,12 @@ class KrylovSchur:
 
     def _as_it_stands(self, asked: Asked, timer: StageTimer) -> Modes:
         """All modes of a pencil that is not balanced."""
-        return (self._quadratic if asked.matrices.quadratic else self._linear)(asked, timer)
+        try:
+            return (self._quadratic if asked.matrices.quadratic else self._linear)(asked, timer)
+        except np.linalg.LinAlgError as error:
+            raise ConvergenceError(
+                f"numbers of this system are too far apart to be computed with ({error})"
+            ) from error
 
     def _linear(self, asked: Asked, timer: StageTimer) -> Modes:
         """All modes of a pencil without damping and rotation."""
