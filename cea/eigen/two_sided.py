@@ -83,6 +83,9 @@ def cancels(mass: Mat, vectors: Complexes) -> bool:
 def _left_out(matrices: Matrices, factors: Shifted, subspace: InvariantSubspace) -> float:
     """Estimate of the norm of W."""
     mixed = np.random.default_rng(3).standard_normal((subspace.size, _COLUMNS))
+    # Of what is far from the shift a step of inverse iteration leaves rounding.
+    far = np.abs(np.diag(subspace.projected) - factors.kappa) / abs(factors.kappa)
+    mixed /= np.maximum(1.0, far)[:, None]
     image = subspace.projected.T @ mixed - factors.kappa * mixed
     load = image_of(matrices.mass, subspace.basis @ image)
     rest = subspace.basis @ mixed - factors.solve_block(load, transposed=True)
@@ -141,9 +144,9 @@ def _disagreement(
 ) -> Floats:
     """Backward errors (1/s^2) that explain by how much left and right eigenvalues differ.
 
-    It is one for all of a window, and grows with the square of the distance beyond.
+    It is one for all of a window, and grows with the distance beyond.
     """
-    far = np.maximum(1.0, np.abs(kappa) / top) ** 2
+    far = np.maximum(1.0, np.abs(kappa) / top)
     return far * disagreement(kappa, left_kappa.conj(), conditions * far)
 
 
