@@ -1,4 +1,4 @@
-"""Random pencils whose unknowns and equations are scaled far apart, with eigenvalues that are known.
+"""Random pencils whose unknowns and equations are scaled far apart, of known eigenvalues.
 
 A matrix is as well determined by its entries as it was before its rows and columns were multiplied
 by powers of two, which rounds nothing: eigenvalues are those of the matrices before. Damping,
@@ -90,7 +90,7 @@ def _terms(role, matrix) -> list[Term]:
 
 
 def random_graded(seed: int, power: int | None = None) -> Graded:
-    """A graded pencil of 2 to 60 unknowns; damped ones have seeds of an own sequence.
+    """A graded pencil of 2 to 60 unknowns.
 
     Parameters
     ----------
@@ -184,6 +184,37 @@ def _defective(rng, power) -> Graded:
     return Graded(f"near a Jordan block, 2^{power}", Plain(np.eye(n), A), scale, 1 / scale, 0.25)
 
 
+def sheared(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Integers that no scaling makes well-conditioned, shape (n, n), and eigenvalues, exact.
+
+    P diag(kappa) P^-1 with whole numbers throughout: P is a product of triangular matrices with
+    ones on the diagonal.
+    """
+    rng = np.random.default_rng([seed, 9])
+    n = int(rng.integers(2, 6))
+    size = int(rng.integers(1, {2: 3000, 3: 60, 4: 12, 5: 6}[n]))
+    low = np.tril(rng.integers(-size, size + 1, (n, n)), -1) + np.eye(n, dtype=int)
+    high = np.triu(rng.integers(-size, size + 1, (n, n)), 1) + np.eye(n, dtype=int)
+    kappa = rng.permutation(np.arange(1, 2 * n + 1))[:n]
+    there = (low @ high).astype(object)
+    back = np.eye(n, dtype=object)
+    for factor in (low, high):  # of whole numbers, by substitution
+        back = _inverse(factor.astype(object)) @ back
+    whole = there @ np.diag(kappa).astype(object) @ back
+    assert max(abs(entry) for entry in whole.flat) < 2**53
+    return whole.astype(float), kappa.astype(float)
+
+
+def _inverse(unit: np.ndarray) -> np.ndarray:
+    """Of a triangular matrix with ones on the diagonal: 1 - N + N^2 and so on."""
+    nilpotent = unit - np.eye(len(unit), dtype=object)
+    total, power = np.eye(len(unit), dtype=object), np.eye(len(unit), dtype=object)
+    for _ in range(len(unit) - 1):
+        power = -power @ nilpotent
+        total = total + power
+    return total
+
+
 def _damping(rng, n) -> np.ndarray:
     """Damping, rotation, or both; unsymmetric now and then."""
     half = rng.standard_normal((n, n)) / np.sqrt(n)
@@ -214,12 +245,30 @@ def _damped(of: Callable) -> Callable:
     return made
 
 
-_KINDS = (_similar, _two_sided, _congruent, _units, _defective)
-_DAMPED = tuple(_damped(kind) for kind in _KINDS)
+def _hidden(rng, power) -> Graded:
+    """A stiffness far beyond all other entries, that hides how they are graded."""
+    before = _similar(rng, min(power, 20))
+    stiffness = before.plain.stiffness.copy()
+    stiffness[0, 0] = 2.0 ** (power + rng.integers(0, 5))
+    plain = Plain(before.plain.mass, stiffness)
+    name = f"beside a large entry, {before.name}"
+    return Graded(name, plain, before.left, before.right, before.max_frequency)
+
+
+_KINDS = (_similar, _two_sided, _congruent, _units, _defective, _hidden)
+_DAMPED = tuple(_damped(kind) for kind in _KINDS[:-1])
 
 
 def random_graded_damped(seed: int, power: int | None = None) -> Graded:
-    """A damped or rotating one."""
+    """A damped or rotating one.
+
+    Parameters
+    ----------
+    seed
+        Of the random numbers.
+    power
+        Largest power of two; None draws one.
+    """
     rng = np.random.default_rng([seed, 8])
     kind = _DAMPED[seed % len(_DAMPED)]
     drawn = int(rng.choice(POWERS))

@@ -2,8 +2,9 @@
 
 ``python tests/helpers/random_runs.py 0 1000`` runs the scenes of these seeds, with ``matrices``
 behind it the matrices, with ``quadratic`` the damped and rotating ones, with ``low-rank`` those
-with modal damping. It prints what is wrong, seed by seed, and how many results were refused or left
-open, and why.
+with modal damping, with ``graded`` and ``graded-damped`` those whose rows and columns are scaled
+far apart, judged by what they were before. It prints what is wrong, seed by seed, and how many
+results were refused or left open, and why.
 """
 
 import sys
@@ -15,8 +16,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from dense_reference import UnsureError, dense_eigenvalues
-from judge import Fault, found_by, judge, left_out
+from judge import Fault, Found, found_by, judge, left_out
 from quadratic_judge import dense_quadratic, judge_quadratic
+from random_graded import random_graded, random_graded_damped
 from random_matrices import random_pencil
 from random_quadratic import random_low_rank, random_quadratic
 from random_scenes import random_scene
@@ -125,6 +127,36 @@ def low_rank_outcome(seed: int) -> Outcome:
     return quadratic_outcome(seed, random_low_rank)
 
 
+def graded_outcome(seed: int) -> Outcome:
+    """Solve a random graded pencil and judge what it says by the one that was graded."""
+    problem = random_graded(seed)
+
+    def run(found: Outcome):
+        found.name = f"random graded matrices {seed}: {problem.name}"
+        return solve_modes(problem.pencil(), problem.max_frequency), None
+
+    def judged(found: Outcome, modes: Modes, threshold: float | None):
+        said = _told(found, modes, threshold)
+        found.faults = judge(said, problem.dense(), threshold)
+
+    return _outcome(seed, run, judged)
+
+
+def graded_damped_outcome(seed: int) -> Outcome:
+    """Solve a random graded pencil with damping or rotation, and judge it likewise."""
+    problem = random_graded_damped(seed)
+
+    def run(found: Outcome):
+        found.name = f"random graded matrices {seed}: {problem.name}"
+        return solve_modes(problem.pencil(), problem.max_frequency), None
+
+    def judged(found: Outcome, modes: Modes, threshold: float | None):
+        _told(found, modes, threshold)
+        found.faults = judge_quadratic(modes, *problem.dense_quadratic())
+
+    return _outcome(seed, run, judged)
+
+
 def _outcome(seed: int, run: Callable, judged: Callable | None = None) -> Outcome:
     found = Outcome(seed)
     try:
@@ -140,11 +172,17 @@ def _outcome(seed: int, run: Callable, judged: Callable | None = None) -> Outcom
     return found
 
 
-def _judge(found: Outcome, modes: Modes, threshold: float | None) -> None:
+def _told(found: Outcome, modes: Modes, threshold: float | None) -> Found:
+    """What modes say of themselves, told of their run."""
     said = found_by(modes, threshold)
     found.verdict, found.modes = said.verdict, len(said.kappa)
     found.undecided = int((said.verdicts == "undecided").sum())
     found.complete = said.complete
+    return said
+
+
+def _judge(found: Outcome, modes: Modes, threshold: float | None) -> None:
+    said = _told(found, modes, threshold)
     matrices = modes.pencil.at(modes.values)
     try:
         dense = dense_eigenvalues(matrices, said.top**2)
@@ -198,6 +236,8 @@ def main(first: str, last: str, what: str = "scenes") -> None:
         "matrices": matrix_outcome,
         "quadratic": quadratic_outcome,
         "low-rank": low_rank_outcome,
+        "graded": graded_outcome,
+        "graded-damped": graded_damped_outcome,
     }[what]
     for seed in range(int(first), int(last)):
         outcomes.append(outcome(seed))
