@@ -31,7 +31,7 @@ from cea.petsc import MPI, PETSc
 
 _COLUMNS, _STEPS = 8, 4
 """Size of the Krylov space from which the slope of the cone is estimated: blocks, and steps."""
-_SAFETY = 1.5
+SAFETY = 1.5
 """Factor on that estimate, which comes from below and has mostly converged."""
 _LARGE = 10_000
 """Unknowns from which on single precision is tried first."""
@@ -89,7 +89,7 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     if factors is None:
         return FieldOfValues(depth, bounded=False)
     if cone and bounded and matrices.multipliers is None and not factors.null_pivots():
-        slope = _SAFETY * _slope(factors, matrices.unsymmetric)
+        slope = SAFETY * largest_quotient(factors, matrices.unsymmetric)
     factors.free()
     return FieldOfValues(depth, bounded, slope)
 
@@ -134,10 +134,17 @@ def _surely_positive(factors: Mumps) -> bool:
     return not bad and shares_inertia(factors)
 
 
-def _slope(factors: Mumps, unsymmetric: Any) -> float:
-    """Estimate from below of max abs(x^H N x) / x^H (H + X M) x, by block Krylov.
+def largest_quotient(factors: Mumps, unsymmetric: Any) -> float:
+    """Estimate from below of max abs(x^H N x) / x^H H x, N a skew part, by block Krylov.
 
-    Orthonormal in H + X M, with which (H + X M)^-1 N is skew.
+    Orthonormal in H, with which H^-1 N is skew.
+
+    Parameters
+    ----------
+    factors
+        H, symmetric positive definite, factorised.
+    unsymmetric
+        The matrix of which N is the skew part, PETSc AIJ.
     """
     skew = antisymmetrised(unsymmetric.copy())
     comm, rows = skew.comm, skew.getLocalSize()[0]

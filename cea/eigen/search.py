@@ -23,6 +23,7 @@ from cea.eigen.shifted import Shifted
 from cea.eigen.slepc_search import SlepcSearch
 from cea.eigen.slices import NO_SLICES, Plan, Slice, covered, joined, plan_of
 from cea.eigen.subspace import InvariantSubspace
+from cea.eigen.turned_field import TurnedField
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
@@ -102,6 +103,7 @@ class WindowSearch:
         self._farthest: dict[float, float] = {}
         self._signs: dict[float, int] = {}
         self._farthest_kappa = np.inf
+        self._turned: list[TurnedField | None] = []
 
     def real(self, top: float, counted: int) -> Found:
         """A window of a symmetric pencil: all that the inertia counts.
@@ -151,7 +153,7 @@ class WindowSearch:
             left = 1.0 if bounded else _REACHED
             known = self._covered(known, top, depth, left=left, right=-reached)
             reached = left * depth
-            bounded = bounded or self._farthest_kappa <= reached or self._field(reached).bounded
+            bounded = bounded or self._farthest_kappa <= reached or self._ends(top, reached)
             covering = len(self._discs) - 1
             odd = self._factors.kappa in self._odd(known)
             if (bounded and not odd) or covering >= (_MOST_DISCS[True] if odd else most):
@@ -311,6 +313,20 @@ class WindowSearch:
             self.factorisations += 1
         if (parity := self._factors.parity()) is not None:
             self._signs[kappa] = parity
+
+    def _ends(self, top: float, depth: float) -> bool:
+        """Whether nothing of the window has Re kappa < -depth."""
+        if self._field(depth).bounded:
+            return True
+        if self._matrices.size <= _SMALL:
+            return False
+        with self._timer("factorisation"):
+            if not self._turned:
+                self._turned.append(TurnedField.of(self._matrices, top))
+                self.factorisations += 2
+            turned = self._turned[0]
+            self.factorisations += turned is not None
+            return turned is not None and turned.bounds(top, depth)
 
     def _field(self, depth: float, *, cone: bool = False) -> FieldOfValues:
         self.factorisations += 1
