@@ -11,6 +11,7 @@ a contact, and between them the entries of S - 1 are harmonic, by the traces of 
 S varies as little as it can, and is block diagonal.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -31,8 +32,28 @@ _FADING = 1e-3
 """What of M, in windows, is added to K where S is extended: bodies without contact may float."""
 
 
-def turn_of(matrices: Matrices, top: float) -> Any | None:
-    """S, PETSc AIJ, symmetric and block diagonal; collective.
+@dataclass(frozen=True)
+class Turn:
+    """Turned test functions, node by node.
+
+    Parameters
+    ----------
+    matrix
+        S, PETSc AIJ (n x n), symmetric and block diagonal.
+    normals
+        N, PETSc AIJ (n x m): unit displacements along the normal of each node of the contacts.
+    """
+
+    matrix: Any
+    normals: Any
+
+    def free(self) -> None:
+        """Free both."""
+        destroy(self.matrix, self.normals)
+
+
+def turn_of(matrices: Matrices, top: float) -> Turn | None:
+    """S and N of a pencil; collective.
 
     Parameters
     ----------
@@ -43,7 +64,7 @@ def turn_of(matrices: Matrices, top: float) -> Any | None:
 
     Returns
     -------
-    PETSc.Mat or None
+    Turn or None
         None without friction, or where it is not known which unknowns belong together.
 
     Raises
@@ -54,33 +75,36 @@ def turn_of(matrices: Matrices, top: float) -> Any | None:
     nodes = matrices.nodes
     if nodes is None or matrices.symmetric:
         return None
-    friction, touched = _friction(matrices, nodes)
+    friction, normals, touched = _directions(matrices, nodes)
     squares = np.einsum("nij,nij->n", friction, friction)
     transposed = np.swapaxes(friction, 1, 2)
     turned = friction + transposed + transposed @ friction - friction @ transposed
     turned /= (1 + squares)[:, None, None]
     rows, columns = np.triu_indices(nodes.dim)
-    touched |= (nodes.unknowns < 0).all(axis=1)
     operator = matrices.operator(-_FADING * top, symmetric_part=True)
-    values = _extended(operator, nodes, turned[:, rows, columns], touched)
+    held = touched | (nodes.unknowns < 0).all(axis=1)
+    values = _extended(operator, nodes, turned[:, rows, columns], held)
     destroy(operator)
     turned[:, rows, columns] = turned[:, columns, rows] = values
-    return _block_diagonal(turned, nodes, matrices.stiffness)
+    like = matrices.stiffness
+    return Turn(_block_diagonal(turned, nodes, like), _normals(normals, touched, nodes, like))
 
 
-def _friction(matrices: Matrices, nodes: Nodes) -> tuple[Floats, NDArray[np.bool_]]:
-    """F of each node of this rank, and whether a contact touches it."""
+def _directions(matrices: Matrices, nodes: Nodes) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """F and normal of each node of this rank, and whether a contact touches it."""
     friction = np.zeros((nodes.count, nodes.dim, nodes.dim))
+    along = friction.copy()
     touched = np.zeros(nodes.count, dtype=bool)
     for normal, skew in _contact_stiffnesses(matrices):
-        first, comm = normal.getOwnershipRange()[0], normal.comm.tompi4py()
-        sizes = np.trace(nodes.blocks(local_part(normal), first), axis1=1, axis2=2)
+        first, comm = normal.getOwnershipRangeColumn()[0], normal.comm.tompi4py()
+        blocks = nodes.blocks(local_part(normal), first)
+        sizes = np.trace(blocks, axis1=1, axis2=2)
         on = sizes > _TOUCHED * comm.allreduce(sizes.max(initial=0.0), MPI.MAX)
-        blocks = nodes.blocks(local_part(skew), first)
-        friction[on] += blocks[on] / sizes[on, None, None]
+        along[on] += blocks[on] / sizes[on, None, None]
+        friction[on] += nodes.blocks(local_part(skew), first)[on] / sizes[on, None, None]
         touched |= on
         destroy(normal, skew)
-    return friction, touched
+    return friction, np.linalg.eigh(along)[1][:, :, -1], touched
 
 
 def _contact_stiffnesses(matrices: Matrices) -> list[tuple[Any, Any]]:
@@ -141,6 +165,19 @@ def _traces(operator: Any, nodes: Nodes) -> csr_array:
     row, column = nodes.node[row[same]], node[rows.indices[same]]
     shape = (nodes.count, int(nodes.starts(comm)[-1]))
     return csr_array(coo_array((rows.data[same], (row, column)), shape=shape))
+
+
+def _normals(normals: Floats, touched: NDArray[np.bool_], nodes: Nodes, like: Any) -> Any:
+    """Unit displacements along normals of the nodes that are touched, PETSc AIJ."""
+    comm, at = like.comm.tompi4py(), np.flatnonzero(touched)
+    counts = comm.allgather(len(at))
+    unknowns = nodes.unknowns[at]
+    column = np.broadcast_to(np.arange(len(at))[:, None], unknowns.shape)
+    kept = unknowns >= 0
+    entries = (normals[at][kept], (unknowns[kept], column[kept] + sum(counts[: comm.rank])))
+    shape = (like.getLocalSize()[0], sum(counts))
+    rows = csr_array(coo_array(entries, shape=shape))
+    return distributed(rows, (len(at), sum(counts)), like.comm)
 
 
 def _block_diagonal(turned: Floats, nodes: Nodes, like: Any) -> Any:
