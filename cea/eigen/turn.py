@@ -7,8 +7,9 @@ S v = n makes that symmetric. Of those the one that turns least, by the angle of
     S = 1 + (F + F^T + F^T F - F F^T) / (1 + tr F^T F),     F = m n^T,
 
 with eigenvalues 1 and 1 -+ mu / sqrt(1 + mu^2): positive whatever mu. It is taken at each node of
-a contact, and between them the entries of S - 1 are harmonic, by the traces of the blocks of K:
-S varies as little as it can, and is block diagonal.
+a contact, and between them the entries of S - 1 are harmonic, by the traces of the blocks of K
+without their row sums: what holds a body does not hold them, S varies as little as it can, fades
+slowly, and is block diagonal.
 """
 
 from dataclasses import dataclass
@@ -29,7 +30,8 @@ from cea.petsc import MPI
 _TOUCHED = 1e-10
 """Trace of a node's block of a contact, relative to the largest, from which it is touched."""
 _FADING = 1e-3
-"""What of M, in windows, is added to K where S is extended: bodies without contact may float."""
+"""What is added to the traces where S is extended, relative to their diagonal: far away S is 1, and
+bodies without friction may float."""
 
 
 @dataclass(frozen=True)
@@ -52,15 +54,13 @@ class Turn:
         destroy(self.matrix, self.normals)
 
 
-def turn_of(matrices: Matrices, top: float) -> Turn | None:
+def turn_of(matrices: Matrices) -> Turn | None:
     """S and N of a pencil; collective.
 
     Parameters
     ----------
     matrices
         The pencil at given parameters.
-    top
-        omega^2, the end of the window (1/s^2).
 
     Returns
     -------
@@ -81,10 +81,8 @@ def turn_of(matrices: Matrices, top: float) -> Turn | None:
     turned = friction + transposed + transposed @ friction - friction @ transposed
     turned /= (1 + squares)[:, None, None]
     rows, columns = np.triu_indices(nodes.dim)
-    operator = matrices.operator(-_FADING * top, symmetric_part=True)
     held = touched | (nodes.unknowns < 0).all(axis=1)
-    values = _extended(operator, nodes, turned[:, rows, columns], held)
-    destroy(operator)
+    values = _extended(matrices.stiffness, nodes, turned[:, rows, columns], held)
     turned[:, rows, columns] = turned[:, columns, rows] = values
     like = matrices.stiffness
     return Turn(_block_diagonal(turned, nodes, like), _normals(normals, touched, nodes, like))
@@ -157,14 +155,18 @@ def _extended(operator: Any, nodes: Nodes, given: Floats, held: NDArray[np.bool_
 
 
 def _traces(operator: Any, nodes: Nodes) -> csr_array:
-    """Traces of the blocks of a matrix, the nodes of this rank by all nodes."""
+    """Traces of the blocks of K, of which rows add to little, nodes of this rank by all nodes."""
     comm, rows = operator.comm.tompi4py(), local_part(operator)
     node, component = nodes.everywhere(comm)
     row = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
     same = nodes.component[row] == component[rows.indices]
     row, column = nodes.node[row[same]], node[rows.indices[same]]
     shape = (nodes.count, int(nodes.starts(comm)[-1]))
-    return csr_array(coo_array((rows.data[same], (row, column)), shape=shape))
+    traces = csr_array(coo_array((rows.data[same], (row, column)), shape=shape))
+    own = np.arange(nodes.count) + nodes.starts(comm)[comm.rank]
+    sizes = np.bincount(row[column == own[row]], rows.data[same][column == own[row]], nodes.count)
+    change = _FADING * sizes - np.asarray(traces.sum(axis=1)).ravel()
+    return traces + csr_array(coo_array((change, (np.arange(nodes.count), own)), shape=shape))
 
 
 def _normals(normals: Floats, touched: NDArray[np.bool_], nodes: Nodes, like: Any) -> Any:

@@ -23,15 +23,15 @@ omega^2 + r = tau^2 omega^2: no eigenvalue of the window lies left of Re kappa =
 """
 
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
 from cea.eigen.coverage import TIP
-from cea.eigen.field_of_values import SAFETY, largest_quotient
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.turn import turn_of
+from cea.eigen.turned_mass import skewness
 from cea.eigen.turned_tests import TurnedTests
 from cea.matrices import destroy
 
@@ -58,15 +58,13 @@ class TurnedField:
     slope: float
 
     @classmethod
-    def of(cls, matrices: Matrices, top: float) -> Self | None:
+    def of(cls, matrices: Matrices) -> Self | None:
         """S and tau of a pencil; collective.
 
         Parameters
         ----------
         matrices
             The pencil at given parameters.
-        top
-            omega^2, the end of the window (1/s^2).
 
         Returns
         -------
@@ -81,12 +79,12 @@ class TurnedField:
         """
         if matrices.multipliers is not None and matrices.multipliers.dependent:
             return None
-        turn = turn_of(matrices, top)
+        turn = turn_of(matrices)
         if turn is None:
             return None
         for weight in _WEIGHTS:
             tests = TurnedTests.of(matrices, turn, weight)
-            slope = _slope(tests, matrices.mass)
+            slope = skewness(tests, matrices.mass)
             if slope is not None:
                 return cls(matrices, tests, slope)
             tests.free()
@@ -109,8 +107,21 @@ class TurnedField:
             When the factorisation fails.
         """
         within = self.depth_within(top, depth)
-        if within is None:
-            return False
+        return within is not None and self.holds(within)
+
+    def holds(self, within: float) -> bool:
+        """Whether h >= -X g for every x; collective.
+
+        Parameters
+        ----------
+        within
+            X (1/s^2).
+
+        Raises
+        ------
+        ConvergenceError
+            When the factorisation fails.
+        """
         operator = self.matrices.operator(-within)
         product = self.tests.product(operator)
         destroy(operator)
@@ -118,9 +129,9 @@ class TurnedField:
         product.free()
         factors = Mumps(whole, symmetric=True, inertia=True)
         expected = self.tests.constraints + self.tests.forces
-        bounded = factors.negative_eigenvalues() == expected and not factors.null_pivots()
+        shown = factors.negative_eigenvalues() == expected and not factors.null_pivots()
         factors.free()
-        return bounded
+        return shown
 
     def depth_within(self, top: float, depth: float) -> float | None:
         """X of a wedge that the window leaves at a depth Y (1/s^2); None where there is none.
@@ -138,16 +149,3 @@ class TurnedField:
         """Free S."""
         self.tests.free()
         self.tests.turn.free()
-
-
-def _slope(tests: TurnedTests, mass: Any) -> float | None:
-    """tau; None where S^T M has no positive definite symmetric part."""
-    product, slope = tests.product(mass), None
-    factors = Mumps(tests.symmetric(product), symmetric=True, inertia=True)
-    if factors.negative_eigenvalues() == tests.constraints and not factors.null_pivots():
-        whole = tests.whole(product)
-        slope = SAFETY * largest_quotient(factors, whole)
-        destroy(whole)
-    factors.free()
-    product.free()
-    return slope if slope is not None and np.isfinite(slope) else None

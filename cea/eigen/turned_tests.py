@@ -20,20 +20,27 @@ of the whole tells of x. Contact forces f that are unknowns, J x = C f, add to x
 from dataclasses import dataclass
 from typing import Any, Self
 
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import force_scale
 from cea.eigen.turn import Turn
 from cea.matrices import (
     destroy,
-    empty,
+    distributed,
     largest_row,
+    local_part,
     one_below_the_other,
     scaled_total,
     symmetrised,
     transposed_product,
 )
 from cea.petsc import PETSc
+
+_ROUNDING = 1e-13
+"""What turning leaves of friction, relative to the largest entry of its row, that is rounding."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +115,7 @@ class TurnedTests:
         reaction.diagonalScale(L=scale)
         compliance.diagonalScale(L=scale, R=scale)
         turned = reaction.matMult(turn.matrix)
-        rest = scaled_total([(1.0, closure), (-1.0, turned)])
+        rest = _difference(closure, turned)
         across = reaction.matMult(turn.normals)
         corner = scaled_total([(-1.0, compliance)])
         transposed = across.transpose(PETSc.Mat())
@@ -166,15 +173,6 @@ class TurnedTests:
         destroy(*made, *back)
         return whole
 
-    def whole(self, product: Product) -> Any:
-        """The product itself on (x, z, e, multipliers), PETSc AIJ."""
-        across = self._across(product, forces=False)
-        zero = empty(self.inner.getSizes()[1], self.inner.comm)
-        blocks = [[product.turned, None, None], [across, zero, None], [None, None, zero]]
-        whole = PETSc.Mat().createNest(blocks).convert("aij")
-        destroy(across, zero)
-        return whole
-
     def _across(self, product: Product, *, forces: bool) -> Any:
         """N^T A below, and J of forces or nothing, a new matrix on the rows of Q."""
         if self.closure is None:
@@ -205,10 +203,21 @@ def _of_penalties(matrices: Matrices, turn: Turn, weight: float) -> tuple[Any, A
     normal = scaled_total(matrices.contacts)
     contact = scaled_total([(1.0, normal), (1.0, matrices.unsymmetric)])
     turned = transposed_product(contact, turn.matrix)
-    rest = scaled_total([(1.0, normal), (-1.0, turned)])
+    rest = _difference(normal, turned)
     outer = transposed_product(turn.normals, rest)
     pressed = transposed_product(turn.normals, normal)
     own = pressed.matMult(turn.normals)
     inner.axpy(1.0 - weight, own, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     destroy(normal, contact, turned, rest, pressed, own)
     return symmetrised(inner), outer
+
+
+def _difference(one: Any, other: Any) -> Any:
+    """A - B without what is rounding beside the rows of A, PETSc AIJ."""
+    left, right = local_part(one), local_part(other)
+    rest = (left - right).tocoo()
+    sizes = abs(left).max(axis=1).toarray().ravel()
+    kept = np.abs(rest.data) > _ROUNDING * sizes[rest.row]
+    entries = (rest.data[kept], (rest.row[kept], rest.col[kept]))
+    rows = csr_array(coo_array(entries, shape=rest.shape))
+    return distributed(rows, one.getSizes()[1], one.comm)
