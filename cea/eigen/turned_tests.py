@@ -145,6 +145,9 @@ class TurnedTests:
     def symmetric(self, product: Product, *, forces: bool = False) -> Any:
         """Symmetric part with the constraints, PETSc AIJ on (x, z, e, multipliers, f).
 
+        (z, e)^T (Q (z, e) - W x) is added, which is zero where the constraints hold: none of the
+        pivots of z is zero then, and ranks find them all.
+
         Parameters
         ----------
         product
@@ -154,14 +157,14 @@ class TurnedTests:
         """
         form = symmetrised(product.turned.copy())
         across = self._across(product, forces=forces)
-        across.scale(0.5)
         factor = largest_row(form) / largest_row(self.inner)
-        outer, inner = self.outer.copy(), self.inner.copy()
-        outer.scale(factor)
-        inner.scale(-factor)
-        made = [form, across, outer, inner]
+        outer, inner = (scaled_total([(factor, each)]) for each in (self.outer, self.inner))
+        across.axpy(-factor, self.outer, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        across.scale(0.5)
+        against = scaled_total([(-1.0, inner)])
+        made = [form, across, outer, inner, against]
         back = [each.transpose(PETSc.Mat()) for each in (across, outer)]
-        blocks = [[form, *back], [across, None, inner], [outer, inner, None]]
+        blocks = [[form, *back], [across, inner, against], [outer, against, None]]
         if forces and self.closure is not None:
             pushed = self.closure.transpose(PETSc.Mat())
             corner = scaled_total([(-1.0, self.compliance)])
