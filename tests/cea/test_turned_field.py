@@ -148,6 +148,18 @@ def test_windows_of_stiff_contact_are_complete(backend, changes, monkeypatch):
     np.testing.assert_allclose(few.eigenvalues, many.eigenvalues, rtol=1e-6, atol=1e-3)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "changes", [["P=1e12"], ["P=1e13"], ["P=1e16", 'formulation={method="mortar"}']]
+)
+def test_large_windows_of_stiff_contact_are_complete(backend, changes):
+    """The meshes of the scene itself, with as few discs as large systems get."""
+    overrides = [f"contacts.pad_disc.{change}" for change in changes]
+    modes = run_modes(load_scene("disc_pad", overrides, backend)).modes
+    assert modes.window.complete
+    assert modes.window.discs <= 3
+
+
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_ranks_agree(backend, ranks):
