@@ -7,9 +7,9 @@ S v = n makes that symmetric. Of those the one that turns least, by the angle of
     S = 1 + (F + F^T + F^T F - F F^T) / (1 + tr F^T F),     F = m n^T,
 
 with eigenvalues 1 and 1 -+ mu / sqrt(1 + mu^2): positive whatever mu. It is taken at each node of
-a contact, and between them the entries of S - 1 are harmonic, by the traces of the blocks of K
-without their row sums: what holds a body does not hold them, S varies as little as it can, fades
-slowly, and is block diagonal.
+a contact, and from there it is extended into the bodies: at each node S - 1 is a mean of that at
+its neighbours, by the traces of the blocks of K. What holds a body does not hold it; it varies
+slowly, fades, stays positive definite, and is block diagonal.
 """
 
 from dataclasses import dataclass
@@ -30,8 +30,8 @@ from cea.petsc import MPI
 _TOUCHED = 1e-10
 """Trace of a node's block of a contact, relative to the largest, from which it is touched."""
 _FADING = 1e-3
-"""What is added to the traces where S is extended, relative to their diagonal: far away S is 1, and
-bodies without friction may float."""
+"""What is added to the diagonal where S is extended, relative to it: far away S is 1, and bodies
+without friction may float."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def _extended(operator: Any, nodes: Nodes, given: Floats, held: NDArray[np.bool_
         Where they are given, shape (count,).
     """
     comm = operator.comm.tompi4py()
-    scalar = _traces(operator, nodes)
+    scalar = _laplacian(operator, nodes)
     layout = (nodes.count, scalar.shape[1])
     whole = distributed(scalar, layout, operator.comm)
     load = -image_of(whole, np.asfortranarray(given))
@@ -154,19 +154,26 @@ def _extended(operator: Any, nodes: Nodes, given: Floats, held: NDArray[np.bool_
     return result
 
 
-def _traces(operator: Any, nodes: Nodes) -> csr_array:
-    """Traces of the blocks of K, of which rows add to little, nodes of this rank by all nodes."""
+def _laplacian(operator: Any, nodes: Nodes) -> csr_array:
+    """Weighted graph of the blocks of K, nodes of this rank by all nodes: rows add to little.
+
+    Weights are traces of blocks where they are negative: values between are means.
+    """
     comm, rows = operator.comm.tompi4py(), local_part(operator)
     node, component = nodes.everywhere(comm)
     row = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
     same = nodes.component[row] == component[rows.indices]
     row, column = nodes.node[row[same]], node[rows.indices[same]]
     shape = (nodes.count, int(nodes.starts(comm)[-1]))
-    traces = csr_array(coo_array((rows.data[same], (row, column)), shape=shape))
-    own = np.arange(nodes.count) + nodes.starts(comm)[comm.rank]
-    sizes = np.bincount(row[column == own[row]], rows.data[same][column == own[row]], nodes.count)
-    change = _FADING * sizes - np.asarray(traces.sum(axis=1)).ravel()
-    return traces + csr_array(coo_array((change, (np.arange(nodes.count), own)), shape=shape))
+    traces = csr_array(coo_array((rows.data[same], (row, column)), shape=shape)).tocoo()
+    first = nodes.starts(comm)[comm.rank]
+    joined = (traces.data < 0) & (traces.row + first != traces.col)
+    row, column, weight = traces.row[joined], traces.col[joined], traces.data[joined]
+    own = np.arange(nodes.count)
+    sums = (1 + _FADING) * np.bincount(row, -weight, nodes.count)
+    values = np.concatenate([weight, np.where(sums > 0, sums, 1.0)])
+    places = (np.concatenate([row, own]), np.concatenate([column, own + first]))
+    return csr_array(coo_array((values, places), shape=shape))
 
 
 def _normals(normals: Floats, touched: NDArray[np.bool_], nodes: Nodes, like: Any) -> Any:
