@@ -100,15 +100,14 @@ def test_the_depth_is_where_wedge_and_window_part(slope, depth):
         assert reaches.max() > -within - 0.05 * (1 + slope) * (TOP + depth)
 
 
-@pytest.mark.parametrize("P", [1e5, 1e8, 1e11, 1e14])
+@pytest.mark.parametrize("P", [1e8, 1e14])
 @pytest.mark.parametrize("formulation", [GPTS, MORTAR])
 def test_stiff_contact_moves_nothing_farther(backend, formulation, P):
     """The plain bound grows with P; this one hardly."""
     matrices = scene(backend, formulation, P, 0.7)
     field = TurnedField.of(matrices)
     assert field.bounds(TOP, 20.0)
-    if P > 1e6:
-        assert not field_of_values(matrices, 20.0).bounded
+    assert not field_of_values(matrices, 20.0).bounded
     field.free()
 
 
@@ -132,7 +131,7 @@ def test_without_friction_or_nodes_there_is_none():
 
 @pytest.mark.parametrize(
     "changes",
-    [["P=1e12"], ["P=1e16", 'formulation={method="mortar"}', "mu=1.5"], ["P=1e14", "mu=0.3"]],
+    [["P=1e12"], ["P=1e16", 'formulation={method="mortar"}', "mu=1.5"]],
 )
 def test_windows_of_stiff_contact_are_complete(backend, changes, monkeypatch):
     """As large systems are searched, with few discs: all modes of many discs, and complete."""
