@@ -17,7 +17,7 @@ import numpy as np
 
 from cea.eigen.field_of_values import FieldOfValues
 
-_TIP = 1.01
+TIP = 1.01
 """Tip of the covered parabola relative to omega^2: room between the window and the first mode
 beyond it."""
 
@@ -32,7 +32,7 @@ def touching_disc(top: float, depth: float) -> float:
     depth
         X, zero or more (1/s^2).
     """
-    return -0.5 * (depth + 3 * _TIP * top)
+    return -0.5 * (depth + 3 * TIP * top)
 
 
 def distance_within(top: float, centre: float, left: float, right: float) -> float:
@@ -40,7 +40,7 @@ def distance_within(top: float, centre: float, left: float, right: float) -> flo
 
     The distance is convex along the parabola: it is largest at an end.
     """
-    tip = _TIP * top
+    tip = TIP * top
     ends = np.array([left, right])
     heights = 4 * tip * np.maximum(tip - ends, 0.0)
     return float(np.sqrt((ends - centre) ** 2 + heights).max())
@@ -62,7 +62,7 @@ def distance_of_cone(top: float, centre: float, field: FieldOfValues) -> float:
     """
     if not field.bounded or np.isinf(field.slope):
         return np.inf
-    tip, depth, square = _TIP * top, field.depth, field.slope**2
+    tip, depth, square = TIP * top, field.depth, field.slope**2
     linear, constant = 2 * square * depth + 4 * tip, 4 * tip**2 - square * depth**2
     meet = 2 * constant / (linear + np.sqrt(linear**2 + 4 * square * constant))
     height = 2 * np.sqrt(tip * max(tip - meet, 0.0))

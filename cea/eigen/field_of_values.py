@@ -8,11 +8,14 @@ for every x, kappa lies in the cone
     abs(Im kappa) <= t (Re kappa + X).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from cea.arrays import Floats
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.dense_products import combined, subtract
 from cea.eigen.mumps import Mumps
@@ -29,9 +32,12 @@ from cea.matrices import (
 )
 from cea.petsc import MPI, PETSc
 
+type Operation = Callable[[Floats], Floats]
+"""What takes the rows of this rank of a block of vectors to those of another."""
+
 _COLUMNS, _STEPS = 8, 4
 """Size of the Krylov space from which the slope of the cone is estimated: blocks, and steps."""
-_SAFETY = 1.5
+SAFETY = 1.5
 """Factor on that estimate, which comes from below and has mostly converged."""
 _LARGE = 10_000
 """Unknowns from which on single precision is tried first."""
@@ -89,7 +95,7 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     if factors is None:
         return FieldOfValues(depth, bounded=False)
     if cone and bounded and matrices.multipliers is None and not factors.null_pivots():
-        slope = _SAFETY * _slope(factors, matrices.unsymmetric)
+        slope = SAFETY * _slope(factors, matrices.unsymmetric)
     factors.free()
     return FieldOfValues(depth, bounded, slope)
 
@@ -135,31 +141,59 @@ def _surely_positive(factors: Mumps) -> bool:
 
 
 def _slope(factors: Mumps, unsymmetric: Any) -> float:
-    """Estimate from below of max abs(x^H N x) / x^H (H + X M) x, by block Krylov.
-
-    Orthonormal in H + X M, with which (H + X M)^-1 N is skew.
-    """
+    """Estimate from below of max abs(x^H N x) / x^H (H + X M) x, of factors of H + X M."""
     skew = antisymmetrised(unsymmetric.copy())
-    comm, rows = skew.comm, skew.getLocalSize()[0]
-    most = _COLUMNS * _STEPS
+    solve, image, turned = (
+        factors.solve_block,
+        partial(image_of, factors.matrix),
+        partial(image_of, skew),
+    )
+    slope = largest_quotient(solve, image, turned, skew.getLocalSize()[0], skew.comm)
+    destroy(skew)
+    return slope
+
+
+def largest_quotient(
+    solve: Operation,
+    image: Operation,
+    skew: Operation,
+    rows: int,
+    comm: Any,
+    steps: int = _STEPS,
+) -> float:
+    """Estimate from below of max abs(x^H N x) / x^H H x, N skew, by block Krylov.
+
+    Orthonormal in H, with which H^-1 N is skew.
+
+    Parameters
+    ----------
+    solve, image, skew
+        H^-1, which need not be exact, H and N times a block of vectors, the rows of this rank.
+    rows
+        Rows of this rank.
+    comm
+        Communicator (petsc4py).
+    steps
+        Steps of block Krylov, the more the less the extreme quotients stand out.
+    """
+    most = _COLUMNS * steps
     basis, images, skews = (np.empty((rows, most), order="F") for _ in range(3))
     start = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
-    load, size = image_of(skew, start), 0
-    for _ in range(_STEPS):
-        block = factors.solve_block(load)
+    load, size = skew(start), 0
+    for _ in range(steps):
+        block = solve(load)
         for _ in range(2):  # what rounding leaves of the first projection goes with the second
             subtract(block, basis[:, :size], all_inner(images[:, :size], block, comm))
-        image = image_of(factors.matrix, block)
-        squares, axes = np.linalg.eigh(all_inner(block, image, comm))
+        of_block = image(block)
+        squares, axes = np.linalg.eigh(all_inner(block, of_block, comm))
         kept = squares > _DEPENDENT * max(squares.max(), np.finfo(float).tiny)
         if not kept.any():
             break
         turn = axes[:, kept] / np.sqrt(squares[kept])
         fresh = slice(size, size + turn.shape[1])
         size = fresh.stop
-        basis[:, fresh], images[:, fresh] = combined(block, turn), combined(image, turn)
-        load = skews[:, fresh] = image_of(skew, basis[:, fresh])
-    destroy(skew)
+        basis[:, fresh], images[:, fresh] = combined(block, turn), combined(of_block, turn)
+        load = skews[:, fresh] = skew(basis[:, fresh])
     projected = all_inner(basis[:, :size], skews[:, :size], comm)
     return float(np.linalg.norm(projected, 2)) if size else 0.0
 

@@ -17,6 +17,7 @@ from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Parameter
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
+from cea.nodes import Nodes
 from cea.petsc import Mat
 
 Role = Literal["mass", "damping", "stiffness"]
@@ -39,12 +40,15 @@ class Term:
         c.
     symmetric
         Whether A is symmetric, to the last bit.
+    contact
+        Whether A is the stiffness K_n of a contact, normal to it.
     """
 
     role: Role
     matrix: Mat
     coefficient: Dependence = CONSTANT
     symmetric: bool = True
+    contact: bool = False
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,10 @@ class Matrices:
     low_rank
         Pieces of C of low rank, symmetric and positive semidefinite (N s/m), which are beside
         ``damping``; None without.
+    contacts
+        Pieces K_n of the stiffness with their coefficients (N/m).
+    nodes
+        Which unknowns belong together; None where that is not known.
     """
 
     stiffness: Mat
@@ -77,6 +85,8 @@ class Matrices:
     damping: Mat | None = None
     gyroscopic: Mat | None = None
     low_rank: LowRankSum | None = None
+    contacts: tuple[tuple[float, Mat], ...] = ()
+    nodes: Nodes | None = None
 
     @property
     def symmetric(self) -> bool:
@@ -124,6 +134,8 @@ class Pencil:
     leave_out
         Whether pieces whose coefficient is zero are left out: without friction the problem is then
         symmetric.
+    nodes
+        Which unknowns belong together; None where that is not known, as of given matrices.
 
     Raises
     ------
@@ -139,8 +151,9 @@ class Pencil:
         low_rank: Iterable[LowRankTerm] = (),
         *,
         leave_out: bool = True,
+        nodes: Nodes | None = None,
     ) -> None:
-        self.leave_out = leave_out
+        self.leave_out, self.nodes = leave_out, nodes
         self.terms = tuple(terms)
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
@@ -249,6 +262,8 @@ class Pencil:
             multipliers=(
                 self._all_forces.at(values, leave_out=self.leave_out) if self._all_forces else None
             ),
+            contacts=tuple((t.coefficient.at(values), t.matrix) for t in self.terms if t.contact),
+            nodes=self.nodes,
         )
 
     def low_rank_at(self, values: Mapping[str, float]) -> LowRankSum | None:

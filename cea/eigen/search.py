@@ -4,7 +4,7 @@ Eigenvalues around the middle of the window come first. Where friction leaves no
 about the real axis, a disc about the middle covers it: the search goes on beside what was found, in
 random directions, until it finds nothing more. Else a second shift, left of all of them, covers the
 whole window with another disc. Where friction might move eigenvalues farther to the left than that
-disc reaches, further discs follow.
+disc reaches, which in large systems is judged by turned test functions too, further discs follow.
 """
 
 from itertools import pairwise
@@ -23,6 +23,7 @@ from cea.eigen.shifted import Shifted
 from cea.eigen.slepc_search import SlepcSearch
 from cea.eigen.slices import NO_SLICES, Plan, Slice, covered, joined, plan_of
 from cea.eigen.subspace import InvariantSubspace
+from cea.eigen.turned_field import TurnedField
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
@@ -102,6 +103,8 @@ class WindowSearch:
         self._farthest: dict[float, float] = {}
         self._signs: dict[float, int] = {}
         self._farthest_kappa = np.inf
+        self._turned: TurnedField | None = None
+        self._turns = matrices.size > _SMALL
 
     def real(self, top: float, counted: int) -> Found:
         """A window of a symmetric pencil: all that the inertia counts.
@@ -151,7 +154,7 @@ class WindowSearch:
             left = 1.0 if bounded else _REACHED
             known = self._covered(known, top, depth, left=left, right=-reached)
             reached = left * depth
-            bounded = bounded or self._farthest_kappa <= reached or self._field(reached).bounded
+            bounded = bounded or self._farthest_kappa <= reached or self._ends(top, reached)
             covering = len(self._discs) - 1
             odd = self._factors.kappa in self._odd(known)
             if (bounded and not odd) or covering >= (_MOST_DISCS[True] if odd else most):
@@ -159,6 +162,8 @@ class WindowSearch:
             depth *= _DEEPER
         else:
             reached, bounded = np.inf, True
+        if self._turned is not None:
+            self._turned.free()
         known = self._with_real_ones(known)
         if len(self._discs) > _NEAR:
             self._move(self._middle)  # modes are judged by factors near them
@@ -311,6 +316,30 @@ class WindowSearch:
             self.factorisations += 1
         if (parity := self._factors.parity()) is not None:
             self._signs[kappa] = parity
+
+    def _ends(self, top: float, depth: float) -> bool:
+        """Whether nothing of the window has Re kappa < -depth: by as few tests as show it."""
+        if self._field(depth).bounded:
+            return True
+        if not self._turns:
+            return False
+        with self._timer("factorisation"):
+            try:
+                return self._turned_ends(top, depth)
+            except ConvergenceError:  # what shows nothing must not end what was found
+                self._turns = False
+                return False
+
+    def _turned_ends(self, top: float, depth: float) -> bool:
+        """The same by turned test functions, made when they are first asked for."""
+        if self._turned is None:
+            self.factorisations += 2
+            self._turned = TurnedField.of(self._matrices)
+            self._turns = self._turned is not None
+        if self._turned is None:
+            return False
+        self.factorisations += 1
+        return self._turned.bounds(top, depth)
 
     def _field(self, depth: float, *, cone: bool = False) -> FieldOfValues:
         self.factorisations += 1

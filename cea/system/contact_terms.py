@@ -33,7 +33,7 @@ class ContactPairs:
             P = {}
             if contact.half.law.linear:
                 P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
-            yield Term("stiffness", contact.stiffness, Coefficient.of(P))
+            yield Term("stiffness", contact.stiffness, Coefficient.of(P), contact=True)
             if contact.friction is not None and self.rubs(contact):
                 mu = {f"contacts.{contact.pair}.mu": (references[contact.pair], 1.0)}
                 coefficient = Coefficient.of(P | mu, factor=-1.0)

@@ -19,7 +19,9 @@ from cea.contact.sliding import Sliding, SlidingDamping, damping_of
 from cea.eigen.low_rank import LowRankTerm
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
-from cea.matrices import block_diagonal, destroy, empty, gather
+from cea.matrices import block_diagonal, destroy, empty, gather, local_part
+from cea.nodes import Nodes, joined, places
+from cea.petsc import MPI
 from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
 from cea.system.contact_terms import ContactPairs
 from cea.system.modal_damping import modal_terms
@@ -158,6 +160,7 @@ class CoupledSystem:
             tuple(self._pairs.forces(keeping, self.stiffness_diagonal)),
             self._modal_terms,
             leave_out=leave_out,
+            nodes=self._nodes,
         )
 
     def linearised(
@@ -196,6 +199,19 @@ class CoupledSystem:
             steady=steady,
             prestress=prestress,
         )
+
+    @cached_property
+    def _nodes(self) -> Nodes | None:
+        """Unknowns by basis function; None where supports leave that open on any rank."""
+        found, functions = [], []
+        dim = next(iter(self.bodies.values())).dim
+        for body in self.bodies.values():
+            rows = local_part(body.expansion)
+            found.append(places(rows, range(*body.expansion.getOwnershipRangeColumn())))
+            functions.append(rows.shape[0] // dim)
+        known = [each for each in found if each is not None]
+        every = self.template.comm.tompi4py().allreduce(len(known) == len(found), MPI.LAND)
+        return joined(known, functions, dim) if every else None
 
     def _body_terms(self) -> Iterator[Term]:
         """K, M, C and Y of each body, and what its prestress makes, whatever the parameters."""
