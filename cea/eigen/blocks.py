@@ -15,6 +15,9 @@ from cea.matrices import dense, destroy
 
 _COLUMNS = 64
 """Columns at a time."""
+_NUMBERS, _LEAST = 1_600_000, 8
+"""Numbers of a product that are made at once, and least columns: memory of few is used again, that
+of many is asked for anew each time."""
 
 
 def column_blocks(columns: int) -> Iterator[slice]:
@@ -24,7 +27,7 @@ def column_blocks(columns: int) -> Iterator[slice]:
 
 
 def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
-    """Matrix times a block of vectors, real and imaginary parts in one sparse-dense product."""
+    """Matrix times a block of vectors, real and imaginary parts side by side."""
     if matrix.getSize()[0] != matrix.getSize()[1]:
         x, y = matrix.createVecRight(), matrix.createVecLeft()
         return _one_by_one(matrix.mult, x, y, vectors)
@@ -33,21 +36,22 @@ def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
     rows, n = vectors.shape
     parts = np.empty((rows, 2 * n), order="F")
     parts[:, :n], parts[:, n:] = vectors.real, vectors.imag
-    block = dense(parts, matrix.getSizes()[1], matrix.comm)
-    product = matrix.matMult(block)
-    result = product.getDenseArray()
-    image = np.empty((len(result), n), dtype=complex, order="F")
+    result = image_of(matrix, parts)
+    image = np.empty((rows, n), dtype=complex, order="F")
     image.real, image.imag = result[:, :n], result[:, n:]
-    destroy(product, block)
     return image
 
 
 def image_of(matrix: Any, vectors: Floats) -> Floats:
-    """Square matrix times a block of real vectors, in one product, in Fortran order."""
-    block = dense(vectors, matrix.getSizes()[1], matrix.comm)
-    product = matrix.matMult(block)
-    image: Floats = product.getDenseArray().copy(order="F")
-    destroy(product, block)
+    """Square matrix times a block of real vectors, in Fortran order."""
+    image = np.empty(vectors.shape, order="F")
+    at_once = max(_LEAST, _NUMBERS // matrix.getSize()[0] // _LEAST * _LEAST)
+    for start in range(0, vectors.shape[1], at_once):
+        columns = slice(start, start + at_once)
+        block = dense(vectors[:, columns], matrix.getSizes()[1], matrix.comm)
+        product = matrix.matMult(block)
+        image[:, columns] = product.getDenseArray()
+        destroy(product, block)
     return image
 
 
