@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 import scipy.linalg
+from mpi import on_ranks
 from petsc_matrices import to_petsc
+from same_numbers import assert_same
 
 from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.krylov_schur import KrylovSchur
@@ -33,7 +35,7 @@ def pencil_of(rubs):
     )
 
 
-@pytest.fixture(params=[False, True])
+@pytest.fixture(scope="module", params=[False, True])
 def searched(request):
     matrices = pencil_of(request.param).at()
     factors = Shifted(matrices, 50.3)
@@ -41,7 +43,7 @@ def searched(request):
     nothing = InvariantSubspace.empty(ROWS, symmetric=not request.param)
     found = krylov.search(nothing, RADIUS, 0)
     whole = matrices.operator()
-    return krylov, found, whole
+    return krylov, found, krylov.around, whole
 
 
 def dense(matrix):
@@ -50,8 +52,7 @@ def dense(matrix):
 
 
 def test_it_is_an_invariant_subspace_that_holds_what_was_found(searched):
-    krylov, found, whole = searched
-    around = krylov.around
+    _, found, around, whole = searched
     assert around.size > found.size + 8
     assert (around.basis[:, : found.size] == found.basis).all()
     gram = around.basis.T @ around.basis
@@ -70,8 +71,7 @@ def test_it_is_an_invariant_subspace_that_holds_what_was_found(searched):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_what_is_missing_is_seen(searched, seed):
-    krylov, found, _ = searched
-    around = krylov.around
+    krylov, found, around, _ = searched
     assert nothing_beside(krylov, around, 50.3, RADIUS, seed)
     distances = np.abs(around.eigenvalues() - 50.3)
     inside = np.flatnonzero(distances < RADIUS)
@@ -112,6 +112,14 @@ def test_a_mode_that_the_first_search_missed_is_found(monkeypatch):
     assert missed
     assert again.eigenvalues == pytest.approx(whole.eigenvalues, rel=1e-10)
     assert again.window.complete
+
+
+@pytest.mark.mpi
+def test_several_ranks_see_the_same(backend):
+    ranks = {"fe": 2, "iga": 3}[backend]
+    alone = on_ranks(1, "surrounded_numbers.surrounded_numbers", backend)
+    assert alone["window"][:-1] == [True, True]
+    assert_same(on_ranks(ranks, "surrounded_numbers.surrounded_numbers", backend), alone, rel=1e-8)
 
 
 def test_sums_keep_a_pattern_that_holds_the_others():
