@@ -54,6 +54,9 @@ class BlockSearch(ABC):
     farthest
         Largest modulus of an eigenvalue that the space of the last search knows of beside what was
         known; infinite where it does not see the far end of the spectrum.
+    around
+        What the last search found with what nearly converged around its disc; None where it was
+        not the first.
     """
 
     unknown = "kappa"
@@ -68,6 +71,7 @@ class BlockSearch(ABC):
     """When a search ends with the eigenvalues nearest to the shift."""
     reached: float | None = None
     """Radius about the shift to which it then came."""
+    around: InvariantSubspace | None = None
 
     def __init__(
         self,
@@ -92,6 +96,7 @@ class BlockSearch(ABC):
         seed: int,
         *,
         both_ends: bool = False,
+        surrounded: bool = False,
     ) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc.
 
@@ -111,6 +116,9 @@ class BlockSearch(ABC):
             the disc: far from the shift digits are lost to it. With ties, whose infinite
             eigenvalues are the farthest, OP is applied to the start vectors first; that hides
             finite ones too beyond some 1e10 times the shift.
+        surrounded
+            Whether what is known was ``around`` the disc after a search before: what is missing
+            shows sooner.
 
         Raises
         ------
@@ -120,9 +128,9 @@ class BlockSearch(ABC):
             When it holds more than ``most`` eigenvalues.
         """
         with self._timer("krylov"):
-            run = KrylovRun(self, known, radius, seed, both_ends=both_ends)
+            run = KrylovRun(self, known, radius, seed, both_ends=both_ends, surrounded=surrounded)
             known = run.complete()
-            self.farthest, self.reached = run.farthest, run.reached
+            self.farthest, self.reached, self.around = run.farthest, run.reached, run.around
             return known
 
     @abstractmethod

@@ -15,16 +15,34 @@ from cea.matrices import dense, destroy
 
 _COLUMNS = 64
 """Columns at a time."""
+_NUMBERS, _LEAST = 800_000, 8
+"""Numbers that are worked on at a time, and least columns of them: memory of few is used again and
+stays near, that of many is asked for anew each time."""
 
 
-def column_blocks(columns: int) -> Iterator[slice]:
-    """Slices of so many columns as are worked on at a time."""
-    for start in range(0, columns, _COLUMNS):
-        yield slice(start, min(start + _COLUMNS, columns))
+def column_blocks(columns: int, rows: int = 0) -> Iterator[slice]:
+    """Slices of so many columns as are worked on at a time.
+
+    Parameters
+    ----------
+    columns
+        Their number.
+    rows
+        Rows over all ranks: of long columns fewer are taken. That is for products and sums;
+        solves are cheaper the more columns they have.
+    """
+    at_once = min(_COLUMNS, _few(rows)) if rows else _COLUMNS
+    for start in range(0, columns, at_once):
+        yield slice(start, min(start + at_once, columns))
+
+
+def _few(rows: int) -> int:
+    """Columns of so many rows that stay near: a multiple of those of one pass of a product."""
+    return max(_LEAST, _NUMBERS // rows // _LEAST * _LEAST)
 
 
 def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
-    """Matrix times a block of vectors, real and imaginary parts in one sparse-dense product."""
+    """Matrix times a block of vectors, real and imaginary parts side by side."""
     if matrix.getSize()[0] != matrix.getSize()[1]:
         x, y = matrix.createVecRight(), matrix.createVecLeft()
         return _one_by_one(matrix.mult, x, y, vectors)
@@ -33,21 +51,22 @@ def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
     rows, n = vectors.shape
     parts = np.empty((rows, 2 * n), order="F")
     parts[:, :n], parts[:, n:] = vectors.real, vectors.imag
-    block = dense(parts, matrix.getSizes()[1], matrix.comm)
-    product = matrix.matMult(block)
-    result = product.getDenseArray()
-    image = np.empty((len(result), n), dtype=complex, order="F")
+    result = image_of(matrix, parts)
+    image = np.empty((rows, n), dtype=complex, order="F")
     image.real, image.imag = result[:, :n], result[:, n:]
-    destroy(product, block)
     return image
 
 
 def image_of(matrix: Any, vectors: Floats) -> Floats:
-    """Square matrix times a block of real vectors, in one product, in Fortran order."""
-    block = dense(vectors, matrix.getSizes()[1], matrix.comm)
-    product = matrix.matMult(block)
-    image: Floats = product.getDenseArray().copy(order="F")
-    destroy(product, block)
+    """Square matrix times a block of real vectors, in Fortran order."""
+    image = np.empty(vectors.shape, order="F")
+    at_once = _few(matrix.getSize()[0])
+    for start in range(0, vectors.shape[1], at_once):
+        columns = slice(start, start + at_once)
+        block = dense(vectors[:, columns], matrix.getSizes()[1], matrix.comm)
+        product = matrix.matMult(block)
+        image[:, columns] = product.getDenseArray()
+        destroy(product, block)
     return image
 
 

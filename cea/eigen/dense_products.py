@@ -37,8 +37,10 @@ def inner(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
 
 
 def beside(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
-    """Two blocks as one, in Fortran order."""
+    """Two blocks as one, in Fortran order; the right itself where the left is empty."""
     columns = left.shape[1]
+    if not columns and right.flags.f_contiguous:
+        return right
     shape = (len(left), columns + right.shape[1])
     both: NDArray[Any] = np.empty(shape, dtype=np.result_type(left, right), order="F")
     both[:, :columns], both[:, columns:] = left, right

@@ -102,7 +102,8 @@ def checked(
     root = np.sqrt(diagonal.array_r)
     destroy(diagonal)
     twins = _twins(kappa)
-    for block, x in _blocks(kappa, vectors, twins):
+    rows = 0 if matrices.multipliers is not None else matrices.size  # forces take solves
+    for block, x in _blocks(kappa, vectors, twins, rows):
         value = kappa[block] if np.iscomplexobj(x) else kappa[block].real
         f = np.empty((0, x.shape[1]), dtype=x.dtype)
         if matrices.multipliers is not None:
@@ -144,7 +145,7 @@ def _twins(kappa: Complexes) -> NDArray[np.int64]:
 
 
 def _blocks(
-    kappa: Complexes, vectors: Complexes, twins: NDArray[np.int64]
+    kappa: Complexes, vectors: Complexes, twins: NDArray[np.int64], rows: int
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[Any]]]:
     """Numbers of eigenvalues with their vectors, real ones in real numbers; without twins."""
     real = kappa.imag == 0
@@ -152,7 +153,7 @@ def _blocks(
     other[twins] = False
     for chosen, part in ((real, np.real), (other, np.asarray)):
         numbers = np.flatnonzero(chosen)
-        for columns in column_blocks(len(numbers)):
+        for columns in column_blocks(len(numbers), rows):
             block = numbers[columns]
             yield block, np.asfortranarray(part(vectors[:, block]))
 

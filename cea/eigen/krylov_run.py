@@ -11,6 +11,7 @@ from cea.eigen.dense_products import combined
 from cea.eigen.krylov_space import InnerProduct, KrylovSpace
 from cea.eigen.slices import Plan
 from cea.eigen.subspace import InvariantSubspace, small_eigenpairs, symmetric_part
+from cea.eigen.surroundings import PAIR, leading, with_more
 from cea.errors import ConvergenceError
 
 _BLOCK = 8
@@ -20,20 +21,21 @@ _CLEANSED = 3
 less than a further block, and takes what is far away out of all that follow."""
 _TINY = 1e-20
 """Square of a direction of start vectors, relative to the largest, from which on it is rounding."""
-_LEAST = 6
-"""Blocks of a space before it is looked at: an eigenvalue must have had time to show."""
+_LEAST, _LEAST_AROUND = 6, 4
+"""Blocks of a space before it is looked at: an eigenvalue must have had time to show. It has so
+sooner where those around the disc are taken out."""
 _GROWTH = 1.3
 """Most growth of the Krylov space between two looks at its eigenvalues."""
 _RESTART = 3.5
 """Size of the space, relative to the eigenvalues wanted of it, at which it is restarted."""
 _CROWDED = 0.6
 """Eigenvalues in a disc relative to the columns of the space from which on they are far more."""
-_PAIR = 1e-9
-"""Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
 _AROUND = 0.1
 """Part of 1 / radius to which eigenvalues around a disc are kept: those farther lose digits."""
 _CLEAR = 3.0
 """Residuals by which an eigenvalue outside a disc must lie outside."""
+_NEARLY = 1e-6
+"""Residual relative to theta up to which an eigenvalue around a disc need not be seen again."""
 
 
 class CrowdedError(ConvergenceError):
@@ -101,6 +103,8 @@ class KrylovRun:
         Of the random start vectors.
     both_ends
         Whether the far end of the spectrum is to be seen too.
+    surrounded
+        Whether what is known holds the eigenvalues around the disc too, as ``around`` does.
 
     Attributes
     ----------
@@ -109,6 +113,9 @@ class KrylovRun:
         far end of the spectrum.
     reached
         Radius of the disc that the search ended with; None where it is that asked for.
+    around
+        What was found with eigenvalues around the disc that have nearly converged; None where
+        there are none. It is no result, but a further search beside it sees sooner what is missing.
     """
 
     def __init__(
@@ -119,12 +126,15 @@ class KrylovRun:
         seed: int,
         *,
         both_ends: bool,
+        surrounded: bool = False,
     ) -> None:
         self._owner, self._known = owner, known
         self._least = 1.0 / radius
         self._both_ends = both_ends
+        self._first_look = (_LEAST_AROUND if surrounded else _LEAST) * _BLOCK
         self.farthest = np.inf
         self.reached: float | None = None
+        self.around: InvariantSubspace | None = None
         self._shift = owner.shift
         self._room = owner.size - known.size
         self._finite = owner.finite - known.size
@@ -156,7 +166,7 @@ class KrylovRun:
 
     def complete(self) -> InvariantSubspace:
         """The known with all that is in the disc."""
-        restarts, look = 0, _LEAST * _BLOCK
+        restarts, look = 0, self._first_look
         while self._finite > 0:
             size = self._space.size
             exhausted = not self._space.next or size >= self._room
@@ -173,7 +183,9 @@ class KrylovRun:
                 return self._locked(theta, converged & near)
             if converged[inside].all() and self._clear(theta, residuals, inside):
                 self.farthest = self._far_end(theta, residuals)
-                return self._locked(theta, converged & near)
+                found = self._locked(theta, converged & near)
+                self.around = self._with_more(found, theta, residuals)
+                return found
             wanted = int(inside.sum())
             if wanted > self._owner.most:
                 raise CrowdedError(wanted)
@@ -259,7 +271,7 @@ class KrylovRun:
     def _leading(self, theta: Complexes, number: int) -> tuple[NDArray[Any], NDArray[Any]]:
         """Schur form of OP on so many eigenvalues of largest modulus; no pair is split."""
         sizes = np.sort(np.abs(theta))[::-1]
-        while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:
+        while 0 < number < len(sizes) and sizes[number] > (1 - PAIR) * sizes[number - 1]:
             number += 1
         output: Any = "complex" if self._owner.dtype is complex else "real"
         if number >= len(sizes):
@@ -281,13 +293,23 @@ class KrylovRun:
 
     def _locked(self, theta: Complexes, converged: NDArray[np.bool_]) -> InvariantSubspace:
         """The known with the leading eigenvalues, as far as they have converged."""
-        order = np.argsort(-np.abs(theta))
-        number = len(order) if converged.all() else int(np.argmin(converged[order]))
-        if 0 < number < len(order):
-            last, beyond = theta[order[number - 1]], theta[order[number]]
-            number -= int(last.imag != 0 and np.isclose(last.conj(), beyond, rtol=_PAIR, atol=0.0))
+        number = leading(theta, converged)
         if not number:
             return self._known
         form, vectors = self._leading(theta, number)
         coupling = self._space.coupling @ vectors
         return self._known.extended(self._space.combined(vectors), coupling, form, self._shift)
+
+    def _with_more(
+        self, found: InvariantSubspace, theta: Complexes, residuals: Floats
+    ) -> InvariantSubspace | None:
+        """What was found, where nothing was known, with what nearly converged around it."""
+        sizes, first = np.abs(theta), found.size
+        if self._known.size or not first:
+            return None
+        nearly = (residuals <= _NEARLY * sizes) & (_CLEAR * residuals <= self._least - sizes)
+        number = leading(theta, nearly | (sizes >= self._least))
+        if number <= first:
+            return None
+        own, both = (self._leading(theta, each)[1] for each in (first, number))
+        return with_more(found, self._space, own, both, self._shift)

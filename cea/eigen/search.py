@@ -23,6 +23,7 @@ from cea.eigen.shifted import Shifted
 from cea.eigen.slepc_search import SlepcSearch
 from cea.eigen.slices import NO_SLICES, Plan, Slice, covered, joined, plan_of
 from cea.eigen.subspace import InvariantSubspace
+from cea.eigen.surroundings import nothing_beside
 from cea.eigen.turned_field import TurnedField
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
@@ -99,6 +100,7 @@ class WindowSearch:
         self._limits = tolerance, max_restarts
         self._timer, self._solver = timer, solver
         self._searches = self.slices = 0
+        self._around: InvariantSubspace | None = None
         self._discs: list[Disc] = []
         self._farthest: dict[float, float] = {}
         self._signs: dict[float, int] = {}
@@ -142,7 +144,9 @@ class WindowSearch:
         radius = distance_of_cone(top, self._middle, field)
         if radius <= _AROUND * (upper - self._middle):
             known = self._around_the_middle(max(upper, self._middle + radius))
-            known = self._filled(known, distance_of_cone(top, self._middle, field))
+            known = self._filled(
+                known, distance_of_cone(top, self._middle, field), around=self._around
+            )
             if not self._odd(known):
                 return Found(known, tuple(self._discs), depth, bounded, slices=self.slices)
         else:
@@ -208,6 +212,7 @@ class WindowSearch:
         shift = self._factors.kappa
         krylov = self._searcher(plan=plan_of(self._finite, *self._factors.cost()))
         found = krylov.search(self._nothing(), radius, self._searches)
+        self._around = None if to is not None or krylov.reached is not None else krylov.around
         self._searches += 1
         distances = np.abs(found.eigenvalues() - shift)
         if to is not None and distances.min(initial=np.inf) <= _ASIDE**2 * abs(shift):
@@ -266,10 +271,19 @@ class WindowSearch:
         *,
         once: bool = False,
         transposed: bool = False,
+        around: InvariantSubspace | None = None,
     ) -> InvariantSubspace:
-        """Search a disc, once or again and again beside what was found until nothing more is."""
+        """Search a disc, once or again and again beside what was found until nothing more is.
+
+        Beside what is known around the disc too, it is soon seen that nothing is missing.
+        """
         shift = self._factors.kappa
         krylov = self._searcher(transposed=transposed)
+        if around is not None:
+            seed, self._searches = self._searches, self._searches + 1
+            if nothing_beside(krylov, around, shift, radius, seed):
+                self._discs.append(Disc(shift, radius))
+                return known
         for _ in range(1 if once else _MOST_SEARCHES):
             before = known.size
             known = krylov.search(known, radius, self._searches, both_ends=not once)

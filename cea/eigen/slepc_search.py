@@ -41,10 +41,13 @@ class SlepcSearch:
         Infinite: the far end of the spectrum is not seen.
     reached
         None: discs are searched whole.
+    around
+        None: eigenvalues around a disc are not kept.
     """
 
     farthest = np.inf
     reached = None
+    around = None
 
     def __init__(
         self,
@@ -71,6 +74,7 @@ class SlepcSearch:
         seed: int,
         *,
         both_ends: bool = False,
+        surrounded: bool = False,
     ) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc.
 
@@ -82,8 +86,8 @@ class SlepcSearch:
             Radius of the disc about the shift.
         seed
             Of the random start vector.
-        both_ends
-            As of :meth:`cea.eigen.block_krylov.BlockSearch.search`; it changes nothing here.
+        both_ends, surrounded
+            As of :meth:`cea.eigen.block_krylov.BlockSearch.search`; they change nothing here.
 
         Raises
         ------
