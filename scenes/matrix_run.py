@@ -6,10 +6,10 @@ from typing import Any
 
 from scipy.sparse import csr_array
 
+from cea.eigen.disc_searches import Solver
 from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
-from cea.eigen.search import Solver
 from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
 from cea.petsc import MPI

@@ -7,8 +7,8 @@ from typing import TypedDict, Unpack
 from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.interface import Interface
+from cea.eigen.disc_searches import Solver
 from cea.eigen.krylov_schur import solve_modes
-from cea.eigen.search import Solver
 from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.petsc import Vec

@@ -15,6 +15,7 @@ from typing import Any, Self, get_args
 import numpy as np
 
 from cea.eigen.balanced import Asked, modes_with_balance
+from cea.eigen.disc_searches import Solver
 from cea.eigen.eigenpairs import checked
 from cea.eigen.found import Found, nearest_window, upper_end
 from cea.eigen.judged import Question, judged
@@ -23,7 +24,7 @@ from cea.eigen.modes import Modes, modes_of
 from cea.eigen.nearest import NearestSearch
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.quadratic import QuadraticDriver
-from cea.eigen.search import Solver, WindowSearch
+from cea.eigen.search import WindowSearch
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError, InputError
 from cea.timing import StageTimer

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 if TYPE_CHECKING:
-    from cea.eigen.search import Solver
+    from cea.eigen.disc_searches import Solver
     from comparisons.cli.progress import Working
     from scenes.matrix_run import MatrixResult
     from scenes.matrix_scene import MatrixScene
