@@ -15,12 +15,13 @@ from cea.ranks import agreed
 from cea.reduced.branches import Branches
 from cea.reduced.greedy import TOLERANCE
 from comparisons.sweep.axes import Axis
-from comparisons.sweep.filling import Filling, check_effort
+from comparisons.sweep.filling import AT_FIRST, Filling, check_effort
 from comparisons.sweep.map_record import Spent, confirm_some, record_of, warnings_of
 from comparisons.sweep.mapped import Mapped, mapped
 from comparisons.sweep.rows import Row, map_row
 from comparisons.sweep.store import Store
 from comparisons.sweep.study import COMMAND
+from comparisons.sweep.thrift import BasisTooDearError, Thrift
 from scenes.stored import record
 
 _TRAINING = 17
@@ -51,6 +52,8 @@ class AskedMap:
         Full solves at random values of the map that test it in the end.
     confirm
         Thresholds that full solves confirm.
+    thrifty
+        Whether the basis is given up where full solves at all values are cheaper.
     """
 
     scene: str | Path
@@ -61,6 +64,7 @@ class AskedMap:
     most: int = 150
     checks: int = 2
     confirm: int = 3
+    thrifty: bool = False
 
     def __post_init__(self) -> None:
         if not self.axes:
@@ -109,6 +113,8 @@ def run_map(
     ------
     InputError
         When the scene has no reduced model over these axes.
+    BasisTooDearError
+        When full solves at all values are cheaper, where the map is to be thrifty.
     ConvergenceError
         When full solves keep passing the bounds.
     """
@@ -121,6 +127,9 @@ def run_map(
         rows = run.rows()
         data = run.told(rows)
         confirm_some(data, scene, rows, asked.confirm, progress)
+    except BasisTooDearError:
+        store.discard()
+        raise
     finally:
         run.free()
     seconds = perf_counter() - begun
@@ -136,8 +145,24 @@ class _Run:
         self, asked: AskedMap, scene: Mapped, store: Store, progress: Callable[[str], None]
     ) -> None:
         self._asked, self._scene, self._store, self._progress = asked, scene, store, progress
-        self._filling = Filling(asked, scene, store, progress)
+        self._filling = Filling(asked, scene, store, progress, self._thrift())
         self._online = (0.0, 0)
+
+    def _thrift(self) -> Thrift | None:
+        """What weighs the basis beside full solves, where that is asked for."""
+        asked, scene = self._asked, self._scene
+        if not asked.thrifty:
+            return None
+        values = int(np.prod([axis.count for axis in asked.axes]))
+
+        def plain() -> float:
+            self._progress("a full solve for its values alone, to see whether a basis pays")
+            before = process_time()
+            point = scene.point([axis.values[axis.count // 2] for axis in asked.axes])
+            scene.driver.solve(scene.max_frequency, point, min_growth=scene.min_growth)
+            return float(MPI.COMM_WORLD.bcast(process_time() - before))
+
+        return Thrift(values, AT_FIRST * asked.tolerance, asked.checks, plain)
 
     def fill(self) -> None:
         """Enrich the basis until bounds are small and full solves agree with them."""
