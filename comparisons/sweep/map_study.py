@@ -14,11 +14,13 @@ from cea.petsc import MPI
 from cea.ranks import agreed
 from cea.reduced.branches import Branches
 from cea.reduced.greedy import TOLERANCE
+from cea.reduced.rows import along
+from cea.reduced.small import SmallPencil
 from comparisons.sweep.axes import Axis
 from comparisons.sweep.filling import AT_FIRST, Filling, check_effort
 from comparisons.sweep.map_record import Spent, confirm_some, record_of, warnings_of
 from comparisons.sweep.mapped import Mapped, mapped
-from comparisons.sweep.rows import Row, map_row
+from comparisons.sweep.rows import Row, Start, map_row
 from comparisons.sweep.store import Store
 from comparisons.sweep.study import COMMAND
 from comparisons.sweep.thrift import BasisTooDearError, Thrift
@@ -28,6 +30,8 @@ _TRAINING = 17
 """Values of an axis over decades at which bounds are looked at while the basis is made."""
 _FEW = 5
 """The same of other axes."""
+_BAND = 6
+"""Neighbouring rows that share a local basis."""
 
 
 @dataclass(frozen=True)
@@ -147,6 +151,8 @@ class _Run:
         self._asked, self._scene, self._store, self._progress = asked, scene, store, progress
         self._filling = Filling(asked, scene, store, progress, self._thrift())
         self._online = (0.0, 0)
+        small = self._filling.model.small
+        self._of_band: tuple[int, SmallPencil, SmallPencil] = (-1, small, small)
 
     def _thrift(self) -> Thrift | None:
         """What weighs the basis beside full solves, where that is asked for."""
@@ -201,33 +207,49 @@ class _Run:
         missing = [number for number in range(len(others)) if number not in rows]
         made: dict[int, Row] = {}
         with agreed(comm):
-            for number in missing[comm.rank :: comm.size]:
+            for number in np.array_split(missing, comm.size)[comm.rank].tolist():
                 made[number] = self._row(number, others, starts[number])
         for part in comm.allgather(made):
             rows.update(part)
 
-    def _row(self, number: int, others: Sequence[tuple[float, ...]], start: tuple[Any, int]) -> Row:
+    def _row(self, number: int, others: Sequence[tuple[float, ...]], start: Start) -> Row:
         """A row that was stored and is certified, or a new one."""
         row = self._store.row(number)
         if row is not None and row.worst.max(initial=0.0) <= self._asked.tolerance:
             return row
         self._progress(f"row {number + 1} of {len(others)}")
         before = process_time()
-        small, tolerance = self._filling.model.small, self._asked.tolerance
-        row = map_row(small, self._scene, others[number], start, tolerance)
+        tolerance = self._asked.tolerance
+        row = map_row(self._band(number, others), self._scene, others[number], start, tolerance)
+        if row.worst.max(initial=0.0) > tolerance:
+            small = self._filling.model.small
+            row = map_row(small, self._scene, others[number], start, tolerance)
         spent, values = self._online
         self._online = spent + process_time() - before, values + len(row.worst)
         self._store.keep_row(number, row)
         return row
 
-    def _starts(self, others: Sequence[tuple[float, ...]]) -> list[tuple[Any, int]]:
+    def _band(self, number: int, others: Sequence[tuple[float, ...]]) -> SmallPencil:
+        """The local basis of a row and its neighbours, or the whole one where none holds."""
+        band, small = number // _BAND, self._filling.model.small
+        if self._of_band[0] != band or self._of_band[1] is not small:
+            rows = others[band * _BAND : (band + 1) * _BAND]
+            seen = [rows[i] for i in sorted({0, len(rows) // 2, len(rows) - 1})]
+            ends = np.unique(np.linspace(0, self._asked.axes[0].count - 1, _FEW).round())
+            points = [self._point(int(i), each) for each in seen for i in ends]
+            line = [self._scene.pencil.values(point) for point in points]
+            basis = along(small, line, self._asked.tolerance).basis if len(rows) > 1 else small
+            self._of_band = band, small, basis
+        return self._of_band[2]
+
+    def _starts(self, others: Sequence[tuple[float, ...]]) -> list[Start]:
         """Branches at the first value of each row, and a number that no other row begins at."""
         first, branches, numbers = self._asked.axes[0].values[0], Branches(), []
         for each in others:
             found = self._filling.basis.at(self._scene.point((first, *each)))
-            numbers.append(branches.follow(found))
-        room = 10 * max(len(each) for each in numbers) + 10
-        return [(each, branches.next + i * room) for i, each in enumerate(numbers)]
+            numbers.append((found, branches.follow(found)))
+        room = 10 * max(len(found) for found, _ in numbers) + 10
+        return [(*each, branches.next + i * room) for i, each in enumerate(numbers)]
 
     def _training(self) -> list[dict[str, float]]:
         chosen = []
