@@ -27,17 +27,22 @@ import numpy as np
 from cea.arrays import Floats
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
+from cea.eigen.sensitivity import POWERS
 from cea.reduced.norm import EnergyNorm
 from cea.reduced.pieces import Piece, Pieces, Values
 from cea.reduced.small import SmallPencil, SmallPiece
 from cea.reduced.snapshots import real_vectors, rounding_of
 from cea.reduced.span import Span
-from cea.reduced.spectrum import Settings
+from cea.reduced.spectrum import MARGIN, Settings
 
 BASIS = 1e-6
 """Part of an eigenvector, in the energy norm, that a basis leaves out; errors go by its square."""
-RESIDUAL = 1e-12
-"""Part of the images of the basis that the basis of residuals leaves out."""
+RESIDUAL = 1e-14
+"""Part of the images of the basis that is rounding: the basis of residuals leaves it out."""
+_LOST = 1e-9
+"""What that basis may leave out of a residual, relative to its vector in the energy norm, wherever
+on the map: errors go by residuals of 1e-5 and less. A contact that is stiffer by decades than the
+norm allows nothing then, or bounds end at what is left out of its forces."""
 _DECAY = 0.1
 """Decay down to which a window of a damped pencil reaches by default, relative to its end."""
 _STIFFER = 10.0
@@ -88,6 +93,11 @@ class ReducedModel:
             pencil.values(dict(zip(box, corner, strict=True))) for corner in product(*box.values())
         ]
         self._stiff = [piece for piece in self._pieces.all if _varies_widely(piece, corners)]
+        speed = 2 * np.pi * MARGIN * max_frequency
+        self._allowed = [
+            _LOST / (_largest(piece, corners) * speed ** POWERS[piece.role])
+            for piece in self._pieces.all
+        ]
         nothing = np.empty((0, 0))
         settings = Settings(max_frequency, self.norm.shift)
         if pencil.damped:
@@ -170,24 +180,26 @@ class ReducedModel:
         if before == self._basis.size:
             return
         grown = [
-            self._grown(piece, small, before)
-            for piece, small in zip(self._pieces.all, self.small.pieces, strict=True)
+            self._grown(piece, small, before, allowed)
+            for piece, small, allowed in zip(
+                self._pieces.all, self.small.pieces, self._allowed, strict=True
+            )
         ]
         rows = self._residuals.size
         self.small = replace(self.small, pieces=tuple(piece.padded(rows) for piece in grown))
 
-    def _grown(self, piece: Piece, small: SmallPiece, before: int) -> SmallPiece:
+    def _grown(self, piece: Piece, small: SmallPiece, before: int, allowed: float) -> SmallPiece:
         vectors = self._basis.vectors
         old, new = vectors[:, :before], vectors[:, before:]
         image = piece.times(new)
         whole = self.norm.inner(vectors, image)
-        right, lost = self._with_images(small.right, image)
+        right, lost = self._with_images(small.right, image, allowed)
         if piece.symmetric:
             rows, left = whole[:before].T, right
         else:
             image = piece.transposed(new)
             rows = self.norm.inner(old, image).T
-            left, other = self._with_images(small.left, image)
+            left, other = self._with_images(small.left, image, allowed)
             lost = max(lost, other)
         square = np.block([[small.square, whole[:before]], [rows, whole[before:]]])
         if piece.symmetric:
@@ -195,9 +207,9 @@ class ReducedModel:
         lost = float(np.hypot(small.lost, lost))
         return replace(small, square=square, right=right, left=left, lost=lost)
 
-    def _with_images(self, before: Floats, image: Floats) -> tuple[Floats, float]:
+    def _with_images(self, before: Floats, image: Floats, allowed: float) -> tuple[Floats, float]:
         """Coordinates of old and new images; the basis of residuals takes the new ones in."""
-        fresh, lost = self._residuals.add(self.norm.solve(image), image)
+        fresh, lost = self._residuals.add(self.norm.solve(image), image, allowed)
         grown = np.zeros((self._residuals.size, before.shape[1] + image.shape[1]))
         grown[: before.shape[0], : before.shape[1]] = before
         grown[:, before.shape[1] :] = fresh
@@ -207,6 +219,12 @@ class ReducedModel:
         """Free factors and pieces."""
         self.norm.free()
         self._pieces.free()
+
+
+def _largest(piece: Piece, corners: list[dict[str, float]]) -> float:
+    """Largest coefficient of a piece over a map."""
+    sizes = [abs(piece.coefficient.at(corner)) for corner in corners]
+    return max(max(sizes), np.finfo(float).tiny)
 
 
 def _varies_widely(piece: Piece, corners: list[dict[str, float]]) -> bool:

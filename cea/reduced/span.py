@@ -37,7 +37,9 @@ class Span:
         """The basis, the rows of this rank, shape (n_local, size)."""
         return self._store[:, : self.size]
 
-    def add(self, block: Floats, image: Floats | None = None) -> tuple[Floats, float]:
+    def add(
+        self, block: Floats, image: Floats | None = None, allowed: float = 0.0
+    ) -> tuple[Floats, float]:
         """Take the span of a block in.
 
         Products with X cost more than all else, so there are few: of the block where its image is
@@ -49,6 +51,8 @@ class Span:
             Vectors, the rows of this rank, shape (n_local, columns).
         image
             X times these, where it is known.
+        allowed
+            Length of what may be left out even where the block is short.
 
         Returns
         -------
@@ -58,7 +62,7 @@ class Span:
         """
         image = self.norm.image(block) if image is None else image
         longest = float(self.norm.lengths(block, image).max(initial=0.0))
-        floor = self.tolerance * longest
+        floor = max(self.tolerance * longest, allowed)
         before, known = self.size, self.norm.inner(self.vectors, image)
         left, size = block - self.vectors @ known, np.inf
         for _ in range(_PASSES):
