@@ -14,9 +14,8 @@ from cea.petsc import MPI
 from cea.ranks import agreed
 from cea.reduced.branches import Branches
 from cea.reduced.greedy import TOLERANCE
-from cea.reduced.rows import along
-from cea.reduced.small import SmallPencil
 from comparisons.sweep.axes import Axis
+from comparisons.sweep.bands import Bands
 from comparisons.sweep.filling import AT_FIRST, Filling, check_effort
 from comparisons.sweep.map_record import Spent, confirm_some, record_of, warnings_of
 from comparisons.sweep.mapped import Mapped, mapped
@@ -30,8 +29,6 @@ _TRAINING = 17
 """Values of an axis over decades at which bounds are looked at while the basis is made."""
 _FEW = 5
 """The same of other axes."""
-_BAND = 6
-"""Neighbouring rows that share a local basis."""
 
 
 @dataclass(frozen=True)
@@ -151,8 +148,7 @@ class _Run:
         self._asked, self._scene, self._store, self._progress = asked, scene, store, progress
         self._filling = Filling(asked, scene, store, progress, self._thrift())
         self._online = (0.0, 0)
-        small = self._filling.model.small
-        self._of_band: tuple[int, SmallPencil, SmallPencil] = (-1, small, small)
+        self._bands = Bands(scene, asked.tolerance)
 
     def _thrift(self) -> Thrift | None:
         """What weighs the basis beside full solves, where that is asked for."""
@@ -220,27 +216,16 @@ class _Run:
         self._progress(f"row {number + 1} of {len(others)}")
         before = process_time()
         tolerance = self._asked.tolerance
-        row = map_row(self._band(number, others), self._scene, others[number], start, tolerance)
-        if row.worst.max(initial=0.0) > tolerance:
-            small = self._filling.model.small
+        small = self._filling.model.small
+        band = self._bands.of(number, small)
+        row = map_row(band, self._scene, others[number], start, tolerance)
+        if row.worst.max(initial=0.0) > tolerance and band is not small:
+            self._bands.give_up()
             row = map_row(small, self._scene, others[number], start, tolerance)
         spent, values = self._online
         self._online = spent + process_time() - before, values + len(row.worst)
         self._store.keep_row(number, row)
         return row
-
-    def _band(self, number: int, others: Sequence[tuple[float, ...]]) -> SmallPencil:
-        """The local basis of a row and its neighbours, or the whole one where none holds."""
-        band, small = number // _BAND, self._filling.model.small
-        if self._of_band[0] != band or self._of_band[1] is not small:
-            rows = others[band * _BAND : (band + 1) * _BAND]
-            seen = [rows[i] for i in sorted({0, len(rows) // 2, len(rows) - 1})]
-            ends = np.unique(np.linspace(0, self._asked.axes[0].count - 1, _FEW).round())
-            points = [self._point(int(i), each) for each in seen for i in ends]
-            line = [self._scene.pencil.values(point) for point in points]
-            basis = along(small, line, self._asked.tolerance).basis if len(rows) > 1 else small
-            self._of_band = band, small, basis
-        return self._of_band[2]
 
     def _starts(self, others: Sequence[tuple[float, ...]]) -> list[Start]:
         """Branches at the first value of each row, and a number that no other row begins at."""
