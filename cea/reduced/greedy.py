@@ -10,12 +10,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cea.arrays import Floats
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError
-from cea.reduced.model import ReducedModel
+from cea.reduced.model import Growth, ReducedModel
 from cea.reduced.spectrum import MARGIN, ReducedSpectrum
+from cea.reduced.stored import Arrays
 from cea.warned import ResultWarning
 
 Point = Mapping[str, float]
@@ -59,7 +59,7 @@ class Snapshot:
     point
         Where.
     grown
-        What the basis grew by, the rows of this rank, shape (n_local, new).
+        What the basis grew by.
     rounding
         What rounding does to eigenvalues of condition one (1/s^2).
     tested
@@ -72,7 +72,7 @@ class Snapshot:
     """
 
     point: Point
-    grown: Floats
+    grown: Growth
     rounding: float
     tested: float | None
     complete: bool
@@ -216,20 +216,19 @@ class Enrichment:
             point, grown, rounding, tested, modes.window.complete, tuple(modes.warnings)
         )
         self.keep(taken)
-        self.snapshots.append(replace(taken, grown=np.empty((0, 0))))
+        self.snapshots.append(replace(taken, grown=Growth.nothing()))
         return tested
 
-    def restore(self, snapshot: Snapshot, safety: float) -> None:
-        """Take over a snapshot that was stored, and the factor that bounds had by then.
+    def restore(self, snapshots: Sequence[Snapshot], arrays: Arrays) -> None:
+        """Take over snapshots that were stored, and the small pencil as it was with the last.
 
         Raises
         ------
         ValueError
-            When it is none of this model.
+            When they are none of this model.
         """
-        self.model.restore(snapshot.grown, snapshot.rounding, snapshot.point)
-        self.model.raise_safety(max(safety, self.model.small.settings.safety))
-        self.snapshots.append(replace(snapshot, grown=np.empty((0, 0))))
+        self.model.restore([each.grown for each in snapshots], arrays)
+        self.snapshots += [replace(each, grown=Growth.nothing()) for each in snapshots]
 
     def confirm(self, points: Sequence[Point]) -> bool:
         """Test the model at points by full solves; whether it stood them all.

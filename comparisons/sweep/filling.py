@@ -7,6 +7,7 @@ from typing import Any, Protocol
 from cea.errors import ConvergenceError, InputError
 from cea.reduced.greedy import Enrichment, Point, Snapshot
 from cea.reduced.model import ReducedModel
+from cea.reduced.stored import arrays_of
 from comparisons.sweep.map_record import Timed
 from comparisons.sweep.mapped import Mapped
 from comparisons.sweep.store import Store
@@ -100,14 +101,15 @@ class Filling:
         )
         self.kept = 0
         self._begun = process_time()
-        for snapshot, safety in store.snapshots():
-            progress(f"full solve {len(self.basis.snapshots) + 1}, stored before")
-            self.kept += 1
+        stored = store.snapshots()
+        if stored:
+            progress(f"{len(stored)} full solves, stored before")
             try:
-                self.basis.restore(snapshot, safety)
-            except ValueError as error:
+                self.basis.restore(stored, store.arrays())
+            except (KeyError, ValueError) as error:
                 allowed = f"without what an interrupted sweep of something else left ({error})"
                 raise InputError("out", str(store.folder), allowed) from error
+            self.kept = len(stored)
 
     def fill(self, training: Sequence[Point], picked: Callable[[], Iterable[Point]]) -> None:
         """Enrich the basis until bounds are small and full solves agree with them.
@@ -157,7 +159,7 @@ class Filling:
         return full, max(process_time() - self._begun - full - online, 0.0)
 
     def _keep(self, snapshot: Snapshot) -> None:
-        self._store.keep(snapshot, self.model.small.settings.safety)
+        self._store.keep(snapshot, arrays_of(self.model.small))
 
     def _tell(self, point: Any, worst: float) -> None:
         shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
