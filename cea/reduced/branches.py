@@ -8,13 +8,14 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign, group
-from cea.eigen.mode_matching import modal_assurance, subspace_assurance
 from cea.reduced.spectrum import ReducedSpectrum
 
 _NEAR = 0.05
 """Distance, relative to a speed, that counts as much as another vector; and the farthest step."""
 _TOGETHER = 1e-2
 """Relative distance of eigenvalues whose subspace is followed."""
+_PARALLEL = 1e-10
+"""Square of a direction of a subspace, relative to the longest, that is rounding."""
 
 
 class Branches:
@@ -87,10 +88,17 @@ def pairs_of(
 
 
 def _likeness(left: Complexes, right: Complexes, groups: list[Ints]) -> Floats:
-    """Part of every vector that lies in the space of each group of the other side's."""
-    likeness = modal_assurance(left, right)
+    """Part of every vector that lies in the space of each group of the other side's.
+
+    By products of all vectors, once: |Q^H x|^2 = c^H G^-1 c with c = R^H x and G = R^H R.
+    """
+    left, right = (each / np.linalg.norm(each, axis=0) for each in (left, right))
+    products, gram = right.conj().T @ left, right.conj().T @ right
+    likeness: Floats = (np.abs(products) ** 2).T.copy()
     for members in groups:
         if len(members) > 1:
-            together = [np.arange(len(members))]
-            likeness[:, members] = subspace_assurance(left, right[:, members], together)
+            sizes, axes = np.linalg.eigh(gram[np.ix_(members, members)])
+            kept = sizes > _PARALLEL * sizes[-1]
+            part = axes[:, kept].conj().T @ products[members] / np.sqrt(sizes[kept])[:, None]
+            likeness[:, members] = (np.abs(part) ** 2).sum(axis=0)[:, None]
     return likeness

@@ -10,12 +10,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cea.arrays import Floats
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError
-from cea.reduced.model import ReducedModel
+from cea.reduced.model import Growth, ReducedModel
 from cea.reduced.spectrum import MARGIN, ReducedSpectrum
+from cea.reduced.stored import Arrays
 from cea.warned import ResultWarning
 
 Point = Mapping[str, float]
@@ -25,8 +25,11 @@ TOLERANCE = 1e-8
 """Error of lambda relative to its speed up to which a value counts as certified."""
 _MEANINGFUL = 1e-3
 """The same up to which a reduced model is tested by a full solve."""
-_LOOKS = 24
+_LOOKS = 12
 """Bounds above the tolerance that are computed anew before the largest is taken."""
+_NEARLY = 0.5
+"""Part of what all others may have that makes a bound the worst: a look costs as much as a tenth of
+a solve, and a solve takes bounds down by decades."""
 _REACH = 0.5
 """Distance of a partner, relative to a speed, beyond which a mode is missing."""
 
@@ -56,7 +59,7 @@ class Snapshot:
     point
         Where.
     grown
-        What the basis grew by, the rows of this rank, shape (n_local, new).
+        What the basis grew by.
     rounding
         What rounding does to eigenvalues of condition one (1/s^2).
     tested
@@ -69,7 +72,7 @@ class Snapshot:
     """
 
     point: Point
-    grown: Floats
+    grown: Growth
     rounding: float
     tested: float | None
     complete: bool
@@ -133,7 +136,7 @@ class Enrichment:
         """Solve where bounds are worst until all are small, there are solves enough, or none helps.
 
         Bounds hardly rise as a basis grows: those that were small stay, and of the others the
-        largest is computed anew until it is known to be the largest, or that of two dozen.
+        largest is computed anew until one is known to be nearly the largest, or that of a dozen.
 
         Parameters
         ----------
@@ -168,15 +171,17 @@ class Enrichment:
     def _worst_of(
         self, points: Sequence[Point], known: dict[int, float], tolerance: float
     ) -> tuple[int, float]:
-        """Number of the point with the largest bound, and that; -1 where all are small.
+        """Number of the point with nearly the largest bound, and that; -1 where all are small.
 
         Points whose bounds are small are taken out of those known.
         """
         looked: dict[int, float] = {}
         while known:
             number = max(known, key=lambda each: known[each])
-            if number in looked or len(looked) == _LOOKS:
-                return max(looked.items(), key=lambda each: each[1])
+            if looked:
+                worst = max(looked.items(), key=lambda each: each[1])
+                if worst[1] >= _NEARLY * known[number] or len(looked) == _LOOKS:
+                    return worst
             bound = known[number] = self._worst(points[number])
             if bound <= tolerance:
                 del known[number]
@@ -211,20 +216,19 @@ class Enrichment:
             point, grown, rounding, tested, modes.window.complete, tuple(modes.warnings)
         )
         self.keep(taken)
-        self.snapshots.append(replace(taken, grown=np.empty((0, 0))))
+        self.snapshots.append(replace(taken, grown=Growth.nothing()))
         return tested
 
-    def restore(self, snapshot: Snapshot, safety: float) -> None:
-        """Take over a snapshot that was stored, and the factor that bounds had by then.
+    def restore(self, snapshots: Sequence[Snapshot], arrays: Arrays) -> None:
+        """Take over snapshots that were stored, and the small pencil as it was with the last.
 
         Raises
         ------
         ValueError
-            When it is none of this model.
+            When they are none of this model.
         """
-        self.model.restore(snapshot.grown, snapshot.rounding, snapshot.point)
-        self.model.raise_safety(max(safety, self.model.small.settings.safety))
-        self.snapshots.append(replace(snapshot, grown=np.empty((0, 0))))
+        self.model.restore([each.grown for each in snapshots], arrays)
+        self.snapshots += [replace(each, grown=Growth.nothing()) for each in snapshots]
 
     def confirm(self, points: Sequence[Point]) -> bool:
         """Test the model at points by full solves; whether it stood them all.

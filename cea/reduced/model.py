@@ -18,8 +18,8 @@ static displacements they cause, X^-1 c_j(t) A_j v: with them the basis can clos
 bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)).
 """
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -27,21 +27,50 @@ import numpy as np
 from cea.arrays import Floats
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
+from cea.eigen.sensitivity import POWERS
 from cea.reduced.norm import EnergyNorm
 from cea.reduced.pieces import Piece, Pieces, Values
 from cea.reduced.small import SmallPencil, SmallPiece
 from cea.reduced.snapshots import real_vectors, rounding_of
 from cea.reduced.span import Span
-from cea.reduced.spectrum import Settings
+from cea.reduced.spectrum import MARGIN, Settings
+from cea.reduced.stored import Arrays, restored
 
 BASIS = 1e-6
 """Part of an eigenvector, in the energy norm, that a basis leaves out; errors go by its square."""
-RESIDUAL = 1e-12
-"""Part of the images of the basis that the basis of residuals leaves out."""
+RESIDUAL = 1e-14
+"""Part of the images of the basis that is rounding: the basis of residuals leaves it out."""
+_LOST = 1e-9
+"""What that basis may leave out of a residual, relative to its vector in the energy norm, wherever
+on the map: errors go by residuals of 1e-5 and less. A contact that is stiffer by decades than the
+norm allows nothing then, or bounds end at what is left out of its forces."""
 _DECAY = 0.1
 """Decay down to which a window of a damped pencil reaches by default, relative to its end."""
+_ORTHONORMAL = 1e-8
+"""Largest product of vectors that were stored as orthonormal."""
 _STIFFER = 10.0
 """Ratio of coefficients over the map from which on a stiffness adds static displacements."""
+
+
+@dataclass(frozen=True)
+class Growth:
+    """What a full solve adds to bases, the rows of this rank.
+
+    Parameters
+    ----------
+    vectors
+        To that of the model, shape (n_local, new).
+    residuals
+        To that of its residuals, shape (n_local, new).
+    """
+
+    vectors: Floats
+    residuals: Floats
+
+    @classmethod
+    def nothing(cls) -> "Growth":
+        """No vectors of no length."""
+        return cls(np.empty((0, 0)), np.empty((0, 0)))
 
 
 class ReducedModel:
@@ -88,6 +117,11 @@ class ReducedModel:
             pencil.values(dict(zip(box, corner, strict=True))) for corner in product(*box.values())
         ]
         self._stiff = [piece for piece in self._pieces.all if _varies_widely(piece, corners)]
+        speed = 2 * np.pi * MARGIN * max_frequency
+        self._allowed = [
+            _LOST / (_largest(piece, corners) * speed ** POWERS[piece.role])
+            for piece in self._pieces.all
+        ]
         nothing = np.empty((0, 0))
         settings = Settings(max_frequency, self.norm.shift)
         if pencil.damped:
@@ -109,7 +143,7 @@ class ReducedModel:
         """Vectors of the basis."""
         return self._basis.size
 
-    def take(self, modes: Modes) -> Floats:
+    def take(self, modes: Modes) -> Growth:
         """Take the right and left vectors of modes into the basis.
 
         Parameters
@@ -119,8 +153,8 @@ class ReducedModel:
 
         Returns
         -------
-        ndarray
-            What the basis has grown by, the rows of this rank, shape (n_local, new).
+        Growth
+            What the bases have grown by.
         """
         vectors = real_vectors(self.norm, modes)
         blocks, images = [vectors], [self.norm.image(vectors)]
@@ -130,30 +164,39 @@ class ReducedModel:
             lengths = np.maximum(self.norm.lengths(moved, forces), 1.0)
             blocks.append(moved / lengths)
             images.append(forces / lengths)
-        before = self._basis.size
+        before, known = self._basis.size, self._residuals.size
         self._basis.add(np.hstack(blocks), np.hstack(images))
         self._extend(before)
         self._round(rounding_of(modes), modes.values)
-        return self._basis.vectors[:, before:]
+        return Growth(self._basis.vectors[:, before:], self._residuals.vectors[:, known:])
 
-    def restore(self, vectors: Floats, rounding: float, changes: Mapping[str, float]) -> None:
-        """Take over what a basis had grown by before, at which parameters, and its rounding.
+    def restore(self, grown: Sequence[Growth], arrays: Arrays) -> None:
+        """Take over what bases had grown by before, and the small pencil as it was then.
+
+        Parameters
+        ----------
+        grown
+            What full solves had added, one after the other.
+        arrays
+            The small pencil (:func:`cea.reduced.stored.arrays_of`).
 
         Raises
         ------
         ValueError
-            When these are no vectors of such a basis.
+            When these are no vectors of such a basis, or of another one than the pencil.
         """
-        before = self._basis.size
-        if vectors.shape[0] != self.norm.rows:
-            raise ValueError("vectors of another length")
-        self._basis.restore(vectors)
-        gram = self.norm.inner(self._basis.vectors, self.norm.image(vectors))
-        gram[before:] -= np.eye(vectors.shape[1])
-        if not np.abs(gram).max(initial=0.0) < 1e-8:
+        for each in grown:
+            if {len(each.vectors), len(each.residuals)} != {self.norm.rows}:
+                raise ValueError("vectors of another length")
+            self._basis.restore(each.vectors)
+            self._residuals.restore(each.residuals)
+        vectors = self._basis.vectors
+        gram = self.norm.inner(vectors, self.norm.image(vectors)) - np.eye(self.size)
+        if not np.abs(gram).max(initial=0.0) < _ORTHONORMAL:
             raise ValueError("vectors that are not orthonormal")
-        self._extend(before)
-        self._round(rounding, self.pencil.values(changes))
+        self.small = restored(self.small, arrays)
+        if self.small.pieces[0].right.shape != (self._residuals.size, self.size):
+            raise ValueError("vectors of another pencil")
 
     def raise_safety(self, safety: float) -> None:
         """Make all bounds with another factor on the inverse outside of the basis."""
@@ -170,24 +213,26 @@ class ReducedModel:
         if before == self._basis.size:
             return
         grown = [
-            self._grown(piece, small, before)
-            for piece, small in zip(self._pieces.all, self.small.pieces, strict=True)
+            self._grown(piece, small, before, allowed)
+            for piece, small, allowed in zip(
+                self._pieces.all, self.small.pieces, self._allowed, strict=True
+            )
         ]
         rows = self._residuals.size
         self.small = replace(self.small, pieces=tuple(piece.padded(rows) for piece in grown))
 
-    def _grown(self, piece: Piece, small: SmallPiece, before: int) -> SmallPiece:
+    def _grown(self, piece: Piece, small: SmallPiece, before: int, allowed: float) -> SmallPiece:
         vectors = self._basis.vectors
         old, new = vectors[:, :before], vectors[:, before:]
         image = piece.times(new)
         whole = self.norm.inner(vectors, image)
-        right, lost = self._with_images(small.right, image)
+        right, lost = self._with_images(small.right, image, allowed)
         if piece.symmetric:
             rows, left = whole[:before].T, right
         else:
             image = piece.transposed(new)
             rows = self.norm.inner(old, image).T
-            left, other = self._with_images(small.left, image)
+            left, other = self._with_images(small.left, image, allowed)
             lost = max(lost, other)
         square = np.block([[small.square, whole[:before]], [rows, whole[before:]]])
         if piece.symmetric:
@@ -195,9 +240,9 @@ class ReducedModel:
         lost = float(np.hypot(small.lost, lost))
         return replace(small, square=square, right=right, left=left, lost=lost)
 
-    def _with_images(self, before: Floats, image: Floats) -> tuple[Floats, float]:
+    def _with_images(self, before: Floats, image: Floats, allowed: float) -> tuple[Floats, float]:
         """Coordinates of old and new images; the basis of residuals takes the new ones in."""
-        fresh, lost = self._residuals.add(self.norm.solve(image), image)
+        fresh, lost = self._residuals.add(self.norm.solve(image), image, allowed)
         grown = np.zeros((self._residuals.size, before.shape[1] + image.shape[1]))
         grown[: before.shape[0], : before.shape[1]] = before
         grown[:, before.shape[1] :] = fresh
@@ -207,6 +252,12 @@ class ReducedModel:
         """Free factors and pieces."""
         self.norm.free()
         self._pieces.free()
+
+
+def _largest(piece: Piece, corners: list[dict[str, float]]) -> float:
+    """Largest coefficient of a piece over a map."""
+    sizes = [abs(piece.coefficient.at(corner)) for corner in corners]
+    return max(max(sizes), np.finfo(float).tiny)
 
 
 def _varies_widely(piece: Piece, corners: list[dict[str, float]]) -> bool:

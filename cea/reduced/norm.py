@@ -20,6 +20,9 @@ from cea.eigen.spectrum import SLOW
 from cea.errors import ConvergenceError
 from cea.matrices import destroy, scaled_total
 
+_FEW = 0.3
+"""Part of all displacements up to which products with the others are left out."""
+
 
 def shift_of(max_frequency: float) -> float:
     """Shift s (1/s^2) of the norm for a window (Hz)."""
@@ -85,7 +88,13 @@ class EnergyNorm:
         return solution
 
     def inner(self, left: Floats, right: Floats) -> Floats:
-        """L^T R, shape (columns of L, columns of R), the same on every rank."""
+        """L^T R, shape (columns of L, columns of R), the same on every rank.
+
+        Forces of a contact act on few displacements: the others are left out.
+        """
+        rows = np.flatnonzero(right.any(axis=1))
+        if len(rows) < _FEW * len(right):
+            left, right = left[rows], right[rows]
         return self.comm.bcast(self.comm.allreduce(left.T @ right))
 
     def lengths(self, block: Floats, image: Floats | None = None) -> Floats:

@@ -17,6 +17,8 @@ _SMALL = 120
 """Size of a basis up to which it is not reduced again, for as few values as a row has."""
 _LESS = 0.8
 """Size of a local basis relative to the whole one from which on it is not worth its making."""
+_MAKING = 8
+"""Values that its making costs as much as; many values are worth a basis that is little smaller."""
 _WIDE = 10.0
 """Ratio of a stiffness along a line from which on its vectors are of no one energy norm."""
 _FIRST = 5
@@ -62,13 +64,14 @@ def along(
     """
     if small.size <= least or len(line) < 4:
         return _on_the_whole(small, line, {})
+    most = max(_LESS, 1 - _MAKING / len(line)) * small.size
     first = np.unique(np.linspace(0, len(line) - 1, _FIRST).round().astype(int)).tolist()
     whole = {i: small.at(line[i]) for i in first}
     certified: dict[int, ReducedSpectrum] = {}
     bounds = dict.fromkeys(range(len(line)), np.inf)
     basis = _local(small, line, whole, tolerance)
     fresh: set[int] = set()
-    while bounds and basis.size <= _LESS * small.size:
+    while bounds and basis.size <= most:
         number = max(bounds, key=lambda each: bounds[each])
         if number in fresh:  # the worst of all that are left, on this basis
             if number in whole:
@@ -84,7 +87,7 @@ def along(
         if found.worst <= tolerance:
             certified[number] = found
             del bounds[number]
-    if basis.size > _LESS * small.size:
+    if basis.size > most:
         return _on_the_whole(small, line, whole)
     rest = [i for i in range(len(line)) if i not in certified]
     known = certified | {i: whole[i] if i in whole else small.at(line[i]) for i in rest}

@@ -188,10 +188,11 @@ class SmallPencil:
 
         Real and imaginary parts of right and left vectors, of unit length; and, at values of all
         parameters, the static displacements under the forces that stiff pieces have on them there:
-        X is one in this basis. Left vectors keep gaps open that friction closes; where a contact is
+        X is one in this basis. Coordinates are in this one too, of whichever the spectrum is. Left
+        vectors keep gaps open that friction closes; where a contact is
         all but rigid no others can be closed without these.
         """
-        vectors = columns_of(found.right, found.left)
+        vectors = columns_of(self.coordinates(found.right), self.coordinates(found.left))
         blocks = [vectors]
         for piece in self.pieces:
             if piece.stiff and static is not None:

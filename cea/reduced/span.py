@@ -37,11 +37,15 @@ class Span:
         """The basis, the rows of this rank, shape (n_local, size)."""
         return self._store[:, : self.size]
 
-    def add(self, block: Floats, image: Floats | None = None) -> tuple[Floats, float]:
+    def add(
+        self, block: Floats, image: Floats | None = None, allowed: float = 0.0
+    ) -> tuple[Floats, float]:
         """Take the span of a block in.
 
-        Products with X cost more than all else, so there are few: of the block where its image is
-        not known, of what is left of it in each pass, and of the vectors that are new.
+        Products with X and with the basis cost more than all else, so there are few: of the block
+        where its image is not known, of what is left of it in each pass, and of the vectors that
+        are new. The first pass, of the whole block, leaves the part in the span that rounding puts
+        back to the new vectors: it is small beside directions that are resolved.
 
         Parameters
         ----------
@@ -49,6 +53,8 @@ class Span:
             Vectors, the rows of this rank, shape (n_local, columns).
         image
             X times these, where it is known.
+        allowed
+            Length of what may be left out even where the block is short.
 
         Returns
         -------
@@ -58,9 +64,13 @@ class Span:
         """
         image = self.norm.image(block) if image is None else image
         longest = float(self.norm.lengths(block, image).max(initial=0.0))
-        floor = self.tolerance * longest
+        floor = max(self.tolerance * longest, allowed)
         before, known = self.size, self.norm.inner(self.vectors, image)
         left, size = block - self.vectors @ known, np.inf
+        sizes, axes = self.norm.principal(self.norm.inner(left, self.norm.image(left)), floor)
+        kept = sizes > max(floor, _RESOLVED * longest) ** 2
+        self._append(left @ (axes[:, kept] / np.sqrt(sizes[kept])))
+        left = left @ axes[:, ~kept]
         for _ in range(_PASSES):
             left, products = self._outside(left)
             sizes, axes = self.norm.principal(products, floor)

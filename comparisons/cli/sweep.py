@@ -36,8 +36,13 @@ def sweep(
     ] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the samples; 0 by default.")] = None,
     full: Annotated[
-        bool, typer.Option("--full", help="Solve each value in full; one field only.")
-    ] = False,
+        bool | None,
+        typer.Option(
+            "--full/--basis",
+            help="Solve each value of one field in full, or use a basis at any price. By default "
+            "what is cheaper along one field, and a basis else.",
+        ),
+    ] = None,
     tolerance: Annotated[
         float, typer.Option(help="Error of lambda, relative, up to which a value is certified.")
     ] = 1e-8,
@@ -69,7 +74,7 @@ def sweep(
     refuse_with_redraw(redraw, {"set": set_, "backend": backend, "data": data})
     overrides = with_backend(scene, set_ or (), backend)
     if are_distributions(axes):
-        _refuse_beside_samples(full=full, confirm=confirm)
+        _refuse_beside_samples(full=bool(full), confirm=confirm)
         need_maps()
         options = {
             "count": samples,
@@ -96,11 +101,15 @@ def sweep(
     need_maps()
     from comparisons.sweep.map_study import AskedMap
     from comparisons.sweep.mapped import NoMapError
+    from comparisons.sweep.thrift import BasisTooDearError
 
-    map_ = AskedMap(scene, tuple(asked), overrides, data, tolerance, solves, checks, confirm)
+    open_ = full is None and len(asked) == 1 and not asked[0].logarithmic and confirm == _CONFIRM
+    map_ = AskedMap(
+        scene, tuple(asked), overrides, data, tolerance, solves, checks, confirm, thrifty=open_
+    )
     try:
         _map(map_, out)
-    except NoMapError as error:
+    except (NoMapError, BasisTooDearError) as error:
         if len(asked) > 1:
             raise
         _each_in_full(scene, asked, overrides, data, str(error), out)
@@ -164,7 +173,7 @@ def _each_in_full(
         raise InputError("axis", axis.name, "evenly spaced where each value is solved in full")
     asked = Sweep(scene, axis.name, axis.first, axis.last, axis.count, overrides, data)
     with working("sweep", steps=axis.count) as work:
-        found = run_sweep(asked, work.step)
+        found = run_sweep(asked, work.step, why)
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
         picture = new.final(write_sweep(found, new.part))
     print_table(values_table(found))

@@ -7,11 +7,13 @@ from typing import Any, Protocol
 from cea.errors import ConvergenceError, InputError
 from cea.reduced.greedy import Enrichment, Point, Snapshot
 from cea.reduced.model import ReducedModel
+from cea.reduced.stored import arrays_of
 from comparisons.sweep.map_record import Timed
 from comparisons.sweep.mapped import Mapped
 from comparisons.sweep.store import Store
+from comparisons.sweep.thrift import Thrift
 
-_AT_FIRST = 0.5
+AT_FIRST = 0.5
 """Bound, relative to the tolerance, of a basis where it is made: elsewhere it is larger."""
 _ROUNDS = 4
 """Times that full solves may find fault with a basis before it is given up."""
@@ -59,6 +61,8 @@ class Filling:
         Keeps what each full solve adds.
     progress
         Called with what begins.
+    thrift
+        Weighs the basis while it is made; None where it is wanted at any price.
 
     Attributes
     ----------
@@ -74,9 +78,15 @@ class Filling:
     """
 
     def __init__(
-        self, asked: Asked, scene: Mapped, store: Store, progress: Callable[[str], None]
+        self,
+        asked: Asked,
+        scene: Mapped,
+        store: Store,
+        progress: Callable[[str], None],
+        thrift: Thrift | None = None,
     ) -> None:
         self._scene, self._store, self._progress = scene, store, progress
+        self._thrift = thrift
         self._most = asked.most
         self.model = ReducedModel(scene.pencil, scene.box, scene.max_frequency, scene.min_growth)
         self._full = Timed(scene)
@@ -91,14 +101,15 @@ class Filling:
         )
         self.kept = 0
         self._begun = process_time()
-        for snapshot, safety in store.snapshots():
-            progress(f"full solve {len(self.basis.snapshots) + 1}, stored before")
-            self.kept += 1
+        stored = store.snapshots()
+        if stored:
+            progress(f"{len(stored)} full solves, stored before")
             try:
-                self.basis.restore(snapshot, safety)
-            except ValueError as error:
+                self.basis.restore(stored, store.arrays())
+            except (KeyError, ValueError) as error:
                 allowed = f"without what an interrupted sweep of something else left ({error})"
                 raise InputError("out", str(store.folder), allowed) from error
+            self.kept = len(stored)
 
     def fill(self, training: Sequence[Point], picked: Callable[[], Iterable[Point]]) -> None:
         """Enrich the basis until bounds are small and full solves agree with them.
@@ -112,11 +123,14 @@ class Filling:
 
         Raises
         ------
+        BasisTooDearError
+            When full solves at all values are cheaper than the basis.
         ConvergenceError
             When full solves keep passing the bounds.
         """
         for _ in range(_ROUNDS):
-            self.basis.cover(training, _AT_FIRST * self.basis.tolerance)
+            self.basis.cover(training, AT_FIRST * self.basis.tolerance)
+            self._thrift = None
             if self.spent or self.basis.confirm(list(picked())):
                 return
         raise ConvergenceError(
@@ -145,11 +159,22 @@ class Filling:
         return full, max(process_time() - self._begun - full - online, 0.0)
 
     def _keep(self, snapshot: Snapshot) -> None:
-        self._store.keep(snapshot, self.model.small.settings.safety)
+        self._store.keep(snapshot, arrays_of(self.model.small))
 
     def _tell(self, point: Any, worst: float) -> None:
         shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
+        if self._thrift is not None:
+            self._weigh(self._thrift, point, worst)
         self._progress(f"full solve {len(self.basis.snapshots) + 1}: {shown}, bound {worst:.1e}")
+
+    def _weigh(self, thrift: Thrift, point: Point, worst: float) -> None:
+        """Go on with the basis, or give it up: the same on every rank."""
+        full, basis = self.seconds(0.0)
+        before = process_time()
+        self.basis.at(point)
+        value = process_time() - before
+        full, basis, value = self.model.norm.comm.bcast((full, basis, value))
+        thrift.weigh(worst, len(self.basis.snapshots) - self.kept, full, basis, value)
 
     def free(self) -> None:
         """Free factors."""

@@ -15,12 +15,14 @@ from cea.ranks import agreed
 from cea.reduced.branches import Branches
 from cea.reduced.greedy import TOLERANCE
 from comparisons.sweep.axes import Axis
-from comparisons.sweep.filling import Filling, check_effort
+from comparisons.sweep.bands import Bands
+from comparisons.sweep.filling import AT_FIRST, Filling, check_effort
 from comparisons.sweep.map_record import Spent, confirm_some, record_of, warnings_of
 from comparisons.sweep.mapped import Mapped, mapped
-from comparisons.sweep.rows import Row, map_row
+from comparisons.sweep.rows import Row, Start, map_row
 from comparisons.sweep.store import Store
 from comparisons.sweep.study import COMMAND
+from comparisons.sweep.thrift import BasisTooDearError, Thrift
 from scenes.stored import record
 
 _TRAINING = 17
@@ -51,6 +53,8 @@ class AskedMap:
         Full solves at random values of the map that test it in the end.
     confirm
         Thresholds that full solves confirm.
+    thrifty
+        Whether the basis is given up where full solves at all values are cheaper.
     """
 
     scene: str | Path
@@ -61,6 +65,7 @@ class AskedMap:
     most: int = 150
     checks: int = 2
     confirm: int = 3
+    thrifty: bool = False
 
     def __post_init__(self) -> None:
         if not self.axes:
@@ -109,6 +114,8 @@ def run_map(
     ------
     InputError
         When the scene has no reduced model over these axes.
+    BasisTooDearError
+        When full solves at all values are cheaper, where the map is to be thrifty.
     ConvergenceError
         When full solves keep passing the bounds.
     """
@@ -121,6 +128,9 @@ def run_map(
         rows = run.rows()
         data = run.told(rows)
         confirm_some(data, scene, rows, asked.confirm, progress)
+    except BasisTooDearError:
+        store.discard()
+        raise
     finally:
         run.free()
     seconds = perf_counter() - begun
@@ -136,8 +146,25 @@ class _Run:
         self, asked: AskedMap, scene: Mapped, store: Store, progress: Callable[[str], None]
     ) -> None:
         self._asked, self._scene, self._store, self._progress = asked, scene, store, progress
-        self._filling = Filling(asked, scene, store, progress)
+        self._filling = Filling(asked, scene, store, progress, self._thrift())
         self._online = (0.0, 0)
+        self._bands = Bands(scene, asked.tolerance)
+
+    def _thrift(self) -> Thrift | None:
+        """What weighs the basis beside full solves, where that is asked for."""
+        asked, scene = self._asked, self._scene
+        if not asked.thrifty:
+            return None
+        values = int(np.prod([axis.count for axis in asked.axes]))
+
+        def plain() -> float:
+            self._progress("a full solve for its values alone, to see whether a basis pays")
+            before = process_time()
+            point = scene.point([axis.values[axis.count // 2] for axis in asked.axes])
+            scene.driver.solve(scene.max_frequency, point, min_growth=scene.min_growth)
+            return float(MPI.COMM_WORLD.bcast(process_time() - before))
+
+        return Thrift(values, AT_FIRST * asked.tolerance, asked.checks, plain)
 
     def fill(self) -> None:
         """Enrich the basis until bounds are small and full solves agree with them."""
@@ -176,33 +203,38 @@ class _Run:
         missing = [number for number in range(len(others)) if number not in rows]
         made: dict[int, Row] = {}
         with agreed(comm):
-            for number in missing[comm.rank :: comm.size]:
+            for number in np.array_split(missing, comm.size)[comm.rank].tolist():
                 made[number] = self._row(number, others, starts[number])
         for part in comm.allgather(made):
             rows.update(part)
 
-    def _row(self, number: int, others: Sequence[tuple[float, ...]], start: tuple[Any, int]) -> Row:
+    def _row(self, number: int, others: Sequence[tuple[float, ...]], start: Start) -> Row:
         """A row that was stored and is certified, or a new one."""
         row = self._store.row(number)
         if row is not None and row.worst.max(initial=0.0) <= self._asked.tolerance:
             return row
         self._progress(f"row {number + 1} of {len(others)}")
         before = process_time()
-        small, tolerance = self._filling.model.small, self._asked.tolerance
-        row = map_row(small, self._scene, others[number], start, tolerance)
+        tolerance = self._asked.tolerance
+        small = self._filling.model.small
+        band = self._bands.of(number, small)
+        row = map_row(band, self._scene, others[number], start, tolerance)
+        if row.worst.max(initial=0.0) > tolerance and band is not small:
+            self._bands.give_up()
+            row = map_row(small, self._scene, others[number], start, tolerance)
         spent, values = self._online
         self._online = spent + process_time() - before, values + len(row.worst)
         self._store.keep_row(number, row)
         return row
 
-    def _starts(self, others: Sequence[tuple[float, ...]]) -> list[tuple[Any, int]]:
+    def _starts(self, others: Sequence[tuple[float, ...]]) -> list[Start]:
         """Branches at the first value of each row, and a number that no other row begins at."""
         first, branches, numbers = self._asked.axes[0].values[0], Branches(), []
         for each in others:
             found = self._filling.basis.at(self._scene.point((first, *each)))
-            numbers.append(branches.follow(found))
-        room = 10 * max(len(each) for each in numbers) + 10
-        return [(each, branches.next + i * room) for i, each in enumerate(numbers)]
+            numbers.append((found, branches.follow(found)))
+        room = 10 * max(len(found) for found, _ in numbers) + 10
+        return [(*each, branches.next + i * room) for i, each in enumerate(numbers)]
 
     def _training(self) -> list[dict[str, float]]:
         chosen = []

@@ -25,6 +25,10 @@ STABLE, UNSTABLE, UNDECIDED = 0, 1, 2
 """Verdicts as numbers."""
 
 
+Start = tuple[ReducedSpectrum, Ints, int]
+"""The spectrum at the first value of a row, numbers of its branches, the next that is free."""
+
+
 @dataclass(frozen=True)
 class Row:
     """Modes along the first axis, by rising frequency; NaN and -1 where there are fewer.
@@ -70,7 +74,7 @@ def map_row(
     small: SmallPencil,
     asked: Mapped,
     others: Sequence[float],
-    start: tuple[Ints, int],
+    start: Start,
     tolerance: float,
 ) -> Row:
     """A row of a map on a reduced model.
@@ -84,7 +88,7 @@ def map_row(
     others
         Values of all axes but the first.
     start
-        Numbers of the branches at the first value, and the next number that is free.
+        What the row begins with.
     tolerance
         Error of lambda, relative to its speed, that local bases may make.
     """
@@ -95,10 +99,10 @@ def map_row(
 
     line = along(small, [parameters(value) for value in values], tolerance)
     spectra = line.spectra
-    branches = Branches(start[1])
-    numbers = [start[0]]
-    branches.back_to(spectra[0], start[0])
-    numbers += [branches.follow(found) for found in spectra[1:]]
+    first, begun, free = start
+    branches = Branches(free)
+    branches.back_to(first, begun)
+    numbers = [branches.follow(found) for found in spectra]
 
     at = Between(small, line, values, parameters, tolerance)
     seek = _crossings if small.damped else _coalescences

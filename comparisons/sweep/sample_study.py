@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
@@ -13,7 +12,9 @@ from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
 from cea.reduced.greedy import TOLERANCE
-from comparisons.sweep.cells import cells_of, numbered
+from cea.reduced.rows import along
+from cea.reduced.small import SmallPencil
+from comparisons.sweep.cells import Cell, cells_of, numbered, outermost
 from comparisons.sweep.distributions import Distribution, Drawn, draw
 from comparisons.sweep.filling import Filling, check_effort
 from comparisons.sweep.mapped import Mapped, mapped
@@ -27,8 +28,8 @@ _MOST = 1_000_000
 """Samples."""
 _TRAINING = 48
 """Samples at which bounds are looked at first, beside those in the corners."""
-_CORNERS = 6
-"""Fields up to which samples in all corners are looked at, rather than at ends alone."""
+_OF_A_DISTRICT = 16
+"""Samples, beside the outermost, that a basis of a district is tested on."""
 _AT_ONCE = 64
 """Samples without a certificate, the worst, at which bounds are looked at before all are again."""
 
@@ -172,7 +173,8 @@ class _Run:
         comm, small = MPI.COMM_WORLD, self._filling.model.small
         before = process_time()
         cells = cells_of(self._spread)
-        middles = [self._filling.basis.at(self._point(cell.middle)) for cell in cells]
+        districts = self._districts(cells)
+        middles = [districts[cell.district].at(self._all(cell.middle)) for cell in cells]
         numbers = numbered(middles, cells, self._spread)
         made: dict[int, Sampled] = {}
         with agreed(comm):
@@ -180,8 +182,8 @@ class _Run:
                 self._progress(f"samples, cell {i + 1} of {len(cells)}")
                 made[i] = solved(
                     small,
-                    cells[i],
-                    [self._scene.pencil.values(self._point(int(n))) for n in cells[i].samples],
+                    districts[cells[i].district],
+                    [self._all(int(n)) for n in cells[i].samples],
                     (middles[i], numbers[i]),
                     self._asked.tolerance,
                     self._scene.growth_threshold,
@@ -192,17 +194,28 @@ class _Run:
         self._online = spent + process_time() - before, values + mine
         return gathered([(cell, whole[i]) for i, cell in enumerate(cells)])
 
+    def _districts(self, cells: Sequence[Cell]) -> dict[int, SmallPencil]:
+        """A local basis for each district, or the whole one where none holds."""
+        small, made = self._filling.model.small, {}
+        for number in {cell.district for cell in cells}:
+            self._progress(f"samples, district {number + 1}")
+            own = np.concatenate([cell.samples for cell in cells if cell.district == number])
+            seen = {*outermost(self._spread, own), *np.sort(own)[:_OF_A_DISTRICT].tolist()}
+            points = [self._all(each) for each in sorted(seen)]
+            made[number] = along(small, points, self._asked.tolerance).basis
+        return made
+
     def _training(self) -> list[int]:
         """Samples that lie in corners and at ends, and some at random: those drawn first."""
-        count = len(self._spread)
-        ways = np.vstack([np.eye(count), -np.eye(count)])
-        if count <= _CORNERS:
-            ways = np.vstack([ways, list(product((-1.0, 1.0), repeat=count))])
-        outermost = np.argmax(ways @ (self._spread - 0.5), axis=1).tolist()
-        return sorted({*outermost, *range(min(_TRAINING, self._asked.count))})
+        every = np.arange(self._asked.count)
+        return sorted({*outermost(self._spread, every), *every[:_TRAINING].tolist()})
 
     def _point(self, number: int) -> dict[str, float]:
         return self._scene.point(self._values[:, number].tolist())
+
+    def _all(self, number: int) -> dict[str, float]:
+        """Values of all parameters at a sample."""
+        return self._scene.pencil.values(self._point(number))
 
     def told(self, found: Sampled) -> dict[str, Any]:
         """What the samples come to."""

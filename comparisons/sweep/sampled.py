@@ -49,7 +49,7 @@ class Sampled:
 
 def solved(
     small: SmallPencil,
-    cell: Cell,
+    district: SmallPencil,
     points: Sequence[Values],
     middle: tuple[ReducedSpectrum, Ints],
     tolerance: float,
@@ -61,8 +61,8 @@ def solved(
     ----------
     small
         The reduced model.
-    cell
-        The cell.
+    district
+        That on the local basis of its district.
     points
         Values of all parameters of each of its samples.
     middle
@@ -72,7 +72,10 @@ def solved(
     growth_threshold
         Growth rate (1/s) above which a mode grows; None where it is relative.
     """
-    spectra = along(small, points, tolerance, least=_SMALL).spectra
+    spectra = along(district, points, tolerance, least=_SMALL).spectra
+    if district is not small:
+        pairs = zip(spectra, points, strict=True)
+        spectra = [small.at(at) if found.worst > tolerance else found for found, at in pairs]
     shape = (len(spectra), max(int(found.inside.sum()) for found in spectra))
     growth, frequency, uncertainty = (np.full(shape, np.nan) for _ in range(3))
     number = np.full(shape, -1, dtype=np.int64)

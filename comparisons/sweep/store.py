@@ -1,7 +1,8 @@
 """What a map has come to so far, on disk: an interrupted one goes on from there.
 
 Beside the folder of the result stands one with the ending ``.unfinished``. It holds what each full
-solve added to the basis, a file for each rank, and each row of the map as netCDF.
+solve added to the bases, a file for each rank, the pencil on the basis with the last of them, so
+that nothing of either is computed again, and each row of the map as netCDF.
 """
 
 import json
@@ -15,7 +16,9 @@ import numpy as np
 
 from cea.files import write_whole
 from cea.reduced.greedy import Snapshot
+from cea.reduced.model import Growth
 from cea.reduced.onsets import Onset
+from cea.reduced.stored import Arrays
 from cea.warned import ResultWarning
 from comparisons.sweep.netcdf import ENGINE
 from comparisons.sweep.rows import Row
@@ -23,6 +26,7 @@ from comparisons.sweep.rows import Row
 _ABOUT = "map.json"
 _FIELDS = ("growth", "frequency", "uncertainty", "mean_error", "branch", "verdict", "worst")
 _SLOPES = ("growth_slope", "frequency_slope")
+_GROWN = ("basis", "residuals")
 _ONSET = ("value", "error", "slope")
 
 
@@ -50,27 +54,38 @@ class Store:
                 write_whole(about.encode(), file)
         comm.barrier()
 
-    def keep(self, snapshot: Snapshot, safety: float) -> None:
-        """Store a snapshot; it counts once every rank has written its part."""
-        part = self._part(self._count)
-        with part.open("wb") as stream:
-            np.save(stream, snapshot.grown)
+    def keep(self, snapshot: Snapshot, small: Arrays) -> None:
+        """Store a snapshot and the pencil on the basis; it counts once every rank has written."""
+        grown = snapshot.grown
+        for name, vectors in zip(_GROWN, (grown.vectors, grown.residuals), strict=True):
+            with self._part(self._count, name).open("wb") as stream:
+                np.save(stream, vectors)
         self._comm.barrier()
         if self._comm.rank == 0:
-            told = snapshot.plain() | {"safety": safety}
-            write_whole(json.dumps(told).encode(), self._told(self._count))
+            with self._small(self._count).open("wb") as stream:
+                np.savez(stream, **small)  # type: ignore[arg-type]
+            write_whole(json.dumps(snapshot.plain()).encode(), self._told(self._count))
+            self._small(self._count - 1).unlink(missing_ok=True)
         self._count += 1
 
-    def snapshots(self) -> list[tuple[Snapshot, float]]:
-        """Snapshots that were stored, in their order, with the factor that bounds had by then."""
+    def arrays(self) -> Arrays:
+        """The pencil on the basis, with the last snapshot."""
+        found = None
+        if self._comm.rank == 0:
+            with np.load(self._small(self._count - 1)) as stored:
+                found = dict(stored)
+        arrays: Arrays = self._comm.bcast(found)
+        return arrays
+
+    def snapshots(self) -> list[Snapshot]:
+        """Snapshots that were stored, in their order."""
         found = []
         while self._comm.bcast(self._told(self._count).is_file()):
             told = self._comm.bcast(json.loads(self._told(self._count).read_text()))
-            grown = np.load(self._part(self._count))
+            grown = Growth(*(np.load(self._part(self._count, name)) for name in _GROWN))
             fields = {name: told[name] for name in ("point", "rounding", "tested", "complete")}
             warnings = tuple(ResultWarning(**each) for each in told["warnings"])
-            snapshot = Snapshot(grown=grown, warnings=warnings, **fields)
-            found.append((snapshot, told["safety"]))
+            found.append(Snapshot(grown=grown, warnings=warnings, **fields))
             self._count += 1
         return found
 
@@ -130,8 +145,11 @@ class Store:
         if self._comm.rank == 0:
             shutil.rmtree(self.folder, ignore_errors=True)
 
-    def _part(self, number: int) -> Path:
-        return self.folder / f"snapshot-{number:04d}.rank{self._comm.rank}.npy"
+    def _part(self, number: int, name: str) -> Path:
+        return self.folder / f"{name}-{number:04d}.rank{self._comm.rank}.npy"
+
+    def _small(self, number: int) -> Path:
+        return self.folder / f"small-{number:04d}.npz"
 
     def _told(self, number: int) -> Path:
         return self.folder / f"snapshot-{number:04d}.json"

@@ -98,7 +98,9 @@ class Sweep:
             raise InputError(self.field, self.start, allowed) from error
 
 
-def run_sweep(sweep: Sweep, progress: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
+def run_sweep(
+    sweep: Sweep, progress: Callable[[str], None] = lambda _: None, why: str = ""
+) -> dict[str, Any]:
     """Run a sweep; a value without an answer is kept beside the others, with the reason.
 
     Parameters
@@ -107,13 +109,15 @@ def run_sweep(sweep: Sweep, progress: Callable[[str], None] = lambda _: None) ->
         What is swept.
     progress
         Called with each value as it begins.
+    why
+        Why each value is solved in full.
 
     Returns
     -------
     dict
-        The record: ``field``, ``points`` with ``value``, ``failed`` (the reason, or "") and
-        ``modes``, each with ``curve``, a number that modes of one curve share, ``re``, ``im``,
-        ``uncertainty`` and ``verdict``; and the ``window``.
+        The record: ``field``, ``why`` where it was told, ``points`` with ``value``, ``failed`` (the
+        reason, or "") and ``modes``, each with ``curve``, a number that modes of one curve share,
+        ``re``, ``im``, ``uncertainty`` and ``verdict``; and the ``window``.
     """
     begun = perf_counter()
     assembled = sweep.assembled()
@@ -142,7 +146,7 @@ def run_sweep(sweep: Sweep, progress: Callable[[str], None] = lambda _: None) ->
         "set": list(sweep.overrides),
         "data": sweep.data,
     }
-    data = {"field": sweep.field, "points": points}
+    data = {"field": sweep.field, "points": points} | ({"why": why} if why else {})
     seconds = perf_counter() - begun
     return record(COMMAND, data, inputs=inputs, seconds=seconds, warnings=warnings)
 

@@ -89,14 +89,16 @@ def test_without_damping_it_is_the_undamped_problem(maps, backend):
 def test_rows_on_a_local_basis_are_those_of_the_whole_basis(maps, backend):
     small, pencil = maps(backend).model.small, maps(backend).model.pencil
     line = [pencil.values({MU: mu, P: 40.0, ALPHA: 0.03}) for mu in np.linspace(0.5, 0.6, 21)]
-    found_there = along(small, line, 1e-9, least=10)
+    wholes = [small.at(values) for values in line]
+    reached = max(whole.worst for whole in wholes)
+    assert 0 < reached <= maps(backend).tolerance
+    found_there = along(small, line, 1.5 * reached, least=10)
     spectra, basis = found_there.spectra, found_there.basis
     assert basis.size < small.size
-    for values, found in zip(line[::5], spectra[::5], strict=True):
-        assert found.worst <= 1e-9
-        whole = small.at(values)
+    for whole, found in zip(wholes, spectra, strict=True):
+        assert found.worst <= 1.5 * reached
         difference = np.abs(found.window.eigenvalues - whole.window.eigenvalues)
-        assert (difference / whole.window.speeds).max() < 2e-9
+        assert (difference / whole.window.speeds).max() < 2.5 * reached
 
 
 @pytest.mark.parametrize("seed", range(3))

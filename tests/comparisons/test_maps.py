@@ -20,6 +20,7 @@ from cea.eigen.thresholds import flutter_threshold
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.reduced.greedy import Snapshot
+from cea.reduced.model import Growth
 from comparisons.cli.app import main
 from comparisons.sweep.axes import Axis, read_axis
 from comparisons.sweep.map_page import write_result
@@ -362,8 +363,8 @@ def test_another_scene_does_not_go_on_from_what_one_left(tmp_path):
     for scene in (soft, soft, stiff):
         store = Store(tmp_path / "out", {"pencil": scene.fingerprint()}, MPI.COMM_WORLD)
         stores.append(len(store.snapshots()))
-        snapshot = Snapshot({MU: 0.5}, np.zeros((3, 1)), 0.0, None, complete=True)
-        store.keep(snapshot, 2.0)
+        grown = Growth(np.zeros((3, 1)), np.zeros((3, 2)))
+        store.keep(Snapshot({MU: 0.5}, grown, 0.0, None, complete=True), {})
     assert stores == [0, 1, 0]
     for scene in (soft, stiff):
         scene.driver.free()
