@@ -2,14 +2,18 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 
+from cea.arrays import Complexes
 from cea.body import Body
 from cea.eigen.pencil import Matrices, release
 from cea.errors import InputError
-from cea.nested.estimate import ErrorEstimate, error_estimate
+from cea.nested.estimate import ErrorEstimate, corrected_eigenvalues, error_estimate
 from cea.nested.prolongation import Prolongation, of_system
 from cea.nested.start import continued
 from cea.timing import StageTimer
+from scenes.build import build_bodies
+from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.richer import richer_scene
@@ -91,12 +95,37 @@ def estimate_errors(
         return error_estimate(result.modes, matrices, step, steps=steps)
 
 
+def eigenvalues_in(
+    result: ModesResult, richer: Scene, *, listener: Callable[[str], None] | None = None
+) -> Complexes:
+    """Eigenvalues of a scene in a richer space, by half the solves of an estimate; collective.
+
+    What they differ by from those of the scene tells its errors to a few per cent, but not what is
+    left of them (:func:`cea.nested.estimate.corrected_eigenvalues`).
+
+    Parameters are those of :func:`estimate_errors`.
+
+    Returns
+    -------
+    Complexes
+        lambda (1/s), shape (n,), in the order of the modes of the result.
+
+    Raises
+    ------
+    InputError
+        When modes or their left vectors are missing, or the scenes are not of the same bodies.
+    """
+    with _on(richer, result, listener) as (matrices, step, timer), timer("krylov"):
+        return corrected_eigenvalues(result.modes, matrices, step)
+
+
 @contextmanager
 def _on(
     scene: Scene, result: ModesResult, listener: Callable[[str], None] | None
 ) -> Iterator[tuple[Matrices, Prolongation, StageTimer]]:
     """The pencil of another scene, the prolongation to it, and a timer of what it takes."""
-    system, _, timer = coupled(scene, listener=listener)
+    bodies = _with_those_of(result, scene, listener)
+    system, _, timer = coupled(scene, bodies=bodies, listener=listener)
     with timer("assembly"):
         matrices = system.pencil().at()
         step = prolongation(result.bodies, system.bodies, scene)
@@ -105,6 +134,24 @@ def _on(
     finally:
         step.free()
         release(matrices)
+
+
+def _with_those_of(
+    result: ModesResult, scene: Scene, listener: Callable[[str], None] | None
+) -> dict[str, Body]:
+    """Bodies of a scene; those of a result that are the same, with their matrices."""
+    check_memory(scene)
+    old = result.scene
+    same = {
+        name
+        for name, body in scene.bodies.items()
+        if body == old.bodies.get(name)
+        and [load for load in scene.loads if load.on == name]
+        == [load for load in old.loads if load.on == name]
+    }
+    others = {name: body for name, body in scene.bodies.items() if name not in same}
+    made = build_bodies(replace(scene, bodies=others), StageTimer(listener))
+    return {name: result.bodies[name] if name in same else made[name] for name in scene.bodies}
 
 
 def continued_modes(

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eig, eigh
+from scipy.linalg import eig
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
@@ -27,11 +27,10 @@ from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
+from cea.nested.ritz import mean_with_transpose, ritz
 
 _BESIDE = 0.997
 """Part of a shift that is an eigenvalue at which another is tried."""
-_DEPENDENT = 1e-13
-"""Singular value of inner products, relative to the largest, that counts as none."""
 _SMALLEST = 1e-16
 """Length of a direction, relative to the longest, that counts for no less."""
 
@@ -111,6 +110,23 @@ class BlockSteps:
             old = step.approximation
         return step
 
+    def one_sided(self, old: Approximation) -> Complexes:
+        """Eigenvalues after a step for the right vectors alone, shape (n,).
+
+        An error of left vectors, which stay as they are, counts only times one that is left in the
+        right ones. With damping, and where both are the same, it is a whole step.
+        """
+        if self._damping is not None or self.matrices.symmetric:
+            return self.improved(old, 1).approximation.eigenvalues
+        chosen = _one_of_each_pair(old.eigenvalues)
+        values = old.eigenvalues[chosen]
+        B, X = self._krylov(self._real_basis(values, old.right[:, chosen]), 1)
+        C = self._orthonormal(self._real_basis(values, old.left[:, chosen]))
+        mass = self.matrices.mass
+        mu = ritz(self._inner(C, times(mass, B)), self._inner(C, times(mass, X)))[0]
+        found = _growing(self.factors.kappa + mu)
+        return found[_matched(old.eigenvalues, found)]
+
     def _linear(self, old: Approximation, steps: int) -> Step:
         """K x = kappa M x on real bases: with X = A(sigma)^-1 M B it is (Y^T M B, Y^T M X)."""
         chosen, symmetric = _one_of_each_pair(old.eigenvalues), self.matrices.symmetric
@@ -123,8 +139,8 @@ class BlockSteps:
         forces, inertia = times(self.matrices.mass, B), times(self.matrices.mass, X)
         last = B.shape[1] // steps
         lagging = np.hstack([Y[:, :-last], C[:, -last:]])
-        halfway = _ritz(self._inner(lagging, forces), self._inner(lagging, inertia))[0]
-        mu, c, d = _ritz(self._inner(Y, forces), self._inner(Y, inertia), symmetric=symmetric)
+        halfway = ritz(self._inner(lagging, forces), self._inner(lagging, inertia))[0]
+        mu, c, d = ritz(self._inner(Y, forces), self._inner(Y, inertia), symmetric=symmetric)
         right = combined(X, c)
         own = self._nearest_to(B[:, :last], right)
         found, half = (_growing(self.factors.kappa + each) for each in (mu, halfway))
@@ -225,7 +241,7 @@ class BlockSteps:
         for _ in range(2):
             sizes = np.sqrt(np.abs(np.diag(self._gram(vectors))))
             vectors = vectors / np.maximum(sizes, np.finfo(float).tiny)
-            squares, turned = np.linalg.eigh(_mean(self._gram(vectors)))
+            squares, turned = np.linalg.eigh(mean_with_transpose(self._gram(vectors)))
             lengths = np.sqrt(np.maximum(squares, _SMALLEST * squares.max(initial=0.0)))
             vectors = combined(np.asfortranarray(vectors), turned / lengths)
         return vectors
@@ -252,23 +268,6 @@ def middle_shift(eigenvalues: Complexes) -> float:
     return float(0.5 * (kappa.min() + kappa.max()))
 
 
-def _ritz(
-    works: Floats, masses: Floats, *, symmetric: bool = False
-) -> tuple[Complexes, Complexes, Complexes]:
-    """Eigenvalues, right and left vectors of a projected problem, whose bases may be dependent."""
-    if symmetric:
-        sizes, turned = np.linalg.eigh(_mean(masses))
-        kept = turned[:, sizes > _DEPENDENT * sizes.max()]
-        mu, z = eigh(_mean(kept.T @ works @ kept), np.diag(sizes[sizes > _DEPENDENT * sizes.max()]))
-        vectors = kept @ z + 0j
-        return mu + 0j, vectors, vectors
-    u, sizes, vt = np.linalg.svd(masses)
-    count = int(np.sum(sizes > _DEPENDENT * sizes.max()))
-    U, V = u[:, :count], vt[:count].T
-    mu, w, z = eig(U.T @ works @ V, np.diag(sizes[:count]), left=True)
-    return mu, V @ z + 0j, U @ w + 0j
-
-
 def _one_of_each_pair(eigenvalues: Complexes) -> Ints:
     """Modes without those that decay as others, conjugate in lambda^2, grow."""
     decaying = np.flatnonzero((eigenvalues.real < 0) & (eigenvalues.imag > 0))
@@ -289,7 +288,3 @@ def _growing(kappa: Complexes) -> Complexes:
 def _matched(wanted: Complexes, found: Complexes) -> Ints:
     """Number of the eigenvalue that belongs to each wanted one, of least total distance."""
     return assign(np.abs(wanted[:, None] - found))[1]
-
-
-def _mean(matrix: Floats) -> Floats:
-    return np.asarray(0.5 * (matrix + matrix.T))

@@ -151,6 +151,34 @@ def error_estimate(
     )
 
 
+def corrected_eigenvalues(
+    coarse: Modes, matrices: Matrices, prolongation: Prolongation
+) -> Complexes:
+    """Eigenvalues of a coarse mesh in a richer space, by right vectors alone; collective.
+
+    Left vectors stay those of the coarse mesh. That takes half the solves of :func:`error_estimate`
+    and tells the same errors to a few per cent, without what is left of them.
+
+    Returns
+    -------
+    Complexes
+        lambda (1/s), shape (n,), in the order of the modes.
+
+    Raises
+    ------
+    InputError
+        When there are no modes or no left vectors.
+    ConvergenceError
+        When the richer pencil is singular at shifts amid the modes.
+    """
+    start = prolonged(coarse, matrices, prolongation)
+    work = BlockSteps(matrices, middle_shift(start.eigenvalues))
+    try:
+        return work.one_sided(start)
+    finally:
+        work.free()
+
+
 def prolonged(coarse: Modes, matrices: Matrices, prolongation: Prolongation) -> Approximation:
     """Modes of a coarse mesh as approximations on a finer one.
 

@@ -1,6 +1,6 @@
 """What the next mesh is to reach, mode by mode, where errors are known in their parts."""
 
-from math import inf, tau
+from math import inf, log, tau
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from comparisons.converge.steps import LEAST_GAIN, RESERVE
 from scenes.read import Scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 
+_AMPLE = log(5.0)
+"""What the error of a mode may be below the one allowed, as a logarithm, from which on it need not
+fall: elements for modes that are right already are paid by all others."""
 ENOUGH = 3
 """Numbers of a sequence from which on bars rest on an observed order."""
 
@@ -94,7 +97,7 @@ def wanted(
             scaled = needs * np.minimum(1.0, expected / bars)
         needs = np.where(known, scaled, expected / request.tolerance)
     gains = np.log(np.maximum(needs, 1e-3)) + RESERVE - spare
-    gains = np.clip(gains, LEAST_GAIN, most)
+    gains = np.clip(gains, np.clip(gains + _AMPLE, 0.0, LEAST_GAIN), most)
     if everywhere:
         usual = errors.max(axis=0)
         alone = np.diag(usual)[usual > 0]
