@@ -12,6 +12,7 @@ from cea.nested.estimate import ErrorEstimate, corrected_eigenvalues, error_esti
 from cea.nested.prolongation import Prolongation, of_system
 from cea.nested.start import continued
 from cea.timing import StageTimer
+from scenes.body_meshes import used_surfaces
 from scenes.build import build_bodies
 from scenes.memory import check_memory
 from scenes.read import Scene
@@ -141,17 +142,25 @@ def _with_those_of(
 ) -> dict[str, Body]:
     """Bodies of a scene; those of a result that are the same, with their matrices."""
     check_memory(scene)
-    old = result.scene
-    same = {
-        name
-        for name, body in scene.bodies.items()
-        if body == old.bodies.get(name)
-        and [load for load in scene.loads if load.on == name]
-        == [load for load in old.loads if load.on == name]
-    }
+    same = {name for name in scene.bodies if _same(name, scene, result.scene)}
     others = {name: body for name, body in scene.bodies.items() if name not in same}
     made = build_bodies(replace(scene, bodies=others), StageTimer(listener))
     return {name: result.bodies[name] if name in same else made[name] for name in scene.bodies}
+
+
+def _same(name: str, scene: Scene, other: Scene) -> bool:
+    """Whether a body is the same in two scenes, in its loads and the surfaces it shows too."""
+    if name not in other.bodies:
+        return False
+    one, two = (
+        (
+            each.bodies[name],
+            [load for load in each.loads if load.on == name],
+            used_surfaces(each, name),
+        )
+        for each in (scene, other)
+    )
+    return one == two
 
 
 def continued_modes(

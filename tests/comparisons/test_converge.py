@@ -1,7 +1,7 @@
 """``cea converge``: bars of sequences, what comes next, verdicts on modes."""
 
 from dataclasses import replace
-from math import exp, inf
+from math import exp, inf, log
 
 import numpy as np
 import pytest
@@ -109,6 +109,23 @@ def test_no_step_is_trusted_to_have_taken_off_more_than_it_is_known_to():
     positions, values = [0.0, 3.0, 3.0 + np.log(1e6)], [1.0 + 0.1, 1.0 + 0.005, 1.0]
     size = bar(values, positions, 1.0, usual=Usual(0.005, own=True)).size
     assert size == pytest.approx(3 * 0.005 / 39)
+
+
+def test_a_step_is_trusted_with_more_where_parts_of_errors_foretold_the_last_change():
+    """And its number fell as expected; what is not foretold counts as before."""
+    positions = [0.0, log(10), log(10) + log(5000)]
+
+    def size(usual, rate=1.0):
+        values = [1.0 + 0.1 * exp(-rate * t) for t in positions]
+        return bar(values, positions, 1.0, usual=usual).size
+
+    error = 0.1 / 5e4
+    foretold = Usual(own=True, foretold=True)
+    assert size(Usual(own=True)) == pytest.approx(3 * 0.01 / 39, rel=1e-3)
+    assert size(foretold) == pytest.approx(3 * 0.01 / 999, rel=1e-3)
+    assert size(foretold) > 3 * error
+    slower = 0.1 * exp(-0.6 * log(10))
+    assert size(foretold, 0.6) == pytest.approx(3 * slower / 39, rel=0.05)
 
 
 def test_a_number_whose_error_is_known_in_its_parts_has_luck_of_its_own():
