@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 
-from cea.arrays import Complexes
+from cea.arrays import Complexes, Floats
 from cea.body import Body
 from cea.eigen.pencil import Matrices, release
 from cea.errors import InputError
@@ -67,6 +67,7 @@ def estimate_errors(
     richer: Scene | None = None,
     *,
     steps: int = 1,
+    allowed: Floats | None = None,
     listener: Callable[[str], None] | None = None,
 ) -> ErrorEstimate:
     """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
@@ -83,6 +84,9 @@ def estimate_errors(
         A richer scene; by default the same with a degree more (:mod:`scenes.richer`).
     steps
         Block inverse steps.
+    allowed
+        What may remain of each eigenvalue (1/s), shape (n,): modes of which more does take a step
+        more, where nothing damps or rotates.
     listener
         Called with the name of each stage as it begins.
 
@@ -93,7 +97,7 @@ def estimate_errors(
     """
     scene = richer if richer is not None else richer_scene(result.scene)
     with _on(scene, result, listener) as (matrices, step, timer), timer("krylov"):
-        return error_estimate(result.modes, matrices, step, steps=steps)
+        return error_estimate(result.modes, matrices, step, steps=steps, allowed=allowed)
 
 
 def eigenvalues_in(

@@ -4,9 +4,10 @@ from math import inf, log, tau
 
 import numpy as np
 
+from cea.arrays import Complexes, Floats
 from comparisons.converge.bars import SAFETY
 from comparisons.converge.following import Sequence
-from comparisons.converge.judged import Judged, shortfall
+from comparisons.converge.judged import SLOW_GROWTH, Judged, shortfall
 from comparisons.converge.leanest import Wanted
 from comparisons.converge.quantities import Member
 from comparisons.converge.request import Request
@@ -17,6 +18,8 @@ from scenes.spec.analysis import ComplexEigenvalueAnalysis
 _AMPLE = log(5.0)
 """What the error of a mode may be below the one allowed, as a logarithm, from which on it need not
 fall: elements for modes that are right already are paid by all others."""
+_REMAINS = 0.1
+"""Part of an allowed error that solves in a richer space may leave."""
 ENOUGH = 3
 """Numbers of a sequence from which on bars rest on an observed order."""
 
@@ -35,6 +38,20 @@ def need_of(member: Member, request: Request, scene: Scene) -> float:
     analysis = scene.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
     return shortfall(member, request, analysis.growth_threshold)
+
+
+def may_remain(eigenvalues: Complexes, request: Request, scene: Scene) -> Floats:
+    """What solves may leave of errors of lambda (1/s), shape (n,): a tenth of what is allowed."""
+    analysis = scene.analysis
+    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    speeds = np.abs(eigenvalues)
+    allowed = request.tolerance * speeds
+    floor = analysis.growth_threshold
+    slow = SLOW_GROWTH * speeds if floor is None else np.full(len(speeds), floor)
+    grows = eigenvalues.real != 0
+    scale = np.maximum(np.abs(eigenvalues.real), slow)
+    growth = np.where(grows, request.growth_tolerance * scale, np.inf)
+    return np.asarray(_REMAINS * np.minimum(allowed, growth))
 
 
 def wanted(
@@ -96,8 +113,11 @@ def wanted(
         with np.errstate(invalid="ignore"):
             scaled = needs * np.minimum(1.0, expected / bars)
         needs = np.where(known, scaled, expected / request.tolerance)
-    gains = np.log(np.maximum(needs, 1e-3)) + RESERVE - spare
-    gains = np.clip(gains, np.clip(gains + _AMPLE, 0.0, LEAST_GAIN), most)
+    gains = np.log(np.maximum(needs, 1e-3)) + RESERVE
+    least = np.clip(gains + _AMPLE, 0.0, LEAST_GAIN)
+    if least.max() < LEAST_GAIN:  # all are right: one more mesh shows that
+        least[:] = LEAST_GAIN
+    gains = np.clip(gains - spare, least, most)
     if everywhere:
         usual = errors.max(axis=0)
         alone = np.diag(usual)[usual > 0]

@@ -6,7 +6,7 @@ from time import perf_counter
 
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
-from comparisons.converge.aims import ENOUGH, is_asked, need_of
+from comparisons.converge.aims import ENOUGH, is_asked, may_remain, need_of
 from comparisons.converge.bars import SAFETY
 from comparisons.converge.estimated import (
     SHARE,
@@ -236,7 +236,9 @@ class Course:
 
     def correct(self, richer: Richer, progress: Progress) -> None:
         """Correct the newest mesh in a richer space; collective."""
-        self.sequence.correction = estimated_level(self.sequence.last, richer, progress)
+        newest = self.sequence.last
+        allowed = may_remain(newest.eigenvalues, self.request, self.scene)
+        self.sequence.correction = estimated_level(newest, richer, allowed, progress)
 
     def _leanest(
         self, most_seconds: float, *, spare: float, at_once: float = inf, share: float = 1.0

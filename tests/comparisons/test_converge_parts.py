@@ -9,7 +9,7 @@ import pytest
 from exact_scenes import ExactScene
 
 from cea.eigen.eigenvalue_matching import assign
-from comparisons.converge.aims import wanted
+from comparisons.converge.aims import may_remain, wanted
 from comparisons.converge.following import Cluster, Sequence
 from comparisons.converge.histories import Window
 from comparisons.converge.judged import Judged
@@ -244,6 +244,15 @@ def test_modes_that_are_right_already_ask_for_no_finer_mesh():
     aim = wanted(judged, sequence, Request("disc_pad"), scene, 1.0, spare=0.0)
     assert aim.gains[0] == pytest.approx(log(3 * 1e-3 / 5e-4) + log(1.5), rel=1e-2)
     assert aim.gains[1] == 0.0
+    easy = wanted(judged, sequence, Request("disc_pad", digits=1), scene, 1.0, spare=0.0)
+    assert easy.gains == pytest.approx(log(2.0))  # of what is right already a mesh more is seen
+
+
+def test_solves_may_leave_a_tenth_of_what_the_digits_allow():
+    scene = load_scene("disc_pad")  # digits of growth below 10 1/s are not asked for
+    values = np.array([1e4j, 100 + 1e4j, -1 + 1e4j])
+    found = may_remain(values, Request("disc_pad", digits=3), scene)
+    assert found == pytest.approx([0.5, 0.05, 0.005], rel=1e-3)
 
 
 # Resolutions

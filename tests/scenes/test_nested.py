@@ -183,6 +183,26 @@ def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
         assert np.abs(found - anew).max() < 1e-11 * np.abs(anew).max()
 
 
+def test_modes_of_which_much_remains_take_one_step_more(backend):
+    """Alone: what remains of them falls far, they come nearer to a search, others stay."""
+    elements = {"upper": [4, 1], "lower": [3, 2]}
+    coarse = coarse_modes("blocks", backend, 2, 2.9, elements=elements)
+    richer = richer_scene(coarse.scene)
+    one = estimate_errors(coarse, richer)
+    allowed = np.full(len(one.remaining), np.median(one.remaining))
+    more = estimate_errors(coarse, richer, allowed=allowed)
+    late = one.remaining > allowed
+    assert 0 < late.sum() < len(late)
+    fell = more.remaining[late] / one.remaining[late]
+    assert np.median(fell) < 0.05
+    assert (fell < 0.5).all()  # modes near the end of the window converge slowest
+    assert more.remaining[~late] == pytest.approx(one.remaining[~late])
+    searched = paired(more.corrected, run_modes(richer).eigenvalues)
+    apart = np.abs(more.corrected - searched)
+    assert (apart[late] <= np.abs(one.corrected - searched)[late] + 1e-12).all()
+    assert (apart <= more.remaining + 1e-12).all()
+
+
 def test_a_smoother_space_of_few_unknowns_takes_two_steps():
     coarse = coarse_modes("drum", "iga", 3, 2.0)
     richer = richer_scene(coarse.scene, "smooth")
