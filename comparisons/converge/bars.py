@@ -20,8 +20,9 @@ from scipy.optimize import brentq
 
 LEAST = 0.3
 """Least credible eta: below it nothing says that the sequence converges."""
-MOST = 1.0
-"""Largest eta that is made use of: what falls faster than theory leaves another part behind."""
+MOST = 0.9
+"""Largest eta that is made use of: what falls faster leaves another part behind, and on meshes that
+are still coarse theory takes off more than finer elements do."""
 SAFETY = 3.0
 """Factor on Richardson's error."""
 _UNMEASURED, _SHOWN = 2.0, 4
