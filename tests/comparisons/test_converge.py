@@ -89,7 +89,7 @@ def test_bar_never_trusts_more_than_nine_tenths_of_theory(rate):
     positions = [0.0, 1.0, 2.0]
     numbers = [7.0 + exp(-rate * t) for t in positions]
     last = abs(numbers[-1] - numbers[-2])
-    assert bar(numbers, positions, rate).size == pytest.approx(3 * last / np.expm1(0.9))
+    assert bar(numbers, positions, rate).size >= 3 * last / np.expm1(0.9) * (1 - 1e-12)
 
 
 def test_where_no_order_is_seen_the_bar_is_the_largest_of_the_last_differences():
