@@ -188,12 +188,11 @@ def _refined(
 def _moves(
     parts: Parts, now: Resolution, given: Mapping[str, tuple[int, ...] | None]
 ) -> Iterator[Resolution]:
-    """Meshes with some more elements along a direction of a body."""
+    """Meshes with some more elements along a direction of a body, or along all across its edges."""
     bodies = dict(now.bodies)
     for part in parts.parts:
-        if not part.edges:
-            finer = _denser(bodies[part.body], part.directions, given[part.body])
-            yield mixed({**bodies, part.body: finer})
+        finer = _denser(bodies[part.body], part.directions, given[part.body])
+        yield mixed({**bodies, part.body: finer})
 
 
 def _denser(
