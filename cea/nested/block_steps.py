@@ -147,9 +147,10 @@ class BlockSteps:
     ) -> Step:
         """With X = A(sigma)^-1 M B the problem is (Y^T M B, Y^T M X)."""
         symmetric = self.matrices.symmetric
-        (B, X), (C, Y) = self._unit(right), self._unit(left)
+        (B, X), Y = self._unit(right), self._unit(left)[1]
         forces, inertia = times(self.matrices.mass, B), times(self.matrices.mass, X)
-        lagging = np.hstack([Y[:, :-newest], C[:, -newest:]])
+        # Of unit length: those of Y are far shorter, and a span of both would lose its smaller half.
+        lagging = np.hstack([Y[:, :-newest], left[0][:, -newest:]])
         halfway = ritz(self._inner(lagging, forces), self._inner(lagging, inertia))[0]
         mu, c, d = ritz(self._inner(Y, forces), self._inner(Y, inertia), symmetric=symmetric)
         vectors = combined(X, c)
