@@ -149,7 +149,7 @@ class BlockSteps:
         symmetric = self.matrices.symmetric
         (B, X), Y = self._unit(right), self._unit(left)[1]
         forces, inertia = times(self.matrices.mass, B), times(self.matrices.mass, X)
-        # Of unit length: those of Y are far shorter, and a span of both would lose its smaller half.
+        # Of unit length, as Y is: a span of very long and short vectors would lose the short.
         lagging = np.hstack([Y[:, :-newest], left[0][:, -newest:]])
         halfway = ritz(self._inner(lagging, forces), self._inner(lagging, inertia))[0]
         mu, c, d = ritz(self._inner(Y, forces), self._inner(Y, inertia), symmetric=symmetric)
