@@ -2,14 +2,19 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 
+from cea.arrays import Complexes, Floats
 from cea.body import Body
 from cea.eigen.pencil import Matrices, release
 from cea.errors import InputError
-from cea.nested.estimate import ErrorEstimate, error_estimate
+from cea.nested.estimate import ErrorEstimate, corrected_eigenvalues, error_estimate
 from cea.nested.prolongation import Prolongation, of_system
 from cea.nested.start import continued
 from cea.timing import StageTimer
+from scenes.body_meshes import used_surfaces
+from scenes.build import build_bodies
+from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.richer import richer_scene
@@ -62,6 +67,7 @@ def estimate_errors(
     richer: Scene | None = None,
     *,
     steps: int = 1,
+    allowed: Floats | None = None,
     listener: Callable[[str], None] | None = None,
 ) -> ErrorEstimate:
     """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
@@ -78,6 +84,9 @@ def estimate_errors(
         A richer scene; by default the same with a degree more (:mod:`scenes.richer`).
     steps
         Block inverse steps.
+    allowed
+        What may remain of each eigenvalue (1/s), shape (n,): modes of which more does take a step
+        more, where nothing damps or rotates.
     listener
         Called with the name of each stage as it begins.
 
@@ -88,7 +97,31 @@ def estimate_errors(
     """
     scene = richer if richer is not None else richer_scene(result.scene)
     with _on(scene, result, listener) as (matrices, step, timer), timer("krylov"):
-        return error_estimate(result.modes, matrices, step, steps=steps)
+        return error_estimate(result.modes, matrices, step, steps=steps, allowed=allowed)
+
+
+def eigenvalues_in(
+    result: ModesResult, richer: Scene, *, listener: Callable[[str], None] | None = None
+) -> Complexes:
+    """Eigenvalues of a scene in a richer space, by half the solves of an estimate; collective.
+
+    What they differ by from those of the scene tells its errors to a few per cent, but not what is
+    left of them (:func:`cea.nested.estimate.corrected_eigenvalues`).
+
+    Parameters are those of :func:`estimate_errors`.
+
+    Returns
+    -------
+    Complexes
+        lambda (1/s), shape (n,), in the order of the modes of the result.
+
+    Raises
+    ------
+    InputError
+        When modes or their left vectors are missing, or the scenes are not of the same bodies.
+    """
+    with _on(richer, result, listener) as (matrices, step, timer), timer("krylov"):
+        return corrected_eigenvalues(result.modes, matrices, step)
 
 
 @contextmanager
@@ -96,7 +129,8 @@ def _on(
     scene: Scene, result: ModesResult, listener: Callable[[str], None] | None
 ) -> Iterator[tuple[Matrices, Prolongation, StageTimer]]:
     """The pencil of another scene, the prolongation to it, and a timer of what it takes."""
-    system, _, timer = coupled(scene, listener=listener)
+    bodies = _with_those_of(result, scene, listener)
+    system, _, timer = coupled(scene, bodies=bodies, listener=listener)
     with timer("assembly"):
         matrices = system.pencil().at()
         step = prolongation(result.bodies, system.bodies, scene)
@@ -105,6 +139,32 @@ def _on(
     finally:
         step.free()
         release(matrices)
+
+
+def _with_those_of(
+    result: ModesResult, scene: Scene, listener: Callable[[str], None] | None
+) -> dict[str, Body]:
+    """Bodies of a scene; those of a result that are the same, with their matrices."""
+    check_memory(scene)
+    same = {name for name in scene.bodies if _same(name, scene, result.scene)}
+    others = {name: body for name, body in scene.bodies.items() if name not in same}
+    made = build_bodies(replace(scene, bodies=others), StageTimer(listener))
+    return {name: result.bodies[name] if name in same else made[name] for name in scene.bodies}
+
+
+def _same(name: str, scene: Scene, other: Scene) -> bool:
+    """Whether a body is the same in two scenes, in its loads and the surfaces it shows too."""
+    if name not in other.bodies:
+        return False
+    one, two = (
+        (
+            each.bodies[name],
+            [load for load in each.loads if load.on == name],
+            used_surfaces(each, name),
+        )
+        for each in (scene, other)
+    )
+    return one == two
 
 
 def continued_modes(

@@ -155,15 +155,34 @@ def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
     SceneError
         When the meshes cannot be made so, or a body has none of the backend.
     """
-    return unchecked(scene, backend, resolution).on(backend)
+    return Refiner(scene, backend).at(resolution).on(backend)
 
 
-def unchecked(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
-    """The same, not looked at for faults: to be estimated, not run."""
-    on = on_backend(scene, backend)
-    bodies = {name: _refined(on, name, resolution) for name in on.bodies}
-    contacts = {name: _accurate(contact) for name, contact in scene.contacts.items()}
-    return replace(on, bodies=bodies, contacts=contacts)
+class Refiner:
+    """A scene on one backend at many resolutions, of which none is looked at for faults.
+
+    Parameters
+    ----------
+    scene
+        The scene, whose meshes are those of density 1.
+    backend
+        Backend of every body.
+    """
+
+    def __init__(self, scene: Scene, backend: Backend) -> None:
+        contacts = {name: _accurate(contact) for name, contact in scene.contacts.items()}
+        self._scene = replace(on_backend(scene, backend), contacts=contacts)
+        self._bodies: dict[tuple[str, BodyResolution], BodySpec] = {}
+
+    def at(self, resolution: Resolution) -> Scene:
+        """The scene at a resolution; bodies that were made so before are not refined anew."""
+        bodies = {}
+        for name, body in self._scene.bodies.items():
+            own = resolution.of(name, len(body.geometry.directions))
+            if (name, own) not in self._bodies:
+                self._bodies[name, own] = _refined(self._scene, name, own)
+            bodies[name] = self._bodies[name, own]
+        return replace(self._scene, bodies=bodies)
 
 
 def moved_to_mortar(scene: Scene) -> dict[str, str]:
@@ -189,9 +208,8 @@ def structured(body: BodySpec) -> bool:
     return body.backend == "iga" or (body.mesh.fe is not None and body.mesh.fe.size is None)
 
 
-def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
+def _refined(scene: Scene, name: str, own: BodyResolution) -> BodySpec:
     body = scene.bodies[name]
-    own = resolution.of(name, len(body.geometry.directions))
     mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
     if isinstance(mesh, FeMesh):
         finer: FeMesh | IgaMesh = replace(mesh, degree=own.degree)

@@ -17,40 +17,22 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eig, eigh
+from scipy.linalg import eig
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
 from cea.eigen.dense_products import beside, combined
-from cea.eigen.eigenvalue_matching import DEGENERATE, assign
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
+from cea.nested.approximation import Approximation, growing, matched, one_of_each_pair
+from cea.nested.ritz import mean_with_transpose, ritz
 
 _BESIDE = 0.997
 """Part of a shift that is an eigenvalue at which another is tried."""
-_DEPENDENT = 1e-13
-"""Singular value of inner products, relative to the largest, that counts as none."""
 _SMALLEST = 1e-16
 """Length of a direction, relative to the longest, that counts for no less."""
-
-
-@dataclass(frozen=True)
-class Approximation:
-    """Approximate eigenvalues with right and left vectors.
-
-    Parameters
-    ----------
-    eigenvalues
-        lambda (1/s), shape (n,).
-    right, left
-        Vectors x and y, y^H (lambda^2 M + lambda D + K) = 0: the rows of this rank, (n_local, n).
-    """
-
-    eigenvalues: Complexes
-    right: Complexes
-    left: Complexes
 
 
 @dataclass(frozen=True)
@@ -61,12 +43,17 @@ class Step:
     ----------
     approximation
         The new one, in the order of the old one.
-    halfway
-        Eigenvalues after the solve for the right vectors alone (1/s), shape (n,).
+    remaining
+        How far the eigenvalues are from those after the solve for the right vectors alone (1/s),
+        shape (n,): more than they still err by.
     """
 
     approximation: Approximation
-    halfway: Complexes
+    remaining: Floats
+
+
+_Space = tuple[Floats, Floats]
+"""Vectors B and X = A(sigma)^-1 M B."""
 
 
 class BlockSteps:
@@ -99,39 +86,81 @@ class BlockSteps:
         if self._damping is not None:
             self._damping.free()
 
-    def improved(self, old: Approximation, steps: int) -> Step:
+    def improved(self, old: Approximation, steps: int, allowed: Floats | None = None) -> Step:
         """Right and left vectors after some steps, eigenvalues of the projected problem.
 
-        Without damping it is projected on the vectors of all steps together, a Krylov space.
+        Without damping it is projected on the vectors of all steps together, a Krylov space, and
+        modes of which more remains than is allowed (1/s), shape (n,), take one step more.
         """
         if self._damping is None:
-            return self._linear(old, steps)
+            return self._linear(old, steps, allowed)
         for _ in range(steps):
             step = self._quadratic(old, self._damping)
             old = step.approximation
         return step
 
-    def _linear(self, old: Approximation, steps: int) -> Step:
-        """K x = kappa M x on real bases: with X = A(sigma)^-1 M B it is (Y^T M B, Y^T M X)."""
-        chosen, symmetric = _one_of_each_pair(old.eigenvalues), self.matrices.symmetric
+    def one_sided(self, old: Approximation) -> Complexes:
+        """Eigenvalues after a step for the right vectors alone, shape (n,).
+
+        An error of left vectors, which stay as they are, counts only times one that is left in the
+        right ones. With damping, and where both are the same, it is a whole step.
+        """
+        if self._damping is not None or self.matrices.symmetric:
+            return self.improved(old, 1).approximation.eigenvalues
+        chosen = one_of_each_pair(old.eigenvalues)
         values = old.eigenvalues[chosen]
-        B, X = self._krylov(self._real_basis(values, old.right[:, chosen]), steps)
-        C, Y = B, X
+        right = self._krylov(self._real_basis(values, old.right[:, chosen]), 1)
+        C = self._orthonormal(self._real_basis(values, old.left[:, chosen]))
+        forces, inertia = (times(self.matrices.mass, each) for each in self._unit(right))
+        mu = ritz(self._inner(C, forces), self._inner(C, inertia))[0]
+        found = growing(self.factors.kappa + mu)
+        return found[matched(old.eigenvalues, found)]
+
+    def _linear(self, old: Approximation, steps: int, allowed: Floats | None) -> Step:
+        """K x = kappa M x on real bases, once more with further vectors of some modes."""
+        chosen, symmetric = one_of_each_pair(old.eigenvalues), self.matrices.symmetric
+        values = old.eigenvalues[chosen]
+        right = self._krylov(self._real_basis(values, old.right[:, chosen]), steps)
+        left = right
         if not symmetric:
             start = self._real_basis(values, old.left[:, chosen])
-            C, Y = self._krylov(start, steps, transposed=True)
+            left = self._krylov(start, steps, transposed=True)
+        base = right[0].shape[1] // steps
+        step = self._projected_on(old, right, left, base, base)
+        if allowed is None:
+            return step
+        found, late = step.approximation, step.remaining > allowed
+        own = np.intersect1d(np.flatnonzero(late), one_of_each_pair(found.eigenvalues))
+        if not len(own):
+            return step
+        right = self._extended(right, self._real_basis(found.eigenvalues[own], found.right[:, own]))
+        if symmetric:
+            left = right
+        else:
+            more = self._real_basis(found.eigenvalues[own], found.left[:, own])
+            left = self._extended(left, more, transposed=True)
+        later = self._projected_on(old, right, left, base, right[0].shape[1] - steps * base)
+        return Step(later.approximation, np.where(late, later.remaining, step.remaining))
+
+    def _projected_on(
+        self, old: Approximation, right: _Space, left: _Space, base: int, newest: int
+    ) -> Step:
+        """With X = A(sigma)^-1 M B the problem is (Y^T M B, Y^T M X)."""
+        symmetric = self.matrices.symmetric
+        (B, X), Y = self._unit(right), self._unit(left)[1]
         forces, inertia = times(self.matrices.mass, B), times(self.matrices.mass, X)
-        last = B.shape[1] // steps
-        lagging = np.hstack([Y[:, :-last], C[:, -last:]])
-        halfway = _ritz(self._inner(lagging, forces), self._inner(lagging, inertia))[0]
-        mu, c, d = _ritz(self._inner(Y, forces), self._inner(Y, inertia), symmetric=symmetric)
-        right = combined(X, c)
-        own = self._nearest_to(B[:, :last], right)
-        found, half = (_growing(self.factors.kappa + each) for each in (mu, halfway))
-        order = own[_matched(old.eigenvalues, found[own])]
-        left = right[:, order] if symmetric else combined(Y, d[:, order])
-        new = self._scaled(Approximation(found[order], right[:, order], left))
-        return Step(new, half[_matched(new.eigenvalues, half)])
+        # Of unit length, as Y is: a span of very long and short vectors would lose the short.
+        lagging = np.hstack([Y[:, :-newest], left[0][:, -newest:]])
+        halfway = ritz(self._inner(lagging, forces), self._inner(lagging, inertia))[0]
+        mu, c, d = ritz(self._inner(Y, forces), self._inner(Y, inertia), symmetric=symmetric)
+        vectors = combined(X, c)
+        own = self._nearest_to(B[:, :base], vectors)
+        found, half = (growing(self.factors.kappa + each) for each in (mu, halfway))
+        order = own[matched(old.eigenvalues, found[own])]
+        duals = vectors[:, order] if symmetric else combined(Y, d[:, order])
+        new = self._scaled(Approximation(found[order], vectors[:, order], duals))
+        half = half[matched(new.eigenvalues, half)]
+        return Step(new, np.abs(new.eigenvalues - half))
 
     def _nearest_to(self, start: Floats, vectors: Complexes) -> Ints:
         """As many vectors as a basis has, those that are most of it."""
@@ -141,20 +170,28 @@ class BlockSteps:
         share = (np.abs(self._inner(basis, inertia)) ** 2).sum(axis=0) / sizes
         return np.sort(np.argsort(-share, kind="stable")[: start.shape[1]])
 
-    def _krylov(
-        self, vectors: Floats, steps: int, *, transposed: bool = False
-    ) -> tuple[Floats, Floats]:
-        """M-orthonormal vectors B of a Krylov space, and X = A(sigma)^-1 M B of unit columns."""
+    def _krylov(self, vectors: Floats, steps: int, *, transposed: bool = False) -> _Space:
+        """M-orthonormal vectors B of a Krylov space, and X = A(sigma)^-1 M B."""
         B = self._orthonormal(vectors)
-        X = self._solved(times(self.matrices.mass, B), transposed=transposed)
-        block = X
+        X = block = self._solved(times(self.matrices.mass, B), transposed=transposed)
         for _ in range(steps - 1):
-            fresh = block / np.sqrt(np.diag(self._gram(block)))
-            for _ in range(2):
-                inside = self._inner(B, times(self.matrices.mass, fresh))
-                fresh = self._orthonormal(fresh - combined(B, inside))
-            block = self._solved(times(self.matrices.mass, fresh), transposed=transposed)
-            B, X = beside(B, np.asfortranarray(fresh)), beside(X, block)
+            B, X = self._extended((B, X), block, transposed=transposed)
+            block = X[:, -block.shape[1] :]
+        return B, X
+
+    def _extended(self, space: _Space, vectors: Floats, *, transposed: bool = False) -> _Space:
+        """A space with further vectors, made orthonormal to those before."""
+        B, X = space
+        fresh = vectors / np.sqrt(np.diag(self._gram(vectors)))
+        for _ in range(2):
+            inside = self._inner(B, times(self.matrices.mass, fresh))
+            fresh = self._orthonormal(fresh - combined(B, inside))
+        block = self._solved(times(self.matrices.mass, fresh), transposed=transposed)
+        return beside(B, np.asfortranarray(fresh)), beside(X, block)
+
+    def _unit(self, space: _Space) -> _Space:
+        """B and X with the columns of X of unit length."""
+        B, X = space
         lengths = np.sqrt(np.diag(self._gram(X)))
         return np.asfortranarray(B / lengths), np.asfortranarray(X / lengths)
 
@@ -172,9 +209,10 @@ class BlockSteps:
         L = self._forces(damping, values.conj(), old.left, transposed=True)
         Y = self._solved(L, transposed=True)
         found, c, d = self._projected(values, Y, inertia, drag, force)
-        order = _matched(values, found)
-        new = Approximation(found[order], X @ c[:, order], Y @ d[:, order])
-        return Step(self._scaled(new), halfway[_matched(found[order], halfway)])
+        order = matched(values, found)
+        new = self._scaled(Approximation(found[order], X @ c[:, order], Y @ d[:, order]))
+        half = halfway[matched(new.eigenvalues, halfway)]
+        return Step(new, np.abs(new.eigenvalues - half))
 
     def _projected(
         self, values: Complexes, Y: Complexes, inertia: Complexes, drag: Complexes, force: Complexes
@@ -225,7 +263,7 @@ class BlockSteps:
         for _ in range(2):
             sizes = np.sqrt(np.abs(np.diag(self._gram(vectors))))
             vectors = vectors / np.maximum(sizes, np.finfo(float).tiny)
-            squares, turned = np.linalg.eigh(_mean(self._gram(vectors)))
+            squares, turned = np.linalg.eigh(mean_with_transpose(self._gram(vectors)))
             lengths = np.sqrt(np.maximum(squares, _SMALLEST * squares.max(initial=0.0)))
             vectors = combined(np.asfortranarray(vectors), turned / lengths)
         return vectors
@@ -250,46 +288,3 @@ def middle_shift(eigenvalues: Complexes) -> float:
     """Shift amid eigenvalues (1/s^2), about which steps shrink errors of all of them."""
     kappa = -(eigenvalues**2).real
     return float(0.5 * (kappa.min() + kappa.max()))
-
-
-def _ritz(
-    works: Floats, masses: Floats, *, symmetric: bool = False
-) -> tuple[Complexes, Complexes, Complexes]:
-    """Eigenvalues, right and left vectors of a projected problem, whose bases may be dependent."""
-    if symmetric:
-        sizes, turned = np.linalg.eigh(_mean(masses))
-        kept = turned[:, sizes > _DEPENDENT * sizes.max()]
-        mu, z = eigh(_mean(kept.T @ works @ kept), np.diag(sizes[sizes > _DEPENDENT * sizes.max()]))
-        vectors = kept @ z + 0j
-        return mu + 0j, vectors, vectors
-    u, sizes, vt = np.linalg.svd(masses)
-    count = int(np.sum(sizes > _DEPENDENT * sizes.max()))
-    U, V = u[:, :count], vt[:count].T
-    mu, w, z = eig(U.T @ works @ V, np.diag(sizes[:count]), left=True)
-    return mu, V @ z + 0j, U @ w + 0j
-
-
-def _one_of_each_pair(eigenvalues: Complexes) -> Ints:
-    """Modes without those that decay as others, conjugate in lambda^2, grow."""
-    decaying = np.flatnonzero((eigenvalues.real < 0) & (eigenvalues.imag > 0))
-    growing = eigenvalues[(eigenvalues.real > 0) & (eigenvalues.imag > 0)]
-    apart = np.abs(eigenvalues[decaying][:, None] + growing.conj())
-    apart /= np.abs(eigenvalues[decaying][:, None])
-    mirrored = decaying[assign(apart, DEGENERATE)[0]]
-    return np.setdiff1d(np.arange(len(eigenvalues)), mirrored)
-
-
-def _growing(kappa: Complexes) -> Complexes:
-    """Lambda of -lambda^2 with Im lambda >= 0; of real ones below zero, the one that grows."""
-    values = np.sqrt(-np.asarray(kappa, dtype=complex))
-    values = np.where(values.imag < 0, -values, values) + 0j
-    return np.where(values.imag == 0, np.abs(values.real), values)
-
-
-def _matched(wanted: Complexes, found: Complexes) -> Ints:
-    """Number of the eigenvalue that belongs to each wanted one, of least total distance."""
-    return assign(np.abs(wanted[:, None] - found))[1]
-
-
-def _mean(matrix: Floats) -> Floats:
-    return np.asarray(0.5 * (matrix + matrix.T))

@@ -20,7 +20,8 @@ from cea.eigen.pencil import Pencil
 from cea.eigen.sensitivity import dual_norms, left_vectors_of
 from cea.eigen.spectrum import Window
 from cea.errors import InputError
-from cea.nested.block_steps import Approximation, BlockSteps, middle_shift
+from cea.nested.approximation import Approximation
+from cea.nested.block_steps import BlockSteps, middle_shift
 from cea.nested.estimate import prolonged
 from cea.nested.prolongation import Prolongation
 from cea.timing import StageTimer

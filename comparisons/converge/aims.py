@@ -1,12 +1,13 @@
 """What the next mesh is to reach, mode by mode, where errors are known in their parts."""
 
-from math import inf, tau
+from math import inf, log, tau
 
 import numpy as np
 
+from cea.arrays import Complexes, Floats
 from comparisons.converge.bars import SAFETY
 from comparisons.converge.following import Sequence
-from comparisons.converge.judged import Judged, shortfall
+from comparisons.converge.judged import SLOW_GROWTH, Judged, shortfall
 from comparisons.converge.leanest import Wanted
 from comparisons.converge.quantities import Member
 from comparisons.converge.request import Request
@@ -14,6 +15,11 @@ from comparisons.converge.steps import LEAST_GAIN, RESERVE
 from scenes.read import Scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 
+_AMPLE = log(5.0)
+"""What the error of a mode may be below the one allowed, as a logarithm, from which on it need not
+fall: elements for modes that are right already are paid by all others."""
+_REMAINS = 0.1
+"""Part of an allowed error that solves in a richer space may leave."""
 ENOUGH = 3
 """Numbers of a sequence from which on bars rest on an observed order."""
 
@@ -34,6 +40,20 @@ def need_of(member: Member, request: Request, scene: Scene) -> float:
     return shortfall(member, request, analysis.growth_threshold)
 
 
+def may_remain(eigenvalues: Complexes, request: Request, scene: Scene) -> Floats:
+    """What solves may leave of errors of lambda (1/s), shape (n,): a tenth of what is allowed."""
+    analysis = scene.analysis
+    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    speeds = np.abs(eigenvalues)
+    allowed = request.tolerance * speeds
+    floor = analysis.growth_threshold
+    slow = SLOW_GROWTH * speeds if floor is None else np.full(len(speeds), floor)
+    grows = eigenvalues.real != 0
+    scale = np.maximum(np.abs(eigenvalues.real), slow)
+    growth = np.where(grows, request.growth_tolerance * scale, np.inf)
+    return np.asarray(_REMAINS * np.minimum(allowed, growth))
+
+
 def wanted(
     judged: Judged,
     sequence: Sequence,
@@ -42,6 +62,7 @@ def wanted(
     rate: float,
     *,
     spare: float,
+    least: float = LEAST_GAIN,
     most: float = inf,
     everywhere: bool = False,
 ) -> Wanted | None:
@@ -61,8 +82,9 @@ def wanted(
         Observed order over that of theory.
     spare
         Logarithm of what needs not be taken off, and is left to a correction.
-    most
-        Logarithm of what is to be taken off at most.
+    least, most
+        Logarithms of what is to be taken off at least, but from modes that are right already, and
+        at most.
     everywhere
         Whether every part is to fall by half, however small it is: one that was taken for small
         and is not is seen then.
@@ -94,7 +116,10 @@ def wanted(
             scaled = needs * np.minimum(1.0, expected / bars)
         needs = np.where(known, scaled, expected / request.tolerance)
     gains = np.log(np.maximum(needs, 1e-3)) + RESERVE - spare
-    gains = np.clip(gains, LEAST_GAIN, most)
+    lowest = np.clip(gains + _AMPLE, 0.0, least)
+    if lowest.max() < least:  # all are right: one more mesh shows that
+        lowest[:] = least
+    gains = np.clip(gains, lowest, most)
     if everywhere:
         usual = errors.max(axis=0)
         alone = np.diag(usual)[usual > 0]

@@ -6,8 +6,8 @@ from time import perf_counter
 
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
-from comparisons.converge.aims import ENOUGH, is_asked, need_of, wanted
-from comparisons.converge.bars import LEAST, MOST, SAFETY
+from comparisons.converge.aims import ENOUGH, is_asked, may_remain, need_of
+from comparisons.converge.bars import SAFETY
 from comparisons.converge.estimated import (
     SHARE,
     Richer,
@@ -19,37 +19,24 @@ from comparisons.converge.estimated import (
 from comparisons.converge.following import Sequence
 from comparisons.converge.histories import Window
 from comparisons.converge.judged import Judged, judge
-from comparisons.converge.leanest import leanest
-from comparisons.converge.levels import Level, estimate, given_elements, run_level
+from comparisons.converge.levels import Level, run_level
+from comparisons.converge.plans import Plans, rate_of, slower_than_estimated
 from comparisons.converge.probes import measured, seconds_of_probes
 from comparisons.converge.request import Request
-from comparisons.converge.steps import Step, cheapest, chosen, error_now, steps
+from comparisons.converge.steps import Step, cheapest, chosen, error_now
 from comparisons.converge.theory import Fallen, fallen, reduction
 from comparisons.kit.progress import Progress
 from scenes.read import Scene
-from scenes.refinement import Resolution, counted, has_singular_edges
+from scenes.refinement import counted, has_singular_edges
 from scenes.spec.body import Backend
 from scenes.variants import on_backend
 
-FIRST_DEGREE: dict[Backend, int] = {"iga": 3, "fe": 2}
-"""Degree of the first mesh."""
-_FIRST_DENSITY = 0.5
-_COARSER = 0.7
-_COARSEST = 0.1
-_FIRST_PART = 0.05
-"""Part of the budget that a first mesh may take."""
 _PROBES_PART = 0.3
 """Part of the time left that measuring what bodies and directions owe may take."""
 _FAILED = 0.5
 """Observed order over that expected below which what bodies and directions owe is measured anew."""
-_EXPECTED_RATE = 0.8
-"""Observed order over that of theory before any was observed."""
-_MEASURED_RATE = 0.9
-"""The same where errors were measured in their parts."""
 _UNKNOWN_NEED = 10.0
 """Factor by which errors are supposed too large while no bar is known."""
-_FIRST_SLOWER = 4.0
-"""Time of a first mesh over its estimate that others are expected to share at most."""
 _SURE = 1.6
 """Factor on expected times where they must not be exceeded."""
 _AWAY = 5.0
@@ -58,8 +45,10 @@ _SHORT = 2.0
 """Seconds up to which steps are short whatever the last mesh took."""
 _AT_ONCE = log(300.0)
 """What one mesh is to take off at most, as a logarithm: what is expected far ahead may fail."""
-_LEFT = log(8.0)
+_LEFT = log(15.0)
 """What the mesh before a correction leaves to it, as a logarithm."""
+_LEAST_CORRECTION = log(4.0)
+"""What a correction takes off at least: less would be told from the order of a small difference."""
 
 
 @dataclass
@@ -74,6 +63,8 @@ class Course:
         The scene as the user gives it.
     request
         The digits.
+    plans
+        Meshes that may follow.
     sequence
         Meshes so far.
     so_far
@@ -89,6 +80,7 @@ class Course:
     backend: Backend
     scene: Scene
     request: Request
+    plans: Plans = field(init=False)
     sequence: Sequence = field(init=False)
     so_far: Fallen = field(default_factory=Fallen)
     probing: float = 0.0
@@ -96,6 +88,7 @@ class Course:
     ended: str = ""
 
     def __post_init__(self) -> None:
+        self.plans = Plans(self.backend, self.scene, self.request)
         singular = has_singular_edges(on_backend(self.scene, self.backend))
         self.sequence = Sequence(self.backend, singular)
 
@@ -108,12 +101,6 @@ class Course:
     def levels(self) -> list[Level]:
         """Meshes, and the newest corrected in a richer space where it was."""
         return self.sequence.with_correction.levels
-
-    @property
-    def slower(self) -> float:
-        """Time of the newest mesh over its estimate; a first one takes what all runs share."""
-        ratio = self.sequence.last.seconds / self.sequence.last.estimated
-        return ratio if len(self.sequence.levels) > 1 else min(ratio, _FIRST_SLOWER)
 
     @property
     def judged(self) -> Judged:
@@ -134,17 +121,6 @@ class Course:
         """Whether the digits are held, by bars that rest on an observed order."""
         return bool(len(self.levels) >= ENOUGH and self.need <= 1)
 
-    def first(self, most_seconds: float) -> Step:
-        """The first mesh: half as dense as the scene, or coarser where that takes too long."""
-        degree, density = FIRST_DEGREE[self.backend], _FIRST_DENSITY
-        resolution = Resolution(degree, density)
-        seconds = estimate(self.scene, self.backend, resolution)
-        while seconds > _FIRST_PART * most_seconds and density > _COARSEST:
-            density *= _COARSER
-            resolution = Resolution(degree, density)
-            seconds = estimate(self.scene, self.backend, resolution)
-        return Step(resolution, 0.0, seconds)
-
     def next(self, most_seconds: float, need: float | None = None) -> Step | None:
         """The mesh that is expected to buy most; None where none can be made in the time left.
 
@@ -156,7 +132,7 @@ class Course:
             Factor by which errors are to fall; None takes what the digits need.
         """
         if not self.sequence.levels:
-            return self.first(most_seconds)
+            return self.plans.first(most_seconds)
         most = most_seconds / _SURE
         if self.sequence.parts is not None:
             few = len(self.sequence.levels) < ENOUGH - 1
@@ -164,15 +140,15 @@ class Course:
             return self._leanest(most, spare=spare, at_once=_AT_ONCE)
         if len(self.sequence.levels) < ENOUGH:
             short = min(most, max(_AWAY * self.sequence.last.seconds, _SHORT))
-            found = chosen(self._candidates(), need or self.need, short)
+            found = chosen(self._alike(), need or self.need, short)
             if found is not None:
                 return found
-        return chosen(self._candidates(), need or self.need, most)
+        return chosen(self._alike(), need or self.need, most)
 
     def cost_of(self, factor: float) -> Step | None:
         """The cheapest mesh expected to make the newest's errors fall by a factor."""
         if self.sequence.parts is None:
-            return cheapest(self._candidates(), factor)
+            return cheapest(self._alike(), factor)
         step = self._leanest(inf, spare=-log(factor / max(self.need, 1.0)))
         return step if step is not None and step.enough else None
 
@@ -205,7 +181,7 @@ class Course:
         if self.tried == len(levels) or not cause:
             return False
         seconds = seconds_of_probes(self.scene, self.backend, self.sequence.last.resolution)
-        return self.slower * seconds <= _PROBES_PART * most_seconds
+        return slower_than_estimated(self.sequence) * seconds <= _PROBES_PART * most_seconds
 
     def measure(self, progress: Progress) -> None:
         """Measure what bodies and directions owe to the errors of the newest mesh; collective."""
@@ -238,13 +214,17 @@ class Course:
         if sequence.correction is not None or len(sequence.levels) < (1 if last else 2):
             return None
         if sequence.parts is not None:
-            step = self._leanest(most_seconds / _SURE, spare=0.0, share=SHARE)
+            options = {"spare": 0.0, "least": _LEAST_CORRECTION, "share": SHARE}
+            step = self._leanest(most_seconds / _SURE, **options)
             if step is None or not (last or step.enough):
                 return None
             return finer_of(sequence.last, self.scene, step.resolution)
         newest = sequence.last
         richer = richer_of(newest, self.scene)
-        if richer is None or _SURE * seconds_of(richer.scene, self.slower) > most_seconds:
+        if (
+            richer is None
+            or _SURE * seconds_of(richer.scene, slower_than_estimated(self.sequence)) > most_seconds
+        ):
             return None
         if last:
             return richer
@@ -259,46 +239,15 @@ class Course:
 
     def correct(self, richer: Richer, progress: Progress) -> None:
         """Correct the newest mesh in a richer space; collective."""
-        self.sequence.correction = estimated_level(self.sequence.last, richer, progress)
+        newest = self.sequence.last
+        allowed = may_remain(newest.eigenvalues, self.request, self.scene)
+        self.sequence.correction = estimated_level(newest, richer, allowed, progress)
 
-    def _leanest(
-        self, most_seconds: float, *, spare: float, at_once: float = inf, share: float = 1.0
-    ) -> Step | None:
-        """The cheapest mesh for what is wanted, or richer space that takes a share of a run."""
-        sequence, judged = self.sequence, self.judged
-        assert sequence.parts is not None
-        slower = self.slower * share
-        rate = self._rate(judged.window)
-        asked = (self.request, self.scene)
-        later = len(sequence.levels) > 1
-        aim = wanted(judged, sequence, *asked, rate, spare=spare, most=at_once, everywhere=later)
-        if aim is None:
-            return None
-        return leanest(
-            sequence.parts,
-            self.backend,
-            sequence.last.resolution,
-            given_elements(self.scene, self.backend),
-            aim,
-            lambda resolution: slower * estimate(self.scene, self.backend, resolution),
-            most_seconds,
-        )
+    def _leanest(self, most_seconds: float, **options: float) -> Step | None:
+        return self.plans.leanest(self.sequence, self.judged, most_seconds, **options)
 
-    def _candidates(self) -> list[Step]:
-        """Meshes refined in all bodies alike that may follow."""
-        slower, judged = self.slower, self.judged
-        rate = self._rate(judged.window)
-
-        def seconds(resolution: Resolution) -> float:
-            return slower * estimate(self.scene, self.backend, resolution)
-
-        error = error_now(self.sequence, judged.window, rate)
-        last, singular = self.sequence.last.resolution, self.sequence.singular
-        found = steps(self.backend, last, self.so_far, error, rate, seconds, singular=singular)
-        return list(found)
+    def _alike(self) -> list[Step]:
+        return self.plans.alike(self.sequence, self.judged, self.so_far)
 
     def _rate(self, window: Window) -> float:
-        """Observed order over that of theory, or what it usually is."""
-        if window.rate is not None:
-            return min(max(window.rate, LEAST), MOST)
-        return _EXPECTED_RATE if self.sequence.parts is None else _MEASURED_RATE
+        return rate_of(self.sequence, window)

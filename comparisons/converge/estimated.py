@@ -10,6 +10,7 @@ from time import perf_counter
 
 import numpy as np
 
+from cea.arrays import Floats
 from cea.errors import InputError
 from comparisons.converge.levels import Level, widened
 from comparisons.kit.progress import Progress
@@ -82,7 +83,7 @@ def seconds_of(richer: Scene, slower: float) -> float:
     return SHARE * slower * estimated_seconds(richer, estimated_memory(richer))
 
 
-def estimated_level(level: Level, richer: Richer, progress: Progress) -> Level:
+def estimated_level(level: Level, richer: Richer, allowed: Floats, progress: Progress) -> Level:
     """The mesh's modes corrected in a richer space; collective.
 
     Parameters
@@ -91,6 +92,8 @@ def estimated_level(level: Level, richer: Richer, progress: Progress) -> Level:
         The newest mesh, with its run.
     richer
         The richer space.
+    allowed
+        What solves may leave of errors of lambda (1/s), shape (n,).
     progress
         Told the stages.
 
@@ -101,7 +104,7 @@ def estimated_level(level: Level, richer: Richer, progress: Progress) -> Level:
     """
     assert level.result is not None
     begun = perf_counter()
-    found = estimate_errors(level.result, richer.scene, listener=progress.stage)
+    found = estimate_errors(level.result, richer.scene, allowed=allowed, listener=progress.stage)
     uncertainties = found.uncertainties + found.remaining
     return replace(
         level,

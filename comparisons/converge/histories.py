@@ -12,6 +12,10 @@ from comparisons.converge.parts import positions_of
 from comparisons.converge.theory import reduction
 from scenes.refinement import Resolution
 
+_ASTRAY = 1.5
+"""Factor by which a change may differ from the one that parts of errors let expect, to be foretold
+by them."""
+
 
 @dataclass(frozen=True)
 class History:
@@ -87,7 +91,8 @@ def _usual(expected: Floats | None, window: Window) -> Usual:
         return Usual(window.change, unmeasured=True)
     if len(expected) < 2:
         return Usual(0.0, own=True)
-    return Usual(window.over * float(expected[-2] - expected[-1]), own=True)
+    change = window.over * float(expected[-2] - expected[-1])
+    return Usual(change, own=True, foretold=1 / _ASTRAY <= window.over <= _ASTRAY)
 
 
 def history_of(cluster: Cluster, sequence: Sequence) -> History:

@@ -3,7 +3,7 @@
 The errors of a mesh are known in their parts (:mod:`comparisons.converge.parts`). For every choice
 of degree and layers of a body elements are added, along the direction of a body that brings the
 modes nearest to what is wanted of them for the time that it adds, until all are there; the cheapest
-of these meshes is taken. Bodies are chosen for one after the other.
+of these meshes is taken. Bodies are chosen for one after the other, and once more.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -23,6 +23,8 @@ _MOVES = 60
 """Times that elements are added at most."""
 _DEGREES, _LAYERS = 2, 4
 """Degrees, and layers, of a body that are tried: so many from those it has."""
+_ROUNDS = 2
+"""Times that degrees and layers of all bodies are chosen: edges of one may bar the way at first."""
 _MORE = 1.2
 """Factor on the elements along a direction, in a move."""
 _WORTH = np.log(1.5)
@@ -94,8 +96,8 @@ def leanest(
 
     best = _Mesh(newest, seconds(newest), shortages(newest))
     first, base = float(best.short.max()), newest
-    for name in _by_need(parts, wanted):
-        for start in _starts(parts, backend, base, name):
+    for name in _ROUNDS * _by_need(parts, wanted):
+        for start in _starts(parts, backend, base, name, dict(newest.bodies)[name]):
             most = best.seconds if best.enough else most_seconds
             found = _refined(start, parts, given, shortages, seconds, most)
             if found is not None and found.better(best):
@@ -140,10 +142,11 @@ def _by_need(parts: Parts, wanted: Wanted) -> list[str]:
     return sorted(names, key=lambda name: -owed[name])
 
 
-def _starts(parts: Parts, backend: Backend, base: Resolution, name: str) -> Iterator[Resolution]:
-    """A mesh with degrees and layers added to a body, from which elements are then refined."""
+def _starts(
+    parts: Parts, backend: Backend, base: Resolution, name: str, own: BodyResolution
+) -> Iterator[Resolution]:
+    """A mesh with degrees and layers added to those of a body, whose elements are then refined."""
     bodies = dict(base.bodies)
-    own = bodies[name]
     edges = any(part.edges for part in parts.parts if part.body == name)
     for more, crowded in product(range(_DEGREES), range(_LAYERS if edges else 1)):
         if own.degree + more <= MAX_DEGREE[backend]:
@@ -185,12 +188,11 @@ def _refined(
 def _moves(
     parts: Parts, now: Resolution, given: Mapping[str, tuple[int, ...] | None]
 ) -> Iterator[Resolution]:
-    """Meshes with some more elements along a direction of a body."""
+    """Meshes with some more elements along a direction of a body, or along all across its edges."""
     bodies = dict(now.bodies)
     for part in parts.parts:
-        if not part.edges:
-            finer = _denser(bodies[part.body], part.directions, given[part.body])
-            yield mixed({**bodies, part.body: finer})
+        finer = _denser(bodies[part.body], part.directions, given[part.body])
+        yield mixed({**bodies, part.body: finer})
 
 
 def _denser(

@@ -11,7 +11,7 @@ from cea.arrays import Complexes, Floats
 from comparisons.kit.progress import Progress
 from scenes.memory import estimated_memory
 from scenes.read import Scene
-from scenes.refinement import Resolution, refined, unchecked
+from scenes.refinement import Refiner, Resolution, refined
 from scenes.results import ModesResult
 from scenes.run import run_modes
 from scenes.run_time import estimated_seconds
@@ -105,10 +105,29 @@ def given_elements(scene: Scene, backend: Backend) -> dict[str, tuple[int, ...] 
     return found
 
 
+class Estimates:
+    """Seconds that a scene takes at resolutions, from fits to earlier runs.
+
+    Parameters
+    ----------
+    scene
+        The scene as the user gives it.
+    backend
+        The backend.
+    """
+
+    def __init__(self, scene: Scene, backend: Backend) -> None:
+        self._refiner = Refiner(widened(scene), backend)
+
+    def seconds(self, resolution: Resolution) -> float:
+        """Seconds at a resolution."""
+        finer = self._refiner.at(resolution)
+        return estimated_seconds(finer, estimated_memory(finer))
+
+
 def estimate(scene: Scene, backend: Backend, resolution: Resolution) -> float:
-    """Seconds that a scene takes at a resolution, from fits to earlier runs."""
-    finer = widened(unchecked(scene, backend, resolution))
-    return estimated_seconds(finer, estimated_memory(finer))
+    """Seconds that a scene takes at one resolution, from fits to earlier runs."""
+    return Estimates(scene, backend).seconds(resolution)
 
 
 def widened(scene: Scene) -> Scene:

@@ -1,6 +1,6 @@
 """What each body and direction owes to the errors of a mesh, measured one after the other.
 
-The modes of a mesh are corrected (:func:`scenes.nested.estimate_errors`) in a space richer along
+The modes of a mesh are corrected (:func:`scenes.nested.eigenvalues_in`) in a space richer along
 one direction of one body alone, which has twice the elements there, or richer in one layer towards
 its singular edges. What that changes is the part of the error that comes from there, but for what
 theory says that the richer space leaves of it.
@@ -15,7 +15,7 @@ from comparisons.converge.estimated import seconds_of
 from comparisons.converge.levels import Level, widened
 from comparisons.converge.parts import EDGES, Part, Parts
 from comparisons.kit.progress import Progress
-from scenes.nested import estimate_errors
+from scenes.nested import eigenvalues_in
 from scenes.read import Scene
 from scenes.refinement import (
     MAX_DEGREE,
@@ -130,8 +130,7 @@ def measured(level: Level, number: int, scene: Scene, progress: Progress) -> Par
     corrected = []
     for probe in found:
         richer = widened(refined(scene, level.backend, probe.resolution))
-        estimate = estimate_errors(level.result, richer, listener=progress.stage)
-        corrected.append(estimate.corrected)
+        corrected.append(eigenvalues_in(level.result, richer, listener=progress.stage))
     return Parts(
         tuple(probe.part for probe in found),
         np.array([probe.takes for probe in found]),

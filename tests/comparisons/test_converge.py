@@ -1,7 +1,7 @@
 """``cea converge``: bars of sequences, what comes next, verdicts on modes."""
 
 from dataclasses import replace
-from math import exp, inf
+from math import exp, inf, log
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def test_bars_of_few_meshes_are_doubled_where_errors_were_not_measured_in_parts(
     assert found == pytest.approx(doubt * known)
 
 
-@pytest.mark.parametrize("rate", [0.4, 0.7, 1.0])
+@pytest.mark.parametrize("rate", [0.4, 0.7, 0.9])
 def test_bar_is_three_times_the_error_of_a_sequence_that_keeps_its_rate(rate):
     positions = [0.0, 2.0, 4.0, 5.0]
     numbers = [7.0 + exp(-rate * t) for t in positions]
@@ -84,10 +84,12 @@ def test_bar_is_three_times_the_error_of_a_sequence_that_keeps_its_rate(rate):
     assert found.rate == pytest.approx(rate, rel=1e-6)
 
 
-def test_bar_never_trusts_more_than_theory():
+@pytest.mark.parametrize("rate", [1.0, 3.0])
+def test_bar_never_trusts_more_than_nine_tenths_of_theory(rate):
     positions = [0.0, 1.0, 2.0]
-    numbers = [7.0 + exp(-3 * t) for t in positions]
-    assert bar(numbers, positions, 3.0).size > 5 * exp(-3 * 2.0)
+    numbers = [7.0 + exp(-rate * t) for t in positions]
+    last = abs(numbers[-1] - numbers[-2])
+    assert bar(numbers, positions, rate).size >= 3 * last / np.expm1(0.9) * (1 - 1e-12)
 
 
 def test_where_no_order_is_seen_the_bar_is_the_largest_of_the_last_differences():
@@ -111,12 +113,29 @@ def test_no_step_is_trusted_to_have_taken_off_more_than_it_is_known_to():
     assert size == pytest.approx(3 * 0.005 / 39)
 
 
+def test_a_step_is_trusted_with_more_where_parts_of_errors_foretold_the_last_change():
+    """And its number fell as expected; what is not foretold counts as before."""
+    positions = [0.0, log(10), log(10) + log(5000)]
+
+    def size(usual, rate=1.0):
+        values = [1.0 + 0.1 * exp(-rate * t) for t in positions]
+        return bar(values, positions, 1.0, usual=usual).size
+
+    error = 0.1 / 5e4
+    foretold = Usual(own=True, foretold=True)
+    assert size(Usual(own=True)) == pytest.approx(3 * 0.01 / 39, rel=1e-3)
+    assert size(foretold) == pytest.approx(3 * 0.01 / 999, rel=1e-3)
+    assert size(foretold) > 3 * error
+    slower = 0.1 * exp(-0.6 * log(10))
+    assert size(foretold, 0.6) == pytest.approx(3 * slower / 39, rel=0.05)
+
+
 def test_a_number_whose_error_is_known_in_its_parts_has_luck_of_its_own():
     """What it changed before tells no more of it than what its parts let expect."""
     positions, values = [0.0, 3.0, 6.0], [1.5, 1.0 + 1e-4, 1.0]
     of_window = bar(values, positions, 1.0, usual=Usual(1e-4)).size
     of_parts = bar(values, positions, 1.0, usual=Usual(1e-4, own=True)).size
-    assert of_parts == pytest.approx(3e-4 / np.expm1(3.0))
+    assert of_parts == pytest.approx(3e-4 / np.expm1(0.9 * 3.0))
     assert of_window > 10 * of_parts
     lucky = bar(values, positions, 1.0, usual=Usual(1e-2, own=True)).size
     assert lucky == pytest.approx(30 * of_parts)

@@ -1,17 +1,24 @@
 """Errors in parts, one for each body and direction: measured, predicted, made use of."""
 
 from dataclasses import replace
-from math import log
+from math import inf, log
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from exact_scenes import ExactScene
 
 from cea.eigen.eigenvalue_matching import assign
+from comparisons.converge.aims import may_remain, wanted
+from comparisons.converge.following import Cluster, Sequence
+from comparisons.converge.histories import Window
+from comparisons.converge.judged import Judged
 from comparisons.converge.leanest import Wanted, leanest
 from comparisons.converge.levels import estimate, given_elements, run_level
 from comparisons.converge.parts import Part, Parts, positions_of, taken_off
 from comparisons.converge.probes import measured, probes, seconds_of_probes
+from comparisons.converge.quantities import Member
+from comparisons.converge.request import Request
 from comparisons.kit.progress import Progress
 from scenes.read import load_scene
 from scenes.refinement import BodyResolution, Resolution, counted, mixed, refined
@@ -216,6 +223,36 @@ def test_a_mesh_that_time_does_not_allow_is_as_near_as_it_does():
     assert not step.enough
     assert step.seconds <= 1.6 * time
     assert leanest_of([1e-3, 1e-6, 1e-6], 1e4, most_seconds=time)[2] is None
+
+
+def test_modes_that_are_right_already_ask_for_no_finer_mesh():
+    """Of two modes the one with an error far below that allowed may keep it."""
+    scene, first = (
+        load_scene("disc_pad"),
+        counted(load_scene("disc_pad"), "iga", Resolution(3, 0.5)),
+    )
+    values = np.array([1e4j, 2e4j])
+    errors = np.array([[1e-3, 1e-9], [1e-9, 1e-9], [1e-9, 1e-7]])
+    parts = Parts(
+        PARTS, np.ones(3), values, values * (1 - errors), np.full(2, True), False, first, 0
+    )
+    level = SimpleNamespace(eigenvalues=values, resolution=first, uncertainties=np.zeros(2))
+    sequence = Sequence("iga", True, [level], parts=parts)
+    clusters = tuple(Cluster((np.array([i]),), False) for i in range(2))
+    members = tuple(Member(v, inf, inf, "undecided", None, 1) for v in values)
+    judged = Judged(members, clusters, Window())
+    aim = wanted(judged, sequence, Request("disc_pad"), scene, 1.0, spare=0.0)
+    assert aim.gains[0] == pytest.approx(log(3 * 1e-3 / 5e-4) + log(1.5), rel=1e-2)
+    assert aim.gains[1] == 0.0
+    easy = wanted(judged, sequence, Request("disc_pad", digits=1), scene, 1.0, spare=0.0)
+    assert easy.gains == pytest.approx(log(2.0))  # of what is right already a mesh more is seen
+
+
+def test_solves_may_leave_a_tenth_of_what_the_digits_allow():
+    scene = load_scene("disc_pad")  # digits of growth below 10 1/s are not asked for
+    values = np.array([1e4j, 100 + 1e4j, -1 + 1e4j])
+    found = may_remain(values, Request("disc_pad", digits=3), scene)
+    assert found == pytest.approx([0.5, 0.05, 0.005], rel=1e-3)
 
 
 # Resolutions

@@ -11,7 +11,8 @@ from reference_data import exact, stored, whole_ring
 
 from cea.errors import InputError
 from exact_cea.reference import exact_eigenvalues
-from scenes.nested import continued_modes, estimate_errors
+from scenes import nested
+from scenes.nested import continued_modes, eigenvalues_in, estimate_errors
 from scenes.read import load_scene
 from scenes.richer import richer_scene
 from scenes.run import run_modes
@@ -141,6 +142,65 @@ def test_estimates_are_what_a_search_in_the_richer_space_finds(backend, changes)
     apart = np.abs(estimate.corrected - searched)
     assert (apart < 0.02 * estimate.errors).all()
     assert (apart <= estimate.remaining + 1e-12).all()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [],
+        ["contacts.interface.mu=0.0"],
+        ["bodies.upper.damping={alpha=0.02,beta=0.01}", "bodies.lower.damping={beta=0.02}"],
+    ],
+)
+def test_right_vectors_alone_tell_the_errors_too(backend, changes):
+    """To a few per cent of them, with friction, without, with damping."""
+    elements = {"upper": [6, 2], "lower": [5, 3]}
+    coarse = coarse_modes("blocks", backend, 2, 2.9, changes, elements)
+    richer = richer_scene(coarse.scene)
+    estimate = estimate_errors(coarse, richer)
+    found = eigenvalues_in(coarse, richer)
+    assert (np.abs(found - estimate.corrected) < 0.05 * estimate.errors + 1e-12).all()
+
+
+def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
+    """With what they hold: estimates in a space richer in one body are the same."""
+    coarse = coarse_modes("blocks", backend, 2, 2.9, elements={"upper": [6, 2], "lower": [5, 3]})
+    both = richer_scene(coarse.scene)
+    richer = replace(coarse.scene, bodies={**both.bodies, "lower": coarse.scene.bodies["lower"]})
+    made, build = [], nested.build_bodies
+
+    def watched(scene, timer):
+        made.append(list(scene.bodies))
+        return build(scene, timer)
+
+    monkeypatch.setattr(nested, "build_bodies", watched)
+    twice = [estimate_errors(coarse, richer).corrected for _ in range(2)]
+    assert made == [["upper"]] * 2
+    monkeypatch.setattr(nested, "_same", lambda *_: False)
+    anew = estimate_errors(coarse, richer).corrected
+    assert made[-1] == ["upper", "lower"]
+    for found in twice:
+        assert np.abs(found - anew).max() < 1e-11 * np.abs(anew).max()
+
+
+def test_modes_of_which_much_remains_take_one_step_more(backend):
+    """Alone: what remains of them falls far, they come nearer to a search, others stay."""
+    elements = {"upper": [4, 1], "lower": [3, 2]}
+    coarse = coarse_modes("blocks", backend, 2, 2.9, elements=elements)
+    richer = richer_scene(coarse.scene)
+    one = estimate_errors(coarse, richer)
+    allowed = np.full(len(one.remaining), np.median(one.remaining))
+    more = estimate_errors(coarse, richer, allowed=allowed)
+    late = one.remaining > allowed
+    assert 0 < late.sum() < len(late)
+    fell = more.remaining[late] / one.remaining[late]
+    assert np.median(fell) < 0.05
+    assert (fell < 0.5).all()  # modes near the end of the window converge slowest
+    assert more.remaining[~late] == pytest.approx(one.remaining[~late])
+    searched = paired(more.corrected, run_modes(richer).eigenvalues)
+    apart = np.abs(more.corrected - searched)
+    assert (apart[late] <= np.abs(one.corrected - searched)[late] + 1e-12).all()
+    assert (apart <= more.remaining + 1e-12).all()
 
 
 def test_a_smoother_space_of_few_unknowns_takes_two_steps():

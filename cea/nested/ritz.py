@@ -1,0 +1,32 @@
+"""Small eigenvalue problems of two bases, which may be dependent."""
+
+import numpy as np
+from scipy.linalg import eig, eigh
+
+from cea.arrays import Complexes, Floats
+
+_DEPENDENT = 1e-13
+"""Singular value of inner products, relative to the largest, that counts as none."""
+
+
+def ritz(
+    works: Floats, masses: Floats, *, symmetric: bool = False
+) -> tuple[Complexes, Complexes, Complexes]:
+    """Eigenvalues, right and left vectors of a projected problem, whose bases may be dependent."""
+    if symmetric:
+        sizes, turned = np.linalg.eigh(mean_with_transpose(masses))
+        large = sizes > _DEPENDENT * sizes.max()
+        kept = turned[:, large]
+        mu, z = eigh(mean_with_transpose(kept.T @ works @ kept), np.diag(sizes[large]))
+        vectors = kept @ z + 0j
+        return mu + 0j, vectors, vectors
+    u, sizes, vt = np.linalg.svd(masses)
+    count = int(np.sum(sizes > _DEPENDENT * sizes.max()))
+    U, V = u[:, :count], vt[:count].T
+    mu, w, z = eig(U.T @ works @ V, np.diag(sizes[:count]), left=True)
+    return mu, V @ z + 0j, U @ w + 0j
+
+
+def mean_with_transpose(matrix: Floats) -> Floats:
+    """Symmetric part of a matrix that is symmetric but for rounding."""
+    return np.asarray(0.5 * (matrix + matrix.T))
