@@ -11,7 +11,7 @@ from petsc_matrices import to_petsc
 from same_numbers import assert_same
 from sliced_numbers import FEW
 
-from cea.eigen import search
+from cea.eigen import disc_searches
 from cea.eigen.found import Disc
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.pencil import Pencil
@@ -71,7 +71,7 @@ def test_a_part_holds_the_eigenvalues_between_two_ends():
 
 def test_copies_are_all_found(monkeypatch):
     """Eigenvalues with copies, pairs near the axis and one far from it, in a random basis."""
-    monkeypatch.setattr(search, "plan_of", lambda *_: FEW)
+    monkeypatch.setattr(disc_searches, "plan_of", lambda *_: FEW)
     values = [*np.linspace(0.01, 0.99, 120), *np.repeat(np.linspace(0.05, 0.95, 7), 5)]
     far = np.linspace(1.3, 900.0, 240)
     pairs = [np.array([[x, y], [-y, x]]) for x, y in ((0.3, 0.01), (0.31, 0.4), (0.72, 0.02))]
@@ -101,7 +101,7 @@ def test_modes_are_those_of_one_search(backend, mu, monkeypatch):
     end = 1.4
     pencil = assemble(two_blocks(backend, {"method": "gpts", "points": 3}, mu=mu)).pencil()
     whole = solve_modes(pencil, end, left=True)
-    monkeypatch.setattr(search, "plan_of", lambda *_: FEW)
+    monkeypatch.setattr(disc_searches, "plan_of", lambda *_: FEW)
     sliced = solve_modes(pencil, end, left=True)
     assert whole.window.slices == 0
     assert sliced.window.slices > 1
