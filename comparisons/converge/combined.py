@@ -85,7 +85,13 @@ def combine(
     else:
         found = _of_both(sequences, judged, backends[0], backends[1])
     below = [mode for mode in found if mode.member.value.imag <= highest]
-    return sorted(below, key=lambda mode: (mode.member.value.imag, mode.member.value.real))
+    return sorted(below, key=_order)
+
+
+def _order(mode: Mode) -> tuple[float, float]:
+    """By frequency, members of a pair by growth, whatever rounding parts them by."""
+    value = mode.member.value
+    return float(f"{value.imag:.9g}"), value.real
 
 
 def _of_both(
