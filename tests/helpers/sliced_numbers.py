@@ -2,7 +2,7 @@
 
 from blocks import assemble, two_blocks
 
-from cea.eigen import search
+from cea.eigen import disc_searches
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.slices import Plan
 
@@ -12,7 +12,7 @@ FEW = Plan(columns=72, many=30)
 
 def sliced_numbers(backend):
     """Modes, and how they were found."""
-    search.plan_of = lambda *_: FEW
+    disc_searches.plan_of = lambda *_: FEW
     pencil = assemble(two_blocks(backend, {"method": "gpts", "points": 3})).pencil()
     modes = solve_modes(pencil, 1.4)
     return {
