@@ -2,19 +2,19 @@
 
 from blocks import assemble, two_blocks
 
-from cea.eigen import search
+from cea.eigen import disc_searches
 from cea.eigen.krylov_schur import solve_modes
 
 
 def surrounded_numbers(backend):
     """Modes, and what the search beside them saw."""
-    saw, ask = [], search.nothing_beside
+    saw, ask = [], disc_searches.nothing_beside
 
     def nothing_beside(*arguments):
         saw.append(ask(*arguments))
         return saw[-1]
 
-    search.nothing_beside = nothing_beside
+    disc_searches.nothing_beside = nothing_beside
     data = two_blocks(backend, {"method": "gpts", "points": 3}, held=True, mu=0.05)
     modes = solve_modes(assemble(data).pencil(), 0.5)
     return {
