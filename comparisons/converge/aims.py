@@ -115,11 +115,11 @@ def wanted(
         with np.errstate(invalid="ignore"):
             scaled = needs * np.minimum(1.0, expected / bars)
         needs = np.where(known, scaled, expected / request.tolerance)
-    gains = np.log(np.maximum(needs, 1e-3)) + RESERVE - spare
+    gains = np.log(np.maximum(needs, 1e-3)) + RESERVE
     lowest = np.clip(gains + _AMPLE, 0.0, least)
     if lowest.max() < least:  # all are right: one more mesh shows that
         lowest[:] = least
-    gains = np.clip(gains, lowest, most)
+    gains = np.clip(gains - spare, lowest, most)
     if everywhere:
         usual = errors.max(axis=0)
         alone = np.diag(usual)[usual > 0]

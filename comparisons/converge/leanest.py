@@ -188,11 +188,12 @@ def _refined(
 def _moves(
     parts: Parts, now: Resolution, given: Mapping[str, tuple[int, ...] | None]
 ) -> Iterator[Resolution]:
-    """Meshes with some more elements along a direction of a body, or along all across its edges."""
+    """Meshes with some more elements along a direction of a body."""
     bodies = dict(now.bodies)
     for part in parts.parts:
-        finer = _denser(bodies[part.body], part.directions, given[part.body])
-        yield mixed({**bodies, part.body: finer})
+        if not part.edges:
+            finer = _denser(bodies[part.body], part.directions, given[part.body])
+            yield mixed({**bodies, part.body: finer})
 
 
 def _denser(
