@@ -62,7 +62,6 @@ def wanted(
     rate: float,
     *,
     spare: float,
-    least: float = LEAST_GAIN,
     most: float = inf,
     everywhere: bool = False,
 ) -> Wanted | None:
@@ -82,9 +81,8 @@ def wanted(
         Observed order over that of theory.
     spare
         Logarithm of what needs not be taken off, and is left to a correction.
-    least, most
-        Logarithms of what is to be taken off at least, but from modes that are right already, and
-        at most.
+    most
+        Logarithm of what is to be taken off at most.
     everywhere
         Whether every part is to fall by half, however small it is: one that was taken for small
         and is not is seen then.
@@ -116,10 +114,10 @@ def wanted(
             scaled = needs * np.minimum(1.0, expected / bars)
         needs = np.where(known, scaled, expected / request.tolerance)
     gains = np.log(np.maximum(needs, 1e-3)) + RESERVE
-    lowest = np.clip(gains + _AMPLE, 0.0, least)
-    if lowest.max() < least:  # all are right: one more mesh shows that
-        lowest[:] = least
-    gains = np.clip(gains - spare, lowest, most)
+    least = np.clip(gains + _AMPLE, 0.0, LEAST_GAIN)
+    if least.max() < LEAST_GAIN:  # all are right: one more mesh shows that
+        least[:] = LEAST_GAIN
+    gains = np.clip(gains - spare, least, most)
     if everywhere:
         usual = errors.max(axis=0)
         alone = np.diag(usual)[usual > 0]

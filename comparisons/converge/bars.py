@@ -23,7 +23,7 @@ LEAST = 0.3
 MOST = 0.9
 """Largest eta that is made use of: what falls faster leaves another part behind, and on meshes that
 are still coarse theory takes off more than finer elements do."""
-SAFETY = 3.0
+SAFETY = 4.0
 """Factor on Richardson's error."""
 _UNMEASURED, _SHOWN = 2.0, 4
 """Factor on errors of which no parts were measured, until so many meshes show how they fall: a
@@ -31,10 +31,6 @@ coarse step may take off another part than the one before, and leave more than e
 _TRUSTED = log(40.0)
 """Most that a last step is trusted to have taken off, as a logarithm: what fell by more may have
 left another part behind."""
-_FORETOLD = log(1000.0)
-"""The same where parts of errors foretold what the last step changed, and order is as expected."""
-_AS_EXPECTED = 0.8
-"""Observed order over that of theory from which on it is as expected."""
 _LUCK = 0.3
 """Part of the difference that the whole window makes likely, below which one is taken for luck."""
 
@@ -68,14 +64,11 @@ class Usual:
         not of what numbers of this size have in the window.
     unmeasured
         Whether errors could not be measured in their parts: bars of few meshes are doubled then.
-    foretold
-        Whether parts of errors foretold what the last step changed in the window.
     """
 
     size: float = 0.0
     own: bool = False
     unmeasured: bool = False
-    foretold: bool = False
 
     def __mul__(self, factor: float) -> "Usual":
         return replace(self, size=self.size * factor)
@@ -163,8 +156,7 @@ def bar(
     likely = usual.size
     if not usual.own:
         likely = max(likely, -former * float(np.expm1(-used * step) / np.expm1(used * before)))
-    trusted = _FORETOLD if usual.foretold and used >= _AS_EXPECTED else _TRUSTED
-    size = doubt * SAFETY * max(last, _LUCK * likely) / np.expm1(min(used * step, trusted))
+    size = doubt * SAFETY * max(last, _LUCK * likely) / np.expm1(min(used * step, _TRUSTED))
     return Bar(float(size) + rounding, rate)
 
 

@@ -47,8 +47,6 @@ _AT_ONCE = log(300.0)
 """What one mesh is to take off at most, as a logarithm: what is expected far ahead may fail."""
 _LEFT = log(15.0)
 """What the mesh before a correction leaves to it, as a logarithm."""
-_LEAST_CORRECTION = log(4.0)
-"""What a correction takes off at least: less would be told from the order of a small difference."""
 
 
 @dataclass
@@ -214,8 +212,7 @@ class Course:
         if sequence.correction is not None or len(sequence.levels) < (1 if last else 2):
             return None
         if sequence.parts is not None:
-            options = {"spare": 0.0, "least": _LEAST_CORRECTION, "share": SHARE}
-            step = self._leanest(most_seconds / _SURE, **options)
+            step = self._leanest(most_seconds / _SURE, spare=0.0, share=SHARE)
             if step is None or not (last or step.enough):
                 return None
             return finer_of(sequence.last, self.scene, step.resolution)
@@ -243,7 +240,10 @@ class Course:
         allowed = may_remain(newest.eigenvalues, self.request, self.scene)
         self.sequence.correction = estimated_level(newest, richer, allowed, progress)
 
-    def _leanest(self, most_seconds: float, **options: float) -> Step | None:
+    def _leanest(
+        self, most_seconds: float, *, spare: float, at_once: float = inf, share: float = 1.0
+    ) -> Step | None:
+        options = {"spare": spare, "at_once": at_once, "share": share}
         return self.plans.leanest(self.sequence, self.judged, most_seconds, **options)
 
     def _alike(self) -> list[Step]:

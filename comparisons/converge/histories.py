@@ -12,10 +12,6 @@ from comparisons.converge.parts import positions_of
 from comparisons.converge.theory import reduction
 from scenes.refinement import Resolution
 
-_ASTRAY = 1.5
-"""Factor by which a change may differ from the one that parts of errors let expect, to be foretold
-by them."""
-
 
 @dataclass(frozen=True)
 class History:
@@ -92,7 +88,7 @@ def _usual(expected: Floats | None, window: Window) -> Usual:
     if len(expected) < 2:
         return Usual(0.0, own=True)
     change = window.over * float(expected[-2] - expected[-1])
-    return Usual(change, own=True, foretold=1 / _ASTRAY <= window.over <= _ASTRAY)
+    return Usual(change, own=True)
 
 
 def history_of(cluster: Cluster, sequence: Sequence) -> History:

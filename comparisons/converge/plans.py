@@ -10,7 +10,7 @@ from comparisons.converge.judged import Judged
 from comparisons.converge.leanest import leanest
 from comparisons.converge.levels import Estimates, given_elements
 from comparisons.converge.request import Request
-from comparisons.converge.steps import LEAST_GAIN, Step, error_now, steps
+from comparisons.converge.steps import Step, error_now, steps
 from comparisons.converge.theory import Fallen
 from scenes.read import Scene
 from scenes.refinement import Resolution
@@ -67,7 +67,6 @@ class Plans:
         most_seconds: float,
         *,
         spare: float,
-        least: float = LEAST_GAIN,
         at_once: float = inf,
         share: float = 1.0,
     ) -> Step | None:
@@ -81,9 +80,8 @@ class Plans:
             Bars on the newest.
         most_seconds
             Time that it may take.
-        spare, least, at_once
-            Logarithms of what is left to a correction, and of what one mesh takes off at least and
-            at most.
+        spare, at_once
+            Logarithms of what is left to a correction, and of what one mesh takes off at most.
         share
             Part of the time of a run that it takes.
         """
@@ -97,7 +95,6 @@ class Plans:
             self._scene,
             rate,
             spare=spare,
-            least=least,
             most=at_once,
             everywhere=len(sequence.levels) > 1,
         )

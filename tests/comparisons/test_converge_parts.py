@@ -242,7 +242,7 @@ def test_modes_that_are_right_already_ask_for_no_finer_mesh():
     members = tuple(Member(v, inf, inf, "undecided", None, 1) for v in values)
     judged = Judged(members, clusters, Window())
     aim = wanted(judged, sequence, Request("disc_pad"), scene, 1.0, spare=0.0)
-    assert aim.gains[0] == pytest.approx(log(3 * 1e-3 / 5e-4) + log(1.5), rel=1e-2)
+    assert aim.gains[0] == pytest.approx(log(4 * 1e-3 / 5e-4) + log(1.5), rel=1e-2)
     assert aim.gains[1] == 0.0
     easy = wanted(judged, sequence, Request("disc_pad", digits=1), scene, 1.0, spare=0.0)
     assert easy.gains == pytest.approx(log(2.0))  # of what is right already a mesh more is seen
