@@ -25,7 +25,7 @@ MOST = 0.9
 are still coarse theory takes off more than finer elements do."""
 SAFETY = 4.0
 """Factor on Richardson's error."""
-_UNMEASURED, _SHOWN = 2.0, 4
+_UNMEASURED, _SHOWN = 3.0, 4
 """Factor on errors of which no parts were measured, until so many meshes show how they fall: a
 coarse step may take off another part than the one before, and leave more than either says."""
 _TRUSTED = log(40.0)
@@ -63,7 +63,7 @@ class Usual:
         Whether it is that expected of the number itself, as its error is known in its parts, and
         not of what numbers of this size have in the window.
     unmeasured
-        Whether errors could not be measured in their parts: bars of few meshes are doubled then.
+        Whether errors could not be measured in their parts: bars of few meshes are tripled then.
     """
 
     size: float = 0.0

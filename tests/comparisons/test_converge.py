@@ -67,10 +67,10 @@ def test_observed_rate_is_that_of_the_sequence(rate):
 
 
 @pytest.mark.parametrize("values", [[1, 1.1], [1, 1.1, 1.11], [1, 1.1, 1.3], [1, 1.1, 1.11, 1.111]])
-def test_bars_of_few_meshes_are_doubled_where_errors_were_not_measured_in_parts(values):
+def test_bars_of_few_meshes_are_tripled_where_errors_were_not_measured_in_parts(values):
     positions = [float(i) for i in range(len(values))]
     known = bar(values, positions, 1.0).size
-    doubt = 2.0 if len(values) < 4 else 1.0
+    doubt = 3.0 if len(values) < 4 else 1.0
     found = bar(values, positions, 1.0, usual=Usual(unmeasured=True)).size
     assert found == pytest.approx(doubt * known)
 
