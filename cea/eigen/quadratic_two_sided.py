@@ -13,7 +13,6 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import column_blocks, columns_inner, times
-from cea.eigen.clusters import cluster_bounds, clusters
 from cea.eigen.eigenpairs import internal_forces
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
@@ -21,14 +20,18 @@ from cea.eigen.quadratic_pairs import QuadraticPairs, QuadraticSizes
 from cea.eigen.quadratic_shifted import QuadraticShifted
 from cea.eigen.sensitivity import LeftVectors
 from cea.eigen.subspace import InvariantSubspace
-from cea.eigen.two_sided import ILL, MORE, UNKNOWN, cancels, disagreement
+from cea.eigen.two_sided import (
+    COLUMNS,
+    ILL,
+    MORE,
+    PLAIN,
+    bounds_widened,
+    cancels,
+    disagreement,
+)
 
 _ROUGH = 1e-11
 """Backward error of the entries up to which eigenvectors are as good as rounding lets them be."""
-_PLAIN = 30.0
-"""Norm of what a subspace leaves out of its left vectors up to which it says enough of them."""
-_COLUMNS = 4
-"""Random combinations by which that is judged."""
 
 
 def one_sided(
@@ -54,7 +57,7 @@ def one_sided(
     ill = pairs.conditions.max() > ILL or pairs.residuals.max() > _ROUGH
     if ill or cancels(matrices.mass, pairs.vectors):
         return True
-    return _left_out(matrices, factors, subspace, scale) > _PLAIN
+    return _left_out(matrices, factors, subspace, scale) > PLAIN
 
 
 def _left_out(
@@ -64,7 +67,7 @@ def _left_out(
 
     With the adjoint OP* of the companion form's OP, and OP Q = Q T, it is Q - OP* Q T^-H.
     """
-    random = np.random.default_rng(3).standard_normal((2, subspace.size, _COLUMNS))
+    random = np.random.default_rng(3).standard_normal((2, subspace.size, COLUMNS))
     mixed = (random[0] + 1j * random[1]) / np.sqrt(2)
     # Of what is far from the shift a step of inverse iteration leaves rounding.
     far = np.abs(np.diag(subspace.projected) - factors.shift) / abs(factors.shift)
@@ -76,7 +79,7 @@ def _left_out(
     w = factors.solve_with_forces(load.conj(), transposed=True)[0].conj()
     rest = subspace.basis[rows:] @ mixed + scale * w
     squares = columns_inner(rest, times(matrices.mass, rest), matrices.mass.comm).real
-    return float(np.sqrt(squares.sum() / _COLUMNS))
+    return float(np.sqrt(squares.sum() / COLUMNS))
 
 
 def two_sided_errors(
@@ -139,18 +142,14 @@ def judged_by_both(
     """
     values = pairs.eigenvalues
     if left is None:
-        return replace(
-            pairs, bounds=np.full(len(values), np.inf), errors=np.full(len(values), np.inf)
-        )
+        unknown = np.full(len(values), np.inf)
+        return replace(pairs, errors=unknown, bounds=unknown)
     errors, slopes = two_sided_errors(matrices, pairs, left[1])
     known = np.maximum(np.nan_to_num(slopes, nan=0.0), pairs.slopes)
     far = np.maximum(1.0, np.abs(values) / end) ** 2
     apart = disagreement(values, left[0], known * far)
     errors = np.maximum(errors, np.minimum(apart * far * known, np.sqrt(apart * far)))
-    within = np.minimum(errors, UNKNOWN) / pairs.conditions
-    bounds = cluster_bounds(subspace.projected, values, within, pairs.conditions)
-    for members in clusters(values, errors):
-        errors[members] *= len(members)  # discs that overlap hold all of their eigenvalues
+    errors, bounds = bounds_widened(subspace, values, errors, pairs.conditions)
     more = np.minimum(errors, bounds) > MORE * pairs.uncertainties
     return replace(
         pairs,

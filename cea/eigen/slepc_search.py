@@ -94,7 +94,7 @@ class SlepcSearch:
         ConvergenceError
             When the disc does not become full.
         """
-        del both_ends
+        del both_ends, surrounded
         left, wanted = self._finite - known.size, _FIRST
         while left > 0:
             kappa, vectors = self._nearest.nearest(min(wanted, left), known.basis, seed)

@@ -24,12 +24,7 @@ from dataclasses import replace
 import numpy as np
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import (
-    column_blocks,
-    columns_inner,
-    image_of,
-    times,
-)
+from cea.eigen.blocks import column_blocks, columns_inner, image_of, times
 from cea.eigen.clusters import cluster_bounds, clusters
 from cea.eigen.eigenpairs import Eigenpairs, internal_forces
 from cea.eigen.eigenvalue_matching import assign
@@ -41,7 +36,7 @@ from cea.eigen.subspace import InvariantSubspace
 from cea.matrices import absolute, destroy
 from cea.petsc import Mat
 
-_PLAIN = 30.0
+PLAIN = 30.0
 """Norm of W up to which the subspace says enough of its left vectors."""
 ILL = 1e2
 """Condition number up to which one residual says enough of an eigenvalue."""
@@ -49,10 +44,10 @@ _CANCELS = 100.0
 """Sum of m_ii abs(x_i)^2, x^H M x = 1, up to which rounding of the mass counts for nothing."""
 MORE = 2.0
 """Factor by which errors by left vectors are larger where they are believed instead."""
-UNKNOWN = 1e300
+_UNKNOWN = 1e300
 """Error (1/s^2) in the place of an infinite one."""
-_COLUMNS = 4
-"""Random combinations of the subspace by which its left vectors are judged."""
+COLUMNS = 4
+"""Random combinations of a subspace by which its left vectors are judged."""
 
 
 def one_sided(
@@ -71,7 +66,7 @@ def one_sided(
         return False
     if pairs.conditions.max() > ILL or cancels(matrices.mass, pairs.vectors):
         return True
-    return _left_out(matrices, factors, subspace) > _PLAIN
+    return _left_out(matrices, factors, subspace) > PLAIN
 
 
 def cancels(mass: Mat, vectors: Complexes) -> bool:
@@ -82,7 +77,7 @@ def cancels(mass: Mat, vectors: Complexes) -> bool:
 
 def _left_out(matrices: Matrices, factors: Shifted, subspace: InvariantSubspace) -> float:
     """Estimate of the norm of W."""
-    mixed = np.random.default_rng(3).standard_normal((subspace.size, _COLUMNS))
+    mixed = np.random.default_rng(3).standard_normal((subspace.size, COLUMNS))
     # Of what is far from the shift a step of inverse iteration leaves rounding.
     far = np.abs(np.diag(subspace.projected) - factors.kappa) / abs(factors.kappa)
     mixed /= np.maximum(1.0, far)[:, None]
@@ -90,7 +85,7 @@ def _left_out(matrices: Matrices, factors: Shifted, subspace: InvariantSubspace)
     load = image_of(matrices.mass, subspace.basis @ image)
     rest = subspace.basis @ mixed - factors.solve_block(load, transposed=True)
     squares = columns_inner(rest, image_of(matrices.mass, rest), matrices.mass.comm)
-    return float(np.sqrt(squares.sum() / _COLUMNS))
+    return float(np.sqrt(squares.sum() / COLUMNS))
 
 
 def _diagonal(mass: Mat) -> Floats:
@@ -165,6 +160,26 @@ def disagreement(values: Complexes, left: Complexes, conditions: Floats) -> floa
     return float((distances[rows, columns] / conditions[rows]).max(initial=0.0))
 
 
+def bounds_widened(
+    subspace: InvariantSubspace, values: Complexes, errors: Floats, conditions: Floats
+) -> tuple[Floats, Floats]:
+    """Errors where they overlap, and bounds of clusters, both of the units of the values.
+
+    Parameters
+    ----------
+    subspace
+        What the values are eigenvalues of.
+    values, errors, conditions
+        Eigenvalues, their errors by left vectors, and their condition numbers, shape (n,).
+    """
+    within = np.minimum(errors, _UNKNOWN) / conditions
+    bounds = cluster_bounds(subspace.projected, values, within, conditions)
+    widened = errors.copy()
+    for members in clusters(values, errors):
+        widened[members] *= len(members)  # discs that overlap hold all of their eigenvalues
+    return widened, bounds
+
+
 def judged_by_both(
     matrices: Matrices,
     subspace: InvariantSubspace,
@@ -193,10 +208,7 @@ def judged_by_both(
         return replace(pairs, errors=unknown, bounds=unknown)
     errors, conditions = two_sided_errors(matrices, pairs, left[1])
     errors = np.maximum(errors, conditions * _disagreement(pairs.kappa, left[0], conditions, top))
-    within = np.minimum(errors, UNKNOWN) / pairs.conditions
-    bounds = cluster_bounds(subspace.projected, pairs.kappa, within, pairs.conditions)
-    for members in clusters(pairs.kappa, errors):
-        errors[members] *= len(members)  # discs that overlap hold all of their eigenvalues
+    errors, bounds = bounds_widened(subspace, pairs.kappa, errors, pairs.conditions)
     told = np.minimum(pairs.errors * pairs.conditions, pairs.bounds)
     more = np.minimum(errors, bounds) > MORE * told
     return replace(

@@ -99,10 +99,12 @@ def random_graded(seed: int, power: int | None = None) -> Graded:
     power
         Largest power of two; None draws one.
     """
-    rng = np.random.default_rng([seed, 7])
-    kind = _KINDS[seed % len(_KINDS)]
+    return _drawn(_KINDS, np.random.default_rng([seed, 7]), seed, power)
+
+
+def _drawn(kinds, rng, seed, power) -> Graded:
     drawn = int(rng.choice(POWERS))
-    return kind(rng, drawn if power is None else power)
+    return kinds[seed % len(kinds)](rng, drawn if power is None else power)
 
 
 def _size(rng) -> int:
@@ -269,7 +271,4 @@ def random_graded_damped(seed: int, power: int | None = None) -> Graded:
     power
         Largest power of two; None draws one.
     """
-    rng = np.random.default_rng([seed, 8])
-    kind = _DAMPED[seed % len(_DAMPED)]
-    drawn = int(rng.choice(POWERS))
-    return kind(rng, drawn if power is None else power)
+    return _drawn(_DAMPED, np.random.default_rng([seed, 8]), seed, power)
