@@ -3,7 +3,7 @@
 The file holds a case as plain data; the answer takes its place.
 """
 
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 from cea.petsc import MPI
@@ -19,22 +19,24 @@ def answer(case: dict[str, Any]) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``unknowns``; ``clock``, seconds of each stage on the slowest rank, ``processor``, those of
-        all ranks; ``whole``, seconds of the run by the clock; ``peak`` memory of all ranks and
-        ``program``, that before the run (bytes); ``eigenvalues`` lambda (1/s) as pairs.
+        ``unknowns``; of each stage ``processor``, seconds of all ranks, and ``busiest``, those of
+        the rank that worked longest; of the run ``whole``, seconds of the clock, and ``longest``,
+        those of the rank that worked longest; ``peak`` memory of all ranks and ``program``, that
+        before the run (bytes); ``eigenvalues`` lambda (1/s) as pairs.
     """
     comm = MPI.COMM_WORLD
     scene = scene_of(case)
     comm.Barrier()
-    program, begun = memory.held(), perf_counter()
+    program, begun, worked = memory.held(), perf_counter(), process_time()
     result = run_modes(scene)
-    whole = perf_counter() - begun
-    timer = result.timer
+    whole, worked = perf_counter() - begun, process_time() - worked
+    stages = result.timer.processor_seconds
     return {
         "unknowns": result.system.size,
-        "clock": {name: comm.allreduce(s, MPI.MAX) for name, s in timer.seconds.items()},
-        "processor": {name: comm.allreduce(s) for name, s in timer.processor_seconds.items()},
+        "processor": {name: comm.allreduce(s) for name, s in stages.items()},
+        "busiest": {name: comm.allreduce(s, MPI.MAX) for name, s in stages.items()},
         "whole": comm.allreduce(whole, MPI.MAX),
+        "longest": comm.allreduce(worked, MPI.MAX),
         "peak": comm.allreduce(memory.largest()),
         "program": comm.allreduce(program),
         "eigenvalues": [[float(v.real), float(v.imag)] for v in result.eigenvalues],

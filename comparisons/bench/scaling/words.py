@@ -20,8 +20,8 @@ def _strong(data: Data) -> str:
     if len(runs) < 2:
         return ""
     first, last = runs[0], runs[-1]
-    whole = [median(answer["whole"] for answer in run["answers"]) for run in (first, last)]
-    assembly = [stage(run, "assembly", "clock") for run in (first, last)]
+    whole = [median(answer["longest"] for answer in run["answers"]) for run in (first, last)]
+    assembly = [stage(run, "assembly", "busiest") for run in (first, last)]
     return (
         f"{last['ranks']} ranks run {number(last['answers'][0]['unknowns'])} unknowns "
         f"{number(whole[0] / whole[1], 3)} times as fast as {first['ranks']}, and assemble "
