@@ -65,9 +65,9 @@ def judged(
     """
     matrices, factors, timer = question.matrices, question.factors, question.timer
     subspace = found.subspace
-    kappa, vectors = subspace.eigenpairs()
-    window = found.window(top, kappa)
     with timer("post-processing"):  # those around the window show too what rounding does
+        kappa, vectors = subspace.eigenpairs()
+        window = found.window(top, kappa)
         pairs = checked(matrices, factors, kappa, vectors, subspace.conditions())
         if not matrices.symmetric:
             bounds = cluster_bounds(subspace.projected, pairs.kappa, pairs.errors, pairs.conditions)
@@ -89,5 +89,5 @@ def judged(
         if unsure:
             both = None if left_vectors is None else (kappa, left_vectors)
             pairs = judged_by_both(matrices, subspace, pairs, both, top)
-    wanted = left_vectors if left else None
-    return modes_of(question.pencil, question.values, matrices, pairs, wanted, window)
+        wanted = left_vectors if left else None
+        return modes_of(question.pencil, question.values, matrices, pairs, wanted, window)
