@@ -48,6 +48,10 @@ class Projection(Protocol):
         """Norm of what these leave out."""
         ...
 
+    def measured(self, residuals: Complexes) -> Complexes:
+        """Coordinates of residuals, shape (q, n), whose lengths are their norms."""
+        ...
+
 
 @dataclass(frozen=True)
 class Certificate:
@@ -116,7 +120,7 @@ def certify(
     lost = stiffness.lost + np.abs(kappa) * mass.lost
     sizes = (np.linalg.norm(each, axis=0) for each in (right, left))
     lengths = [
-        np.linalg.norm(defect, axis=0) + lost * size
+        np.linalg.norm(stiffness.measured(defect), axis=0) + lost * size
         for defect, size in zip((r, s), sizes, strict=True)
     ]
     reduction = conditions * outside * lengths[0] * lengths[1]
@@ -158,7 +162,7 @@ def _together(
     s = _defect(stiffness.left, mass.left, z, block.conj().T)
     lost = stiffness.lost + float(np.linalg.norm(block, 2)) * mass.lost
     lengths = [
-        float(np.linalg.norm(defect, 2) + lost * np.linalg.norm(vectors, 2))
+        float(np.linalg.norm(stiffness.measured(defect), 2) + lost * np.linalg.norm(vectors, 2))
         for defect, vectors in ((r, y), (s, z))
     ]
     mean = np.trace(block) / len(block)

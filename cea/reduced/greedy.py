@@ -129,8 +129,9 @@ class Enrichment:
     failed: list[tuple[Point, str]] = field(default_factory=list)
 
     def at(self, point: Point) -> ReducedSpectrum:
-        """The reduced model at a point."""
-        return self.model.small.at(self.model.pencil.values(point))
+        """The reduced model at a point, residuals measured as stiff as contacts are there."""
+        values, small = self.model.pencil.values(point), self.model.small
+        return small.where(small.stiffness(values)).at(values)
 
     def cover(self, points: Sequence[Point], tolerance: float | None = None) -> float:
         """Solve where bounds are worst until all are small, there are solves enough, or none helps.
@@ -249,7 +250,8 @@ class Enrichment:
 
     def _worst(self, point: Point) -> float:
         """The worst bound at a point, the same on every rank."""
-        return float(self.model.norm.comm.bcast(self.at(point).worst))
+        found = self.model.small.at(self.model.pencil.values(point))
+        return float(self.model.norm.comm.bcast(found.worst))
 
 
 def _spread_out(count: int) -> list[int]:

@@ -132,6 +132,7 @@ class ReducedModel:
                 SmallPiece(
                     *(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0),
                     stiff=piece in self._stiff,
+                    least=piece.coefficient.at(least) if piece in self._stiff else 0.0,
                 )
                 for piece in self._pieces.all
             ),

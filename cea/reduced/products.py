@@ -23,3 +23,12 @@ def real_times(matrix: Floats, vectors: NDArray[np.inexact]) -> Complexes:
     result = image[:, :columns].astype(complex)
     result.imag[:, turning] = image[:, columns:]
     return result
+
+
+def like_times[T: (Floats, Complexes)](matrix: Floats, vectors: T) -> T:
+    """A x, complex where x is, each part in real arithmetic."""
+    if not np.iscomplexobj(vectors):
+        return matrix @ vectors
+    image: T = np.empty((len(matrix), vectors.shape[1]), dtype=vectors.dtype)
+    image.real, image.imag = matrix @ vectors.real, matrix @ vectors.imag
+    return image

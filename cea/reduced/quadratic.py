@@ -169,7 +169,7 @@ class _Judged:
         of_k, of_d, of_m = (real_times(each.left, y) for each in (K, D, M))
         s = of_k + of_d * back + of_m * back**2
         return [
-            np.linalg.norm(defect, axis=0) + lost * np.linalg.norm(vectors, axis=0)
+            np.linalg.norm(K.measured(defect), axis=0) + lost * np.linalg.norm(vectors, axis=0)
             for defect, vectors in ((r, x), (s, y))
         ]
 
@@ -196,7 +196,7 @@ class _Judged:
         speed = float(np.linalg.norm(block, 2))
         lost = K.lost + speed * D.lost + speed**2 * M.lost
         lengths = [
-            float(np.linalg.norm(defect, 2) + lost * np.linalg.norm(vectors, 2))
+            float(np.linalg.norm(K.measured(defect), 2) + lost * np.linalg.norm(vectors, 2))
             for defect, vectors in ((r, x), (s, y))
         ]
         mean = np.trace(block) / len(block)

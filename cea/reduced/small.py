@@ -11,9 +11,10 @@ from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Role
 from cea.eigen.sensitivity import POWERS
 from cea.reduced.pieces import Values
-from cea.reduced.products import real_times
+from cea.reduced.products import like_times, real_times
 from cea.reduced.quadratic import quadratic_spectrum
 from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
+from cea.reduced.stiff_norm import StiffNorm, stiff_norm
 
 LOCAL = 1e-5
 """Part of an eigenvector of the larger basis that a local one leaves out, or of its forces."""
@@ -38,6 +39,8 @@ class SmallPiece:
         Norm of what Q does not hold of X^-1 A V, either side.
     stiff
         Whether it is a stiffness that varies over decades.
+    least
+        Of such a one, its coefficient in the energy norm.
     """
 
     role: Role
@@ -47,6 +50,7 @@ class SmallPiece:
     left: Floats
     lost: float
     stiff: bool = False
+    least: float = 0.0
 
     @property
     def symmetric(self) -> bool:
@@ -75,12 +79,16 @@ class SmallPencil:
         What rounding does where it was seen.
     axes
         Of a local basis, its vectors in the larger one; None of the larger one itself.
+    norm
+        Measures residuals where stiff pieces are stiffer than in the energy norm; None leaves them
+        in that.
     """
 
     pieces: tuple[SmallPiece, ...]
     settings: Settings
     roundings: tuple[Rounding, ...] = ()
     axes: Floats | None = None
+    norm: StiffNorm | None = None
 
     @property
     def size(self) -> int:
@@ -139,7 +147,22 @@ class SmallPencil:
 
     def coordinates[T: (Floats, Complexes)](self, vectors: T) -> T:
         """Of vectors in the larger basis, in this one."""
-        return vectors if self.axes is None else self.axes.T @ vectors
+        return vectors if self.axes is None else like_times(self.axes.T, vectors)
+
+    def where(self, stiffness: Sequence[float]) -> "SmallPencil":
+        """It with residuals measured where stiff pieces are no softer than so.
+
+        Parameters
+        ----------
+        stiffness
+            Coefficients of the pieces that are stiff, the least where it is to serve.
+        """
+        stiff = [piece for piece in self.pieces if piece.stiff]
+        parts = [
+            (size, piece.least, piece.right, piece.square)
+            for size, piece in zip(stiffness, stiff, strict=True)
+        ]
+        return replace(self, norm=stiff_norm(parts))
 
     def local(
         self, vectors: Floats, stiff: Values | None = None, tolerance: float = LOCAL
@@ -165,6 +188,8 @@ class SmallPencil:
             axes, _ = np.linalg.qr(axes)
         images = [piece.right @ axes for piece in self.pieces]
         images += [piece.left @ axes for piece in self.pieces if not piece.symmetric]
+        if self.norm is not None:
+            images = [self.norm.real(image) for image in images]
         # Lengths of combinations are those of the columns of R.
         columns = np.split(np.linalg.qr(np.hstack(images), mode="r"), len(images), axis=1)
         lefts = iter(columns[len(self.pieces) :])
@@ -241,7 +266,7 @@ class SmallPencil:
             left = right + _weighted([(f, piece.left) for f, piece in one_sided], shape)
             right = right + _weighted([(f, piece.right) for f, piece in one_sided], shape)
         lost = sum(abs(factor) * piece.lost for factor, piece in parts)
-        return Residuals(square, right, left, lost)
+        return Residuals(square, right, left, lost, self.norm)
 
 
 def _weighted(parts: list[tuple[float, Floats]], shape: tuple[int, ...]) -> Floats:

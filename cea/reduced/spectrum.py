@@ -22,6 +22,7 @@ from cea.eigen.modes import uncertainties_of
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Certificate, certify
 from cea.reduced.products import real_times
+from cea.reduced.stiff_norm import StiffNorm
 
 MARGIN = 1.15
 """Frequency up to which eigenvectors are taken into a basis, relative to the end of the window."""
@@ -96,12 +97,19 @@ class Residuals:
         Q^T A V and Q^T A^T V, shape (q, k).
     lost
         Norm of what these leave out.
+    norm
+        Measures residuals where a stiffness is larger; None leaves their lengths.
     """
 
     square: Floats
     right: Floats
     left: Floats
     lost: float
+    norm: StiffNorm | None = None
+
+    def measured(self, residuals: Complexes) -> Complexes:
+        """Coordinates of residuals, shape (q, n), whose lengths are their norms."""
+        return residuals if self.norm is None else self.norm(residuals)
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,14 @@ tenth of what they cost on the whole one.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cea.reduced.rows import along
+from cea.reduced.pieces import Values
+from cea.reduced.rows import SMALL, shared
 from cea.reduced.small import SmallPencil
+from cea.reduced.spectrum import ReducedSpectrum
 from comparisons.sweep.mapped import Mapped
 
 _MOST = 6
@@ -17,7 +20,21 @@ _MOST = 6
 _WIDE = 10.0
 """Ratio of a stiffness that a band spans at most: its vectors are of one energy norm."""
 _SEEN = 5
-"""Values of a row at which a basis is tested."""
+"""Values of a row that a basis is made of."""
+_LESS = 0.8
+"""Size of a basis relative to the whole one from which on it is not worth its making."""
+
+
+@dataclass(frozen=True)
+class _Band:
+    """Rows, the reduced model as it was, with residuals as the band has them, and on its basis."""
+
+    rows: range
+    small: SmallPencil
+    whole: SmallPencil
+    basis: SmallPencil
+    points: list[Values]
+    spectra: list[ReducedSpectrum]
 
 
 class Bands:
@@ -34,20 +51,31 @@ class Bands:
     def __init__(self, scene: Mapped, tolerance: float) -> None:
         self._scene, self._tolerance = scene, tolerance
         self._rows = scene.rows()
-        self._last: tuple[range, SmallPencil, SmallPencil] | None = None
+        self._last: _Band | None = None
 
     def of(self, number: int, small: SmallPencil) -> SmallPencil:
         """The basis for a row, given the whole one, which it is where no other holds."""
-        if self._last is None or number not in self._last[0] or self._last[1] is not small:
-            band = self._band(number, small)
-            self._last = band, small, self._basis(band, small)
-        return self._last[2]
+        if self._last is None or number not in self._last.rows or self._last.small is not small:
+            self._last = self._made(self._band(number, small), small)
+        return self._last.basis
 
-    def give_up(self) -> None:
-        """Solve the other rows of the last band on the whole basis: its own does not hold."""
-        if self._last is not None:
-            band, small, _ = self._last
-            self._last = band, small, small
+    @property
+    def whole(self) -> SmallPencil:
+        """The whole basis with residuals measured where the last band is softest."""
+        assert self._last is not None
+        return self._last.whole
+
+    def mend(self, number: int, values: Sequence[float]) -> None:
+        """Take what there is at some values of a row of the last band into its basis."""
+        assert self._last is not None
+        last = self._last
+        if last.basis is last.whole:
+            return
+        for value in values:
+            point = self._scene.point((value, *self._rows[number]))
+            last.points.append(self._scene.pencil.values(point))
+            last.spectra.append(last.whole.at(last.points[-1]))
+        self._last = replace(last, basis=self._basis(last.whole, last.points, last.spectra))
 
     def _band(self, number: int, small: SmallPencil) -> range:
         """Numbers of the rows from one on that are together."""
@@ -59,13 +87,26 @@ class Bands:
                 return range(number, number + len(stiff) - 1)
         return range(number, number + len(stiff))
 
-    def _basis(self, band: range, small: SmallPencil) -> SmallPencil:
-        if len(band) == 1:
-            return small
+    def _made(self, band: range, small: SmallPencil) -> "_Band":
         rows = [self._rows[i] for i in sorted({band[0], band[len(band) // 2], band[-1]})]
         parts = np.linspace(0.0, 1.0, _SEEN)
-        line = [self._at(part, row) for row in rows for part in parts]
-        return along(small, line, self._tolerance).basis
+        points: list[Values] = [self._at(part, row) for row in rows for part in parts]
+        # A stiffness may vary along rows too, and where it is least no end tells.
+        along = np.linspace(0.0, 1.0, len(self._scene.axes[0].values))
+        stiff = [small.stiffness(self._at(part, self._rows[i])) for i in band for part in along]
+        whole = small.where(np.min(stiff, axis=0).tolist())
+        if len(band) == 1 or small.size <= SMALL:
+            return _Band(band, small, whole, whole, points, [])
+        spectra = [whole.at(point) for point in points]
+        basis = self._basis(whole, points, spectra)
+        return _Band(band, small, whole, basis, points, spectra)
+
+    def _basis(
+        self, whole: SmallPencil, points: list[Values], spectra: list[ReducedSpectrum]
+    ) -> SmallPencil:
+        """The basis of what was solved in a band; the whole one where it is hardly smaller."""
+        basis = shared(whole, points, dict(enumerate(spectra)), self._tolerance)
+        return basis if basis.size <= _LESS * whole.size else whole
 
     def _at(self, part: float, others: Sequence[float]) -> dict[str, float]:
         """Values of all parameters at a part of the first axis, on a row."""

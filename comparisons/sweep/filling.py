@@ -171,7 +171,7 @@ class Filling:
         """Go on with the basis, or give it up: the same on every rank."""
         full, basis = self.seconds(0.0)
         before = process_time()
-        self.basis.at(point)
+        self.model.small.at(self.model.pencil.values(point))
         value = process_time() - before
         full, basis, value = self.model.norm.comm.bcast((full, basis, value))
         thrift.weigh(worst, len(self.basis.snapshots) - self.kept, full, basis, value)

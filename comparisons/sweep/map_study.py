@@ -29,6 +29,8 @@ _TRAINING = 17
 """Values of an axis over decades at which bounds are looked at while the basis is made."""
 _FEW = 5
 """The same of other axes."""
+_MENDED = 3
+"""Values of a row that the basis of its band takes in, at most, where some are not certified."""
 
 
 @dataclass(frozen=True)
@@ -219,9 +221,10 @@ class _Run:
         small = self._filling.model.small
         band = self._bands.of(number, small)
         row = map_row(band, self._scene, others[number], start, tolerance)
-        if row.worst.max(initial=0.0) > tolerance and band is not small:
-            self._bands.give_up()
-            row = map_row(small, self._scene, others[number], start, tolerance)
+        if row.worst.max(initial=0.0) > tolerance:
+            self._bands.mend(number, _worst_apart(row, self._scene.axes[0].values, tolerance))
+            band, whole = self._bands.of(number, small), self._bands.whole
+            row = map_row(band, self._scene, others[number], start, tolerance, whole)
         spent, values = self._online
         self._online = spent + process_time() - before, values + len(row.worst)
         self._store.keep_row(number, row)
@@ -231,7 +234,8 @@ class _Run:
         """Branches at the first value of each row, and a number that no other row begins at."""
         first, branches, numbers = self._asked.axes[0].values[0], Branches(), []
         for each in others:
-            found = self._filling.basis.at(self._scene.point((first, *each)))
+            at = self._scene.pencil.values(self._scene.point((first, *each)))
+            found = self._filling.model.small.at(at)
             numbers.append((found, branches.follow(found)))
         room = 10 * max(len(found) for found, _ in numbers) + 10
         return [(*each, branches.next + i * room) for i, each in enumerate(numbers)]
@@ -257,3 +261,13 @@ class _Run:
     def free(self) -> None:
         """Free factors."""
         self._filling.free()
+
+
+def _worst_apart(row: Row, values: Sequence[float], tolerance: float) -> list[float]:
+    """Values of a row that are not certified, the worst of each third of it."""
+    worst = []
+    for numbers in np.array_split(np.arange(len(values)), _MENDED):
+        number = int(numbers[np.argmax(row.worst[numbers])])
+        if row.worst[number] > tolerance:
+            worst.append(values[number])
+    return worst

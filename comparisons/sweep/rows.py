@@ -15,7 +15,7 @@ from cea.reduced.between import Between
 from cea.reduced.branches import Branches
 from cea.reduced.onsets import Onset, onset, span_of
 from cea.reduced.roots import PairLostError
-from cea.reduced.rows import along
+from cea.reduced.rows import Line, in_parts
 from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.zero_growth import zero_growth
@@ -76,13 +76,14 @@ def map_row(
     others: Sequence[float],
     start: Start,
     tolerance: float,
+    whole: SmallPencil | None = None,
 ) -> Row:
     """A row of a map on a reduced model.
 
     Parameters
     ----------
     small
-        The reduced model.
+        The reduced model, or that on the basis of a band.
     asked
         What is mapped.
     others
@@ -91,20 +92,30 @@ def map_row(
         What the row begins with.
     tolerance
         Error of lambda, relative to its speed, that local bases may make.
+    whole
+        The reduced model itself, for values that the former does not certify; None leaves them.
     """
     values = asked.axes[0].values
 
     def parameters(value: float) -> dict[str, float]:
         return asked.pencil.values(asked.point((value, *others)))
 
-    line = along(small, [parameters(value) for value in values], tolerance)
-    spectra = line.spectra
+    points = [parameters(value) for value in values]
+    parts = in_parts(small, points, tolerance)
+    spectra, solved_on = _joined(small, parts)
+    if whole is not None and whole is not small:
+        for i in [i for i, found in enumerate(spectra) if found.worst > tolerance]:
+            spectra[i], solved_on[i] = whole.at(points[i]), whole
     first, begun, free = start
     branches = Branches(free)
     branches.back_to(first, begun)
     numbers = [branches.follow(found) for found in spectra]
 
-    at = Between(small, line, values, parameters, tolerance)
+    at, begins = [], 0
+    for line in parts:
+        own = values[begins : begins + len(line.spectra)]
+        at += [Between(small, line, own, parameters, tolerance)] * (len(own) - 1)
+        begins += len(own) - 1
     seek = _crossings if small.damped else _coalescences
     onsets, lost = [], 0
     for sought in seek(at, values, spectra, numbers):
@@ -113,26 +124,41 @@ def map_row(
         except PairLostError:
             lost += 1
     slopes = []
-    for i, (value, found) in enumerate(zip(values, spectra, strict=True)):
-        known, there = small if i in line.whole else line.basis, parameters(value)
-        moved = [known.derivatives(found.window, there, names) for names in asked.names]
+    for known, there, found in zip(solved_on, points, spectra, strict=True):
+        window = found.window
+        moved = [known.derivatives(window, there, names) for names in asked.names]
         slopes.append(np.stack(moved, axis=1))
     return replace(_table(spectra, numbers, slopes, tuple(onsets), asked), lost=lost)
 
 
+def _joined(
+    small: SmallPencil, parts: Sequence[Line]
+) -> tuple[list[ReducedSpectrum], list[SmallPencil]]:
+    """Spectra along a row, and the basis that each was solved on."""
+    spectra, solved_on = list(parts[0].spectra[:1]), [small]
+    for number, line in enumerate(parts):
+        bases = [small if i in line.whole else line.basis for i in range(len(line.spectra))]
+        if not number:
+            solved_on[0] = bases[0]
+        spectra += line.spectra[1:]
+        solved_on += bases[1:]
+    return spectra, solved_on
+
+
 def _coalescences(
-    at: Between,
+    at: Sequence[Between],
     values: Sequence[float],
     spectra: Sequence[ReducedSpectrum],
     _: Sequence[Ints],
 ) -> Iterator[Callable[[], Onset]]:
     """What seeks each threshold of an undamped pencil."""
     for still, flutters, pair in _beginnings(spectra):
-        yield partial(onset, at, values[still], values[flutters], span_of(pair), at.on)
+        near = at[min(still, flutters)]
+        yield partial(onset, near, values[still], values[flutters], span_of(pair), near.on)
 
 
 def _crossings(
-    at: Between,
+    at: Sequence[Between],
     values: Sequence[float],
     spectra: Sequence[ReducedSpectrum],
     numbers: Sequence[Ints],
@@ -146,7 +172,7 @@ def _crossings(
             changes &= found.inside & (np.abs(found.eigenvalues.real) > found.uncertainties)
         for mode in np.flatnonzero(changes)[:, None]:
             ends = values[i], values[i + 1]
-            yield partial(zero_growth, at, ends, one[mode], other[mode], at.on)
+            yield partial(zero_growth, at[i], ends, one[mode], other[mode], at[i].on)
 
 
 def _beginnings(spectra: Sequence[ReducedSpectrum]) -> Iterator[tuple[int, int, Any]]:

@@ -75,7 +75,7 @@ def test_rows_of_a_band_are_those_of_the_whole_basis(maps, backend):
             assert abs(mine.value - theirs.value) <= mine.error + theirs.error
 
 
-def test_a_band_ends_where_stiffness_is_another_and_is_given_up_where_it_does_not_hold(maps):
+def test_a_band_ends_where_stiffness_is_another_and_takes_in_what_it_lacks(maps):
     scene, small = maps("iga")
     bands = Bands(scene, 1e-7)
     assert [len(bands._band(number, small)) for number in (0, 3, 7)] == [6, 5, 1]
@@ -83,10 +83,16 @@ def test_a_band_ends_where_stiffness_is_another_and_is_given_up_where_it_does_no
     stiff = ReducedModel(wide.pencil, wide.box, wide.max_frequency).small
     assert [len(Bands(wide, 1e-7)._band(number, stiff)) for number in (0, 3)] == [1, 1]
     wide.driver.free()
-    assert bands.of(0, small) is not small
-    bands.give_up()
-    assert bands.of(1, small) is small
-    assert bands.of(7, small) is small
+    before = bands.of(0, small)
+    values = scene.pencil.values(scene.point((0.15, *scene.rows()[4])))
+    assert before.size < small.size
+    bands.mend(4, [0.15])
+    after = bands.of(1, small)
+    assert after is not before
+    assert before.size <= after.size < small.size
+    assert after.at(values).worst <= max(1e-7, bands.whole.at(values).worst)
+    assert bands.of(7, small).size == small.size
+    assert bands.whole.size == small.size
 
 
 def test_what_is_left_out_of_residuals_makes_no_bound_however_stiff_a_contact(backend):
