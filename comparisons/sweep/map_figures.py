@@ -94,7 +94,7 @@ def growth_figure(drawn: Data) -> Figure:
             scale("log")
         (space.set_xlabel if scale == space.set_xscale else space.set_ylabel)(name)
     _mark_uncertified(space, data, rows, x, y)
-    space.set_title("White: nothing is unstable. Dots: flutter begins; crosses: it ends")
+    space.set_title("White: no growth above the threshold. Dots: flutter begins; crosses: it ends")
     return figure
 
 

@@ -1,0 +1,64 @@
+"""Folders of factors: those in use stay, those that killed programs left behind go."""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from time import time
+
+import pytest
+
+from cea.eigen.factors_on_disk import factors_on_disk, folder_of_factors
+
+HOLDS = """
+from time import sleep
+from cea.eigen.factors_on_disk import factors_on_disk
+with factors_on_disk() as folder:
+    (folder / "factors").write_bytes(b"0" * 1000)
+    print(folder, flush=True)
+    sleep(60)
+"""
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    return tmp_path
+
+
+def grown_old(folder):
+    """Make the lock of a folder as old as that of a long run."""
+    before = time() - 3600
+    os.utime(folder / "in_use", (before, before))
+
+
+def test_a_folder_goes_when_factors_are_freed(own_folder):
+    with factors_on_disk() as folder:
+        assert folder_of_factors() == folder
+        assert folder.parent == own_folder
+    assert folder_of_factors() is None
+    assert not folder.exists()
+
+
+def test_what_a_killed_program_left_behind_is_removed_and_what_is_in_use_is_not(own_folder):
+    started = subprocess.Popen([sys.executable, "-c", HOLDS], stdout=subprocess.PIPE, text=True)
+    theirs = own_folder / started.stdout.readline().strip()
+    grown_old(theirs)
+    with factors_on_disk():
+        assert (theirs / "factors").exists()
+    started.send_signal(signal.SIGKILL)
+    started.wait()
+    started.stdout.close()
+    with factors_on_disk():
+        assert not theirs.exists()
+
+
+def test_a_folder_of_anything_else_stays(own_folder):
+    other = own_folder / "factors-of-somebody"
+    other.mkdir()
+    (other / "notes").write_text("kept")
+    with factors_on_disk():
+        pass
+    assert (other / "notes").exists()
