@@ -250,8 +250,7 @@ class Enrichment:
 
     def _worst(self, point: Point) -> float:
         """The worst bound at a point, the same on every rank."""
-        found = self.model.small.at(self.model.pencil.values(point))
-        return float(self.model.norm.comm.bcast(found.worst))
+        return float(self.model.norm.comm.bcast(self.at(point).worst))
 
 
 def _spread_out(count: int) -> list[int]:
