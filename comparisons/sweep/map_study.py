@@ -17,6 +17,7 @@ from cea.reduced.greedy import TOLERANCE
 from comparisons.sweep.axes import Axis
 from comparisons.sweep.bands import Bands
 from comparisons.sweep.filling import AT_FIRST, Filling, check_effort
+from comparisons.sweep.fingerprints import fingerprint
 from comparisons.sweep.map_record import Spent, confirm_some, record_of, warnings_of
 from comparisons.sweep.mapped import Mapped, mapped
 from comparisons.sweep.rows import Row, Start, map_row
@@ -123,7 +124,7 @@ def run_map(
     """
     begun = perf_counter()
     scene = mapped(asked.scene, asked.axes, asked.overrides, asked.data)
-    store = Store(out, asked.plain() | {"pencil": scene.fingerprint()}, MPI.COMM_WORLD)
+    store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
     run = _Run(asked, scene, store, progress)
     try:
         run.fill()

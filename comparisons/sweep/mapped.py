@@ -89,15 +89,6 @@ class Mapped:
         pairs = zip(self.axes, self.names, strict=True)
         return {name: axis.ends for axis, names in pairs for name in names}
 
-    def fingerprint(self) -> list[str]:
-        """What tells its pencil from others: parameters, and norms of matrices to ten digits."""
-        parameters = [f"{each.name} {each.value!r}" for each in self.pencil.parameters.values()]
-        matrices = [term.matrix for term in self.pencil.terms]
-        matrices += [forces.closure for forces in self.pencil.forces]
-        norms = [f"{matrix.getSize()} {matrix.norm():.10e}" for matrix in matrices]
-        norms += [f"{float(term.piece.weights.sum()):.10e}" for term in self.pencil.low_rank]
-        return [*parameters, *norms, f"{self.max_frequency!r} {self.min_growth!r}"]
-
     def point(self, values: Sequence[float]) -> dict[str, float]:
         """Parameters at a value of each axis."""
         pairs = zip(values, self.names, strict=True)

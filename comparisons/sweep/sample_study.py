@@ -17,6 +17,7 @@ from cea.reduced.small import SmallPencil
 from comparisons.sweep.cells import Cell, cells_of, numbered, outermost
 from comparisons.sweep.distributions import Distribution, Drawn, draw
 from comparisons.sweep.filling import Filling, check_effort
+from comparisons.sweep.fingerprints import fingerprint
 from comparisons.sweep.mapped import Mapped, mapped
 from comparisons.sweep.probabilities import record_of, warnings_of
 from comparisons.sweep.sampled import Sampled, gathered, solved
@@ -116,7 +117,7 @@ def run_samples(
     begun = perf_counter()
     drawn = draw(asked.distributions, asked.count, asked.seed)
     scene = mapped(asked.scene, drawn, asked.overrides, asked.data)
-    store = Store(out, asked.plain() | {"pencil": scene.fingerprint()}, MPI.COMM_WORLD)
+    store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
     run = _Run(asked, scene, drawn, store, progress)
     try:
         run.fill()

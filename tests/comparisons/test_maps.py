@@ -18,9 +18,6 @@ from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.pencil import Pencil
 from cea.eigen.thresholds import flutter_threshold
 from cea.errors import InputError
-from cea.petsc import MPI
-from cea.reduced.greedy import Snapshot
-from cea.reduced.model import Growth
 from comparisons.cli.app import main
 from comparisons.sweep.axes import Axis, read_axis
 from comparisons.sweep.map_page import write_result
@@ -29,7 +26,6 @@ from comparisons.sweep.map_tables import modes_table, onsets_table, summary_tabl
 from comparisons.sweep.mapped import NoMapError, mapped
 from comparisons.sweep.netcdf import read_map
 from comparisons.sweep.sensitivities import sensitivities_table
-from comparisons.sweep.store import Store
 from comparisons.sweep.study import Sweep, run_sweep
 from scenes.swept import parameters_meant
 
@@ -345,29 +341,6 @@ def test_warnings_of_full_solves_reach_the_map(tmp_path):
         assert place["data"]["stiffness"] == pytest.approx(3 * place["point"][P])
     given = [each["kind"] for solve in data["snapshots"] for each in solve["warnings"]]
     assert set(told) == set(given)
-
-
-def test_another_scene_does_not_go_on_from_what_one_left(tmp_path):
-    """The same words and another number in the scene: nothing of before is used."""
-    soft, stiff = (
-        mapped(
-            "blocks",
-            [read_axis("mu=0:1:3")],
-            (*overrides("iga"), f"bodies.lower.material.E={E}"),
-            None,
-        )
-        for E in (1.0, 1.5)
-    )
-    assert soft.fingerprint() != stiff.fingerprint()
-    stores = []
-    for scene in (soft, soft, stiff):
-        store = Store(tmp_path / "out", {"pencil": scene.fingerprint()}, MPI.COMM_WORLD)
-        stores.append(len(store.snapshots()))
-        grown = Growth(np.zeros((3, 1)), np.zeros((3, 2)))
-        store.keep(Snapshot({MU: 0.5}, grown, 0.0, None, complete=True), {})
-    assert stores == [0, 1, 0]
-    for scene in (soft, stiff):
-        scene.driver.free()
 
 
 def test_short_names_mean_every_contact_and_body():
