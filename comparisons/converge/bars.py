@@ -64,14 +64,18 @@ class Usual:
         not of what numbers of this size have in the window.
     unmeasured
         Whether errors could not be measured in their parts: bars of few meshes are tripled then.
+    left
+        Error that is expected to be left, where it is known in its parts: those that the last step
+        refined nothing of do not show in its difference.
     """
 
     size: float = 0.0
     own: bool = False
     unmeasured: bool = False
+    left: float = 0.0
 
     def __mul__(self, factor: float) -> "Usual":
-        return replace(self, size=self.size * factor)
+        return replace(self, size=self.size * factor, left=self.left * factor)
 
 
 NO_USUAL = Usual()
@@ -149,15 +153,16 @@ def bar(
     rate, former = rate_of(values, positions), float(differences[-2])
     if max(last, former) <= 2 * rounding:  # nothing but rounding is left to differ
         return Bar(max(last, former) + rounding, rate)
+    least = SAFETY * _LUCK * usual.left
     if rate is None or rate < LEAST:
-        return Bar(doubt * _unseen([former, last], positions) + rounding, rate)
+        return Bar(max(doubt * _unseen([former, last], positions), least) + rounding, rate)
     before, step = np.diff(positions[-3:])
     used = min(rate, MOST, MOST if typical is None else max(typical, LEAST))
     likely = usual.size
     if not usual.own:
         likely = max(likely, -former * float(np.expm1(-used * step) / np.expm1(used * before)))
     size = doubt * SAFETY * max(last, _LUCK * likely) / np.expm1(min(used * step, _TRUSTED))
-    return Bar(float(size) + rounding, rate)
+    return Bar(max(float(size), least) + rounding, rate)
 
 
 def _unseen(differences: list[float], positions: Sequence[float]) -> float:

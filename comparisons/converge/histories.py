@@ -74,7 +74,8 @@ class Window:
     change
         Last difference of lambda, relative; 0 where it is not known.
     over
-        The same over what is expected from the parts of the errors.
+        The same over what is expected from the parts of the errors: of the last two differences
+        the larger, as a step that leaves most of an error changes little.
     """
 
     rate: float | None = None
@@ -88,7 +89,7 @@ def _usual(expected: Floats | None, window: Window) -> Usual:
     if len(expected) < 2:
         return Usual(0.0, own=True)
     change = window.over * float(expected[-2] - expected[-1])
-    return Usual(change, own=True)
+    return Usual(change, own=True, left=window.over * float(expected[-1]))
 
 
 def history_of(cluster: Cluster, sequence: Sequence) -> History:
@@ -151,7 +152,9 @@ def _nearest(values: Complexes, wanted: Complexes) -> Ints:
 
 def window_of(found: list[Cluster], sequence: Sequence, *, damped: bool) -> Window:
     """Medians over the clusters of a level."""
-    rates, changes, over = [], [], []
+    rates, changes = [], []
+    last: list[float] = []
+    former: list[float] = []
     for cluster in found:
         history = history_of(cluster, sequence)
         if history.rigid:
@@ -162,10 +165,18 @@ def window_of(found: list[Cluster], sequence: Sequence, *, damped: bool) -> Wind
             change = float(abs(numbers[-1] - numbers[-2]) / abs(numbers[-1]))
             changes.append(change if damped else 0.5 * change)
             if history.expected is not None:
-                taken = float(history.expected[-2] - history.expected[-1])
-                over.append(changes[-1] / max(taken, np.finfo(float).tiny))
+                over = _over(numbers, history.expected, damped=damped)
+                last += over[-1:]
+                former += over[-2:-1]
     return Window(
         typical_rate(rates),
         float(np.median(changes)) if changes else 0.0,
-        float(np.median(over)) if over else 1.0,
+        max((float(np.median(each)) for each in (last, former) if each), default=1.0),
     )
+
+
+def _over(numbers: Complexes, expected: Floats, *, damped: bool) -> list[float]:
+    """Relative changes of a number over what was expected of them."""
+    sizes = np.abs(np.diff(numbers)) / abs(numbers[-1])
+    taken = np.maximum(-np.diff(expected), np.finfo(float).tiny)
+    return ((sizes if damped else 0.5 * sizes) / taken).tolist()

@@ -46,11 +46,15 @@ class Part:
         unstructured mesh; those across which singular edges lie.
     edges
         Whether it is that of singular edges.
+    of_degree
+        What a degree more does for these over what as many more elements do: Lagrange elements
+        with a corner at the edge gain twice as much, splines as smooth as they can be no more.
     """
 
     body: str
     directions: tuple[int, ...]
     edges: bool = False
+    of_degree: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -194,7 +198,8 @@ def _fallen(errors: Floats, part: Part, old: BodyResolution, new: BodyResolution
     each = [log(new.densities[d] / old.densities[d]) for d in part.directions]
     more = min(each)
     if part.edges:
-        taken = more - (new.layers - old.layers) * log(RATIO) + log(new.degree / old.degree)
+        taken = more - (new.layers - old.layers) * log(RATIO)
+        taken += part.of_degree * log(new.degree / old.degree)
         return np.asarray(errors * np.exp(-2 * EDGES * taken))
     left = np.log(np.clip(errors, SMALLEST_ERROR, LARGEST_ERROR))
     finer = (left - 2 * old.degree * more) * new.degree / old.degree

@@ -4,13 +4,18 @@ The modes of a mesh are corrected (:func:`scenes.nested.eigenvalues_in`) in a sp
 one direction of one body alone, which has twice the elements there, or richer in one layer towards
 its singular edges. What that changes is the part of the error that comes from there, but for what
 theory says that the richer space leaves of it.
+
+Where every element along a direction lies at singular edges, as the one across a thin disc does, a
+layer takes off of what is smooth there too: it is laid beside twice the elements, and what these
+alone change is left out.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cea.arrays import Complexes
 from comparisons.converge.estimated import seconds_of
 from comparisons.converge.levels import Level, widened
 from comparisons.converge.parts import EDGES, Part, Parts
@@ -27,8 +32,12 @@ from scenes.refinement import (
     structured,
 )
 from scenes.refinement_edges import crowding
-from scenes.spec.body import Backend
+from scenes.spec.body import Backend, BodySpec
 from scenes.variants import on_backend
+
+_OF_DEGREE: dict[Backend, float] = {"iga": 1.0, "fe": 2.0}
+"""What a degree more does at singular edges over what as many more elements do: the p-version
+converges twice as fast there (Babuska and Suri, SIAM J. Numer. Anal. 24 (1987) 750)."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +52,14 @@ class Probe:
         The space.
     takes
         Part of the error that it is expected to take off.
+    beside
+        A space in which all is richer but the part; None is that of the mesh itself.
     """
 
     part: Part
     resolution: Resolution
     takes: float
+    beside: Resolution | None = None
 
 
 def probes(scene: Scene, backend: Backend, resolution: Resolution) -> list[Probe]:
@@ -63,31 +75,48 @@ def probes(scene: Scene, backend: Backend, resolution: Resolution) -> list[Probe
     on = on_backend(scene, backend)
     found = []
     for name, own in resolution.bodies:
-        for part, richer, takes in _of_body(on, backend, name, own):
-            bodies = {**dict(resolution.bodies), name: richer}
-            space = replace(resolution, bodies=tuple(bodies.items()))
-            found.append(Probe(part, space, takes))
+        for part, richer, takes, beside in _of_body(on, backend, name, own):
+            spaces = [
+                replace(resolution, bodies=tuple({**dict(resolution.bodies), name: each}.items()))
+                for each in (richer, beside)
+            ]
+            found.append(Probe(part, spaces[0], takes, spaces[1] if beside != own else None))
     return found
 
 
 def _of_body(
     scene: Scene, backend: Backend, name: str, own: BodyResolution
-) -> Iterator[tuple[Part, BodyResolution, float]]:
+) -> Iterator[tuple[Part, BodyResolution, float, BodyResolution]]:
     body, along = scene.bodies[name], range(len(own.densities))
     halved = 1 - 2.0 ** (-2 * own.degree)
     if backend == "fe" and not structured(body):
         if own.degree < MAX_DEGREE[backend]:
-            yield Part(name, tuple(along)), replace(own, degree=own.degree + 1), 1.0
+            yield Part(name, tuple(along)), replace(own, degree=own.degree + 1), 1.0, own
         else:
-            yield Part(name, tuple(along)), replace(own, densities=_doubled(own, along)), halved
+            finer = replace(own, densities=_doubled(own, along))
+            yield Part(name, tuple(along)), finer, halved, own
         return
     for d in along:
-        yield Part(name, (d,)), replace(own, densities=_doubled(own, (d,))), halved
+        yield Part(name, (d,)), replace(own, densities=_doubled(own, (d,))), halved, own
     towards = crowding(scene, name).towards
     if towards and structured(body):
         across = tuple(d for d in along if body.geometry.directions[d] in towards)
-        layered = replace(own, layers=own.layers + 1)
-        yield Part(name, across, edges=True), layered, 1 - RATIO ** (2 * EDGES)
+        thin = tuple(d for d in across if _all_at_edges(body, towards, d, own))
+        beside = replace(own, densities=_doubled(own, thin))
+        layered = replace(beside, layers=own.layers + 1)
+        part = Part(name, across, edges=True, of_degree=_OF_DEGREE[backend])
+        yield part, layered, 1 - RATIO ** (2 * EDGES), beside
+
+
+def _all_at_edges(
+    body: BodySpec, towards: Mapping[str, tuple[float, ...]], d: int, own: BodyResolution
+) -> bool:
+    """Whether each element along a direction lies at a coordinate that elements crowd towards."""
+    mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
+    if mesh is None or not mesh.elements:
+        return False
+    count = round(own.densities[d] * mesh.elements[d])
+    return count <= len(towards[body.geometry.directions[d]])
 
 
 def _doubled(own: BodyResolution, along: range | tuple[int, ...]) -> tuple[float, ...]:
@@ -97,9 +126,11 @@ def _doubled(own: BodyResolution, along: range | tuple[int, ...]) -> tuple[float
 def seconds_of_probes(scene: Scene, backend: Backend, resolution: Resolution) -> float:
     """Time (s) that measuring is estimated to take, not calibrated."""
     total = 0.0
-    for probe in probes(scene, backend, counted(scene, backend, resolution)):
-        richer = widened(refined(scene, backend, probe.resolution))
-        total += seconds_of(richer, 1.0)
+    found = probes(scene, backend, counted(scene, backend, resolution))
+    spaces = dict.fromkeys(space for each in found for space in (each.beside, each.resolution))
+    for space in spaces:
+        if space is not None:
+            total += seconds_of(widened(refined(scene, backend, space)), 1.0)
     return total
 
 
@@ -128,9 +159,14 @@ def measured(level: Level, number: int, scene: Scene, progress: Progress) -> Par
     resolution = counted(scene, level.backend, level.resolution)
     found = probes(scene, level.backend, resolution)
     corrected = []
+    known: dict[Resolution | None, Complexes] = {None: level.eigenvalues}
     for probe in found:
-        richer = widened(refined(scene, level.backend, probe.resolution))
-        corrected.append(eigenvalues_in(level.result, richer, listener=progress.stage))
+        for space in (probe.beside, probe.resolution):
+            if space is not None and space not in known:
+                richer = widened(refined(scene, level.backend, space))
+                known[space] = eigenvalues_in(level.result, richer, listener=progress.stage)
+        change = known[probe.resolution] - known[probe.beside]
+        corrected.append(level.eigenvalues + change)
     return Parts(
         tuple(probe.part for probe in found),
         np.array([probe.takes for probe in found]),

@@ -124,6 +124,16 @@ def test_a_number_whose_error_is_known_in_its_parts_has_luck_of_its_own():
     assert lucky == pytest.approx(30 * of_parts)
 
 
+def test_what_the_last_step_refined_nothing_of_stays_in_the_bar():
+    """Its difference tells nothing of a part that it left as it was."""
+    positions, values = [0.0, 3.0, 3.1], [1.0 + 1e-2, 1.0 + 1e-9, 1.0]
+    step = Usual(1e-9, own=True)
+    assert bar(values, positions, 1.0, usual=step).size < 1e-7
+    assert bar(values, positions, 1.0, usual=replace(step, left=1e-4)).size == pytest.approx(1.2e-4)
+    rises = [1.0, 1.0 + 1e-9, 1.0 + 1e-8]
+    assert bar(rises, positions, 1.0, usual=replace(step, left=1e-4)).size == pytest.approx(1.2e-4)
+
+
 def test_a_small_last_difference_alone_is_taken_for_luck():
     positions = [0.0, 1.0, 2.0]
     usual = bar([1.0, 1.1, 1.1 + 0.1 * exp(-1.0)], positions, 1.0).size

@@ -79,6 +79,14 @@ def test_edges_fall_with_layers_and_with_the_coarser_of_their_directions():
     assert both / whole == pytest.approx(2.0**-1.2)
 
 
+def test_a_degree_of_lagrange_elements_does_twice_as_much_at_edges():
+    splines = parts_of([0.0, 1e-3, 0.0])
+    lagrange = replace(splines, parts=(PARTS[0], replace(PARTS[1], of_degree=2.0), PARTS[2]))
+    for parts, power in ((splines, 1.2), (lagrange, 2.4)):
+        before, after = errors_at(parts, resolution())[1], errors_at(parts, resolution(degree=4))[1]
+        assert after / before == pytest.approx(0.75**power)
+
+
 def test_what_finer_elements_take_off_of_edges_is_no_smooth_part():
     found = replace(parts_of([1e-3, 1e-3, 5e-4]), parts=(Part("disc", (0,)), *PARTS[1:]))
     of_mean = found.of_mean(np.array([0]))
@@ -164,6 +172,28 @@ def test_probes_are_of_every_body_and_direction_and_of_edges():
         ("disc", (0, 2), True),
     ]
     assert seconds_of_probes(scene, "iga", mesh) > 0
+
+
+THIN = (
+    "bodies.disc.mesh.fe={cell='hexahedron',degree=2,elements=[6,16,2],"
+    "through={r=[0.09,0.14],theta=[25.0,65.0]}}",
+    "bodies.pad.mesh.fe={cell='hexahedron',degree=2,elements=[4,4,2]}",
+    "analysis.max_frequency=3000.0",
+)
+
+
+def test_what_a_thin_disc_owes_across_is_not_laid_to_its_edges():
+    """A layer beside one quadratic cell takes off of what is smooth, beside two of edges alone."""
+    scene, shares = load_scene("disc_pad", list(THIN)), []
+    for degree in (2, 3):
+        level = run_level(scene, "fe", counted(scene, "fe", Resolution(degree, 0.5)), SILENT)
+        parts = measured(level, 0, scene, SILENT)
+        thin = next(i for i, each in enumerate(parts.parts) if each.body == "disc" and each.edges)
+        shares.append(parts.of_mean(None)[thin])
+    probe = probes(scene, "fe", parts.resolution)[thin]
+    assert probe.part == parts.parts[thin]
+    assert dict(probe.beside.bodies)["disc"].densities == (0.5, 0.5, 1.0)
+    assert shares[1] < shares[0] < 4 * shares[1]
 
 
 def test_unstructured_bodies_are_probed_as_a_whole():
