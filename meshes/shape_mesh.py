@@ -1,5 +1,6 @@
 """Meshes of the shapes: structured between breaks, or unstructured of a given size."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from cea.mesh import DIMENSION, MAX_ORDER, SIMPLICES, Cell, Mesh
 from meshes.breaks import Breaks
 from meshes.crowned import Crowned
 from meshes.division import divided
+from meshes.edge_layers import Edge
 from meshes.patches import Patches
 from meshes.placement import Placement
 from meshes.shapes import Shape
@@ -26,6 +28,8 @@ def shape_mesh(
     breaks: Breaks | None = None,
     size: float | None = None,
     placement: Placement = _IN_PLACE,
+    edges: Sequence[Edge] = (),
+    layers: int = 0,
 ) -> Mesh:
     """Mesh a shape; its surfaces (curves in the plane) bear the names ``shape.surfaces``.
 
@@ -48,6 +52,8 @@ def shape_mesh(
         Target edge length of an unstructured mesh (m).
     placement
         Where the shape is put.
+    edges, layers
+        Edges along breaks of a structured mesh, and geometric layers of cells towards them.
 
     Raises
     ------
@@ -57,7 +63,9 @@ def shape_mesh(
         When gmsh is in use already.
     """
     if isinstance(shape, Crowned):
-        flat = shape_mesh(shape.base, cell, order, breaks=breaks, size=size)
+        flat = shape_mesh(
+            shape.base, cell, order, breaks=breaks, size=size, edges=edges, layers=layers
+        )
         return replace(flat, points=placement.apply(shape.crown(flat.points)))
     _check(shape, cell, order, breaks, size)
     if size is not None:
@@ -65,7 +73,7 @@ def shape_mesh(
 
         mesh = outline_mesh(shape, order, size)
         return replace(mesh, points=placement.apply(mesh.points))
-    boxes = structured_mesh(shape, breaks or (), order, placement)
+    boxes = structured_mesh(shape, breaks or (), order, placement, edges=edges, layers=layers)
     return divided(boxes) if cell in SIMPLICES else boxes
 
 

@@ -1,16 +1,27 @@
 """Structured meshes of the shapes: quadrilaterals or hexahedra between breaks."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from cea.mesh import Ints, Mesh, lattice
 from meshes.breaks import Breaks
+from meshes.edge_layers import Edge, crossed, edge_nodes, with_layers
 from meshes.lattice import lattices
 from meshes.placement import Placement
 from meshes.shapes import Shape
 
 
-def structured_mesh(shape: Shape, breaks: Breaks, order: int, placement: Placement) -> Mesh:
-    """Mesh a shape with one cell between each two breaks.
+def structured_mesh(
+    shape: Shape,
+    breaks: Breaks,
+    order: int,
+    placement: Placement,
+    *,
+    edges: Sequence[Edge] = (),
+    layers: int = 0,
+) -> Mesh:
+    """Mesh a shape with one cell between each two breaks, and layers around edges.
 
     Parameters
     ----------
@@ -22,6 +33,13 @@ def structured_mesh(shape: Shape, breaks: Breaks, order: int, placement: Placeme
         Order of the geometry, 1 to 4.
     placement
         Where the shape is put.
+    edges, layers
+        Edges along breaks, and geometric layers towards them (:mod:`meshes.edge_layers`).
+
+    Raises
+    ------
+    InputError
+        When breaks do not suit the shape, or the edges.
     """
     dim = len(shape.directions)
     points, parts = lattices(shape, tuple(np.asarray(b, dtype=float) for b in breaks), order)
@@ -38,4 +56,10 @@ def structured_mesh(shape: Shape, breaks: Breaks, order: int, placement: Placeme
         cells=cells,
         surfaces={name: np.concatenate(parts) for name, parts in facets.items()},
     )
+    if edges and layers:
+        singular = np.zeros(len(points), dtype=bool)
+        for edge in edges:  # the last lattice is the outermost one
+            on = edge_nodes(parts[-1].node, breaks, shape.directions, edge, order)
+            singular[on] = True
+        return with_layers(mesh, singular, crossed(shape.directions, edges), layers)
     return mesh.without_loose_points()  # a hub stands out of a lattice that is otherwise empty

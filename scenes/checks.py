@@ -9,7 +9,8 @@ from cea.checks import check_density
 from cea.errors import InputError
 from cea.rotation import Rotation
 from cea.suggestions import did_you_mean
-from meshes.breaks import check_breaks
+from meshes.breaks import breaks_of, check_breaks
+from meshes.edge_layers import check_edges
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.contact_checks import contact_checks, fault_of, unknown_surface
@@ -129,7 +130,13 @@ def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iter
     if not all(1 <= count <= MAX_ELEMENTS for count in elements):
         yield InputError(f"{place}.elements", elements, f"1 to {MAX_ELEMENTS} along each direction")
     else:
-        yield from fault_of(check_breaks, body.geometry, elements, mesh.through, place)
+        through = mesh.boundaries if isinstance(mesh, FeMesh) else mesh.through
+        faults = list(fault_of(check_breaks, body.geometry, elements, through, place))
+        yield from faults
+        if isinstance(mesh, FeMesh) and mesh.edges and not faults:
+            breaks = breaks_of(body.geometry, elements, through)
+            directions = body.geometry.directions
+            yield from fault_of(check_edges, breaks, directions, mesh.edges, place)
 
 
 def _space_checks(place: str, body: BodySpec) -> Iterable[InputError]:

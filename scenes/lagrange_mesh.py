@@ -21,7 +21,7 @@ def lagrange_mesh(spec: BodySpec) -> Mesh:
         raise InputError("mesh.fe", None, "needed for 'fe'")
     breaks = None
     if mesh.elements is not None:
-        breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
+        breaks = breaks_of(spec.geometry, mesh.elements, mesh.boundaries)
     return shape_mesh(
         spec.geometry,
         mesh.cell,
@@ -29,4 +29,6 @@ def lagrange_mesh(spec: BodySpec) -> Mesh:
         breaks=breaks,
         size=mesh.size,
         placement=spec.placement,
+        edges=mesh.edges,
+        layers=mesh.layers,
     )

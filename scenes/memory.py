@@ -145,16 +145,29 @@ def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
 
 
 def available_memory() -> float:
-    """Memory (bytes) of the machine, or what the process is confined to where that is less."""
+    """Memory (bytes) that is free on the machine with what the program itself takes already.
+
+    What the process is confined to counts where that is less.
+    """
     machine = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     soft = resource.getrlimit(resource.RLIMIT_AS)[0]
-    limits = [machine, inf if soft == resource.RLIM_INFINITY else float(soft)]
+    limits = [machine, _free() + _PROGRAM, inf if soft == resource.RLIM_INFINITY else float(soft)]
     for file in ("memory.max", "memory/memory.limit_in_bytes"):
         try:
             limits.append(float((Path("/sys/fs/cgroup") / file).read_text()))
         except (OSError, ValueError):
             continue  # no such group, or no limit
     return min(limits)
+
+
+def _free() -> float:
+    """Memory (bytes) that no program holds now; infinite where the system does not tell."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    except OSError:
+        return inf
+    told = [float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
+    return 1024 * told[0] if told else inf
 
 
 def free_disk() -> float:
@@ -170,10 +183,8 @@ def on_all_machines(amount: Callable[[], float], comm: Any = MPI.COMM_WORLD) -> 
     return float(available)
 
 
-def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
+def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD, *, on_disk: bool = True) -> None:
     """Refuse a scene that cannot fit into the memory of the machines of all ranks; collective.
-
-    Factors may be on disk (:mod:`scenes.factor_storage`) where it has room for them.
 
     Parameters
     ----------
@@ -181,6 +192,8 @@ def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
         The scene.
     comm
         Communicator (mpi4py) of the ranks that run it.
+    on_disk
+        Whether factors may be on disk (:mod:`scenes.factor_storage`) where it has room for them.
 
     Raises
     ------
@@ -192,7 +205,7 @@ def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
     estimate = estimated_memory(scene)
     if estimate.bytes <= available:
         return
-    disk = on_all_machines(free_disk, comm)
+    disk = on_all_machines(free_disk, comm) if on_disk else 0.0
     if _fits_with_files(scene, estimate, available, disk):
         return
     name, body = max(scene.bodies.items(), key=lambda item: _nodes(item[1]))
@@ -200,7 +213,7 @@ def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
         f"{estimate.dofs:.3g} dofs take about {_gigabytes(estimate.bytes)} of the "
         f"{_gigabytes(available)} there are"
     )
-    if may_be_on_disk(scene):
+    if on_disk and may_be_on_disk(scene):
         told += (
             f", or {_gigabytes(estimate.bytes_with_files)} with {_gigabytes(estimate.files)} of "
             f"factors on disk, where {_gigabytes(disk)} are free"

@@ -145,7 +145,7 @@ def _with_those_of(
     result: ModesResult, scene: Scene, listener: Callable[[str], None] | None
 ) -> dict[str, Body]:
     """Bodies of a scene; those of a result that are the same, with their matrices."""
-    check_memory(scene)
+    check_memory(scene, on_disk=False)
     same = {name for name in scene.bodies if _same(name, scene, result.scene)}
     others = {name: body for name, body in scene.bodies.items() if name not in same}
     made = build_bodies(replace(scene, bodies=others), StageTimer(listener))

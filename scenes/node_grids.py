@@ -1,6 +1,6 @@
 """Boxes of nodes that stand for the meshes of bodies, from which sizes are estimated."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, pi, prod
 
@@ -55,6 +55,8 @@ def node_grids(body: BodySpec, scale: float) -> Iterator[NodeGrid]:
         counts = [fe.degree * n + end for n, end in zip(along, ends, strict=True)]
         near = (fe.degree + 2.0) * (_SIMPLEX if fe.cell in SIMPLICES else 1.0) ** (1 / dim)
         yield NodeGrid(tuple(counts), (near,) * dim, (1.0,) * dim)
+        if fe.layers:
+            yield _grid_of_layers(body, fe, counts, near)
     elif body.mesh.iga is not None:
         iga = body.mesh.iga
         continuity = iga.continuity or tuple(p - 1 for p in iga.degree)
@@ -68,6 +70,16 @@ def node_grids(body: BodySpec, scale: float) -> Iterator[NodeGrid]:
             ]
             least = [min(a, b) for a, b in zip(couplings, counts, strict=True)]
             yield NodeGrid(tuple(counts), tuple(least), tuple(widths))
+
+
+def _grid_of_layers(body: BodySpec, fe: FeMesh, counts: Sequence[float], near: float) -> NodeGrid:
+    """Nodes that layers towards edges bring: two cells each in all that meet in an edge."""
+    ends = dict(zip(body.geometry.directions, body.geometry.extent, strict=True))
+    meeting = sum(1 + sum(x not in ends[d] for d, x in edge.items()) for edge in fe.edges)
+    across = [2.0 * fe.layers * meeting * fe.degree, float(fe.degree)]
+    along = [n for d, n in zip(ends, counts, strict=True) if d not in fe.edges[0]]
+    dim = len(ends)
+    return NodeGrid((*across, *along), (near,) * dim, (1.0,) * dim)
 
 
 def _grid_of_file(file: MeshFile, degree: int, scale: float) -> NodeGrid:

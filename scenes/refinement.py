@@ -11,7 +11,9 @@ from typing import Any
 
 from cea.contact.formulations import Mortar
 from cea.errors import InputError
+from cea.mesh import SIMPLICES
 from meshes.breaks import breaks_of, fewest, layered
+from meshes.edge_layers import RATIO, fit
 from meshes.mesh_file import MeshFile
 from scenes.read import Scene
 from scenes.refinement_edges import Crowding, crowding
@@ -20,8 +22,6 @@ from scenes.spec.contact import ContactSpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.variants import on_backend
 
-RATIO = 0.2
-"""Size of an element of a layer relative to the next one: near what suits corners best."""
 MAX_DEGREE: dict[Backend, int] = {"fe": 4, "iga": 8}
 """Highest degree of each backend."""
 
@@ -208,6 +208,17 @@ def structured(body: BodySpec) -> bool:
     return body.backend == "iga" or (body.mesh.fe is not None and body.mesh.fe.size is None)
 
 
+def layers_at_edges(body: BodySpec, edges: Crowding) -> bool:
+    """Whether layers towards the edges of a body leave the rest of its mesh as it is.
+
+    Lagrange cells need not lie on a lattice: where all edges run along one direction, or in the
+    plane, those at the edges alone are divided (:mod:`meshes.edge_layers`).
+    """
+    cell = body.mesh.fe.cell if body.backend == "fe" and body.mesh.fe is not None else None
+    boxes = cell is not None and cell not in SIMPLICES and structured(body)
+    return boxes and len({frozenset(edge) for edge in edges.edges}) == 1
+
+
 def _refined(scene: Scene, name: str, own: BodyResolution) -> BodySpec:
     body = scene.bodies[name]
     mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
@@ -263,6 +274,13 @@ def _with_breaks(
     elements = _counts(scene, name, mesh.elements or (), own.densities)
     if not own.layers or not edges:
         return replace(mesh, elements=elements, through=through)
+    if isinstance(mesh, FeMesh) and layers_at_edges(scene.bodies[name], edges):
+        new = replace(mesh, through=through, edges=edges.edges, layers=own.layers)
+        while not fit(breaks_of(shape, elements, new.boundaries), shape.directions, edges.edges):
+            elements = tuple(
+                n + (d in edges.towards) for d, n in zip(shape.directions, elements, strict=True)
+            )
+        return replace(new, elements=elements)
     along = zip(shape.directions, breaks_of(shape, elements, through), strict=True)
     breaks = {d: layered(each, edges.towards.get(d, ()), own.layers, RATIO) for d, each in along}
     return replace(

@@ -39,6 +39,8 @@ _WITHIN = 1e-9
 
 Place = tuple[str, float]
 """A direction and a coordinate along it."""
+SingularEdge = tuple[Place, Place]
+"""The two places that an edge lies at."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +53,13 @@ class Crowding:
         Those towards which elements crowd, by direction.
     through
         Those inside the body at which pressure ends, and elements do too.
+    edges
+        The edges themselves, each by its coordinates along two directions.
     """
 
     towards: dict[str, tuple[float, ...]]
     through: dict[str, tuple[float, ...]]
+    edges: tuple[dict[str, float], ...] = ()
 
     def __bool__(self) -> bool:
         return any(self.towards.values())
@@ -92,8 +97,10 @@ def crowding(scene: SceneSpec, name: str) -> Crowding:
         *_re_entrant(body.geometry),
         *_boundaries_on(scene, name, stiff=True),
     ]
-    inner = list(_boundaries_on(scene, name, stiff=False))
-    return Crowding(_by_direction(found), _by_direction(inner))
+    inner = [place for _, place in _boundaries_on(scene, name, stiff=False)]
+    towards = [place for edge in found for place in edge]
+    edges = [dict(edge) for edge in dict.fromkeys(found)]
+    return Crowding(_by_direction(towards), _by_direction(inner), tuple(edges))
 
 
 def _by_direction(places: list[Place]) -> dict[str, tuple[float, ...]]:
@@ -121,7 +128,7 @@ def _coordinate(shape: Shape, surface: str, face: _Face) -> float:
     return _ranges(shape)[face.direction][face.end]
 
 
-def _clamped(body: BodySpec) -> Iterator[Place]:
+def _clamped(body: BodySpec) -> Iterator[SingularEdge]:
     """Edges of faces that are held in every component."""
     dim = len(body.geometry.directions)
     for support in body.supports:
@@ -129,7 +136,7 @@ def _clamped(body: BodySpec) -> Iterator[Place]:
             yield from _edges(body, support.surface)
 
 
-def _contact_edges(scene: SceneSpec, name: str) -> Iterator[Place]:
+def _contact_edges(scene: SceneSpec, name: str) -> Iterator[SingularEdge]:
     """Edges of the sides a of contacts that this body bears."""
     for contact in scene.contacts.values():
         owner, _, surface = contact.a.partition(".")
@@ -149,24 +156,19 @@ def _is_stiff(scene: SceneSpec, contact: ContactSpec) -> bool:
     return bool(p * lengths[0] > _STIFF * min(body.material.E for body in bodies))
 
 
-def _edges(body: BodySpec, surface: str) -> Iterator[Place]:
-    """A face and the ends of the free ones that meet it; nothing where no free one does."""
+def _edges(body: BodySpec, surface: str) -> Iterator[SingularEdge]:
+    """Where the ends of free faces meet a face."""
     shape = body.geometry
     face = _face_of(shape, surface)
     if face is None:
         return
-    held = _held(body)
-    ends = [
-        (direction, ends[end])
-        for direction, ends in _ranges(shape).items()
-        for end in (0, 1)
-        if direction != face.direction
-        and not (isinstance(shape, CLOSED) and direction == "theta")
-        and _Face(direction, end) not in held
-    ]
-    if ends:
-        yield face.direction, _coordinate(shape, surface, face)
-        yield from ends
+    held, at = _held(body), (face.direction, _coordinate(shape, surface, face))
+    for direction, ends in _ranges(shape).items():
+        if direction == face.direction or (isinstance(shape, CLOSED) and direction == "theta"):
+            continue
+        for end in (0, 1):
+            if _Face(direction, end) not in held:
+                yield at, (direction, ends[end])
 
 
 def _held(body: BodySpec) -> set[_Face]:
@@ -181,7 +183,7 @@ def _held(body: BodySpec) -> set[_Face]:
     return held
 
 
-def _boundaries_on(scene: SceneSpec, name: str, *, stiff: bool) -> Iterator[Place]:
+def _boundaries_on(scene: SceneSpec, name: str, *, stiff: bool) -> Iterator[SingularEdge]:
     """Edges of sides a where they lie inside a side b that this body bears.
 
     Of stiff contacts with the face itself, else of all. They are known where both bodies stand as
@@ -193,12 +195,11 @@ def _boundaries_on(scene: SceneSpec, name: str, *, stiff: bool) -> Iterator[Plac
         other = scene.bodies[contact.a.partition(".")[0]]
         face = _face_of(body.geometry, surface) if owner == name else None
         if face is not None and _aligned(body, other):
-            inside = list(_inside(body.geometry, other.geometry, face))
-            if stiff and inside and _is_stiff(scene, contact):
-                yield face.direction, _coordinate(body.geometry, surface, face)
-            elif stiff:
+            if stiff and not _is_stiff(scene, contact):
                 continue
-            yield from inside
+            at = face.direction, _coordinate(body.geometry, surface, face)
+            for place in _inside(body.geometry, other.geometry, face):
+                yield at, place
 
 
 def _aligned(body: BodySpec, other: BodySpec) -> bool:
@@ -221,10 +222,9 @@ def _inside(shape: Shape, other: Shape, face: _Face) -> Iterator[Place]:
                 yield direction, coordinate
 
 
-def _re_entrant(shape: Shape) -> Iterator[Place]:
+def _re_entrant(shape: Shape) -> Iterator[SingularEdge]:
     """The edges in which the ring of a hub meets its thicker part."""
     if isinstance(shape, Hub):
-        yield "r", shape.hub_radius
         for z, end in ((shape.bottom, shape.hub_bottom), (shape.top, shape.hub_top)):
             if z != end:
-                yield "z", z
+                yield ("r", shape.hub_radius), ("z", z)

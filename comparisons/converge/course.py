@@ -144,9 +144,12 @@ class Course:
         return chosen(self._alike(), need or self.need, most)
 
     def cost_of(self, factor: float) -> Step | None:
-        """The cheapest mesh expected to make the newest's errors fall by a factor."""
+        """The cheapest mesh expected to make the newest's errors fall by a factor.
+
+        Whether the machine has the memory for it is not asked.
+        """
         if self.sequence.parts is None:
-            return cheapest(self._alike(), factor)
+            return cheapest(self._alike(fitting=False), factor)
         step = self._leanest(inf, spare=-log(factor / max(self.need, 1.0)))
         return step if step is not None and step.enough else None
 
@@ -246,8 +249,8 @@ class Course:
         options = {"spare": spare, "at_once": at_once, "share": share}
         return self.plans.leanest(self.sequence, self.judged, most_seconds, **options)
 
-    def _alike(self) -> list[Step]:
-        return self.plans.alike(self.sequence, self.judged, self.so_far)
+    def _alike(self, *, fitting: bool = True) -> list[Step]:
+        return self.plans.alike(self.sequence, self.judged, self.so_far, fitting=fitting)
 
     def _rate(self, window: Window) -> float:
         return rate_of(self.sequence, window)

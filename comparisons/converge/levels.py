@@ -1,6 +1,8 @@
 """One mesh of a sequence: a scene at a resolution, run."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -9,7 +11,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
 from comparisons.kit.progress import Progress
-from scenes.memory import estimated_memory
+from scenes.memory import available_memory, estimated_memory, on_all_machines
 from scenes.read import Scene
 from scenes.refinement import Refiner, Resolution, refined
 from scenes.results import ModesResult
@@ -123,6 +125,17 @@ class Estimates:
         """Seconds at a resolution."""
         finer = self._refiner.at(resolution)
         return estimated_seconds(finer, estimated_memory(finer))
+
+    def fitting(self) -> Callable[[Resolution], float]:
+        """Seconds, infinite where the memory that is free now does not do; collective."""
+        room = on_all_machines(available_memory)
+
+        def seconds(resolution: Resolution) -> float:
+            finer = self._refiner.at(resolution)
+            memory = estimated_memory(finer)
+            return estimated_seconds(finer, memory) if memory.bytes <= room else inf
+
+        return seconds
 
 
 def estimate(scene: Scene, backend: Backend, resolution: Resolution) -> float:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from comparisons.converge.theory import LARGEST_ERROR, SMALLEST_ERROR
-from scenes.refinement import RATIO, BodyResolution, Resolution
+from meshes.edge_layers import RATIO
+from scenes.refinement import BodyResolution, Resolution
 
 EDGES = 0.6
 """Exponent of displacements at edges, the least that usual nu have at clamped ones; splines of a

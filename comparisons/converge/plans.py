@@ -52,13 +52,11 @@ class Plans:
     def first(self, most_seconds: float) -> Step:
         """The first mesh: half as dense as the scene, or coarser where that takes too long."""
         degree, density = FIRST_DEGREE[self._backend], _FIRST_DENSITY
-        resolution = Resolution(degree, density)
-        seconds = self._estimates.seconds(resolution)
-        while seconds > _FIRST_PART * most_seconds and density > _COARSEST:
+        resolution, taken = Resolution(degree, density), self._estimates.fitting()
+        while taken(resolution) > _FIRST_PART * most_seconds and density > _COARSEST:
             density *= _COARSER
             resolution = Resolution(degree, density)
-            seconds = self._estimates.seconds(resolution)
-        return Step(resolution, 0.0, seconds)
+        return Step(resolution, 0.0, self._estimates.seconds(resolution))
 
     def leanest(
         self,
@@ -79,7 +77,7 @@ class Plans:
         judged
             Bars on the newest.
         most_seconds
-            Time that it may take.
+            Time that it may take; where it is endless, memory counts no more.
         spare, at_once
             Logarithms of what is left to a correction, and of what one mesh takes off at most.
         share
@@ -100,17 +98,20 @@ class Plans:
         )
         if aim is None:
             return None
+        taken = self._estimates.seconds if most_seconds == inf else self._estimates.fitting()
         return leanest(
             sequence.parts,
             self._backend,
             sequence.last.resolution,
             self._given,
             aim,
-            lambda resolution: slower * self._estimates.seconds(resolution),
+            lambda resolution: slower * taken(resolution),
             most_seconds,
         )
 
-    def alike(self, sequence: Sequence, judged: Judged, so_far: Fallen) -> list[Step]:
+    def alike(
+        self, sequence: Sequence, judged: Judged, so_far: Fallen, *, fitting: bool
+    ) -> list[Step]:
         """Meshes refined in all bodies alike.
 
         Parameters
@@ -121,7 +122,10 @@ class Plans:
             Bars on the newest.
         so_far
             What theory took off from the error of the first mesh.
+        fitting
+            Whether those that the memory does not hold are to take for ever.
         """
+        taken = self._estimates.fitting() if fitting else self._estimates.seconds
         slower, rate = slower_than_estimated(sequence), rate_of(sequence, judged.window)
         found = steps(
             self._backend,
@@ -129,7 +133,7 @@ class Plans:
             so_far,
             error_now(sequence, judged.window, rate),
             rate,
-            lambda resolution: slower * self._estimates.seconds(resolution),
+            lambda resolution: slower * taken(resolution),
             singular=sequence.singular,
         )
         return list(found)

@@ -20,14 +20,15 @@ from comparisons.converge.estimated import seconds_of
 from comparisons.converge.levels import Level, widened
 from comparisons.converge.parts import EDGES, Part, Parts
 from comparisons.kit.progress import Progress
+from meshes.edge_layers import RATIO
 from scenes.nested import eigenvalues_in
 from scenes.read import Scene
 from scenes.refinement import (
     MAX_DEGREE,
-    RATIO,
     BodyResolution,
     Resolution,
     counted,
+    layers_at_edges,
     refined,
     structured,
 )
@@ -102,6 +103,8 @@ def _of_body(
     if towards and structured(body):
         across = tuple(d for d in along if body.geometry.directions[d] in towards)
         thin = tuple(d for d in across if _all_at_edges(body, towards, d, own))
+        if layers_at_edges(body, crowding(scene, name)):
+            thin = ()  # layers divide no other elements
         beside = replace(own, densities=_doubled(own, thin))
         layered = replace(beside, layers=own.layers + 1)
         part = Part(name, across, edges=True, of_degree=_OF_DEGREE[backend])

@@ -144,7 +144,7 @@ def _turn(course: Course, active: int, clock: _Clock, progress: Progress) -> Non
         return
     step = course.next(left)
     if step is None or (not first and step.seconds > left):
-        course.ended = _why_not(course)
+        course.ended = _why_not(course, left)
         if _corrected(course, clock, progress, last=True) and course.holds:
             course.ended = HELD
         return
@@ -185,11 +185,13 @@ def _step(course: Course, step: Step, clock: _Clock, progress: Progress) -> None
     )
 
 
-def _why_not(course: Course) -> str:
-    """Why no mesh follows: none is left that refines, or all take too long."""
+def _why_not(course: Course, left: float) -> str:
+    """Why no mesh follows: none is left that refines, or all take too much time or memory."""
     possible = course.cost_of(2.0)
     if possible is None:
         return "no finer mesh is expected to halve the errors"
+    if possible.seconds <= left:
+        return "memory: the next mesh would take more than the machine has free"
     return f"the budget: the next mesh would take about {possible.seconds:.2g} s"
 
 

@@ -16,7 +16,8 @@ Error bars count on the part that falls more slowly, which is left at the end.
 from dataclasses import dataclass
 from math import exp, log
 
-from scenes.refinement import RATIO, Resolution
+from meshes.edge_layers import RATIO
+from scenes.refinement import Resolution
 
 _EXPONENT = 0.7
 """Of displacements at a clamped edge (Williams 1952), between 0.6 and 0.75 for usual nu."""

@@ -28,6 +28,12 @@ class FeMesh:
         Target edge length of unstructured tetrahedra or triangles (m), given instead.
     through
         Coordinates that must be element boundaries of a structured mesh, by direction.
+    edges
+        Singular edges of a structured mesh of quadrilaterals or hexahedra, each by the two
+        coordinates that it lies at, which are element boundaries then. All run along one
+        direction; in the plane they are points.
+    layers
+        Geometric layers of cells towards the edges, in the cells at them alone.
     """
 
     cell: Cell = "hexahedron"
@@ -36,8 +42,17 @@ class FeMesh:
     elements: tuple[int, ...] | None = None
     size: Annotated[float, Field(gt=0)] | None = None
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+    edges: tuple[dict[str, float], ...] = ()
+    layers: Annotated[int, Field(ge=0, le=8)] = 0
+
+    left_out: ClassVar[tuple[str, ...]] = ("edges", "layers")
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
 
     def __post_init__(self) -> None:
+        if self.edges and self.cell in SIMPLICES:
+            raise InputError("edges", self.edges, f"left out for cell = {self.cell!r}")
+        if self.layers and not self.edges:
+            raise InputError("layers", self.layers, "0 without edges")
         if self.cell not in SIMPLICES:
             if self.elements is None:
                 raise InputError("elements", None, f"needed for cell = {self.cell!r}")
@@ -48,6 +63,15 @@ class FeMesh:
             raise InputError("size", self.size, f"{allowed}, for cell = {self.cell!r}")
         if self.elements is None and self.through:
             raise InputError("through", self.through, "left out where size is given")
+
+    @property
+    def boundaries(self) -> dict[str, tuple[float, ...]]:
+        """Coordinates that are element boundaries, those of edges among them, by direction."""
+        found = {name: set(values) for name, values in self.through.items()}
+        for edge in self.edges:
+            for name, value in edge.items():
+                found.setdefault(name, set()).add(value)
+        return {name: tuple(sorted(values)) for name, values in found.items()}
 
 
 @dataclass(frozen=True)

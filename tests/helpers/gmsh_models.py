@@ -5,7 +5,7 @@ from contextlib import contextmanager
 import gmsh
 import numpy as np
 
-from cea.mesh import lattice, matching_nodes
+from cea.mesh import facet_nodes, lattice, matching_nodes
 from meshes.gmsh_model import gmsh_session
 
 FAMILIES = {
@@ -48,3 +48,27 @@ def gmsh_model(mesh):
         model.addPhysicalGroup(dim, [volume], name="volume")
         model.mesh.reclassifyNodes()
         yield model
+
+
+def outer_facets(mesh):
+    """Facets of one cell only, as sorted nodes."""
+    facets = [mesh.cells[:, facet] for facet in facet_nodes(mesh.cell, mesh.order)]
+    rows, count = np.unique(np.sort(np.concatenate(facets), axis=1), axis=0, return_counts=True)
+    assert count.max() <= 2
+    return rows[count == 1]
+
+
+def assert_outer_facets_are_named(mesh):
+    """Every shape names its whole boundary: a face that neighbours divide unlike is none of it."""
+    named = np.sort(np.concatenate(list(mesh.surfaces.values())), axis=1)
+    assert np.array_equal(outer_facets(mesh), np.unique(named, axis=0))
+
+
+def volumes(mesh):
+    """Volumes of the cells by gmsh's quadrature, each with a Jacobian of one sign."""
+    with gmsh_model(mesh) as model:
+        (kind,) = model.mesh.getElementTypes(mesh.dim)
+        xi, weights = model.mesh.getIntegrationPoints(kind, "Gauss8")
+        found = model.mesh.getJacobians(kind, xi)[1].reshape(-1, len(weights))
+    assert (np.abs(np.sign(found).sum(axis=1)) == len(weights)).all()
+    return np.abs(found @ weights)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from gmsh_models import gmsh_model
+from gmsh_models import assert_outer_facets_are_named, volumes
 
 from cea.errors import InputError
-from cea.mesh import Mesh, facet_nodes, reference_nodes
+from cea.mesh import Mesh, reference_nodes
 from meshes.breaks import breaks_of
 from meshes.division import divided
 from meshes.shape_mesh import shape_mesh
@@ -30,30 +30,6 @@ def boxes(shape, order):
     dim = len(shape.directions)
     cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
     return shape_mesh(shape, cell, order, breaks=breaks_of(shape, (3, 12, 4)[:dim]))
-
-
-def outer_facets(mesh):
-    """Facets of one cell only, as sorted nodes."""
-    facets = [mesh.cells[:, facet] for facet in facet_nodes(mesh.cell, mesh.order)]
-    rows, count = np.unique(np.sort(np.concatenate(facets), axis=1), axis=0, return_counts=True)
-    assert count.max() <= 2
-    return rows[count == 1]
-
-
-def assert_outer_facets_are_named(mesh):
-    """Every shape names its whole boundary: a face that neighbours divide unlike is none of it."""
-    named = np.sort(np.concatenate(list(mesh.surfaces.values())), axis=1)
-    assert np.array_equal(outer_facets(mesh), np.unique(named, axis=0))
-
-
-def volumes(mesh):
-    """Volumes of the cells by gmsh's quadrature, each with a Jacobian of one sign."""
-    with gmsh_model(mesh) as model:
-        (kind,) = model.mesh.getElementTypes(mesh.dim)
-        xi, weights = model.mesh.getIntegrationPoints(kind, "Gauss8")
-        found = model.mesh.getJacobians(kind, xi)[1].reshape(-1, len(weights))
-    assert (np.abs(np.sign(found).sum(axis=1)) == len(weights)).all()
-    return np.abs(found @ weights)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

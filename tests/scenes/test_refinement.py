@@ -106,18 +106,37 @@ def test_the_edge_of_a_hub_is_re_entrant():
     assert isinstance(body, BodySpec)
 
 
-def test_layers_lie_where_elements_crowd(backend):
-    scene = refined(load_scene("disc_pad"), backend, Resolution(2, 0.5, 2))
-    mesh = scene.bodies["disc"].mesh
-    chosen = mesh.fe if backend == "fe" else mesh.iga
-    r, _, z = breaks_of(scene.bodies["disc"].geometry, chosen.elements, chosen.through)
+def test_layers_of_splines_lie_where_elements_crowd():
+    scene = refined(load_scene("disc_pad"), "iga", Resolution(2, 0.5, 2))
+    mesh = scene.bodies["disc"].mesh.iga
+    r, _, z = breaks_of(scene.bodies["disc"].geometry, mesh.elements, mesh.through)
     sizes = np.diff(r)
     assert sizes[0] / (sizes[:3].sum()) == pytest.approx(RATIO**2)
     assert sizes[1] / (sizes[:3].sum()) == pytest.approx(RATIO - RATIO**2)
     assert sizes[3] == pytest.approx(sizes[:3].sum(), rel=0.5)  # as even as before
     assert np.allclose(np.diff(z), np.diff(z)[::-1])  # towards both faces alike
-    plain = refined(load_scene("disc_pad"), backend, Resolution(2, 0.5, 0))
+    plain = refined(load_scene("disc_pad"), "iga", Resolution(2, 0.5, 0))
     assert elements(scene, "disc")[0] == elements(plain, "disc")[0] + 2
+
+
+def test_layers_of_lagrange_cells_lie_at_the_edges_alone():
+    plain, scene = (refined(load_scene("disc_pad"), "fe", Resolution(2, 0.5, n)) for n in (0, 2))
+    assert elements(scene, "disc") == elements(plain, "disc")
+    mesh = scene.bodies["disc"].mesh.fe
+    disc = scene.bodies["disc"].geometry
+    ends = [{"r": disc.inner_radius, "z": z} for z in (disc.bottom, disc.top)]
+    assert (mesh.layers, list(mesh.edges)) == (2, ends)
+    # Edges of the pad run along all its directions: whole layers of elements.
+    pads = scene.bodies["pad"].mesh.fe, plain.bodies["pad"].mesh.fe
+    assert (pads[0].layers, pads[0].edges) == (0, ())
+    assert all(a > b for a, b in zip(pads[0].elements, pads[1].elements, strict=True))
+
+
+def test_tetrahedra_have_whole_layers():
+    scene = load_scene("disc_pad", ["bodies.disc.mesh.fe={cell='tetrahedron',elements=[3,24,2]}"])
+    mesh = refined(scene, "fe", Resolution(2, 1.0, 1)).bodies["disc"].mesh.fe
+    assert mesh.layers == 0
+    assert mesh.elements > (3, 24, 2)
 
 
 def test_layers_are_nested_and_keep_what_was_there():

@@ -1,0 +1,113 @@
+"""Layers around edges: cells fit, fill the shape, keep its names, and grow small at edges alone."""
+
+import numpy as np
+import pytest
+from gmsh_models import assert_outer_facets_are_named, volumes
+
+from cea.errors import InputError
+from meshes.breaks import breaks_of
+from meshes.edge_layers import RATIO, check_edges
+from meshes.placement import Placement
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector
+
+ANNULUS = Annulus(0.5, 1.0, 0.0, 0.3)
+ENDS = ({"r": 0.5, "z": 0.0}, {"r": 0.5, "z": 0.3})
+HUB = Hub(0.2, 0.5, 1.0, 0.0, 0.2, -0.1, 0.4)
+CASES = {
+    "both edges at one cell": (ANNULUS, (2, 6, 1), ENDS),
+    "both edges, each at its cell": (ANNULUS, (2, 5, 2), ENDS),
+    "outside and above": (ANNULUS, (1, 5, 1), ({"z": 0.3, "r": 0.5}, {"z": 0.3, "r": 1.0})),
+    "re-entrant": (HUB, (3, 4, 4), ({"r": 0.5, "z": 0.0}, {"r": 0.5, "z": 0.2})),
+    "rim": (Disc(1.0, 0.1, 0.3), (4, 8, 2), ({"r": 1.0, "z": 0.1}, {"r": 1.0, "z": 0.3})),
+    "straight": (Box((0.3, 0.2, 0.1)), (2, 3, 2), ({"x": 0.3, "z": 0.0},)),
+    "points": (Rectangle((0.3, 0.2)), (3, 2), ({"x": 0.1, "y": 0.2}, {"x": 0.3, "y": 0.0})),
+    "on an arc": (RingSector(0.5, 1.0, -25.0, 60.0), (2, 5), ({"r": 1.0, "theta": 60.0},)),
+    "round": (Ring(0.5, 1.0), (2, 8), ({"r": 0.5, "theta": 90.0},)),
+}
+
+
+def made(case, order, layers, placement=None):
+    shape, elements, edges = CASES[case]
+    through = {}
+    for edge in edges:
+        for name, value in edge.items():
+            through.setdefault(name, []).append(value)
+    cell = {2: "quadrilateral", 3: "hexahedron"}[len(elements)]
+    breaks = breaks_of(shape, elements, through)
+    placement = placement or Placement()
+    return shape_mesh(
+        shape, cell, order, breaks=breaks, edges=edges, layers=layers, placement=placement
+    )
+
+
+@pytest.mark.parametrize("layers", [1, 3])
+@pytest.mark.parametrize("order", [1, 2, 4])
+@pytest.mark.parametrize("case", CASES)
+def test_cells_fit_and_fill_the_shape(case, order, layers):
+    whole, parts = made(case, order, 0), made(case, order, layers)
+    assert set(parts.surfaces) == set(whole.surfaces)
+    assert_outer_facets_are_named(parts)
+    before, after = volumes(whole), volumes(parts)
+    # Across an edge in the plane of a circle the maps of the parts are other polynomials.
+    curved = len(CASES[case][1]) == 2 and "radius" in str(CASES[case][0])
+    rel = 1e-12 if not curved else {1: 3e-2, 2: 2e-3, 4: 1e-5}[order]
+    assert after.sum() == pytest.approx(before.sum(), rel=rel)
+    if not curved:
+        # The smallest cell, at an edge, and the greatest, at none.
+        assert after.min() == pytest.approx(RATIO ** (2 * layers) * before.min(), rel=2.0)
+        assert after.max() <= before.max() * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_each_layer_adds_as_many_cells(case):
+    counts = np.array([len(made(case, 2, layers).cells) for layers in range(5)])
+    more = np.diff(counts)
+    assert (more[1:] == more[1]).all()
+    around = 1 if len(CASES[case][1]) == 2 else CASES[case][1][1]
+    assert more[1] % (2 * around) == 0  # two for each cell at an edge
+
+
+def test_neighbours_of_the_cells_at_edges_stay_as_they_were():
+    whole, parts = (made("both edges at one cell", 3, layers) for layers in (0, 4))
+    nodes, same = ({each.tobytes() for each in m.points[m.cells]} for m in (whole, parts))
+    assert len(nodes & same) == 6  # of two times six: those outside
+
+
+def test_surfaces_lie_where_they_did():
+    place = Placement(axis=(1.0, -2.0, 0.5), angle=50.0, translation=(0.3, 0.1, -0.7))
+    mesh = made("both edges at one cell", 2, 3, place)
+    x = (mesh.points - place.translation) @ place.rotation
+    radius, z = np.hypot(x[:, 0], x[:, 1]), x[:, 2]
+    for name, along, value in (
+        ("inner", radius, 0.5),
+        ("outer", radius, 1.0),
+        ("bottom", z, 0.0),
+        ("top", z, 0.3),
+    ):
+        np.testing.assert_allclose(along[mesh.surfaces[name]], value, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("elements", "edges", "told"),
+    [
+        ((1, 4, 1), ({"r": 0.5, "z": 0.0}, {"r": 1.0, "z": 0.3}), "more elements"),
+        ((1, 4, 1), (*ENDS, {"r": 1.0, "z": 0.3}), "more elements"),
+        ((2, 4, 1), (ENDS[0], {"r": 0.5, "theta": 0.0}), "along the same two"),
+        ((2, 4, 1), ({"r": 0.5},), "along the same two"),
+        ((2, 4, 1), ({"r": 0.5, "x": 0.0},), "along the same two"),
+    ],
+)
+def test_edges_without_room_for_layers_are_refused(elements, edges, told):
+    breaks = breaks_of(ANNULUS, elements)
+    with pytest.raises(InputError, match=told) as caught:
+        check_edges(breaks, ANNULUS.directions, edges, "mesh.fe")
+    assert caught.value.field in ("mesh.fe.elements", "mesh.fe.edges")
+    with pytest.raises(InputError, match=told):
+        shape_mesh(ANNULUS, "hexahedron", 1, breaks=breaks, edges=edges, layers=1)
+
+
+def test_edges_off_the_breaks_are_refused():
+    breaks = breaks_of(ANNULUS, (2, 4, 1))
+    with pytest.raises(InputError, match="element boundaries along r"):
+        shape_mesh(ANNULUS, "hexahedron", 1, breaks=breaks, edges=[{"r": 0.6, "z": 0.0}], layers=1)
