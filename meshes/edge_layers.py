@@ -9,7 +9,6 @@ disc is, is divided into two smaller ones at both and five others.
 Edges run along one direction of a lattice all the way; in the plane they are points.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,20 +17,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from cea.errors import InputError, require
 from cea.mesh import Floats, Ints, Mesh, facet_nodes
+from meshes.edge_templates import quads_towards
 
-RATIO = 0.2
-"""Size of a cell of a layer relative to the next one: near what suits corners best."""
-_TURN = np.array([0.55, 0.3])
-"""Where the cells between two edges turn, in parts of the cell: away from the side that both are
-on, and along it."""
-_TOO_FEW = "more elements: at most two edges at one cell, and on one side of it"
 _SAME = 1e-3
 """Distance of nodes, relative to the least of a cell, below which they are one."""
 
-Edge = Mapping[str, float]
-"""Coordinates along two directions of a shape, those that an edge lies across."""
 Bools = NDArray[np.bool_]
 
 
@@ -64,7 +55,7 @@ def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> 
     for pattern in np.unique(marked[marked.any(axis=(1, 2))], axis=0):
         some = np.flatnonzero((marked == pattern).all(axis=(1, 2)))
         kept[some] = False
-        quads = _quads(pattern, layers)
+        quads = quads_towards(pattern, layers)
         x = _placed(mesh.points[lattice[some]], quads, mesh.order)
         least = min(least, _least_distance(x))
         numbers = count + np.arange(x[..., 0].size).reshape(x.shape[:-1])
@@ -82,144 +73,6 @@ def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> 
     surfaces = {name: first[nodes] for name, nodes in facets.named().items()}
     parts = first[np.concatenate(cells)]
     return Mesh(mesh.cell, mesh.order, every, parts, surfaces).without_loose_points()
-
-
-def edge_nodes(
-    node: Ints, breaks: Sequence[Floats], directions: Sequence[str], edge: Edge, order: int
-) -> Ints:
-    """Numbers of the nodes of a lattice on an edge.
-
-    Parameters
-    ----------
-    node
-        Numbers on the lattice. It may begin at a later break of the first direction.
-    breaks
-        Element boundaries along the directions.
-    directions
-        Their names.
-    edge
-        The edge, along breaks.
-    order
-        Lattice steps across a cell.
-
-    Raises
-    ------
-    InputError
-        When the edge is not along breaks of the lattice.
-    """
-    for axis, (name, each) in reversed(list(enumerate(zip(directions, breaks, strict=True)))):
-        if name in edge:
-            at = int(np.abs(each - edge[name]).argmin())
-            from_end = (len(each) - 1 - at) * order
-            near = abs(each[at] - edge[name]) <= 1e-9 * (each[-1] - each[0])
-            require(
-                bool(near and from_end < node.shape[axis]),
-                "edges",
-                dict(edge),
-                f"element boundaries along {name}",
-            )
-            node = np.take(node, node.shape[axis] - 1 - from_end, axis=axis)
-    return node.ravel()
-
-
-def crossed(directions: Sequence[str], edges: Sequence[Edge]) -> int | None:
-    """Axis that edges run along, None in the plane.
-
-    Raises
-    ------
-    InputError
-        When they do not run along one direction all.
-    """
-    pairs = {frozenset(edge) for edge in edges}
-    known = [pair for pair in pairs if len(pair) == 2 and pair <= set(directions)]
-    allowed = f"coordinates along the same two of {', '.join(directions)} each"
-    require(len(pairs) == len(known) == 1, "edges", [dict(edge) for edge in edges], allowed)
-    return next((i for i, name in enumerate(directions) if name not in known[0]), None)
-
-
-def check_edges(
-    breaks: Sequence[Floats], directions: Sequence[str], edges: Sequence[Edge], field: str
-) -> None:
-    """Refuse edges that no layers can be laid around.
-
-    Parameters
-    ----------
-    breaks, directions, edges
-        Element boundaries along the directions, and edges along boundaries.
-    field
-        Name of the mesh in messages.
-
-    Raises
-    ------
-    InputError
-        Naming edges, or elements that are too few.
-    """
-    try:
-        fitting = fit(breaks, directions, edges)
-    except InputError as error:
-        raise InputError(f"{field}.{error.field}", error.value, error.allowed) from None
-    counts = tuple(len(each) - 1 for each in breaks)
-    require(fitting, f"{field}.elements", counts, _TOO_FEW)
-
-
-def fit(breaks: Sequence[Floats], directions: Sequence[str], edges: Sequence[Edge]) -> bool:
-    """Whether no cell between breaks has edges at opposite corners, or at more than two."""
-    along = crossed(directions, edges)
-    axes = [axis for axis in range(len(directions)) if axis != along]
-    at = np.zeros([len(breaks[axis]) for axis in axes], dtype=bool)
-    for edge in edges:
-        places = (np.abs(breaks[axis] - edge[directions[axis]]).argmin() for axis in axes)
-        at[tuple(places)] = True
-    a, b, c, d = at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]
-    opposite = (a & d) | (b & c)
-    return not opposite.any()
-
-
-def _quads(marked: Bools, layers: int) -> Floats:
-    """What a square is divided into towards marked corners, (n, 2, 2, 2).
-
-    Corners [i, j] of each quadrilateral by their two coordinates, from 0 to 1; of right hand.
-    """
-    whole = np.stack(np.meshgrid([0.0, 1.0], [0.0, 1.0], indexing="ij"), axis=-1)[None]
-    if not layers:
-        return whole
-    corners = np.argwhere(marked)
-    alone = len(corners) == 1
-    shared = [] if alone else np.flatnonzero((corners == corners[0]).all(axis=0)).tolist()
-    if not alone and (len(corners) > 2 or not shared):
-        raise InputError("elements", f"{len(corners)} edges at a cell", _TOO_FEW)
-    corner = np.array([[True, False], [False, False]])
-    small = RATIO * _quads(corner, layers - 1)
-    quads = _around_one(small) if alone else _around_two(small)
-    if not alone and shared[0] == 1:
-        quads = quads.swapaxes(1, 2)[..., ::-1]
-    for axis in range(2):
-        if corners[0, axis] == 1:
-            quads = np.flip(quads, axis=1 + axis).copy()
-            quads[..., axis] = 1 - quads[..., axis]
-    return quads
-
-
-def _around_one(small: Floats) -> Floats:
-    """Towards the corner (0, 0), which is divided already."""
-    q = RATIO
-    along = [[[q, 0], [q, q]], [[1, 0], [1, 1]]]
-    up = [[[0, q], [0, 1]], [[q, q], [1, 1]]]
-    return np.concatenate([small, np.array([along, up], dtype=float)])
-
-
-def _around_two(small: Floats) -> Floats:
-    """Towards the corners (0, 0) and (0, 1), of which the first is divided already."""
-    q, (a, b) = RATIO, _TURN
-    low = np.concatenate([small, np.array([[[[q, 0], [q, q]], [[1, 0], [a, b]]]])])
-    high = np.flip(low, axis=2).copy()
-    high[..., 1] = 1 - high[..., 1]
-    between = [
-        [[[0, q], [0, 1 - q]], [[q, q], [q, 1 - q]]],
-        [[[q, q], [q, 1 - q]], [[a, b], [a, 1 - b]]],
-        [[[a, b], [a, 1 - b]], [[1, 0], [1, 1]]],
-    ]
-    return np.concatenate([low, high, np.array(between)])
 
 
 def _placed(nodes: Floats, quads: Floats, order: int) -> Floats:

@@ -10,10 +10,10 @@ from cea.mesh import DIMENSION, MAX_ORDER, SIMPLICES, Cell, Mesh
 from meshes.breaks import Breaks
 from meshes.crowned import Crowned
 from meshes.division import divided
-from meshes.edge_layers import Edge
 from meshes.patches import Patches
 from meshes.placement import Placement
 from meshes.shapes import Shape
+from meshes.singular_edges import Edge
 from meshes.structured import structured_mesh
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 

@@ -6,10 +6,11 @@ import numpy as np
 
 from cea.mesh import Ints, Mesh, lattice
 from meshes.breaks import Breaks
-from meshes.edge_layers import Edge, crossed, edge_nodes, with_layers
+from meshes.edge_layers import with_layers
 from meshes.lattice import lattices
 from meshes.placement import Placement
 from meshes.shapes import Shape
+from meshes.singular_edges import Edge, crossed, edge_nodes
 
 
 def structured_mesh(

@@ -10,8 +10,8 @@ from cea.errors import InputError
 from cea.rotation import Rotation
 from cea.suggestions import did_you_mean
 from meshes.breaks import breaks_of, check_breaks
-from meshes.edge_layers import check_edges
 from meshes.mesh_file import MeshFile
+from meshes.singular_edges import check_edges, check_room
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.contact_checks import contact_checks, fault_of, unknown_surface
 from scenes.limits import MAX_ELEMENTS, limit_checks
@@ -130,13 +130,14 @@ def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iter
     if not all(1 <= count <= MAX_ELEMENTS for count in elements):
         yield InputError(f"{place}.elements", elements, f"1 to {MAX_ELEMENTS} along each direction")
     else:
+        edges = mesh.edges if isinstance(mesh, FeMesh) else ()
+        faults = list(fault_of(check_edges, body.geometry, edges, place)) if edges else []
         through = mesh.boundaries if isinstance(mesh, FeMesh) else mesh.through
-        faults = list(fault_of(check_breaks, body.geometry, elements, through, place))
+        faults = faults or list(fault_of(check_breaks, body.geometry, elements, through, place))
         yield from faults
-        if isinstance(mesh, FeMesh) and mesh.edges and not faults:
+        if edges and not faults:
             breaks = breaks_of(body.geometry, elements, through)
-            directions = body.geometry.directions
-            yield from fault_of(check_edges, breaks, directions, mesh.edges, place)
+            yield from fault_of(check_room, breaks, body.geometry.directions, edges, place)
 
 
 def _space_checks(place: str, body: BodySpec) -> Iterable[InputError]:

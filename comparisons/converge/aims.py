@@ -4,11 +4,12 @@ from math import inf, log, tau
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes, Floats, Ints
 from comparisons.converge.bars import SAFETY
 from comparisons.converge.following import Sequence
 from comparisons.converge.judged import SLOW_GROWTH, Judged, shortfall
 from comparisons.converge.leanest import Wanted
+from comparisons.converge.parts import Parts
 from comparisons.converge.quantities import Member
 from comparisons.converge.request import Request
 from comparisons.converge.steps import LEAST_GAIN, RESERVE
@@ -67,7 +68,8 @@ def wanted(
 ) -> Wanted | None:
     """What is to be taken off from the errors of the modes.
 
-    While bars rest on one mesh or two, what they would be is expected from the parts.
+    While bars rest on one mesh or two, what they would be is expected from the parts: of the mean
+    of a pair that flutters, and of its splitting, which is its growth.
 
     Parameters
     ----------
@@ -118,9 +120,35 @@ def wanted(
     if least.max() < LEAST_GAIN:  # all are right: one more mesh shows that
         least[:] = LEAST_GAIN
     gains = np.clip(gains - spare, least, most)
+    if len(whole.levels) < ENOUGH:
+        of_growth = [_of_growth(*each, parts, request, scene) for each in asked]
+        growing = np.array([row for row in of_growth if row is not None])
+        if len(growing):
+            now = parts.at(reached, growing).sum(axis=1)
+            short = np.log(np.maximum(SAFETY * now / request.growth_tolerance, 1e-3)) + RESERVE
+            errors = np.concatenate([errors, growing])
+            gains = np.concatenate([gains, np.clip(short - spare, 0.0, most)])
     if everywhere:
         usual = errors.max(axis=0)
         alone = np.diag(usual)[usual > 0]
         errors = np.concatenate([errors, alone])
         gains = np.concatenate([gains, np.full(len(alone), rate * LEAST_GAIN)])
     return Wanted(errors, gains, reached, rate)
+
+
+def _of_growth(
+    member: Member, modes: Ints | None, parts: Parts, request: Request, scene: Scene
+) -> Floats | None:
+    """Parts of the error of the growth of a pair that flutters, relative to what digits are of.
+
+    With lambda^2 = m +- sqrt(s) growth is sqrt(-s) / (2 omega) while it is small beside omega.
+    """
+    if member.verdict != "unstable" or parts.damped or modes is None or len(modes) != 2:
+        return None
+    analysis = scene.analysis
+    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    omega, growth = abs(member.value.imag), abs(member.value.real)
+    floor = analysis.growth_threshold
+    scale = max(growth, SLOW_GROWTH * abs(member.value) if floor is None else floor)
+    of_splitting = parts.of_splitting(modes)
+    return of_splitting / (8 * omega**2 * growth * scale)

@@ -45,8 +45,9 @@ _SHORT = 2.0
 """Seconds up to which steps are short whatever the last mesh took."""
 _AT_ONCE = log(300.0)
 """What one mesh is to take off at most, as a logarithm: what is expected far ahead may fail."""
-_LEFT = log(15.0)
-"""What the mesh before a correction leaves to it, as a logarithm."""
+_LEFT: dict[Backend, float] = {"iga": log(15.0), "fe": log(6.0)}
+"""What the mesh before a correction leaves to it, as a logarithm: less where that raises the degree
+of Lagrange elements, which is trusted with less."""
 
 
 @dataclass
@@ -134,7 +135,7 @@ class Course:
         most = most_seconds / _SURE
         if self.sequence.parts is not None:
             few = len(self.sequence.levels) < ENOUGH - 1
-            spare = _LEFT if few and need is None else -log(need or 1.0)
+            spare = _LEFT[self.backend] if few and need is None else -log(need or 1.0)
             return self._leanest(most, spare=spare, at_once=_AT_ONCE)
         if len(self.sequence.levels) < ENOUGH:
             short = min(most, max(_AWAY * self.sequence.last.seconds, _SHORT))

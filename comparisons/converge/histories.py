@@ -1,6 +1,7 @@
 """What is known of a cluster of modes on every mesh, and of the window as a whole."""
 
 from dataclasses import dataclass, replace
+from math import log
 
 import numpy as np
 
@@ -11,6 +12,11 @@ from comparisons.converge.following import Cluster, Sequence
 from comparisons.converge.parts import positions_of
 from comparisons.converge.theory import reduction
 from scenes.refinement import Resolution
+
+_OF_DEGREE = log(10.0)
+"""Most that a last step is trusted to have taken off where it raises the degree of Lagrange
+elements, as a logarithm: where solutions are not quite smooth, as at edges of curved faces that
+slide, elements of a degree more find little more in them, and no probe of a coarse mesh tells."""
 
 
 @dataclass(frozen=True)
@@ -114,12 +120,13 @@ def history_of(cluster: Cluster, sequence: Sequence) -> History:
     parts, modes = sequence.parts, cluster.members[sequence.parts.level]
     own = parts.of_mean(modes)
     fallen = parts.fallen(own, resolutions)
+    raised = _raised(resolutions, sequence)
     history = History(
         values,
         rounding,
         residual,
         resolutions,
-        positions_of(fallen, own),
+        _trusted(positions_of(fallen, own), raised=raised),
         rigid,
         expected=fallen.sum(axis=1),
     )
@@ -130,7 +137,23 @@ def history_of(cluster: Cluster, sequence: Sequence) -> History:
     unit = max(4 * abs(squares.mean()) * np.sqrt(splitting), np.finfo(float).tiny)
     own = parts.of_splitting(modes) / unit
     fallen = parts.fallen(own, resolutions)
-    return replace(history, splittings=fallen.sum(axis=1), of_splitting=positions_of(fallen, own))
+    positions = _trusted(positions_of(fallen, own), raised=raised)
+    return replace(history, splittings=fallen.sum(axis=1), of_splitting=positions)
+
+
+def _raised(resolutions: list[Resolution], sequence: Sequence) -> bool:
+    """Whether the last step raises the degree of Lagrange elements in a body."""
+    if sequence.backend != "fe" or len(resolutions) < 2:
+        return False
+    old, new = (dict(each.bodies) for each in resolutions[-2:])
+    return any(old[name].degree < new[name].degree for name in new)
+
+
+def _trusted(positions: list[float], *, raised: bool) -> list[float]:
+    """Positions of which the last step takes off no more than it is trusted with."""
+    if not raised:
+        return positions
+    return [*positions[:-1], min(positions[-1], positions[-2] + _OF_DEGREE)]
 
 
 def _positions(values: Complexes, resolutions: list[Resolution], sequence: Sequence) -> list[float]:

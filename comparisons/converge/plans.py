@@ -16,7 +16,7 @@ from scenes.read import Scene
 from scenes.refinement import Resolution
 from scenes.spec.body import Backend
 
-FIRST_DEGREE: dict[Backend, int] = {"iga": 3, "fe": 2}
+FIRST_DEGREE = 3
 """Degree of the first mesh."""
 _FIRST_DENSITY = 0.5
 _COARSER = 0.7
@@ -51,7 +51,7 @@ class Plans:
 
     def first(self, most_seconds: float) -> Step:
         """The first mesh: half as dense as the scene, or coarser where that takes too long."""
-        degree, density = FIRST_DEGREE[self._backend], _FIRST_DENSITY
+        degree, density = FIRST_DEGREE, _FIRST_DENSITY
         resolution, taken = Resolution(degree, density), self._estimates.fitting()
         while taken(resolution) > _FIRST_PART * most_seconds and density > _COARSEST:
             density *= _COARSER

@@ -11,15 +11,16 @@ from exact_scenes import ExactScene
 from cea.eigen.eigenvalue_matching import assign
 from comparisons.converge.aims import may_remain, wanted
 from comparisons.converge.following import Cluster, Sequence
-from comparisons.converge.histories import Window
+from comparisons.converge.histories import Window, history_of
 from comparisons.converge.judged import Judged
 from comparisons.converge.leanest import Wanted, leanest
-from comparisons.converge.levels import estimate, given_elements, run_level
+from comparisons.converge.levels import Estimates, estimate, given_elements, run_level
 from comparisons.converge.parts import Part, Parts, positions_of, taken_off
 from comparisons.converge.probes import measured, probes, seconds_of_probes
 from comparisons.converge.quantities import Member
 from comparisons.converge.request import Request
 from comparisons.kit.progress import Progress
+from scenes.memory import estimated_memory
 from scenes.read import load_scene
 from scenes.refinement import BodyResolution, Resolution, counted, mixed, refined
 
@@ -183,7 +184,7 @@ THIN = (
 
 
 def test_what_a_thin_disc_owes_across_is_not_laid_to_its_edges():
-    """A layer beside one quadratic cell takes off of what is smooth, beside two of edges alone."""
+    """A layer at the edges divides no cell elsewhere, and takes off of little that is smooth."""
     scene, shares = load_scene("disc_pad", list(THIN)), []
     for degree in (2, 3):
         level = run_level(scene, "fe", counted(scene, "fe", Resolution(degree, 0.5)), SILENT)
@@ -192,8 +193,17 @@ def test_what_a_thin_disc_owes_across_is_not_laid_to_its_edges():
         shares.append(parts.of_mean(None)[thin])
     probe = probes(scene, "fe", parts.resolution)[thin]
     assert probe.part == parts.parts[thin]
-    assert dict(probe.beside.bodies)["disc"].densities == (0.5, 0.5, 1.0)
+    assert probe.beside is None
     assert shares[1] < shares[0] < 4 * shares[1]
+
+
+def test_a_layer_through_a_thin_body_is_laid_beside_twice_the_elements():
+    """It divides the one element across everywhere, and so takes off of what is smooth."""
+    scene = load_scene("disc_pad", ["bodies.disc.mesh.iga.elements=[6,24,1]"])
+    mesh = counted(scene, "iga", Resolution(2, 1.0))
+    last = probes(scene, "iga", mesh)[-1]
+    assert (last.part.body, last.part.edges) == ("disc", True)
+    assert dict(last.beside.bodies)["disc"].densities == (1.0, 1.0, 2.0)
 
 
 def test_unstructured_bodies_are_probed_as_a_whole():
@@ -276,6 +286,66 @@ def test_modes_that_are_right_already_ask_for_no_finer_mesh():
     assert aim.gains[1] == 0.0
     easy = wanted(judged, sequence, Request("disc_pad", digits=1), scene, 1.0, spare=0.0)
     assert easy.gains == pytest.approx(log(2.0))  # of what is right already a mesh more is seen
+
+
+def test_digits_of_growth_ask_for_what_takes_off_of_the_splitting():
+    """Of a pair whose mean is right the splitting is not: its growth owes all to one part."""
+    scene, first = (
+        load_scene("disc_pad"),
+        counted(load_scene("disc_pad"), "iga", Resolution(3, 0.5)),
+    )
+    omega, growth, wrong = 1e4, 100.0, 0.02
+    values = np.array([growth + 1j * omega, -growth + 1j * omega])
+    corrected = np.array([values, (1 - wrong) * values.real + 1j * values.imag, values])
+    parts = Parts(PARTS, np.ones(3), values, corrected, np.full(2, True), False, first, 0)
+    level = SimpleNamespace(eigenvalues=values, resolution=first, uncertainties=np.zeros(2))
+    sequence = Sequence("iga", True, [level], parts=parts)
+    cluster = Cluster((np.arange(2),), False)
+    members = tuple(
+        Member(v, inf, inf, verdict, None, 1)
+        for v, verdict in zip(values, ("unstable", "stable"), strict=True)
+    )
+    judged = Judged(members, (cluster,), Window())
+    aim = wanted(judged, sequence, Request("disc_pad"), scene, 1.0, spare=0.0)
+    assert len(aim.gains) == 3  # the two members, and what grows
+    assert aim.errors[2] == pytest.approx([0.0, wrong, 0.0], rel=0.02, abs=1e-9)
+    assert aim.gains[2] == pytest.approx(log(4 * wrong / 5e-3) + log(1.5), rel=1e-2)
+    assert aim.gains[:2].max() < aim.gains[2]
+
+
+def test_a_degree_more_of_lagrange_elements_is_trusted_with_a_tenth():
+    """Whatever its parts let expect: the same numbers have wider bars where it is raised last."""
+    bars = {}
+    for backend in ("fe", "iga"):
+        meshes = [resolution(), resolution(disc=(2.0, 2.0, 2.0)), resolution(degree=4)]
+        values = [1j * (1 + e) for e in (1e-3, 1e-5, 1e-7)]
+        parts = parts_of([1e-3, 0.0, 0.0])
+        levels = [
+            SimpleNamespace(
+                eigenvalues=np.array([v]),
+                uncertainties=np.zeros(1),
+                residuals=np.zeros(1),
+                rigid=np.zeros(1, dtype=bool),
+                resolution=mesh,
+            )
+            for v, mesh in zip(values, meshes, strict=True)
+        ]
+        found = Sequence(backend, True, levels, parts=parts)
+        history = history_of(Cluster((np.zeros(1, dtype=int),) * 3, False), found)
+        bars[backend] = np.diff(history.positions)
+    assert bars["fe"][0] == bars["iga"][0]
+    assert bars["fe"][1] == pytest.approx(min(log(10.0), bars["iga"][1]))
+
+
+def test_meshes_that_memory_does_not_hold_take_for_ever(backend, monkeypatch):
+    scene = load_scene("disc_pad")
+    small, large = (counted(scene, backend, Resolution(2, density)) for density in (0.5, 1.0))
+    times = Estimates(scene, backend)
+    room = 0.5 * sum(estimated_memory(refined(scene, backend, r)).bytes for r in (small, large))
+    monkeypatch.setattr("comparisons.converge.levels.available_memory", lambda: room / 0.9)
+    taken = times.fitting()
+    assert taken(small) == times.seconds(small) < inf
+    assert taken(large) == inf > times.seconds(large)
 
 
 def test_solves_may_leave_a_tenth_of_what_the_digits_allow():

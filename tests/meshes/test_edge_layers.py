@@ -6,10 +6,11 @@ from gmsh_models import assert_outer_facets_are_named, volumes
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
-from meshes.edge_layers import RATIO, check_edges
+from meshes.edge_templates import RATIO
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector
+from meshes.singular_edges import check_edges, check_room
 
 ANNULUS = Annulus(0.5, 1.0, 0.0, 0.3)
 ENDS = ({"r": 0.5, "z": 0.0}, {"r": 0.5, "z": 0.3})
@@ -88,6 +89,11 @@ def test_surfaces_lie_where_they_did():
         np.testing.assert_allclose(along[mesh.surfaces[name]], value, atol=1e-13)
 
 
+def checked(breaks, edges):
+    check_edges(ANNULUS, edges, "mesh.fe")
+    check_room(breaks, ANNULUS.directions, edges, "mesh.fe")
+
+
 @pytest.mark.parametrize(
     ("elements", "edges", "told"),
     [
@@ -101,7 +107,7 @@ def test_surfaces_lie_where_they_did():
 def test_edges_without_room_for_layers_are_refused(elements, edges, told):
     breaks = breaks_of(ANNULUS, elements)
     with pytest.raises(InputError, match=told) as caught:
-        check_edges(breaks, ANNULUS.directions, edges, "mesh.fe")
+        checked(breaks, edges)
     assert caught.value.field in ("mesh.fe.elements", "mesh.fe.edges")
     with pytest.raises(InputError, match=told):
         shape_mesh(ANNULUS, "hexahedron", 1, breaks=breaks, edges=edges, layers=1)

@@ -11,7 +11,8 @@ from reference_data import exact, stored, whole_ring
 
 from cea.errors import InputError
 from exact_cea.reference import exact_eigenvalues
-from scenes import nested
+from scenes import memory, nested
+from scenes.memory import estimated_memory
 from scenes.nested import continued_modes, eigenvalues_in, estimate_errors
 from scenes.read import load_scene
 from scenes.richer import richer_scene
@@ -41,6 +42,18 @@ def test_estimates_are_nearly_the_true_errors(backend, name, degree, by):
     left = np.abs(estimate.corrected - values)[inside] / true
     assert left.max() < 1.05 * (1 - expected) + 0.015
     assert "undecided" not in estimate.verdicts
+
+
+def test_an_estimate_for_which_memory_would_not_do_is_refused(backend, monkeypatch):
+    """Its factors cannot be on disk, whatever room there is."""
+    coarse = coarse_modes("blocks", backend, 2, 1.0)
+    richer = richer_scene(coarse.scene, "degree")
+    need = estimated_memory(richer)
+    room = 0.5 * (need.bytes + need.bytes_with_files)
+    monkeypatch.setattr(memory, "available_memory", lambda: room / 0.9)
+    memory.check_memory(richer)
+    with pytest.raises(InputError, match="a mesh that fits into memory"):
+        estimate_errors(coarse, richer)
 
 
 @pytest.mark.slow

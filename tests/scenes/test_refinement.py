@@ -7,10 +7,10 @@ import pytest
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of, fewest, layered
+from meshes.edge_templates import RATIO
 from meshes.shapes import Annulus, Hub
 from scenes.read import load_scene, read_scene
 from scenes.refinement import (
-    RATIO,
     Resolution,
     check_refinable,
     has_singular_edges,
@@ -130,6 +130,13 @@ def test_layers_of_lagrange_cells_lie_at_the_edges_alone():
     pads = scene.bodies["pad"].mesh.fe, plain.bodies["pad"].mesh.fe
     assert (pads[0].layers, pads[0].edges) == (0, ())
     assert all(a > b for a, b in zip(pads[0].elements, pads[1].elements, strict=True))
+
+
+def test_layers_at_edges_are_read_again_from_the_text_of_their_scene(tmp_path):
+    scene = refined(load_scene("disc_pad"), "fe", Resolution(2, 0.5, 2))
+    file = tmp_path / "again.toml"
+    file.write_text(scene_text(scene))
+    assert load_scene(file) == scene
 
 
 def test_tetrahedra_have_whole_layers():
