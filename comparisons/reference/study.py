@@ -48,13 +48,15 @@ class Grading:
     degree
         Degree of the elements.
     corner
-        Size at the clamped rim's corners.
+        Size at the clamped rim's corners, of elements that run through the whole disc.
     boundary
         Size at the boundary of the contact.
     disc, pad
         Largest sizes along r, theta, z.
     growth
         Increase of the size with the distance from a corner or the boundary.
+    layers
+        Layers towards the corners in the Lagrange cells at them alone.
     """
 
     degree: int
@@ -63,16 +65,17 @@ class Grading:
     disc: tuple[float, float, float]
     pad: tuple[float, float, float]
     growth: float = 1.0
+    layers: int = 0
 
 
 LEVELS: Mapping[Backend, tuple[Grading, Grading]] = {
     "iga": (
-        Grading(4, 3e-4, 3e-3, (0.014, 8.0, 0.004), (0.012, 6.0, 0.006), 2.0),
-        Grading(5, 1e-4, 2e-3, (0.014, 7.5, 0.004), (0.012, 6.0, 0.006), 2.0),
+        Grading(4, 1e-4, 3e-3, (0.014, 8.0, 0.004), (0.012, 6.0, 0.006), 2.0),
+        Grading(5, 2e-5, 2e-3, (0.014, 7.5, 0.004), (0.012, 6.0, 0.006), 2.0),
     ),
     "fe": (
-        Grading(3, 2e-4, 6e-3, (0.020, 12.0, 0.006), (0.025, 14.0, 0.008), 2.0),
-        Grading(4, 2e-4, 6e-3, (0.025, 12.0, 0.008), (0.025, 14.0, 0.008), 3.0),
+        Grading(3, 0.012, 6e-3, (0.020, 9.0, 0.012), (0.020, 10.0, 0.008), 2.0, layers=3),
+        Grading(4, 0.012, 6e-3, (0.020, 9.0, 0.012), (0.020, 10.0, 0.008), 2.0, layers=4),
     ),
 }
 """A coarser and a finer mesh for each backend."""
@@ -167,6 +170,11 @@ def graded_scene(backend: Backend, grading: Grading) -> Scene:
         name: replace(scene.bodies[name], mesh=_mesh(backend, grading.degree, breaks))
         for name, breaks in (("pad", pad_breaks), ("disc", disc_breaks))
     }
+    whole = bodies["disc"].mesh.fe
+    if grading.layers and whole is not None:
+        edges = tuple({"r": disc_r["low"], "z": z} for z in disc_z.values())
+        layered = replace(whole, edges=edges, layers=grading.layers)
+        bodies["disc"] = replace(disc, mesh=MeshSpec(fe=layered))
     return replace(scene, bodies=bodies)
 
 
