@@ -6,8 +6,8 @@ its singular edges. What that changes is the part of the error that comes from t
 theory says that the richer space leaves of it.
 
 Where every element along a direction lies at singular edges, as the one across a thin disc does, a
-layer takes off of what is smooth there too: it is laid beside twice the elements, and what these
-alone change is left out.
+layer that runs through the whole body takes off of what is smooth there too: it is laid beside
+twice the elements, and what these alone change is left out.
 """
 
 from collections.abc import Iterator, Mapping
@@ -77,12 +77,14 @@ def probes(scene: Scene, backend: Backend, resolution: Resolution) -> list[Probe
     found = []
     for name, own in resolution.bodies:
         for part, richer, takes, beside in _of_body(on, backend, name, own):
-            spaces = [
-                replace(resolution, bodies=tuple({**dict(resolution.bodies), name: each}.items()))
-                for each in (richer, beside)
-            ]
-            found.append(Probe(part, spaces[0], takes, spaces[1] if beside != own else None))
+            plain = None if beside == own else _with(resolution, name, beside)
+            found.append(Probe(part, _with(resolution, name, richer), takes, plain))
     return found
+
+
+def _with(resolution: Resolution, name: str, own: BodyResolution) -> Resolution:
+    """A mesh with another resolution of one body."""
+    return replace(resolution, bodies=tuple({**dict(resolution.bodies), name: own}.items()))
 
 
 def _of_body(
@@ -102,9 +104,8 @@ def _of_body(
     towards = crowding(scene, name).towards
     if towards and structured(body):
         across = tuple(d for d in along if body.geometry.directions[d] in towards)
-        thin = tuple(d for d in across if _all_at_edges(body, towards, d, own))
-        if layers_at_edges(body, crowding(scene, name)):
-            thin = ()  # layers divide no other elements
+        alone = layers_at_edges(body, crowding(scene, name))  # layers divide no other elements
+        thin = tuple(d for d in across if not alone and _all_at_edges(body, towards, d, own))
         beside = replace(own, densities=_doubled(own, thin))
         layered = replace(beside, layers=own.layers + 1)
         part = Part(name, across, edges=True, of_degree=_OF_DEGREE[backend])
