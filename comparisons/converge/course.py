@@ -43,9 +43,6 @@ _AWAY = 5.0
 """Time of a step relative to that of the last mesh while no order is known."""
 _SHORT = 2.0
 """Seconds up to which steps are short whatever the last mesh took."""
-_CORRECTIONS = 2
-"""Times that a mesh is corrected, where parts say in which space: what one leaves little above the
-digits a further one takes off for less than a mesh would."""
 _AT_ONCE = log(300.0)
 """What one mesh is to take off at most, as a logarithm: what is expected far ahead may fail."""
 _LEFT: dict[Backend, float] = {"iga": log(15.0), "fe": log(6.0)}
@@ -216,8 +213,7 @@ class Course:
             None where it would take too long, or is not expected to make the digits hold.
         """
         sequence = self.sequence
-        most = 1 if sequence.parts is None else _CORRECTIONS
-        if len(sequence.corrections) >= most or len(sequence.levels) < (1 if last else 2):
+        if sequence.correction is not None or len(sequence.levels) < (1 if last else 2):
             return None
         if sequence.parts is not None:
             step = self._leanest(most_seconds / _SURE, spare=0.0, share=SHARE)
@@ -246,7 +242,7 @@ class Course:
         """Correct the newest mesh in a richer space; collective."""
         newest = self.sequence.last
         allowed = may_remain(newest.eigenvalues, self.request, self.scene)
-        self.sequence.corrections.append(estimated_level(newest, richer, allowed, progress))
+        self.sequence.correction = estimated_level(newest, richer, allowed, progress)
 
     def _leanest(
         self, most_seconds: float, *, spare: float, at_once: float = inf, share: float = 1.0

@@ -12,8 +12,6 @@ from comparisons.converge.parts import Parts
 from scenes.run_matching import match_runs
 from scenes.spec.body import Backend
 
-_NEW = 3
-"""Newest meshes, on which bars rest."""
 _PARTNERS = 1e-9
 """Relative distance of the frequencies of a growing mode and its decaying partner."""
 
@@ -32,9 +30,8 @@ class Sequence:
         From the first mesh on; only the last holds its vectors.
     links
         Groups of modes of each level and of the next that were matched.
-    corrections
-        The newest level in richer spaces (:mod:`comparisons.converge.estimated`), one after the
-        other.
+    correction
+        The newest level in a richer space (:mod:`comparisons.converge.estimated`).
     parts
         Errors of the modes of a level in their parts, where they were measured.
     """
@@ -43,35 +40,27 @@ class Sequence:
     singular: bool = False
     levels: list[Level] = field(default_factory=list)
     links: list[list[tuple[Ints, Ints]]] = field(default_factory=list)
-    corrections: list[Level] = field(default_factory=list)
+    correction: Level | None = None
     parts: Parts | None = None
 
     @property
     def with_correction(self) -> "Sequence":
-        """The sequence with the newest level corrected, as often as it was, as further levels."""
-        if not self.corrections:
+        """The sequence with the newest level corrected, where it was, as one more level."""
+        if self.correction is None:
             return self
-        each = [(np.array([n]), np.array([n])) for n in range(len(self.last.eigenvalues))]
-        levels = [*self.levels, *self.corrections]
-        links = [*self.links, *(each for _ in self.corrections)]
+        each = [(np.array([n]), np.array([n])) for n in range(len(self.correction.eigenvalues))]
+        levels = [*self.levels, self.correction]
+        links = [*self.links, each]
         return Sequence(self.backend, self.singular, levels, links, parts=self.parts)
 
     def add(self, level: Level) -> None:
-        """Match the modes of a new level with those of the last one; collective.
-
-        Corrections of that one stay where the new one was planned to follow them: their modes have
-        its numbers.
-        """
+        """Match the modes of a new level with those of the last one; collective."""
         if self.levels:
             last = self.levels[-1]
-            links = matched(last, level)
+            self.links.append(matched(last, level))
             self.levels[-1] = last.forgotten()
-            if self.parts is not None:
-                whole = self.with_correction
-                self.levels, self.links = whole.levels, whole.links
-            self.links.append(links)
         self.levels.append(level)
-        self.corrections = []
+        self.correction = None
 
     @property
     def last(self) -> Level:
@@ -125,8 +114,6 @@ class Cluster:
 def clusters(sequence: Sequence, joined: list[Ints] | None = None) -> list[Cluster]:
     """Clusters of the newest level's modes, by their first members.
 
-    What only meshes before the last three could not tell apart, those that bars rest on can.
-
     Parameters
     ----------
     sequence
@@ -136,18 +123,14 @@ def clusters(sequence: Sequence, joined: list[Ints] | None = None) -> list[Clust
     """
     starts = np.cumsum([0, *(len(level.eigenvalues) for level in sequence.levels)])
     linked = np.eye(starts[-1], dtype=bool)
+    for i, groups in enumerate(sequence.links):
+        for first, second in groups:
+            _join(linked, np.concatenate([starts[i] + first, starts[i + 1] + second]))
     for start, level in zip(starts, sequence.levels, strict=False):
         for pair in partners(level.eigenvalues):
             _join(linked, start + pair)
     for members in joined or []:
         _join(linked, starts[-2] + members)
-    for i, groups in reversed(list(enumerate(sequence.links))):
-        old = i < len(sequence.links) - (_NEW - 1)
-        together = connected(linked) if old else []
-        for first, second in groups:
-            nodes = starts[i + 1] + second
-            if not old or any(np.isin(nodes, each).all() for each in together):
-                _join(linked, np.concatenate([starts[i] + first, nodes]))
     found = []
     for nodes in connected(linked):
         each = [nodes[(nodes >= a) & (nodes < b)] - a for a, b in pairwise(starts)]

@@ -140,12 +140,8 @@ class Plans:
 
 
 def slower_than_estimated(sequence: Sequence) -> float:
-    """Time of the newest mesh, or of its correction, over its estimate.
-
-    A first one takes what all runs share.
-    """
-    newest = sequence.with_correction.last
-    ratio = newest.seconds / newest.estimated
+    """Time of the newest mesh over its estimate; a first one takes what all runs share."""
+    ratio = sequence.last.seconds / sequence.last.estimated
     return ratio if len(sequence.levels) > 1 else min(ratio, _FIRST_SLOWER)
 
 

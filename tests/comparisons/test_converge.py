@@ -204,21 +204,6 @@ def test_pairs_that_flutter_on_one_mesh_are_one_cluster_on_all():
     assert not found[0].changed
 
 
-def test_modes_that_only_an_old_mesh_could_not_tell_apart_are_judged_by_themselves():
-    row, together = [1.0j, 1.1j, 1.2j], (np.arange(3), np.arange(3))
-    made = {count: sequence([row] * count) for count in (3, 4)}
-    for each in made.values():
-        each.links[0] = [together]
-    assert len(clusters(made[3])) == 1
-    found = clusters(made[4])
-    assert [cluster.newest.tolist() for cluster in found] == [[0], [1], [2]]
-    assert all(len(cluster.members[1]) == 1 for cluster in found)
-    assert all(cluster.members[0] is None for cluster in found)
-    pair = sequence([[-0.01 + 1j, 0.01 + 1j, 2j]] * 4)
-    pair.links[0] = [(np.array([0, 1]), np.array([0, 1])), (np.array([2]), np.array([2]))]
-    assert [len(cluster.members[0]) for cluster in clusters(pair)] == [2, 1]
-
-
 def test_modes_that_are_lost_are_told():
     made = sequence([[1j, 2j, 3j], [1j, 2j, 3j]])
     made.links[0] = made.links[0][:2]

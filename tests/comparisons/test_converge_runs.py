@@ -137,7 +137,7 @@ def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend)
     course.correct(richer, SILENT)
     after = course.judged.members
     assert course.holds
-    assert course.correction(100.0, last=True) is None  # once, where parts are not known
+    assert course.correction(100.0, last=True) is None  # once is enough
     assert [level.corrected for level in course.levels] == [False, False, True]
     for old, new in zip(before, after, strict=True):
         true = exact[np.abs(exact - new.value).argmin()]
@@ -145,27 +145,6 @@ def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend)
         assert abs(new.value - true) < 0.2 * abs(old.value - true)
     course.follow(course.run(Step(Resolution(3, 1.5), 1.0, 1.0), SILENT))
     assert not any(level.corrected for level in course.levels)
-
-
-def test_where_parts_are_known_a_mesh_is_corrected_twice_at_most(backend):
-    """Each time in a space richer than before, from the same mesh."""
-    exact = ExactScene("blocks").exact()
-    course = Course(backend, load_scene("blocks"), Request("blocks", backends=(backend,)))
-    for density in (0.5, 0.75):
-        course.follow(course.run(Step(Resolution(2, density), 1.0, 1.0), SILENT))
-        course.measure(SILENT)
-    errors = []
-    for _ in range(2):
-        course.correct(course.correction(1000.0, last=True), SILENT)
-        for member in course.judged.members:
-            true = exact[np.abs(exact - member.value).argmin()]
-            bar = np.hypot(member.frequency_bar, member.growth_bar)
-            assert abs(member.value - true) <= bar
-        errors.append(max(np.abs(exact - m.value).min() for m in course.judged.members))
-    assert errors[1] < 0.6 * errors[0]
-    assert [level.corrected for level in course.levels] == [False, False, True, True]
-    assert course.levels[3].dofs > course.levels[2].dofs
-    assert course.correction(1000.0, last=True) is None
 
 
 def test_the_budget_ends_a_run_that_would_take_longer(backend):
