@@ -58,6 +58,10 @@ class Plans:
             resolution = Resolution(degree, density)
         return Step(resolution, 0.0, self._estimates.seconds(resolution))
 
+    def fits(self, resolution: Resolution) -> bool:
+        """Whether the memory that is free now does for a mesh; collective."""
+        return self._estimates.fitting()(resolution) < inf
+
     def leanest(
         self,
         sequence: Sequence,

@@ -190,7 +190,7 @@ def _why_not(course: Course, left: float) -> str:
     possible = course.cost_of(2.0)
     if possible is None:
         return "no finer mesh is expected to halve the errors"
-    if possible.seconds <= left:
+    if possible.seconds <= left and not course.plans.fits(possible.resolution):
         return "memory: the next mesh would take more than the machine has free"
     return f"the budget: the next mesh would take about {possible.seconds:.2g} s"
 

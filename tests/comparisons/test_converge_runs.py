@@ -14,16 +14,18 @@ from typer.testing import CliRunner
 from cea.eigen.eigenvalue_matching import assign
 from cea.errors import InputError
 from comparisons.cli.app import app
-from comparisons.converge import tables, words
+from comparisons.converge import levels, tables, words
 from comparisons.converge.course import Course
 from comparisons.converge.page import read_converge, write_converge
+from comparisons.converge.plans import Plans
 from comparisons.converge.request import Request
 from comparisons.converge.steps import Step
 from comparisons.converge.study import run_converge
 from comparisons.converge.told import errors_of
 from comparisons.kit.progress import Progress
+from scenes.memory import estimated_memory
 from scenes.read import load_scene
-from scenes.refinement import Resolution
+from scenes.refinement import Resolution, refined
 
 SILENT = Progress(step=lambda _: None, stage=lambda _: None)
 MU_CRITICAL = 0.05989842834808168909
@@ -155,6 +157,18 @@ def test_the_budget_ends_a_run_that_would_take_longer(backend):
     assert not data["backends"][backend]["held"]
     assert "digits-not-held" in [warning["kind"] for warning in data["warnings"]]
     assert "budget" in data["backends"][backend]["ended"]
+
+
+def test_memory_is_told_where_it_ends_a_run(backend, monkeypatch):
+    """And only there: what the first mesh takes is free, and no more."""
+    scene = load_scene("blocks")
+    first = Plans(backend, scene, Request("blocks")).first(45.0)
+    need = estimated_memory(refined(scene, backend, first.resolution)).bytes
+    monkeypatch.setattr(levels, "available_memory", lambda: 1.0001 * need / 0.9)
+    request = Request("blocks", digits=7, backends=(backend,), budget=60.0)
+    data = run_converge(request, SILENT)
+    assert len(data["levels"]) <= 2  # the first, perhaps in a richer space
+    assert "memory" in data["backends"][backend]["ended"]
 
 
 def test_a_mesh_that_takes_longer_than_the_budget_is_given_up(tmp_path):
