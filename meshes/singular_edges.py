@@ -6,7 +6,7 @@ import numpy as np
 
 from cea.errors import InputError, require
 from cea.mesh import Floats, Ints
-from meshes.shapes import Shape
+from meshes.shapes import Disc, Shape
 
 TOO_FEW = "more elements: at most two edges at one cell, and on one side of it"
 """What is asked of elements among which there is no room for layers."""
@@ -14,23 +14,32 @@ Edge = Mapping[str, float]
 """Coordinates along two directions of a shape, those that an edge lies across."""
 
 
-def crossed(directions: Sequence[str], edges: Sequence[Edge]) -> int | None:
+def run_along(shape: Shape, edges: Sequence[Edge]) -> int | None:
     """Axis that edges run along, None in the plane.
 
     Raises
     ------
     InputError
-        When they do not run along one direction all.
+        When they do not run along one direction all, or lie outside of the shape. Inside a disc,
+        whose lattice turns into that of a square, there are none: only its rim has edges.
     """
-    pairs = {frozenset(edge) for edge in edges}
+    directions, pairs = shape.directions, {frozenset(edge) for edge in edges}
     known = [pair for pair in pairs if len(pair) == 2 and pair <= set(directions)]
     allowed = f"coordinates along the same two of {', '.join(directions)} each"
     require(len(pairs) == len(known) == 1, "edges", [dict(edge) for edge in edges], allowed)
+    for edge in edges:
+        for name, (low, high) in zip(directions, shape.extent, strict=True):
+            inside = low <= edge.get(name, low) <= high
+            require(inside, "edges", dict(edge), f"{name} from {low} to {high}")
+        on_rim = not isinstance(shape, Disc) or (
+            edge.get("r") == shape.outer_radius and "z" in edge
+        )
+        require(on_rim, "edges", dict(edge), "r of the rim, and z")
     return next((i for i, name in enumerate(directions) if name not in known[0]), None)
 
 
 def check_edges(shape: Shape, edges: Sequence[Edge], field: str) -> None:
-    """Refuse edges that do not run along one direction of a shape, or lie outside of it.
+    """Refuse edges that layers cannot be laid around, as :func:`run_along` does.
 
     Parameters
     ----------
@@ -45,24 +54,18 @@ def check_edges(shape: Shape, edges: Sequence[Edge], field: str) -> None:
         Naming edges.
     """
     try:
-        crossed(shape.directions, edges)
+        run_along(shape, edges)
     except InputError as error:
         raise InputError(f"{field}.{error.field}", error.value, error.allowed) from None
-    for name, (low, high) in zip(shape.directions, shape.extent, strict=True):
-        for edge in edges:
-            inside = low <= edge.get(name, low) <= high
-            require(inside, f"{field}.edges", dict(edge), f"{name} from {low} to {high}")
 
 
-def check_room(
-    breaks: Sequence[Floats], directions: Sequence[str], edges: Sequence[Edge], field: str
-) -> None:
+def check_room(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge], field: str) -> None:
     """Refuse elements among which there is no room for layers towards edges.
 
     Parameters
     ----------
-    breaks, directions, edges
-        Element boundaries along the directions, and edges along boundaries.
+    shape, breaks, edges
+        Element boundaries along the directions of a shape, and edges along boundaries.
     field
         Name of the mesh in messages.
 
@@ -72,12 +75,12 @@ def check_room(
         Naming elements.
     """
     counts = tuple(len(each) - 1 for each in breaks)
-    require(fit(breaks, directions, edges), f"{field}.elements", counts, TOO_FEW)
+    require(fit(shape, breaks, edges), f"{field}.elements", counts, TOO_FEW)
 
 
-def fit(breaks: Sequence[Floats], directions: Sequence[str], edges: Sequence[Edge]) -> bool:
+def fit(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge]) -> bool:
     """Whether no cell between breaks has edges at opposite corners, or at more than two."""
-    along = crossed(directions, edges)
+    along, directions = run_along(shape, edges), shape.directions
     axes = [axis for axis in range(len(directions)) if axis != along]
     at = np.zeros([len(breaks[axis]) for axis in axes], dtype=bool)
     for edge in edges:

@@ -10,7 +10,7 @@ from meshes.edge_layers import with_layers
 from meshes.lattice import lattices
 from meshes.placement import Placement
 from meshes.shapes import Shape
-from meshes.singular_edges import Edge, crossed, edge_nodes
+from meshes.singular_edges import Edge, edge_nodes, run_along
 
 
 def structured_mesh(
@@ -58,9 +58,10 @@ def structured_mesh(
         surfaces={name: np.concatenate(parts) for name, parts in facets.items()},
     )
     if edges and layers:
+        along = run_along(shape, edges)
         singular = np.zeros(len(points), dtype=bool)
         for edge in edges:  # the last lattice is the outermost one
             on = edge_nodes(parts[-1].node, breaks, shape.directions, edge, order)
             singular[on] = True
-        return with_layers(mesh, singular, crossed(shape.directions, edges), layers)
+        return with_layers(mesh, singular, along, layers)
     return mesh.without_loose_points()  # a hub stands out of a lattice that is otherwise empty

@@ -137,7 +137,7 @@ def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iter
         yield from faults
         if edges and not faults:
             breaks = breaks_of(body.geometry, elements, through)
-            yield from fault_of(check_room, breaks, body.geometry.directions, edges, place)
+            yield from fault_of(check_room, body.geometry, breaks, edges, place)
 
 
 def _space_checks(place: str, body: BodySpec) -> Iterable[InputError]:

@@ -277,7 +277,7 @@ def _with_breaks(
         return replace(mesh, elements=elements, through=through)
     if isinstance(mesh, FeMesh) and layers_at_edges(scene.bodies[name], edges):
         new = replace(mesh, through=through, edges=edges.edges, layers=own.layers)
-        while not fit(breaks_of(shape, elements, new.boundaries), shape.directions, edges.edges):
+        while not fit(shape, breaks_of(shape, elements, new.boundaries), edges.edges):
             elements = tuple(
                 n + (d in edges.towards) for d, n in zip(shape.directions, elements, strict=True)
             )

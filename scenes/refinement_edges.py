@@ -6,7 +6,7 @@ face nothing is singular: the roller is a plane of symmetry, behind which the fa
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import prod
 
 from meshes.breaks import CLOSED
@@ -49,20 +49,22 @@ class Crowding:
 
     Parameters
     ----------
-    towards
-        Those towards which elements crowd, by direction.
+    edges
+        The singular edges, each by its coordinates along two directions.
     through
         Those inside the body at which pressure ends, and elements do too.
-    edges
-        The edges themselves, each by its coordinates along two directions.
     """
 
-    towards: dict[str, tuple[float, ...]]
-    through: dict[str, tuple[float, ...]]
     edges: tuple[dict[str, float], ...] = ()
+    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+    @property
+    def towards(self) -> dict[str, tuple[float, ...]]:
+        """Those towards which elements crowd, by direction: where edges lie."""
+        return _by_direction([place for edge in self.edges for place in edge.items()])
 
     def __bool__(self) -> bool:
-        return any(self.towards.values())
+        return bool(self.edges)
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,7 @@ def crowding(scene: SceneSpec, name: str) -> Crowding:
     """
     body = scene.bodies[name]
     if not hasattr(body.geometry, "extent"):
-        return Crowding({}, {})
+        return Crowding()
     found = [
         *_clamped(body),
         *_contact_edges(scene, name),
@@ -98,9 +100,8 @@ def crowding(scene: SceneSpec, name: str) -> Crowding:
         *_boundaries_on(scene, name, stiff=True),
     ]
     inner = [place for _, place in _boundaries_on(scene, name, stiff=False)]
-    towards = [place for edge in found for place in edge]
-    edges = [dict(edge) for edge in dict.fromkeys(found)]
-    return Crowding(_by_direction(towards), _by_direction(inner), tuple(edges))
+    edges = tuple(dict(edge) for edge in dict.fromkeys(found))
+    return Crowding(edges, _by_direction(inner))
 
 
 def _by_direction(places: list[Place]) -> dict[str, tuple[float, ...]]:

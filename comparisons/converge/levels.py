@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import inf
 from time import perf_counter
 from typing import Any
@@ -121,21 +122,15 @@ class Estimates:
     def __init__(self, scene: Scene, backend: Backend) -> None:
         self._refiner = Refiner(widened(scene), backend)
 
-    def seconds(self, resolution: Resolution) -> float:
-        """Seconds at a resolution."""
+    def seconds(self, resolution: Resolution, room: float = inf) -> float:
+        """Seconds at a resolution, infinite where it takes more memory (bytes) than there is."""
         finer = self._refiner.at(resolution)
-        return estimated_seconds(finer, estimated_memory(finer))
+        memory = estimated_memory(finer)
+        return estimated_seconds(finer, memory) if memory.bytes <= room else inf
 
     def fitting(self) -> Callable[[Resolution], float]:
         """Seconds, infinite where the memory that is free now does not do; collective."""
-        room = on_all_machines(available_memory)
-
-        def seconds(resolution: Resolution) -> float:
-            finer = self._refiner.at(resolution)
-            memory = estimated_memory(finer)
-            return estimated_seconds(finer, memory) if memory.bytes <= room else inf
-
-        return seconds
+        return partial(self.seconds, room=on_all_machines(available_memory))
 
 
 def estimate(scene: Scene, backend: Backend, resolution: Resolution) -> float:

@@ -101,10 +101,11 @@ def _of_body(
         return
     for d in along:
         yield Part(name, (d,)), replace(own, densities=_doubled(own, (d,))), halved, own
-    towards = crowding(scene, name).towards
-    if towards and structured(body):
+    edges = crowding(scene, name)
+    if edges and structured(body):
+        towards = edges.towards
         across = tuple(d for d in along if body.geometry.directions[d] in towards)
-        alone = layers_at_edges(body, crowding(scene, name))  # layers divide no other elements
+        alone = layers_at_edges(body, edges)  # layers divide no other elements
         thin = tuple(d for d in across if not alone and _all_at_edges(body, towards, d, own))
         beside = replace(own, densities=_doubled(own, thin))
         layered = replace(beside, layers=own.layers + 1)

@@ -317,7 +317,8 @@ def test_a_degree_more_of_lagrange_elements_is_trusted_with_a_tenth():
     """Whatever its parts let expect: the same numbers have wider bars where it is raised last."""
     bars = {}
     for backend in ("fe", "iga"):
-        meshes = [resolution(), resolution(disc=(2.0, 2.0, 2.0)), resolution(degree=4)]
+        fine = (2.0, 2.0, 2.0)
+        meshes = [resolution(), resolution(fine), resolution(fine, degree=4)]
         values = [1j * (1 + e) for e in (1e-3, 1e-5, 1e-7)]
         parts = parts_of([1e-3, 0.0, 0.0])
         levels = [
@@ -334,7 +335,8 @@ def test_a_degree_more_of_lagrange_elements_is_trusted_with_a_tenth():
         history = history_of(Cluster((np.zeros(1, dtype=int),) * 3, False), found)
         bars[backend] = np.diff(history.positions)
     assert bars["fe"][0] == bars["iga"][0]
-    assert bars["fe"][1] == pytest.approx(min(log(10.0), bars["iga"][1]))
+    assert bars["fe"][1] == pytest.approx(log(10.0))
+    assert bars["iga"][1] > 1.2 * log(10.0)
 
 
 def test_meshes_that_memory_does_not_hold_take_for_ever(backend, monkeypatch):
