@@ -12,9 +12,10 @@ import numpy as np
 from cea.arrays import Floats, Ints
 from cea.location import cross
 from iga_cea.botella import botella
-from iga_cea.grids import applied_along, grid_points, outer_products, projected
+from iga_cea.face_shape import FaceShape, tensor_splines
+from iga_cea.grids import applied_along, grid_points, projected
 from iga_cea.patch import Patch
-from iga_cea.splines import basis_functions, basis_matrix, greville
+from iga_cea.splines import basis_matrix, greville
 
 _SINGULAR = 1e-12
 """Jacobian taken for zero, relative to the power of its longest tangent."""
@@ -48,6 +49,8 @@ class PatchFace:
         Their weights, shape (n1, ..., 2).
     dofs
         Their scalar dofs, shape (n1, ..., 2).
+    shape
+        Its map before knots were inserted, which goes on beyond its edges.
     """
 
     patch: int
@@ -58,6 +61,7 @@ class PatchFace:
     control_points: Floats
     weights: Floats
     dofs: Ints
+    shape: FaceShape
 
     @classmethod
     def of(cls, patch: Patch, dofs: Ints, end: tuple[int, int, int]) -> "PatchFace":
@@ -90,6 +94,7 @@ class PatchFace:
             control_points=outer(patch.control_points),
             weights=outer(patch.weights),
             dofs=outer(dofs),
+            shape=FaceShape.of(patch.geometry, axis, side),
         )
 
     @property
@@ -175,11 +180,23 @@ class PatchFace:
         return xi - np.array([knots[0] for knots in self.knots])
 
     def tangents(self, xi: Floats) -> tuple[Floats, Floats]:
-        """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
+        """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1), beyond its edges too."""
         if self.affine is not None:
             corner, edges = self.affine
             x = corner + self._from_first_corner(xi) @ edges.T
             return x, np.broadcast_to(edges, (len(xi), *edges.shape))
+        beyond = self.shape.is_beyond(xi)
+        if not beyond.any():
+            return self._tangents(xi)
+        if beyond.all():
+            return self.shape.tangents(xi)
+        x = np.empty((len(xi), self.dim))
+        tangents = np.empty((len(xi), self.dim, self.dim - 1))
+        x[~beyond], tangents[~beyond] = self._tangents(xi[~beyond])
+        x[beyond], tangents[beyond] = self.shape.tangents(xi[beyond])
+        return x, tangents
+
+    def _tangents(self, xi: Floats) -> tuple[Floats, Floats]:
         at, splines, slopes = self._splines(xi, derivatives=True)
         return projected(np.stack([splines, *slopes], axis=1) @ self._homogeneous[at])
 
@@ -273,21 +290,7 @@ class PatchFace:
 
     def _splines(self, xi: Floats, derivatives: bool) -> tuple[Ints, Floats, list[Floats]]:
         """Flat numbers, values and derivatives of the splines along the face, (n, functions)."""
-        count = len(xi)
-        number = np.zeros((count, 1), dtype=np.int64)
-        values = np.ones((count, 1))
-        slopes: list[Floats] = []
-        for k, (knots, p) in enumerate(zip(self.knots, self.degrees, strict=True)):
-            first, table = basis_functions(knots, p, xi[:, k], int(derivatives))
-            along = first[:, None] + np.arange(p + 1)
-            n = len(knots) - p - 1
-            number = (number[:, :, None] * n + along[:, None]).reshape(count, -1)
-            if derivatives:
-                slopes = [outer_products(s, table[0]) for s in slopes] + [
-                    outer_products(values, table[1])
-                ]
-            values = outer_products(values, table[0])
-        return number, values, slopes
+        return tensor_splines(self.knots, self.degrees, xi, derivatives=derivatives)
 
     def _rational(
         self, at: Ints, splines: Floats, slopes: list[Floats]

@@ -65,12 +65,15 @@ class Patch:
         Control points (m), shape (n1, ..., dim).
     weights
         Weights, shape (n1, ...).
+    geometry
+        The patch before it was refined: the same map on fewer and larger knot spans.
     """
 
     degrees: tuple[int, ...]
     knots: tuple[Floats, ...]
     control_points: Floats
     weights: Floats
+    geometry: PatchGeometry
 
     @property
     def dim(self) -> int:
@@ -234,6 +237,7 @@ def refine(geometry: PatchGeometry, degree: Sequence[int], continuity: Sequence[
         knots=tuple(refined_knots),
         control_points=net[..., :-1] / weights[..., None],
         weights=weights,
+        geometry=geometry,
     )
 
 

@@ -280,3 +280,25 @@ def test_grids_are_evaluated_as_scattered_points_are(shape: Shape) -> None:
             )
             for found, expected in pairs:
                 np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14 * 10)
+
+
+def test_faces_go_on_beyond_their_edges_whatever_their_outermost_spans_are():
+    tiny = np.array([0.0, 1e-5, 1e-3, 0.1, 0.5, 0.9, 1 - 1e-3, 1 - 1e-5, 1.0])
+    low, high = np.array([INNER, START, BOTTOM]), np.array([OUTER, END, TOP])
+    fine = [a + (b - a) * tiny for a, b in zip(low, high, strict=True)]
+    refined, plain = (
+        NurbsBody("part", data.patches, data.faces, degree, material=STEEL).surfaces["top"]
+        for data, degree in (
+            (nurbs_shape(SECTOR, fine, TILTED), (5, 5, 5)),
+            (nurbs_shape(SECTOR, breaks_of(SECTOR, (1, 1, 1)), TILTED), (2, 2, 2)),
+        )
+    )
+    knots = refined.faces[0].knots
+    ends = np.array([[k[0], k[-1]] for k in knots])
+    parts = np.array([-0.5, -0.01, 0.3, 1.01, 1.5])
+    xi = grid_points(tuple(a + (b - a) * parts for a, b in ends))
+    element = np.zeros(len(xi), dtype=np.int64)
+    for found, exact in zip(
+        refined.tangents(element, xi), plain.tangents(element, xi), strict=True
+    ):
+        np.testing.assert_allclose(found, exact, rtol=0, atol=1e-12 * np.abs(exact).max())

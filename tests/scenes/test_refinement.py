@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from cea.errors import InputError
+from cea.timing import StageTimer
 from meshes.breaks import breaks_of, fewest, layered
 from meshes.edge_templates import RATIO
 from meshes.shapes import Annulus, Hub
+from scenes.build import build_bodies, build_interfaces
 from scenes.read import load_scene, read_scene
 from scenes.refinement import (
     Resolution,
@@ -186,3 +188,16 @@ def test_text_holds_infinity_and_odd_names(tmp_path):
     file = tmp_path / "odd.toml"
     file.write_text(scene_text(scene))
     assert load_scene(file) == scene
+
+
+@pytest.mark.parametrize(("degree", "layers"), [(5, 4), (6, 5)])
+def test_contacts_are_whole_on_splines_of_many_layers(degree, layers):
+    """Segments continue faces beyond edges at which spans are a thousandth of their neighbours."""
+    scene = refined(load_scene("disc_pad"), "iga", Resolution(degree, 0.5, layers))
+    timer = StageTimer()
+    bodies = build_bodies(scene, timer)
+    (interface,) = build_interfaces(scene, bodies, timer).values()
+    pad = scene.bodies["pad"].geometry
+    angle = np.deg2rad(pad.end - pad.start)
+    area = angle * (pad.outer_radius**2 - pad.inner_radius**2) / 2
+    assert interface.points.weight.sum() == pytest.approx(area, rel=1e-9)
