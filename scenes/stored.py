@@ -159,18 +159,35 @@ def commit() -> str:
     """
     root = Path(__file__).parents[1]
     if (root / ".git").exists():
-        command = ("git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=40")
         try:
-            done = subprocess.run(
-                [*command, "--exclude=*"], capture_output=True, text=True, check=True
-            )
-            return done.stdout.strip()
+            return commit_of(root)
         except (OSError, subprocess.CalledProcessError):
             pass  # no git, or a checkout of another owner: the package says what it is
     try:
         return f"{_PACKAGE} {version(_PACKAGE)}"
     except PackageNotFoundError:
         return "unknown"
+
+
+def commit_of(root: Path) -> str:
+    """Commit of a checkout, which is not locked for it: its user may be committing meanwhile.
+
+    Raises
+    ------
+    OSError
+        When there is no git.
+    subprocess.CalledProcessError
+        When it does not read the checkout.
+    """
+    head = _git(root, "rev-parse", "HEAD")
+    changed = _git(root, "status", "--porcelain", "--untracked-files=no")
+    return f"{head}-dirty" if changed else head
+
+
+def _git(root: Path, *command: str) -> str:
+    """What git prints of a checkout that it leaves as it is."""
+    whole = ["git", "--no-optional-locks", "-C", str(root), *command]
+    return subprocess.run(whole, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def machine() -> dict[str, Any]:

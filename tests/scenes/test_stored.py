@@ -1,6 +1,8 @@
 """Records of commands: whole or not at all, with what made them, and opened again as results."""
 
 import json
+import os
+import shutil
 import subprocess
 from dataclasses import asdict
 from math import inf
@@ -13,7 +15,7 @@ from blocks import two_blocks
 from cea.errors import InputError
 from scenes import open_result, read_scene, run_modes, run_static, save_result
 from scenes.opened import StoredModes, StoredResult, StoredStatic
-from scenes.stored import PROVENANCE, commit, read_record, record, write_record
+from scenes.stored import PROVENANCE, commit, commit_of, read_record, record, write_record
 
 GPTS = {"method": "gpts", "points": 3}
 ROOT = Path(__file__).parents[2]
@@ -121,3 +123,28 @@ def test_the_commit_is_that_of_the_checkout():
     git = ["git", "-C", str(ROOT), "rev-parse", "HEAD"]
     head = subprocess.run(git, capture_output=True, text=True, check=True).stdout.strip()
     assert commit().removesuffix("-dirty") == head
+
+
+@pytest.mark.skipif(not shutil.which("git"), reason="no git")
+def test_a_checkout_is_read_without_a_lock(tmp_path):
+    def git(*command: str) -> None:
+        who = ["-c", "user.name=a", "-c", "user.email=a@b"]
+        subprocess.run(["git", "-C", str(tmp_path), *who, *command], check=True)
+
+    file = tmp_path / "file"
+    file.write_text("one")
+    git("init", "-q")
+    git("add", "file")
+    git("commit", "-q", "-m", "first")
+    clean = commit_of(tmp_path)
+    assert len(clean) == 40
+
+    (tmp_path / "beside").write_text("is no part of it")
+    os.utime(file, (1e9, 1e9))  # touched, so that git would like to write its index anew
+    before = (tmp_path / ".git" / "index").stat()
+    assert commit_of(tmp_path) == clean
+    after = (tmp_path / ".git" / "index").stat()
+    assert (after.st_ino, after.st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
+
+    file.write_text("two")
+    assert commit_of(tmp_path) == f"{clean}-dirty"
