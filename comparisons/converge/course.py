@@ -48,6 +48,9 @@ _AT_ONCE = log(300.0)
 _LEFT: dict[Backend, float] = {"iga": log(15.0), "fe": log(6.0)}
 """What the mesh before a correction leaves to it, as a logarithm: less where that raises the degree
 of Lagrange elements, which is trusted with less."""
+_ORDERLY = 2e-3
+"""Largest relative error up to which orders are trusted: the mesh before a correction leaves no
+more than that to it, however few digits are asked for."""
 
 
 @dataclass
@@ -135,7 +138,8 @@ class Course:
         most = most_seconds / _SURE
         if self.sequence.parts is not None:
             few = len(self.sequence.levels) < ENOUGH - 1
-            spare = _LEFT[self.backend] if few and need is None else -log(need or 1.0)
+            spare = left_to_correction(self.backend, self.request.tolerance)
+            spare = spare if few and need is None else -log(need or 1.0)
             return self._leanest(most, spare=spare, at_once=_AT_ONCE)
         if len(self.sequence.levels) < ENOUGH:
             short = min(most, max(_AWAY * self.sequence.last.seconds, _SHORT))
@@ -255,3 +259,17 @@ class Course:
 
     def _rate(self, window: Window) -> float:
         return rate_of(self.sequence, window)
+
+
+def left_to_correction(backend: Backend, tolerance: float) -> float:
+    """What the mesh before a correction leaves to it, as a logarithm.
+
+    Parameters
+    ----------
+    backend
+        The backend.
+    tolerance
+        Relative error of frequencies that is allowed.
+    """
+    orderly = log(SAFETY * _ORDERLY / tolerance)
+    return min(_LEFT[backend], max(orderly, 0.0))

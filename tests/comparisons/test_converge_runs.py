@@ -15,7 +15,7 @@ from cea.eigen.eigenvalue_matching import assign
 from cea.errors import InputError
 from comparisons.cli.app import app
 from comparisons.converge import levels, tables, words
-from comparisons.converge.course import Course
+from comparisons.converge.course import Course, left_to_correction
 from comparisons.converge.page import read_converge, write_converge
 from comparisons.converge.plans import Plans
 from comparisons.converge.request import Request
@@ -147,6 +147,15 @@ def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend)
         assert abs(new.value - true) < 0.2 * abs(old.value - true)
     course.follow(course.run(Step(Resolution(3, 1.5), 1.0, 1.0), SILENT))
     assert not any(level.corrected for level in course.levels)
+
+
+def test_no_mesh_that_is_too_coarse_for_orders_is_left_to_a_correction(backend):
+    """However few digits are asked for: bars are four times the error, which is 2e-3 at most."""
+    left = {digits: left_to_correction(backend, 0.5 * 10.0**-digits) for digits in range(1, 9)}
+    assert left[1] == 0.0
+    assert np.exp(left[2]) * 0.5e-2 / 4 == pytest.approx(2e-3)
+    assert np.exp(left[3]) == pytest.approx({"iga": 15.0, "fe": 6.0}[backend])
+    assert len({left[digits] for digits in range(3, 9)}) == 1
 
 
 def test_the_budget_ends_a_run_that_would_take_longer(backend):
