@@ -141,14 +141,19 @@ def _of_growth(
 ) -> Floats | None:
     """Parts of the error of the growth of a pair that flutters, relative to what digits are of.
 
-    With lambda^2 = m +- sqrt(s) growth is sqrt(-s) / (2 omega) while it is small beside omega.
+    With lambda^2 = m +- sqrt(s) growth is sqrt(-s) / (2 omega) while it is small beside omega. A
+    pair that is none on the mesh where parts were measured has of its splitting what is usual.
     """
-    if member.verdict != "unstable" or parts.damped or modes is None or len(modes) != 2:
+    if parts.damped:
+        return None
+    known = modes is not None and len(modes) == 2
+    if not (member.verdict == "unstable" or (member.value.real > 0 and not known)):
         return None
     analysis = scene.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
     omega, growth = abs(member.value.imag), abs(member.value.real)
     floor = analysis.growth_threshold
     scale = max(growth, SLOW_GROWTH * abs(member.value) if floor is None else floor)
-    of_splitting = parts.of_splitting(modes)
-    return of_splitting / (8 * omega**2 * growth * scale)
+    if modes is None or not known:
+        return parts.of_mean(None) * omega / scale
+    return parts.of_splitting(modes) / (8 * omega**2 * growth * scale)

@@ -28,6 +28,9 @@ SAFETY = 4.0
 _UNMEASURED, _SHOWN = 3.0, 4
 """Factor on errors of which no parts were measured, until so many meshes show how they fall: a
 coarse step may take off another part than the one before, and leave more than either says."""
+_BY_OTHERS = 2.0
+"""Factor on Richardson's error where the window shows how errors fall and a number itself cannot,
+having two: of modes that meet others on a coarse mesh, which have no such numbers there."""
 _TRUSTED = log(40.0)
 """Most that a last step is trusted to have taken off, as a logarithm: what fell by more may have
 left another part behind."""
@@ -148,12 +151,16 @@ def bar(
     differences = np.abs(np.diff(values))
     last = float(differences[-1])
     doubt = _UNMEASURED if usual.unmeasured and len(values) < _SHOWN else 1.0
+    least = SAFETY * _LUCK * usual.left
     if len(values) < 3:
-        return Bar(doubt * _unseen([max(last, usual.size)], positions) + rounding, None)
+        size = doubt * _unseen([max(last, usual.size)], positions)
+        if usual.own and typical is not None and typical >= LEAST:
+            seen = max(last, _LUCK * usual.size)
+            size = min(size, max(_BY_OTHERS * _richardson(seen, typical, positions), least))
+        return Bar(float(size) + rounding, None)
     rate, former = rate_of(values, positions), float(differences[-2])
     if max(last, former) <= 2 * rounding:  # nothing but rounding is left to differ
         return Bar(max(last, former) + rounding, rate)
-    least = SAFETY * _LUCK * usual.left
     if rate is None or rate < LEAST:
         return Bar(max(doubt * _unseen([former, last], positions), least) + rounding, rate)
     before, step = np.diff(positions[-3:])
@@ -161,8 +168,14 @@ def bar(
     likely = usual.size
     if not usual.own:
         likely = max(likely, -former * float(np.expm1(-used * step) / np.expm1(used * before)))
-    size = doubt * SAFETY * max(last, _LUCK * likely) / np.expm1(min(used * step, _TRUSTED))
+    size = doubt * _richardson(max(last, _LUCK * likely), used, positions)
     return Bar(max(float(size), least) + rounding, rate)
+
+
+def _richardson(last: float, rate: float, positions: Sequence[float]) -> float:
+    """Richardson's error of a last difference at a rate, times what makes it safe."""
+    step = min(rate, MOST) * (positions[-1] - positions[-2])
+    return SAFETY * last / float(np.expm1(min(step, _TRUSTED)))
 
 
 def _unseen(differences: list[float], positions: Sequence[float]) -> float:

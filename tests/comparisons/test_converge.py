@@ -1,7 +1,7 @@
 """``cea converge``: bars of sequences, what comes next, verdicts on modes."""
 
 from dataclasses import replace
-from math import exp, inf
+from math import exp, inf, log
 
 import numpy as np
 import pytest
@@ -140,6 +140,24 @@ def test_a_small_last_difference_alone_is_taken_for_luck():
     lucky = bar([1.0, 1.1, 1.1 + 1e-9], positions, 1.0).size
     assert 0.1 * usual < lucky < usual
     assert bar([1.0, 1.0 + 1e-9], [0.0, 1.0], None, usual=Usual(0.02)).size == 0.02
+
+
+@pytest.mark.parametrize("rate", [0.5, 0.8])
+def test_where_others_show_how_errors_fall_two_numbers_do(rate):
+    """Eight times the error that is left, never above the difference that is all they say alone."""
+    step, error = log(50.0), 1e-3
+    values = [1.0 + error * exp(rate * step), 1.0 + error]
+    positions, parts = [0.0, step], Usual(0.0, own=True)
+    alone = values[0] - values[1]
+    assert bar(values, positions, None, usual=parts).size == pytest.approx(alone)
+    by_others = bar(values, positions, rate, usual=parts).size
+    assert by_others == pytest.approx(min(8 * error, alone))
+    assert bar(values, positions, rate).size == pytest.approx(alone)  # nothing of it was measured
+    assert bar(values, positions, 0.2, usual=parts).size == pytest.approx(alone)
+    lucky = bar([1.0, 1.0], positions, rate, usual=Usual(alone, own=True)).size
+    assert lucky == pytest.approx(min(0.3 * 8 * error, alone))
+    left = bar([1.0, 1.0], positions, rate, usual=Usual(alone, own=True, left=error)).size
+    assert left == pytest.approx(max(lucky, 1.2 * error))
 
 
 def test_one_number_has_no_bar_and_equal_ones_that_of_rounding():

@@ -313,6 +313,27 @@ def test_digits_of_growth_ask_for_what_takes_off_of_the_splitting():
     assert aim.gains[:2].max() < aim.gains[2]
 
 
+def test_growth_of_a_pair_that_met_later_is_planned_by_what_is_usual():
+    """It was no pair where parts were measured; its splitting is taken to err as others' means."""
+    scene = load_scene("disc_pad")
+    meshes = [counted(scene, "iga", Resolution(3, density)) for density in (0.5, 1.0)]
+    alone, wrong = np.array([1e4j, 1.1e4j]), 1e-3
+    corrected = np.array([(1 - wrong) * alone, alone, alone])
+    parts = Parts(PARTS, np.ones(3), alone, corrected, np.full(2, True), False, meshes[0], 0)
+    met = np.array([100.0 + 1e4j, -100.0 + 1e4j])
+    levels = [
+        SimpleNamespace(eigenvalues=values, resolution=mesh, uncertainties=np.zeros(2))
+        for values, mesh in zip((alone, met), meshes, strict=True)
+    ]
+    each = [(np.arange(2), np.arange(2))]
+    sequence = Sequence("iga", True, levels, links=[each], parts=parts)
+    members = tuple(Member(v, inf, inf, "undecided", None, 1) for v in met)
+    judged = Judged(members, (Cluster((None, np.arange(2)), True),), Window())
+    aim = wanted(judged, sequence, Request("disc_pad"), scene, 1.0, spare=0.0)
+    assert len(aim.errors) == 3  # both members, and growth of the one that grows
+    assert aim.errors[2] == pytest.approx([wrong * 1e4 / 100.0, 0.0, 0.0], rel=0.02)
+
+
 def test_a_degree_more_of_lagrange_elements_is_trusted_with_a_tenth():
     """Whatever its parts let expect: the same numbers have wider bars where it is raised last."""
     bars = {}
