@@ -105,7 +105,8 @@ def wanted(
         return None
     reached = whole.last.resolution
     errors = np.array([parts.of_mean(modes) for _, modes in asked])
-    now = parts.at(reached, errors).sum(axis=1)
+    local = np.array([parts.local(e, m) for e, (_, m) in zip(errors, asked, strict=True)])
+    now = parts.at(reached, errors, local).sum(axis=1)
     needs = np.array([need_of(member, request, scene) for member, _ in asked])
     if len(whole.levels) < ENOUGH:
         speeds = np.array([abs(member.value) for member, _ in asked])
@@ -122,24 +123,27 @@ def wanted(
     gains = np.clip(gains - spare, least, most)
     if len(whole.levels) < ENOUGH:
         of_growth = [_of_growth(*each, parts, request, scene) for each in asked]
-        growing = np.array([row for row in of_growth if row is not None])
-        if len(growing):
-            now = parts.at(reached, growing).sum(axis=1)
+        rows = [row for row in of_growth if row is not None]
+        if rows:
+            growing, resolved = (np.array(each) for each in zip(*rows, strict=True))
+            now = parts.at(reached, growing, resolved).sum(axis=1)
             short = np.log(np.maximum(SAFETY * now / request.growth_tolerance, 1e-3)) + RESERVE
-            errors = np.concatenate([errors, growing])
+            errors, local = np.concatenate([errors, growing]), np.concatenate([local, resolved])
             gains = np.concatenate([gains, np.clip(short - spare, 0.0, most)])
     if everywhere:
         usual = errors.max(axis=0)
-        alone = np.diag(usual)[usual > 0]
-        errors = np.concatenate([errors, alone])
+        alone, resolved = np.diag(usual)[usual > 0], np.diag(local.max(axis=0))[usual > 0]
+        errors, local = np.concatenate([errors, alone]), np.concatenate([local, resolved])
         gains = np.concatenate([gains, np.full(len(alone), rate * LEAST_GAIN)])
-    return Wanted(errors, gains, reached, rate)
+    return Wanted(errors, local, gains, reached, rate)
 
 
 def _of_growth(
     member: Member, modes: Ints | None, parts: Parts, request: Request, scene: Scene
-) -> Floats | None:
+) -> tuple[Floats, Floats] | None:
     """Parts of the error of the growth of a pair that flutters, relative to what digits are of.
+
+    Beside them the same as :meth:`Parts.local` has them.
 
     With lambda^2 = m +- sqrt(s) growth is sqrt(-s) / (2 omega) while it is small beside omega. A
     pair that is none on the mesh where parts were measured has of its splitting what is usual.
@@ -155,5 +159,7 @@ def _of_growth(
     floor = analysis.growth_threshold
     scale = max(growth, SLOW_GROWTH * abs(member.value) if floor is None else floor)
     if modes is None or not known:
-        return parts.of_mean(None) * omega / scale
-    return parts.of_splitting(modes) / (8 * omega**2 * growth * scale)
+        modes, of_lambda = None, parts.of_mean(None)
+    else:
+        of_lambda = parts.of_splitting(modes) / (8 * omega**3 * growth)
+    return of_lambda * omega / scale, parts.local(of_lambda, modes)

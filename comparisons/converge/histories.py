@@ -119,7 +119,7 @@ def history_of(cluster: Cluster, sequence: Sequence) -> History:
         return History(values, rounding, residual, resolutions, positions, rigid)
     parts, modes = sequence.parts, cluster.members[sequence.parts.level]
     own = parts.of_mean(modes)
-    fallen = parts.fallen(own, resolutions)
+    fallen = parts.fallen(own, parts.local(own, modes), resolutions)
     raised = _raised(resolutions, sequence)
     history = History(
         values,
@@ -136,7 +136,7 @@ def history_of(cluster: Cluster, sequence: Sequence) -> History:
     splitting = abs(0.25 * (squares[0] - squares[1]) ** 2)
     unit = max(4 * abs(squares.mean()) * np.sqrt(splitting), np.finfo(float).tiny)
     own = parts.of_splitting(modes) / unit
-    fallen = parts.fallen(own, resolutions)
+    fallen = parts.fallen(own, parts.local(own, modes), resolutions)
     positions = _trusted(positions_of(fallen, own), raised=raised)
     return replace(history, splittings=fallen.sum(axis=1), of_splitting=positions)
 

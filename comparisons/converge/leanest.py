@@ -40,6 +40,8 @@ class Wanted:
     errors
         Relative errors of the modes asked for in their parts, where parts were measured, shape
         (modes, parts).
+    local
+        The same over what the bodies take part in the modes, shape (modes, parts).
     gains
         Logarithm of what is to be taken off from the error of each, shape (modes,).
     reached
@@ -49,6 +51,7 @@ class Wanted:
     """
 
     errors: Floats
+    local: Floats
     gains: Floats
     reached: Resolution
     rate: float
@@ -88,10 +91,11 @@ def leanest(
         A mesh that comes as near as the time allows, ``enough`` where it takes off all that is
         wanted; None where none is worth its time.
     """
-    before = parts.at(wanted.reached, wanted.errors)
+    before = parts.at(wanted.reached, wanted.errors, wanted.local)
 
     def shortages(resolution: Resolution) -> Floats:
-        taken = taken_off(before, parts.at(resolution, wanted.errors), wanted.errors)
+        after = parts.at(resolution, wanted.errors, wanted.local)
+        taken = taken_off(before, after, wanted.errors)
         return np.maximum(wanted.gains - wanted.rate * taken, 0.0)
 
     best = _Mesh(newest, seconds(newest), shortages(newest))

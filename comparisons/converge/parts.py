@@ -72,6 +72,9 @@ class Parts:
         lambda on the mesh (1/s), shape (modes,).
     corrected
         lambda in each richer space, shape (parts, modes).
+    strained
+        Strain energy of the body of each part over abs(lambda)^2 of the mode, of x^H M x = 1,
+        shape (parts, modes).
     known
         Modes whose errors tell anything: not those of rigid motions, shape (modes,).
     damped
@@ -86,6 +89,7 @@ class Parts:
     takes: Floats
     eigenvalues: Complexes
     corrected: Complexes
+    strained: Floats
     known: NDArray[np.bool_]
     damped: bool
     resolution: Resolution
@@ -113,6 +117,25 @@ class Parts:
         change = _splitting(self.corrected[:, modes]) - _splitting(self.eigenvalues[None, modes])
         return self._parted(np.abs(change) / self.takes)
 
+    def local(self, errors: Floats, modes: Ints | None) -> Floats:
+        """Parts of a relative error of lambda over what the bodies take part, shape (parts,).
+
+        Where a body takes little part in a mode its part of the error is small however crudely it
+        is resolved; how well it is, and so what a degree more does, its share tells.
+
+        Parameters
+        ----------
+        errors
+            The parts.
+        modes
+            Modes of the mesh that are judged together; None takes what is usual in the window.
+        """
+        if modes is None:
+            shares = np.median(self.strained[:, self.known], axis=1)
+        else:
+            shares = self.strained[:, modes].mean(axis=1)
+        return errors / np.maximum(shares, errors / LARGEST_ERROR + np.finfo(float).tiny)
+
     def _parted(self, errors: Floats) -> Floats:
         """Parts of smooth solutions without what finer elements took off of that of edges."""
         found = errors.copy()
@@ -131,26 +154,27 @@ class Parts:
                 found[across] *= max(1 - _HALVED_EDGES * float(errors[i]) / both, _SMOOTH)
         return found
 
-    def at(self, resolution: Resolution, errors: Floats) -> Floats:
+    def at(self, resolution: Resolution, errors: Floats, local: Floats) -> Floats:
         """Parts of errors on another mesh, shape (n, parts).
 
         Parameters
         ----------
         resolution
             The mesh, densities of all bodies given.
-        errors
-            Parts on the mesh on which they were measured, shape (n, parts).
+        errors, local
+            Parts on the mesh on which they were measured, and as :meth:`local` has them, shape
+            (n, parts).
         """
         old, new = dict(self.resolution.bodies), dict(resolution.bodies)
         columns = [
-            _fallen(errors[:, i], part, old[part.body], new[part.body])
+            errors[:, i] * _left(local[:, i], part, old[part.body], new[part.body])
             for i, part in enumerate(self.parts)
         ]
         return np.stack(columns, axis=1)
 
-    def fallen(self, errors: Floats, resolutions: Sequence[Resolution]) -> Floats:
-        """Parts of a relative error on each of some meshes, shape (meshes, parts)."""
-        return np.concatenate([self.at(each, errors[None, :]) for each in resolutions])
+    def fallen(self, errors: Floats, local: Floats, resolutions: Sequence[Resolution]) -> Floats:
+        """Parts of one error on each of some meshes, shape (meshes, parts)."""
+        return np.concatenate([self.at(each, errors[None], local[None]) for each in resolutions])
 
 
 def taken_off(old: Floats, new: Floats, measured: Floats) -> Floats:
@@ -194,14 +218,14 @@ def _splitting(values: Complexes) -> Floats:
     return np.asarray((0.25 * (squares[:, 0] - squares[:, 1]) ** 2).real)
 
 
-def _fallen(errors: Floats, part: Part, old: BodyResolution, new: BodyResolution) -> Floats:
-    """A part of all modes on a finer, or a coarser, mesh of its body."""
+def _left(local: Floats, part: Part, old: BodyResolution, new: BodyResolution) -> Floats:
+    """What is left of a part of all modes on a finer, or a coarser, mesh of its body."""
     each = [log(new.densities[d] / old.densities[d]) for d in part.directions]
     more = min(each)
     if part.edges:
         taken = more - (new.layers - old.layers) * log(RATIO)
         taken += part.of_degree * log(new.degree / old.degree)
-        return np.asarray(errors * np.exp(-2 * EDGES * taken))
-    left = np.log(np.clip(errors, SMALLEST_ERROR, LARGEST_ERROR))
-    finer = (left - 2 * old.degree * more) * new.degree / old.degree
-    return np.asarray(errors * np.exp(finer - left))
+        return np.full(len(local), np.exp(-2 * EDGES * taken))
+    before = np.log(np.clip(local, SMALLEST_ERROR, LARGEST_ERROR))
+    after = (before - 2 * old.degree * more) * new.degree / old.degree
+    return np.asarray(np.exp(after - before))

@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cea.arrays import Complexes
+from cea.arrays import Complexes, Floats
+from cea.system.strain_energies import strain_energies
 from comparisons.converge.estimated import seconds_of
 from comparisons.converge.levels import Level, widened
 from comparisons.converge.parts import EDGES, Part, Parts
@@ -177,8 +178,17 @@ def measured(level: Level, number: int, scene: Scene, progress: Progress) -> Par
         np.array([probe.takes for probe in found]),
         level.eigenvalues,
         np.array(corrected),
+        _strained(level, [probe.part.body for probe in found]),
         ~level.rigid,
         scene.damped or scene.rotates,
         resolution,
         number,
     )
+
+
+def _strained(level: Level, bodies: list[str]) -> Floats:
+    """Strain energies of bodies over abs(lambda)^2 of each mode; 1 of rigid motions."""
+    assert level.result is not None
+    energies = strain_energies(level.result.system, level.result.modes.vectors)
+    squares = np.where(level.rigid, 1.0, np.abs(level.eigenvalues) ** 2)
+    return np.array([np.where(level.rigid, 1.0, energies[name] / squares) for name in bodies])

@@ -40,13 +40,15 @@ def parts_of(errors):
     values = np.array([1j])
     corrected = np.array([[1j * (1 - e)] for e in errors])
     ones = np.ones(len(errors))
-    return Parts(PARTS, ones, values, corrected, np.array([True]), False, resolution(), 0)
+    strained = np.ones((len(errors), 1))
+    return Parts(PARTS, ones, values, corrected, strained, np.array([True]), False, resolution(), 0)
 
 
 def errors_at(parts, mesh):
     """Parts of the first mode on a mesh."""
-    own = parts.of_mean(np.array([0]))[None, :]
-    return parts.at(mesh, own)[0]
+    first = np.array([0])
+    own = parts.of_mean(first)
+    return parts.at(mesh, own[None], parts.local(own, first)[None])[0]
 
 
 # How parts fall
@@ -69,6 +71,23 @@ def test_a_degree_raises_every_smooth_part_of_its_body_to_a_power():
     assert after[[0, 2]] == pytest.approx(before[[0, 2]] ** (4 / 3), rel=1e-9)
     back = replace(parts, resolution=resolution(degree=4))
     assert errors_at(back, resolution())[[0, 2]] == pytest.approx(before[[0, 2]] ** 0.75, rel=1e-9)
+
+
+def test_what_a_degree_does_for_a_body_does_not_hang_on_its_share_of_a_mode():
+    """A tenth of the strain energy of a mode with a tenth of the error falls by the same factor."""
+    whole = parts_of([1e-3, 0.0, 1e-4])
+    little = replace(whole, strained=np.array([[1.0], [1.0], [0.1]]))
+    factors = []
+    for parts in (whole, little):
+        after = errors_at(parts, resolution(degree=4))
+        factors.append(after[[0, 2]] / errors_at(parts, resolution())[[0, 2]])
+    assert factors[0] == pytest.approx([1e-3 ** (1 / 3), 1e-4 ** (1 / 3)], rel=1e-2)
+    assert factors[1] == pytest.approx(np.full(2, 1e-3 ** (1 / 3)), rel=1e-2)
+    unresolved = replace(whole, strained=np.array([[1.0], [1.0], [1e-6]]))
+    after = errors_at(unresolved, resolution(degree=4))[2]
+    assert after / 1e-4 == pytest.approx(0.1 ** (1 / 3), rel=1e-2)
+    finer = resolution(pad=(2.0, 1.0, 1.0))
+    assert errors_at(little, finer)[2] == pytest.approx(1e-4 * 2.0**-6, rel=1e-2)
 
 
 def test_edges_fall_with_layers_and_with_the_coarser_of_their_directions():
@@ -155,7 +174,9 @@ def test_what_is_predicted_of_another_mesh_is_its_error(backend):
     for value in values[real]:
         i = np.abs(level.eigenvalues - value).argmin()
         true = np.abs(exact - value).min() / abs(value)
-        found.append(parts.fallen(parts.of_mean(np.array([i])), [finer]).sum() / true)
+        alone = np.array([i])
+        own = parts.of_mean(alone)
+        found.append(parts.fallen(own, parts.local(own, alone), [finer]).sum() / true)
     assert 0.5 < np.median(found) < 2
 
 
@@ -226,7 +247,7 @@ def leanest_of(errors, gain, most_seconds=1e9):
     first = counted(scene, "iga", Resolution(3, 0.5))
     parts = replace(parts_of(errors), resolution=first)
     own = parts.of_mean(np.array([0]))[None, :]
-    wanted = Wanted(own, np.array([log(gain)]), first, 1.0)
+    wanted = Wanted(own, own, np.array([log(gain)]), first, 1.0)
     step = leanest(
         parts,
         "iga",
@@ -246,7 +267,7 @@ def test_the_direction_that_owes_most_is_refined():
     assert after["pad"] == before["pad"]
     assert after["disc"].densities[0] == before["disc"].densities[0]
     assert after["disc"].layers == 0
-    assert parts.at(step.resolution, own).sum() * 20 <= own.sum() * (1 + 1e-9)
+    assert parts.at(step.resolution, own, own).sum() * 20 <= own.sum() * (1 + 1e-9)
 
 
 def test_layers_are_laid_where_edges_owe_most():
@@ -273,9 +294,9 @@ def test_modes_that_are_right_already_ask_for_no_finer_mesh():
     )
     values = np.array([1e4j, 2e4j])
     errors = np.array([[1e-3, 1e-9], [1e-9, 1e-9], [1e-9, 1e-7]])
-    parts = Parts(
-        PARTS, np.ones(3), values, values * (1 - errors), np.full(2, True), False, first, 0
-    )
+    corrected, strained = values * (1 - errors), np.ones((3, 2))
+    known = np.full(2, True)
+    parts = Parts(PARTS, np.ones(3), values, corrected, strained, known, False, first, 0)
     level = SimpleNamespace(eigenvalues=values, resolution=first, uncertainties=np.zeros(2))
     sequence = Sequence("iga", True, [level], parts=parts)
     clusters = tuple(Cluster((np.array([i]),), False) for i in range(2))
@@ -297,7 +318,8 @@ def test_digits_of_growth_ask_for_what_takes_off_of_the_splitting():
     omega, growth, wrong = 1e4, 100.0, 0.02
     values = np.array([growth + 1j * omega, -growth + 1j * omega])
     corrected = np.array([values, (1 - wrong) * values.real + 1j * values.imag, values])
-    parts = Parts(PARTS, np.ones(3), values, corrected, np.full(2, True), False, first, 0)
+    strained, known = np.ones((3, 2)), np.full(2, True)
+    parts = Parts(PARTS, np.ones(3), values, corrected, strained, known, False, first, 0)
     level = SimpleNamespace(eigenvalues=values, resolution=first, uncertainties=np.zeros(2))
     sequence = Sequence("iga", True, [level], parts=parts)
     cluster = Cluster((np.arange(2),), False)
@@ -319,7 +341,8 @@ def test_growth_of_a_pair_that_met_later_is_planned_by_what_is_usual():
     meshes = [counted(scene, "iga", Resolution(3, density)) for density in (0.5, 1.0)]
     alone, wrong = np.array([1e4j, 1.1e4j]), 1e-3
     corrected = np.array([(1 - wrong) * alone, alone, alone])
-    parts = Parts(PARTS, np.ones(3), alone, corrected, np.full(2, True), False, meshes[0], 0)
+    strained, known = np.ones((3, 2)), np.full(2, True)
+    parts = Parts(PARTS, np.ones(3), alone, corrected, strained, known, False, meshes[0], 0)
     met = np.array([100.0 + 1e4j, -100.0 + 1e4j])
     levels = [
         SimpleNamespace(eigenvalues=values, resolution=mesh, uncertainties=np.zeros(2))
