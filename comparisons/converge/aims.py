@@ -4,7 +4,7 @@ from math import inf, log, tau
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats
 from comparisons.converge.bars import SAFETY
 from comparisons.converge.following import Sequence
 from comparisons.converge.judged import SLOW_GROWTH, Judged, shortfall
@@ -43,14 +43,10 @@ def need_of(member: Member, request: Request, scene: Scene) -> float:
 
 def may_remain(eigenvalues: Complexes, request: Request, scene: Scene) -> Floats:
     """What solves may leave of errors of lambda (1/s), shape (n,): a tenth of what is allowed."""
-    analysis = scene.analysis
-    assert isinstance(analysis, ComplexEigenvalueAnalysis)
     speeds = np.abs(eigenvalues)
     allowed = request.tolerance * speeds
-    floor = analysis.growth_threshold
-    slow = SLOW_GROWTH * speeds if floor is None else np.full(len(speeds), floor)
     grows = eigenvalues.real != 0
-    scale = np.maximum(np.abs(eigenvalues.real), slow)
+    scale = _scale_of_growth(eigenvalues, scene)
     growth = np.where(grows, request.growth_tolerance * scale, np.inf)
     return np.asarray(_REMAINS * np.minimum(allowed, growth))
 
@@ -69,7 +65,7 @@ def wanted(
     """What is to be taken off from the errors of the modes.
 
     While bars rest on one mesh or two, what they would be is expected from the parts: of the mean
-    of a pair that flutters, and of its splitting, which is its growth.
+    of a pair, and of its splitting, which is its growth or what parts its frequencies.
 
     Parameters
     ----------
@@ -97,20 +93,20 @@ def wanted(
     parts, whole = sequence.parts, sequence.with_correction
     assert parts is not None
     asked = [
-        (member, judged.cluster_of(i).members[parts.level])
+        (i, member, judged.cluster_of(i).members[parts.level])
         for i, member in enumerate(judged.members)
         if is_asked(member, request, scene) and not member.rigid
     ]
     if not asked:
         return None
     reached = whole.last.resolution
-    errors = np.array([parts.of_mean(modes) for _, modes in asked])
-    local = np.array([parts.local(e, m) for e, (_, m) in zip(errors, asked, strict=True)])
+    errors = np.array([parts.of_mean(modes) for _, _, modes in asked])
+    local = np.array([parts.local(e, m) for e, (_, _, m) in zip(errors, asked, strict=True)])
     now = parts.at(reached, errors, local).sum(axis=1)
-    needs = np.array([need_of(member, request, scene) for member, _ in asked])
+    needs = np.array([need_of(member, request, scene) for _, member, _ in asked])
     if len(whole.levels) < ENOUGH:
-        speeds = np.array([abs(member.value) for member, _ in asked])
-        bars = np.array([member.frequency_bar for member, _ in asked]) / speeds
+        speeds = np.array([abs(member.value) for _, member, _ in asked])
+        bars = np.array([member.frequency_bar for _, member, _ in asked]) / speeds
         expected = SAFETY * now
         known = np.isfinite(bars)
         with np.errstate(invalid="ignore"):
@@ -122,13 +118,13 @@ def wanted(
         least[:] = LEAST_GAIN
     gains = np.clip(gains - spare, least, most)
     if len(whole.levels) < ENOUGH:
-        of_growth = [_of_growth(*each, parts, request, scene) for each in asked]
-        rows = [row for row in of_growth if row is not None]
+        found = [_of_splitting(i, judged, parts, request, scene) for i, _, _ in asked]
+        rows = [row for row in found if row is not None]
         if rows:
-            growing, resolved = (np.array(each) for each in zip(*rows, strict=True))
-            now = parts.at(reached, growing, resolved).sum(axis=1)
-            short = np.log(np.maximum(SAFETY * now / request.growth_tolerance, 1e-3)) + RESERVE
-            errors, local = np.concatenate([errors, growing]), np.concatenate([local, resolved])
+            ours, resolved, allowed = (np.array(each) for each in zip(*rows, strict=True))
+            now = parts.at(reached, ours, resolved).sum(axis=1)
+            short = np.log(np.maximum(SAFETY * now / allowed, 1e-3)) + RESERVE
+            errors, local = np.concatenate([errors, ours]), np.concatenate([local, resolved])
             gains = np.concatenate([gains, np.clip(short - spare, 0.0, most)])
     if everywhere:
         usual = errors.max(axis=0)
@@ -138,28 +134,50 @@ def wanted(
     return Wanted(errors, local, gains, reached, rate)
 
 
-def _of_growth(
-    member: Member, modes: Ints | None, parts: Parts, request: Request, scene: Scene
-) -> tuple[Floats, Floats] | None:
-    """Parts of the error of the growth of a pair that flutters, relative to what digits are of.
-
-    Beside them the same as :meth:`Parts.local` has them.
+def _of_splitting(
+    mode: int, judged: Judged, parts: Parts, request: Request, scene: Scene
+) -> tuple[Floats, Floats, float] | None:
+    """What digits ask of the splitting of the pair that a mode is of; None where nothing.
 
     With lambda^2 = m +- sqrt(s) growth is sqrt(-s) / (2 omega) while it is small beside omega. A
     pair that is none on the mesh where parts were measured has of its splitting what is usual.
+
+    Returns
+    -------
+    tuple
+        Parts of the error, relative to growth or to abs(lambda), shape (parts,); the same as
+        :meth:`Parts.local` has them; the error that is allowed.
     """
+    member, cluster = judged.members[mode], judged.cluster_of(mode)
+    modes = cluster.members[parts.level]
+    known = modes is not None and len(modes) == 2
+    omega, growth = abs(member.value.imag), abs(member.value.real)
     if parts.damped:
         return None
-    known = modes is not None and len(modes) == 2
-    if not (member.verdict == "unstable" or (member.value.real > 0 and not known)):
+    if member.verdict == "unstable" or (member.value.real > 0 and not known):
+        scale = _scale_of_growth(np.array(member.value), scene)
+        if modes is None or not known:
+            modes, of_lambda = None, parts.of_mean(None)
+        else:
+            of_lambda = np.abs(parts.of_splitting(modes)) / (8 * omega**3 * growth)
+        own = of_lambda * omega / scale
+        return own, parts.local(of_lambda, modes), request.growth_tolerance
+    decides = np.isfinite(member.frequency_bar) and mode == cluster.newest[0]
+    if modes is None or not known or len(cluster.newest) != 2 or not decides or growth != 0:
         return None
+    squares = [judged.members[each].value ** 2 for each in cluster.newest]
+    apart = 0.5 * abs(squares[0] - squares[1])
+    may = 2 * omega**2 * request.tolerance  # as bars have the error of sqrt(s) from that of s
+    of_square = may * (2 * apart - may) if may < apart else max(apart**2, may**2 - apart**2)
+    unit = 4 * omega**2 * max(apart, may)
+    of_lambda = np.abs(parts.of_splitting(modes)) / unit
+    return of_lambda, parts.local(of_lambda, modes), of_square / unit
+
+
+def _scale_of_growth(eigenvalues: Complexes, scene: Scene) -> Floats:
+    """Growth rates (1/s) that digits of growth are relative to, of the shape of the eigenvalues."""
     analysis = scene.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
-    omega, growth = abs(member.value.imag), abs(member.value.real)
     floor = analysis.growth_threshold
-    scale = max(growth, SLOW_GROWTH * abs(member.value) if floor is None else floor)
-    if modes is None or not known:
-        modes, of_lambda = None, parts.of_mean(None)
-    else:
-        of_lambda = parts.of_splitting(modes) / (8 * omega**3 * growth)
-    return of_lambda * omega / scale, parts.local(of_lambda, modes)
+    slow = SLOW_GROWTH * np.abs(eigenvalues) if floor is None else floor
+    return np.maximum(np.abs(eigenvalues.real), slow)

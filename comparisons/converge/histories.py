@@ -17,6 +17,8 @@ _OF_DEGREE = log(10.0)
 """Most that a last step is trusted to have taken off where it raises the degree of Lagrange
 elements, as a logarithm: where solutions are not quite smooth, as at edges of curved faces that
 slide, elements of a degree more find little more in them, and no probe of a coarse mesh tells."""
+_FITS = 1.5
+"""Factor between two changes, over what was expected of them, up to which they are as expected."""
 
 
 @dataclass(frozen=True)
@@ -137,8 +139,30 @@ def history_of(cluster: Cluster, sequence: Sequence) -> History:
     unit = max(4 * abs(squares.mean()) * np.sqrt(splitting), np.finfo(float).tiny)
     own = parts.of_splitting(modes) / unit
     fallen = parts.fallen(own, parts.local(own, modes), resolutions)
-    positions = _trusted(positions_of(fallen, own), raised=raised)
-    return replace(history, splittings=fallen.sum(axis=1), of_splitting=positions)
+    sizes = np.abs(fallen)
+    squared = values**2
+    changes = np.diff(0.25 * (squared[:, 0] - squared[:, 1]) ** 2).real
+    kept = fallen if _fit(fallen.sum(axis=1), changes) else sizes
+    positions = _trusted(positions_of(kept, own), raised=raised)
+    return replace(history, splittings=sizes.sum(axis=1), of_splitting=positions)
+
+
+def _fit(left: Floats, changes: Floats) -> bool:
+    """Whether a number changed as is expected where its parts take off from one another.
+
+    Parameters
+    ----------
+    left
+        What it was expected to change yet on each mesh, up to a factor, shape (meshes,).
+    changes
+        What it changed from mesh to mesh, shape (meshes - 1,).
+    """
+    if len(changes) < 2 or not (np.abs(left[1:]) < np.abs(left[:-1])).all():
+        return False
+    if not ((left[1:] * left[:-1]) > 0).all():
+        return False
+    ratios = changes[-2:] / -np.diff(left)[-2:]
+    return bool((ratios > 0).all() and ratios.max() <= _FITS * ratios.min())
 
 
 def _raised(resolutions: list[Resolution], sequence: Sequence) -> bool:

@@ -113,9 +113,12 @@ class Parts:
         return self._parted(np.abs(change) / (power * size * self.takes))
 
     def of_splitting(self, modes: Ints) -> Floats:
-        """Parts of the error of the squared splitting of the lambda^2 of a pair, (parts,)."""
+        """Parts of the error of the squared splitting of the lambda^2 of a pair, (parts,).
+
+        They are what each will still change, with its sign: they may take off from one another.
+        """
         change = _splitting(self.corrected[:, modes]) - _splitting(self.eigenvalues[None, modes])
-        return self._parted(np.abs(change) / self.takes)
+        return np.copysign(self._parted(np.abs(change) / self.takes), change)
 
     def local(self, errors: Floats, modes: Ints | None) -> Floats:
         """Parts of a relative error of lambda over what the bodies take part, shape (parts,).
@@ -134,7 +137,8 @@ class Parts:
             shares = np.median(self.strained[:, self.known], axis=1)
         else:
             shares = self.strained[:, modes].mean(axis=1)
-        return errors / np.maximum(shares, errors / LARGEST_ERROR + np.finfo(float).tiny)
+        sizes = np.abs(errors)
+        return sizes / np.maximum(shares, sizes / LARGEST_ERROR + np.finfo(float).tiny)
 
     def _parted(self, errors: Floats) -> Floats:
         """Parts of smooth solutions without what finer elements took off of that of edges."""
@@ -190,10 +194,10 @@ def taken_off(old: Floats, new: Floats, measured: Floats) -> Floats:
     measured
         Parts as they were measured, shape (n, parts).
     """
-    tiny = np.finfo(float).tiny
-    of_sums = np.log(np.maximum(old.sum(axis=1), tiny) / np.maximum(new.sum(axis=1), tiny))
-    each = np.log(np.maximum(old, tiny) / np.maximum(new, tiny))
-    matters = measured >= _MATTERS * measured.sum(axis=1, keepdims=True)
+    before, after, sizes = np.abs(old), np.abs(new), np.abs(measured)
+    of_sums = _log_ratio(np.abs(old.sum(axis=1)), np.abs(new.sum(axis=1)))
+    each = _log_ratio(before, after)
+    matters = sizes >= _MATTERS * sizes.sum(axis=1, keepdims=True)
     least = np.where(matters, each, np.inf).min(axis=1)
     return np.asarray(np.minimum(of_sums, least + _LEADS))
 
@@ -210,6 +214,11 @@ def positions_of(fallen: Floats, measured: Floats) -> list[float]:
     """
     steps = taken_off(fallen[:-1], fallen[1:], np.tile(measured, (len(fallen) - 1, 1)))
     return [0.0, *np.cumsum(np.maximum(steps, _LEAST_STEP)).tolist()]
+
+
+def _log_ratio(old: Floats, new: Floats) -> Floats:
+    tiny = np.finfo(float).tiny
+    return np.asarray(np.log(np.maximum(old, tiny) / np.maximum(new, tiny)))
 
 
 def _splitting(values: Complexes) -> Floats:

@@ -10,6 +10,7 @@ from exact_scenes import ExactScene
 
 from cea.eigen.eigenvalue_matching import assign
 from comparisons.converge.aims import may_remain, wanted
+from comparisons.converge.bars import Usual, bar, observed_rate
 from comparisons.converge.following import Cluster, Sequence
 from comparisons.converge.histories import Window, history_of
 from comparisons.converge.judged import Judged
@@ -335,6 +336,32 @@ def test_digits_of_growth_ask_for_what_takes_off_of_the_splitting():
     assert aim.gains[:2].max() < aim.gains[2]
 
 
+@pytest.mark.parametrize("apart", [4e6, 1e4])
+def test_frequencies_of_a_pair_ask_for_what_parts_them(apart):
+    """Of one that does not flutter: what its bar has of the splitting, near or far from zero."""
+    scene, first = (
+        load_scene("disc_pad"),
+        counted(load_scene("disc_pad"), "iga", Resolution(3, 0.5)),
+    )
+    values = np.sqrt(np.array([-1e8 + apart, -1e8 - apart], complex))
+    error = 0.02 * apart**2
+    moved = np.sqrt(np.array([-1e8, -1e8]) + np.sqrt(apart**2 + error) * np.array([1, -1]) + 0j)
+    corrected = np.array([values, moved, values])
+    strained, known = np.ones((3, 2)), np.full(2, True)
+    parts = Parts(PARTS, np.ones(3), values, corrected, strained, known, False, first, 0)
+    level = SimpleNamespace(eigenvalues=values, resolution=first, uncertainties=np.zeros(2))
+    sequence = Sequence("iga", True, [level], parts=parts)
+    members = tuple(Member(v, 1.0, 0.0, "stable", None, 2) for v in values)
+    judged = Judged(members, (Cluster((np.arange(2),), False),), Window())
+    request = Request("disc_pad")
+    aim = wanted(judged, sequence, request, scene, 1.0, spare=0.0)
+    assert len(aim.gains) == 3  # the two members, and what parts them
+    may = np.exp(log(4) + log(1.5) - aim.gains[2]) * error if aim.gains[2] > 0 else inf
+    root = apart - np.sqrt(apart**2 - may) if may < apart**2 else np.sqrt(apart**2 + may)
+    assert may == inf or root == pytest.approx(2e8 * request.tolerance, rel=0.05)
+    assert (aim.gains[2] > 0) == (apart > 1e6)
+
+
 def test_growth_of_a_pair_that_met_later_is_planned_by_what_is_usual():
     """It was no pair where parts were measured; its splitting is taken to err as others' means."""
     scene = load_scene("disc_pad")
@@ -355,6 +382,60 @@ def test_growth_of_a_pair_that_met_later_is_planned_by_what_is_usual():
     aim = wanted(judged, sequence, Request("disc_pad"), scene, 1.0, spare=0.0)
     assert len(aim.errors) == 3  # both members, and growth of the one that grows
     assert aim.errors[2] == pytest.approx([wrong * 1e4 / 100.0, 0.0, 0.0], rel=0.02)
+
+
+PAIR_MESHES = (
+    resolution(),
+    resolution(disc=(1.0, 1.3, 1.0), pad=(1.15, 1.0, 1.0)),
+    resolution(disc=(1.0, 1.8, 1.0), pad=(1.6, 1.0, 1.0)),
+)
+
+
+def of_pair(owed, squares, mean=-1e8):
+    """History of a pair whose squared splitting has the parts given, on three meshes."""
+
+    def pair(square):
+        apart = np.sqrt(complex(square))
+        return np.sqrt(np.array([mean + apart, mean - apart], complex))
+
+    first = pair(squares[0])
+    corrected = np.array([pair(squares[0] + part) for part in owed])
+    strained, known = np.ones((3, 2)), np.full(2, True)
+    parts = Parts(PARTS, np.ones(3), first, corrected, strained, known, False, PAIR_MESHES[0], 0)
+    levels = [
+        SimpleNamespace(
+            eigenvalues=pair(square),
+            uncertainties=np.zeros(2),
+            residuals=np.zeros(2),
+            rigid=np.zeros(2, dtype=bool),
+            resolution=mesh,
+        )
+        for square, mesh in zip(squares, PAIR_MESHES, strict=True)
+    ]
+    sequence = Sequence("iga", True, levels, parts=parts)
+    return history_of(Cluster((np.arange(2),) * 3, False), sequence), parts
+
+
+@pytest.mark.parametrize("seen", [1.0, 0.7])
+def test_parts_of_a_splitting_may_take_off_from_one_another(seen):
+    """Where it changed as they then say, up to a factor, and not where it did otherwise."""
+    owed, true = np.array([-1.5e13, 0.0, 3e13]), 6e13
+    _, parts = of_pair(owed, [true] * 3)
+    own, local = owed[None], parts.local(owed / (4e8 * np.sqrt(true)), np.arange(2))[None]
+    left = np.concatenate([parts.at(mesh, own, local) for mesh in PAIR_MESHES])
+    squares = true - seen * left.sum(axis=1)
+    history, _ = of_pair(owed, squares)
+    signed, sizes = positions_of(left, owed), positions_of(np.abs(left), owed)
+    assert abs(signed[1] - sizes[1]) > 0.3
+    assert history.of_splitting == pytest.approx(signed, rel=0.05)
+    error = abs(squares[-1] - true)
+    rate = observed_rate(history.of_splitting, np.abs(np.diff(squares)))
+    assert rate == pytest.approx(1.0, rel=0.1)
+    size = bar(squares.tolist(), history.of_splitting, None, usual=Usual(0.0, own=True)).size
+    assert error < size < 8 * error
+    squares[1] = squares[0] + 0.4 * (squares[1] - squares[0])
+    otherwise, _ = of_pair(owed, squares)
+    assert otherwise.of_splitting == pytest.approx(sizes, rel=0.05)
 
 
 def test_a_degree_more_of_lagrange_elements_is_trusted_with_a_tenth():
