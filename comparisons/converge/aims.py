@@ -9,7 +9,7 @@ from comparisons.converge.bars import SAFETY
 from comparisons.converge.following import Sequence
 from comparisons.converge.judged import SLOW_GROWTH, Judged, shortfall
 from comparisons.converge.leanest import Wanted
-from comparisons.converge.parts import Parts
+from comparisons.converge.parts import Parts, taken_off
 from comparisons.converge.quantities import Member
 from comparisons.converge.request import Request
 from comparisons.converge.steps import LEAST_GAIN, RESERVE
@@ -82,8 +82,8 @@ def wanted(
     most
         Logarithm of what is to be taken off at most.
     everywhere
-        Whether every part is to fall by half, however small it is: one that was taken for small
-        and is not is seen then.
+        Whether every part is to fall by half from the newest mesh, however small it is: one that
+        was taken for small and is not is seen then. A correction of that mesh is no mesh.
 
     Returns
     -------
@@ -129,8 +129,10 @@ def wanted(
     if everywhere:
         usual = errors.max(axis=0)
         alone, resolved = np.diag(usual)[usual > 0], np.diag(local.max(axis=0))[usual > 0]
+        there = [parts.at(at, alone, resolved) for at in (sequence.last.resolution, reached)]
+        halved = LEAST_GAIN - taken_off(there[0], there[1], alone)
         errors, local = np.concatenate([errors, alone]), np.concatenate([local, resolved])
-        gains = np.concatenate([gains, np.full(len(alone), rate * LEAST_GAIN)])
+        gains = np.concatenate([gains, rate * halved])
     return Wanted(errors, local, gains, reached, rate)
 
 

@@ -22,8 +22,8 @@ from scenes.refinement import BodyResolution, Resolution
 EDGES = 0.6
 """Exponent of displacements at edges, the least that usual nu have at clamped ones; splines of a
 higher degree, as smooth as they can be, have no more functions there and do little better."""
-_HALVED_EDGES = 1 - 2.0 ** (-2 * EDGES)
-"""What of the part of singular edges elements of half the size across them take off."""
+RE_ENTRANT = 0.5445
+"""The same at re-entrant edges of a right angle (Williams 1952)."""
 _SMOOTH = 0.1
 """Part of what was measured along a direction that is no doing of edges, at least."""
 _MATTERS = 0.05
@@ -50,12 +50,15 @@ class Part:
     of_degree
         What a degree more does for these over what as many more elements do: Lagrange elements
         with a corner at the edge gain twice as much, splines as smooth as they can be no more.
+    exponent
+        Of displacements at these, the least.
     """
 
     body: str
     directions: tuple[int, ...]
     edges: bool = False
     of_degree: float = 1.0
+    exponent: float = EDGES
 
 
 @dataclass(frozen=True)
@@ -155,7 +158,8 @@ class Parts:
             ]
             both = float(errors[across].sum())
             if both > 0:
-                found[across] *= max(1 - _HALVED_EDGES * float(errors[i]) / both, _SMOOTH)
+                halved = 1 - 2.0 ** (-2 * part.exponent)  # what elements of half the size take off
+                found[across] *= max(1 - halved * float(errors[i]) / both, _SMOOTH)
         return found
 
     def at(self, resolution: Resolution, errors: Floats, local: Floats) -> Floats:
@@ -234,7 +238,7 @@ def _left(local: Floats, part: Part, old: BodyResolution, new: BodyResolution) -
     if part.edges:
         taken = more - (new.layers - old.layers) * log(RATIO)
         taken += part.of_degree * log(new.degree / old.degree)
-        return np.full(len(local), np.exp(-2 * EDGES * taken))
+        return np.full(len(local), np.exp(-2 * part.exponent * taken))
     before = np.log(np.clip(local, SMALLEST_ERROR, LARGEST_ERROR))
     after = (before - 2 * old.degree * more) * new.degree / old.degree
     return np.asarray(np.exp(after - before))

@@ -19,7 +19,7 @@ from cea.arrays import Complexes, Floats
 from cea.system.strain_energies import strain_energies
 from comparisons.converge.estimated import seconds_of
 from comparisons.converge.levels import Level, widened
-from comparisons.converge.parts import EDGES, Part, Parts
+from comparisons.converge.parts import EDGES, RE_ENTRANT, Part, Parts
 from comparisons.kit.progress import Progress
 from meshes.edge_templates import RATIO
 from scenes.nested import eigenvalues_in
@@ -110,8 +110,9 @@ def _of_body(
         thin = tuple(d for d in across if not alone and _all_at_edges(body, towards, d, own))
         beside = replace(own, densities=_doubled(own, thin))
         layered = replace(beside, layers=own.layers + 1)
-        part = Part(name, across, edges=True, of_degree=_OF_DEGREE[backend])
-        yield part, layered, 1 - RATIO ** (2 * EDGES), beside
+        exponent = RE_ENTRANT if edges.re_entrant else EDGES
+        part = Part(name, across, True, _OF_DEGREE[backend], exponent)
+        yield part, layered, 1 - RATIO ** (2 * exponent), beside
 
 
 def _all_at_edges(

@@ -1,7 +1,7 @@
 """Errors in parts, one for each body and direction: measured, predicted, made use of."""
 
 from dataclasses import replace
-from math import inf, log
+from math import inf, log, pi, sin
 from types import SimpleNamespace
 
 import numpy as np
@@ -21,9 +21,11 @@ from comparisons.converge.probes import measured, probes, seconds_of_probes
 from comparisons.converge.quantities import Member
 from comparisons.converge.request import Request
 from comparisons.kit.progress import Progress
+from meshes.shapes import Hub
 from scenes.memory import estimated_memory
 from scenes.read import load_scene
 from scenes.refinement import BodyResolution, Resolution, counted, mixed, refined
+from scenes.spec.support import SupportSpec
 
 SILENT = Progress(step=lambda _: None, stage=lambda _: None)
 PARTS = (Part("disc", (1,)), Part("disc", (0, 2), edges=True), Part("pad", (0,)))
@@ -98,6 +100,20 @@ def test_edges_fall_with_layers_and_with_the_coarser_of_their_directions():
     assert errors_at(parts, resolution(disc=(2.0, 9.0, 1.0)))[1] == pytest.approx(whole)
     both = errors_at(parts, resolution(disc=(2.0, 1.0, 2.0)))[1]
     assert both / whole == pytest.approx(2.0**-1.2)
+
+
+def test_re_entrant_edges_fall_slower_than_clamped_ones():
+    clamped = parts_of([0.0, 1e-3, 0.0])
+    re_entrant = replace(clamped, parts=(PARTS[0], replace(PARTS[1], exponent=0.5445), PARTS[2]))
+    whole = errors_at(re_entrant, resolution())[1]
+    finer = resolution(disc=(2.0, 1.0, 2.0))
+    assert errors_at(re_entrant, resolution(layers=2))[1] / whole == pytest.approx(0.2**2.178)
+    assert errors_at(re_entrant, finer)[1] / whole == pytest.approx(2.0**-1.089)
+    both = replace(re_entrant, corrected=np.array([[0.998j], [0.999j], [1j]]))
+    both = replace(both, parts=(Part("disc", (0,)), *both.parts[1:]))
+    assert both.of_mean(np.array([0]))[0] == pytest.approx(
+        2e-3 - (1 - 2.0**-1.089) * 1e-3, rel=1e-2
+    )
 
 
 def test_a_degree_of_lagrange_elements_does_twice_as_much_at_edges():
@@ -219,6 +235,23 @@ def test_what_a_thin_disc_owes_across_is_not_laid_to_its_edges():
     assert shares[1] < shares[0] < 4 * shares[1]
 
 
+def test_probes_know_the_exponents_of_their_edges():
+    """Stresses at a re-entrant edge of a right angle are of the power of Williams."""
+    scene = load_scene("disc_pad")
+    on_hub = Hub(0.03, 0.06, 0.14, 0.0, 0.01, -0.02, 0.01)
+    disc = replace(scene.bodies["disc"], geometry=on_hub, supports=(SupportSpec("bore"),))
+    with_hub = replace(scene, bodies={**scene.bodies, "disc": disc})
+    exponents = []
+    for each in (scene, with_hub):
+        found = probes(each, "iga", counted(each, "iga", Resolution(2, 0.5)))
+        exponents.append({p.part.body: p.part.exponent for p in found if p.part.edges})
+    assert exponents[0] == {"pad": 0.6, "disc": 0.6}
+    williams = exponents[1].pop("disc")
+    assert exponents[1] == {"pad": 0.6}
+    assert abs(sin(1.5 * pi * williams) - williams) < 1e-3
+    assert 0.5 < williams < 0.6
+
+
 def test_a_layer_through_a_thin_body_is_laid_beside_twice_the_elements():
     """It divides the one element across everywhere, and so takes off of what is smooth."""
     scene = load_scene("disc_pad", ["bodies.disc.mesh.iga.elements=[6,24,1]"])
@@ -308,6 +341,48 @@ def test_modes_that_are_right_already_ask_for_no_finer_mesh():
     assert aim.gains[1] == 0.0
     easy = wanted(judged, sequence, Request("disc_pad", digits=1), scene, 1.0, spare=0.0)
     assert easy.gains == pytest.approx(log(2.0))  # of what is right already a mesh more is seen
+
+
+def test_every_part_is_to_fall_by_half_from_the_newest_mesh_and_not_from_its_correction():
+    """What a correction takes off is no mesh, and is not asked for once more beyond it."""
+    scene = load_scene("disc_pad")
+    meshes = [counted(scene, "iga", Resolution(3, density)) for density in (0.5, 1.0)]
+    bodies = dict(meshes[1].bodies)
+    n, halved = bodies["disc"].densities, log(2.0)
+    bodies["disc"] = replace(bodies["disc"], densities=(n[0], 1.2 * n[1], n[2]), layers=1)
+    corrected_to = mixed(bodies)
+    value, errors = np.array([1e4j]), np.array([[1e-3], [1e-4], [1e-5]])
+    parts = Parts(
+        PARTS,
+        np.ones(3),
+        value,
+        value * (1 - errors),
+        np.ones((3, 1)),
+        np.full(1, True),
+        False,
+        meshes[0],
+        0,
+    )
+    levels = [
+        SimpleNamespace(eigenvalues=value, resolution=mesh, uncertainties=np.zeros(1))
+        for mesh in meshes
+    ]
+    link = [(np.array([0]), np.array([0]))]
+    sequence = Sequence("iga", True, levels, links=[link], parts=parts)
+    richer = SimpleNamespace(eigenvalues=value, resolution=corrected_to)
+    whole = replace(sequence, correction=richer)
+    members = (Member(value[0], 1.0, inf, "stable", None, 3),)
+    judged = Judged(members, (Cluster((np.array([0]),) * 2, False),), Window())
+    gains = [
+        wanted(judged, each, Request("disc_pad"), scene, 1.0, spare=0.0, everywhere=True).gains[-3:]
+        for each in (sequence, whole)
+    ]
+    assert gains[0] == pytest.approx(halved)
+    own = np.diag(parts.of_mean(np.array([0])))
+    fallen = [parts.at(mesh, own, own).diagonal() for mesh in (meshes[1], corrected_to)]
+    assert gains[1] == pytest.approx(halved - np.log(fallen[0] / fallen[1]))
+    assert (gains[1][:2] < 0).all()  # more than that is taken off by now
+    assert gains[1][2] == pytest.approx(halved)  # of the pad nothing is
 
 
 def test_digits_of_growth_ask_for_what_takes_off_of_the_splitting():

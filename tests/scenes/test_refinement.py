@@ -102,9 +102,11 @@ def test_the_edge_of_a_hub_is_re_entrant():
     template = load_scene("disc").bodies["disc"]
     body = replace(template, geometry=hub, supports=(SupportSpec("bore"),))
     scene = replace(load_scene("disc"), bodies={"disc": body})
-    found = crowding(scene, "disc").towards
-    assert 0.04 in found["r"]
-    assert 0.0 in found["z"]
+    found = crowding(scene, "disc")
+    assert 0.04 in found.towards["r"]
+    assert 0.0 in found.towards["z"]
+    assert found.re_entrant
+    assert not any(crowding(load_scene("disc_pad"), each).re_entrant for each in ("disc", "pad"))
     assert isinstance(body, BodySpec)
 
 
