@@ -7,7 +7,7 @@ import numpy as np
 from cea.arrays import Complexes, Floats
 from comparisons.converge.bars import SAFETY
 from comparisons.converge.following import Sequence
-from comparisons.converge.judged import SLOW_GROWTH, Judged, shortfall
+from comparisons.converge.judged import SLOW_GROWTH, Judged, frequency_shortfall, shortfall
 from comparisons.converge.leanest import Wanted
 from comparisons.converge.parts import Parts, taken_off
 from comparisons.converge.quantities import Member
@@ -64,8 +64,8 @@ def wanted(
 ) -> Wanted | None:
     """What is to be taken off from the errors of the modes.
 
-    While bars rest on one mesh or two, what they would be is expected from the parts: of the mean
-    of a pair, and of its splitting, which is its growth or what parts its frequencies.
+    Of the mean of a pair, and of its splitting, which is its growth or what parts its frequencies.
+    While bars rest on one mesh or two, what they would be is expected from the parts.
 
     Parameters
     ----------
@@ -104,28 +104,32 @@ def wanted(
     local = np.array([parts.local(e, m) for e, (_, _, m) in zip(errors, asked, strict=True)])
     now = parts.at(reached, errors, local).sum(axis=1)
     needs = np.array([need_of(member, request, scene) for _, member, _ in asked])
-    if len(whole.levels) < ENOUGH:
+    few = len(whole.levels) < ENOUGH
+    found = [_of_splitting(i, judged, parts, request, scene) for i, _, _ in asked]
+    if few:
         speeds = np.array([abs(member.value) for _, member, _ in asked])
         bars = np.array([member.frequency_bar for _, member, _ in asked]) / speeds
         expected = SAFETY * now
         known = np.isfinite(bars)
         with np.errstate(invalid="ignore"):
             scaled = needs * np.minimum(1.0, expected / bars)
-        needs = np.where(known, scaled, expected / request.tolerance)
-    gains = np.log(np.maximum(needs, 1e-3)) + RESERVE
+        of_means = np.where(known, scaled, expected / request.tolerance)
+    else:
+        alone = np.array([frequency_shortfall(member, request) for _, member, _ in asked])
+        of_means = np.where([row is None for row in found], needs, alone)
+    gains = np.log(np.maximum(of_means, 1e-3)) + RESERVE
     least = np.clip(gains + _AMPLE, 0.0, LEAST_GAIN)
-    if least.max() < LEAST_GAIN:  # all are right: one more mesh shows that
+    rows = [(*row, need) for row, need in zip(found, needs, strict=True) if row is not None]
+    short = np.empty(0)
+    if rows:
+        ours, resolved, allowed, seen = (np.array(each) for each in zip(*rows, strict=True))
+        now = parts.at(reached, ours, resolved).sum(axis=1)
+        short = np.log(np.maximum(SAFETY * now / allowed if few else seen, 1e-3)) + RESERVE
+        errors, local = np.concatenate([errors, ours]), np.concatenate([local, resolved])
+    if max(least.max(), short.max(initial=0.0)) < LEAST_GAIN:  # all are right: one more shows that
         least[:] = LEAST_GAIN
     gains = np.clip(gains - spare, least, most)
-    if len(whole.levels) < ENOUGH:
-        found = [_of_splitting(i, judged, parts, request, scene) for i, _, _ in asked]
-        rows = [row for row in found if row is not None]
-        if rows:
-            ours, resolved, allowed = (np.array(each) for each in zip(*rows, strict=True))
-            now = parts.at(reached, ours, resolved).sum(axis=1)
-            short = np.log(np.maximum(SAFETY * now / allowed, 1e-3)) + RESERVE
-            errors, local = np.concatenate([errors, ours]), np.concatenate([local, resolved])
-            gains = np.concatenate([gains, np.clip(short - spare, 0.0, most)])
+    gains = np.concatenate([gains, np.clip(short - spare, 0.0, most)])
     if everywhere:
         usual = errors.max(axis=0)
         alone, resolved = np.diag(usual)[usual > 0], np.diag(local.max(axis=0))[usual > 0]

@@ -98,15 +98,20 @@ def shortfall(member: Member, request: Request, threshold: float | None) -> floa
     threshold
         Growth rate (1/s) below which errors are relative to it; None takes 1e-4 of abs(lambda).
     """
+    of_frequency = frequency_shortfall(member, request)
+    if member.rigid or member.verdict != "unstable":
+        return of_frequency
+    floor = SLOW_GROWTH * abs(member.value) if threshold is None else threshold
+    scale = max(abs(member.value.real), floor)
+    return float(max(of_frequency, member.growth_bar / (request.growth_tolerance * scale)))
+
+
+def frequency_shortfall(member: Member, request: Request) -> float:
+    """The same for digits of frequency alone."""
     if member.rigid:  # zero has no digits
         return 0.0
     speed = max(abs(member.value), np.finfo(float).tiny)
-    of_frequency = member.frequency_bar / (request.tolerance * speed)
-    if member.verdict != "unstable":
-        return float(of_frequency)
-    floor = SLOW_GROWTH * speed if threshold is None else threshold
-    scale = max(abs(member.value.real), floor)
-    return float(max(of_frequency, member.growth_bar / (request.growth_tolerance * scale)))
+    return float(member.frequency_bar / (request.tolerance * speed))
 
 
 def digits_held(error: float, value: float) -> float | None:

@@ -411,6 +411,34 @@ def test_digits_of_growth_ask_for_what_takes_off_of_the_splitting():
     assert aim.gains[:2].max() < aim.gains[2]
 
 
+def test_growth_that_is_not_held_is_planned_by_the_splitting_on_later_meshes_too():
+    """By its bar, which is known then; the mean, whose own bar holds, is not asked for it."""
+    scene = load_scene("disc_pad")
+    meshes = [counted(scene, "iga", Resolution(3, density)) for density in (0.5, 0.7, 1.0)]
+    growth, wrong, need = 100.0, 0.02, 7.0
+    values = np.array([growth + 1e4j, -growth + 1e4j])
+    corrected = np.array([values, (1 - wrong) * values.real + 1j * values.imag, values])
+    strained, known = np.ones((3, 2)), np.full(2, True)
+    parts = Parts(PARTS, np.ones(3), values, corrected, strained, known, False, meshes[0], 0)
+    levels = [
+        SimpleNamespace(eigenvalues=values, resolution=mesh, uncertainties=np.zeros(2))
+        for mesh in meshes
+    ]
+    link = [(np.arange(2), np.arange(2))]
+    sequence = Sequence("iga", True, levels, links=[link, link], parts=parts)
+    request = Request("disc_pad")
+    bars = 1e-3 * request.tolerance * 1e4, need * request.growth_tolerance * growth
+    members = tuple(
+        Member(v, *bars, verdict, 1.0, 3)
+        for v, verdict in zip(values, ("unstable", "stable"), strict=True)
+    )
+    judged = Judged(members, (Cluster((np.arange(2),) * 3, False),), Window())
+    aim = wanted(judged, sequence, request, scene, 1.0, spare=0.0)
+    assert aim.errors[2] == pytest.approx([0.0, wrong, 0.0], rel=0.02, abs=1e-9)
+    assert aim.gains[2] == pytest.approx(log(need) + log(1.5))
+    assert aim.gains[:2] == pytest.approx(0.0)
+
+
 @pytest.mark.parametrize("apart", [4e6, 1e4])
 def test_frequencies_of_a_pair_ask_for_what_parts_them(apart):
     """Of one that does not flutter: what its bar has of the splitting, near or far from zero."""
