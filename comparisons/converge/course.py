@@ -220,7 +220,11 @@ class Course:
         if sequence.correction is not None or len(sequence.levels) < (1 if last else 2):
             return None
         if sequence.parts is not None:
-            step = self._leanest(most_seconds / _SURE, spare=0.0, share=SHARE)
+            most = most_seconds / _SURE
+            step = self._leanest(most, spare=0.0, share=SHARE)
+            if last and (step is None or not step.enough):
+                # What is owed little may wait: what is asked for comes first in the time left.
+                step = self._leanest(most, spare=0.0, share=SHARE, everywhere=False)
             if step is None or not (last or step.enough):
                 return None
             return finer_of(sequence.last, self.scene, step.resolution)
@@ -249,10 +253,19 @@ class Course:
         self.sequence.correction = estimated_level(newest, richer, allowed, progress)
 
     def _leanest(
-        self, most_seconds: float, *, spare: float, at_once: float = inf, share: float = 1.0
+        self,
+        most_seconds: float,
+        *,
+        spare: float,
+        at_once: float = inf,
+        share: float = 1.0,
+        everywhere: bool = True,
     ) -> Step | None:
         options = {"spare": spare, "at_once": at_once, "share": share}
-        return self.plans.leanest(self.sequence, self.judged, most_seconds, **options)
+        judged = self.judged
+        return self.plans.leanest(
+            self.sequence, judged, most_seconds, everywhere=everywhere, **options
+        )
 
     def _alike(self, *, fitting: bool = True) -> list[Step]:
         return self.plans.alike(self.sequence, self.judged, self.so_far, fitting=fitting)

@@ -71,6 +71,7 @@ class Plans:
         spare: float,
         at_once: float = inf,
         share: float = 1.0,
+        everywhere: bool = True,
     ) -> Step | None:
         """The cheapest mesh for what is wanted, or richer space that takes a share of a run.
 
@@ -86,6 +87,8 @@ class Plans:
             Logarithms of what is left to a correction, and of what one mesh takes off at most.
         share
             Part of the time of a run that it takes.
+        everywhere
+            Whether every part is to fall by half, from the second mesh on.
         """
         assert sequence.parts is not None
         slower = slower_than_estimated(sequence) * share
@@ -98,7 +101,7 @@ class Plans:
             rate,
             spare=spare,
             most=at_once,
-            everywhere=len(sequence.levels) > 1,
+            everywhere=everywhere and len(sequence.levels) > 1,
         )
         if aim is None:
             return None

@@ -1,7 +1,8 @@
 """``cea converge`` from a scene to its page: runs, budgets, refusals, ranks."""
 
 import json
-from math import pi
+from dataclasses import replace
+from math import inf, pi
 from time import perf_counter
 from types import SimpleNamespace
 
@@ -25,7 +26,7 @@ from comparisons.converge.told import errors_of
 from comparisons.kit.progress import Progress
 from scenes.memory import estimated_memory
 from scenes.read import load_scene
-from scenes.refinement import Resolution, refined
+from scenes.refinement import Resolution, mixed, refined
 
 SILENT = Progress(step=lambda _: None, stage=lambda _: None)
 MU_CRITICAL = 0.05989842834808168909
@@ -147,6 +148,29 @@ def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend)
         assert abs(new.value - true) < 0.2 * abs(old.value - true)
     course.follow(course.run(Step(Resolution(3, 1.5), 1.0, 1.0), SILENT))
     assert not any(level.corrected for level in course.levels)
+
+
+def test_a_last_correction_is_for_what_is_asked_where_time_is_short(backend):
+    """Parts that are owed little need not fall by half too, as they do where there is the time."""
+    scene = load_scene("blocks")
+    course = Course(backend, scene, Request("blocks", digits=4, backends=(backend,)))
+    course.follow(course.run(Step(Resolution(3, 0.5), 1.0, 1.0), SILENT))
+    course.measure(SILENT)
+    bodies = dict(course.sequence.last.resolution.bodies)
+    upper = bodies["upper"]
+    bodies["upper"] = replace(upper, densities=tuple(2 * n for n in upper.densities))
+    course.follow(course.run(Step(mixed(bodies), 1.0, 1.0), SILENT))
+    options = {"spare": 0.0, "share": 0.5}
+    whole, asked = (
+        course.plans.leanest(course.sequence, course.judged, inf, everywhere=each, **options)
+        for each in (True, False)
+    )
+    assert asked.enough
+    assert asked.seconds < whole.seconds
+    between = 1.6 * 0.5 * (asked.seconds + whole.seconds)
+    found = course.correction(between, last=True)
+    assert found.resolution == asked.resolution
+    assert course.correction(2 * whole.seconds, last=True).resolution == whole.resolution
 
 
 def test_no_mesh_that_is_too_coarse_for_orders_is_left_to_a_correction(backend):
