@@ -1,7 +1,7 @@
 """The course of one backend: its sequence of meshes, what it holds, what comes next."""
 
 from dataclasses import dataclass, field
-from math import inf, log
+from math import inf, isfinite, log
 from time import perf_counter
 
 from cea.errors import ConvergenceError, InputError
@@ -155,7 +155,9 @@ class Course:
         """
         if self.sequence.parts is None:
             return cheapest(self._alike(fitting=False), factor)
-        step = self._leanest(inf, spare=-log(factor / max(self.need, 1.0)))
+        need = max(self.need, 1.0)
+        need = need if isfinite(need) else _UNKNOWN_NEED
+        step = self._leanest(inf, spare=-log(factor / need))
         return step if step is not None and step.enough else None
 
     def run(self, step: Step, progress: Progress) -> Level:

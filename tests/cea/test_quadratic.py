@@ -254,7 +254,7 @@ def test_the_judge_sees_what_is_wrong(mixed):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_numbers_do_not_depend_on_the_ranks(ranks):
     alone, together = (on_ranks(n, "quadratic_cases.numbers") for n in (1, ranks))
     assert len(alone["re"]) > 3

@@ -245,6 +245,7 @@ def test_what_has_no_reduced_model_is_refused():
 
 
 @pytest.mark.mpi
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_maps_are_the_same_on_several_ranks(backend):
     alone = on_ranks(1, "reduced_cases.map_numbers", backend)
     ranks = {"fe": 3, "iga": 2}[backend]

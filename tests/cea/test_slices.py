@@ -117,6 +117,7 @@ def test_modes_are_those_of_one_search(backend, mu, monkeypatch):
 
 
 @pytest.mark.mpi
+@pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])
 def test_slices_on_several_ranks(backend):
     ranks = {"fe": 2, "iga": 3}[backend]
     alone = on_ranks(1, "sliced_numbers.sliced_numbers", backend)

@@ -115,6 +115,7 @@ def test_a_mode_that_the_first_search_missed_is_found(monkeypatch):
 
 
 @pytest.mark.mpi
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_several_ranks_see_the_same(backend):
     ranks = {"fe": 2, "iga": 3}[backend]
     alone = on_ranks(1, "surrounded_numbers.surrounded_numbers", backend)

@@ -160,7 +160,15 @@ def test_large_windows_of_stiff_contact_are_complete(backend, changes):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize(
+    ("backend", "ranks"),
+    [
+        ("fe", 3),
+        ("iga", 2),
+        pytest.param("fe", 2, marks=pytest.mark.slow),
+        pytest.param("iga", 3, marks=pytest.mark.slow),
+    ],
+)
 def test_ranks_agree(backend, ranks):
     alone = on_ranks(1, "turned_numbers.turned_numbers", backend)
     assert_same(on_ranks(ranks, "turned_numbers.turned_numbers", backend), alone, rel=1e-6)

@@ -197,7 +197,7 @@ def test_a_sweep_takes_steps_of_its_own(backend):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_ranks_find_the_same_history(ranks):
     found, expected = (on_ranks(n, "prestress_numbers.histories") for n in (ranks, 1))
     assert_same(found, expected, rel=1e-8)

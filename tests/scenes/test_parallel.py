@@ -92,7 +92,7 @@ def test_cases_meet_what_they_are_meant_to_meet():
         assert cases(1)[f"{backend} gpts static"]["closing force"] != 0
 
 
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_forces_on_ranks_without_displacements(ranks):
     found, expected = cases(ranks, "saddle"), cases(1, "saddle")
     assert len(found["im"]) > 3
@@ -100,7 +100,7 @@ def test_forces_on_ranks_without_displacements(ranks):
         assert sorted(found[name]) == pytest.approx(sorted(values), rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_contacts_lifted_off_in_part(ranks):
     """Ranks without a closed point take part too."""
     found, expected = cases(ranks, "lifted_off"), cases(1, "lifted_off")
@@ -110,7 +110,7 @@ def test_contacts_lifted_off_in_part(ranks):
         assert_same_eigenvalues(found[name], values)
 
 
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_every_formulation(ranks):
     """Displacements of the patch test and eigenvalues of the disc and pad, on coarse meshes."""
     found, expected = cases(ranks, "formulations"), cases(1, "formulations")
