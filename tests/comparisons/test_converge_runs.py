@@ -129,6 +129,17 @@ def test_a_body_without_contacts_converges(backend):
     assert data["backends"][backend]["held"]
 
 
+def test_what_a_digit_more_costs_is_told_while_no_bar_is_known(backend, monkeypatch):
+    """A mode that one of two meshes does not have has an endless bar."""
+    course = Course(backend, load_scene("blocks"), Request("blocks", backends=(backend,)))
+    course.follow(course.run(Step(Resolution(3, 0.5), 1.0, 1.0), SILENT))
+    course.measure(SILENT)
+    monkeypatch.setattr(Course, "need", inf)
+    step = course.cost_of(10.0)
+    assert step.enough
+    assert step.seconds > 0
+
+
 def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend):
     """Its bars hold the true errors, which are far below those of the mesh itself."""
     exact = ExactScene("blocks").exact()

@@ -5,6 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from comparisons.converge.request import Request
+from comparisons.converge.study import run_converge
+from comparisons.kit.progress import Progress
 from examples import (
     brake_sweep,
     compare_formulations,
@@ -20,6 +23,9 @@ from examples import (
     which_formulation,
 )
 from scenes import assemble
+from scenes.inspection import inspect_scene
+from scenes.read import load_scene
+from scenes.refinement import has_singular_edges
 
 ROOT = Path(__file__).parents[2]
 SAME = 1e-8
@@ -121,3 +127,31 @@ def test_matrices_from_files():
     true = 0.5 * (np.sqrt(-15.99 + 0.4j * speeds).real - 0.1)
     found = matrices_from_files.growth_rates(tuple(speeds.tolist()))
     np.testing.assert_allclose(found, true, rtol=0, atol=1e-13)
+
+
+def scene_file(name):
+    return ROOT / "examples" / f"{name}.toml"
+
+
+@pytest.mark.parametrize("name", ["hub_pad", "two_pads"])
+def test_scenes_for_error_bars_have_no_faults(backend, name):
+    scene = load_scene(scene_file(name), [], backend)
+    inspection = inspect_scene(scene)
+    assert inspection.faults == ()
+    assert all(contact.formulation.method == "mortar" for contact in scene.contacts.values())
+    assert has_singular_edges(scene)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "backend", "digits"),
+    [("hub_pad", "iga", 2), ("hub_pad", "fe", 2), ("two_pads", "iga", 3), ("two_pads", "fe", 2)],
+)
+def test_scenes_for_error_bars_hold_their_digits(name, backend, digits):
+    """A re-entrant edge, two contacts: every mode to the digits asked for, its order named."""
+    request = Request(str(scene_file(name)), digits=digits, backends=(backend,))
+    data = run_converge(request, Progress(step=lambda _: None, stage=lambda _: None))
+    assert data["backends"][backend]["held"]
+    assert len(data["modes"]) >= 12
+    assert all(mode["rate"] > 0.3 for mode in data["modes"])
+    assert {mode["verdict"] for mode in data["modes"]} == {"stable"}
