@@ -9,9 +9,11 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
+from cea.heap import keep_freed_memory
 from cea.signals import ignore_closed_pipes
 
 ignore_closed_pipes()
+keep_freed_memory()
 
 Mat = PETSc.Mat
 """A distributed matrix."""

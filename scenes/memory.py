@@ -16,6 +16,7 @@ from tempfile import gettempdir
 from typing import Any
 
 from cea.errors import InputError
+from cea.heap import give_back
 from cea.petsc import MPI
 from meshes.mesh_file import MeshFile
 from scenes.node_grids import TINY, NodeGrid, box_lengths, node_grids
@@ -161,7 +162,11 @@ def available_memory() -> float:
 
 
 def _free() -> float:
-    """Memory (bytes) that no program holds now; infinite where the system does not tell."""
+    """Memory (bytes) that no program holds now; infinite where the system does not tell.
+
+    What this one has freed is given back first.
+    """
+    give_back()
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:

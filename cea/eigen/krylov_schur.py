@@ -24,9 +24,10 @@ from cea.eigen.modes import Modes, modes_of
 from cea.eigen.nearest import NearestSearch
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.quadratic import QuadraticDriver
-from cea.eigen.search import WindowSearch
+from cea.eigen.search import WindowSearch, first_field
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError, InputError
+from cea.heap import give_back
 from cea.timing import StageTimer
 
 
@@ -85,8 +86,9 @@ class KrylovSchur:
         self.free()
 
     def free(self) -> None:
-        """Free factors and sums; what was counted is kept."""
+        """Free factors and sums, and give their memory back; what was counted is kept."""
         self._kept.free()
+        give_back()
 
     def solve(
         self,
@@ -165,14 +167,17 @@ class KrylovSchur:
         """All modes of a pencil without damping and rotation."""
         values, matrices = dict(asked.values), asked.matrices
         top = (2 * np.pi * asked.max_frequency) ** 2
-        shift, upper, counted = 0.5 * top, upper_end(top), None
-        with timer("factorisation"):
-            factors = self._kept.in_the_middle(matrices, values, shift)
+        counted, field = None, None
+        with timer("factorisation"):  # what shows completeness first: its memory serves the factors
             if matrices.symmetric:
-                counted = self._kept.count(matrices, values, upper)
+                counted = self._kept.count(matrices, values, upper_end(top))
+            else:
+                field = first_field(matrices, top)
+            factors = self._kept.in_the_middle(matrices, values, 0.5 * top)
         search = WindowSearch(
             matrices,
             factors,
+            field,
             tolerance=self._tolerance,
             max_restarts=self._max_restarts,
             timer=timer,

@@ -111,29 +111,29 @@ class Mumps:
         factor = pc.getFactorMatrix()
         factor.setMumpsIcntl(14, room)
         factor.setMumpsIcntl(22, int(folder_of_factors() is not None))
+        large = matrix_size(self.matrix) >= _LARGE
+        if large and (unknowns := unknowns_of_nodes(self.matrix)) > 1:
+            factor.setMumpsIcntl(15, -unknowns)  # the graph of the nodes is ordered
         if self._inertia:
             factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
             factor.setMumpsIcntl(24, 1)
-            if matrix_size(self.matrix) >= _LARGE:
+            if large:
                 self._hasten(factor)
         elif not self._symmetric:
             factor.setMumpsIcntl(33, 1)  # its determinant
         return pc
 
     def _hasten(self, factor: Any) -> None:
-        """Options by which inertia is found sooner; solutions may lose a digit to the first.
+        """Options by which inertia is found sooner: panels, of which none is compressed.
 
         Single precision is for matrices that are likely to be positive definite, which need no
         other pivots than their diagonal, and whose factors are tried before they are trusted.
         """
-        if (unknowns := unknowns_of_nodes(self.matrix)) > 1:
-            factor.setMumpsIcntl(15, -unknowns)  # the graph of the nodes is ordered
+        factor.setMumpsIcntl(35, 2)
+        factor.setMumpsCntl(7, 0.0)
         if self.single:
             factor.setMumpsCntl(1, 0.0)
             factor.setMumpsIcntl(8, 0)
-        else:  # panels, of which none is compressed
-            factor.setMumpsIcntl(35, 2)
-            factor.setMumpsCntl(7, 0.0)
 
     def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
         """Solve A x = b, or A^T x = b, with PETSc vectors."""

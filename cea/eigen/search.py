@@ -53,6 +53,8 @@ class WindowSearch:
         The pencil at given parameters.
     factors
         The pencil factorised in the middle of the window; the search moves them.
+    field
+        :func:`first_field` of a pencil with friction; None without.
     tolerance, max_restarts
         Of each search (:class:`cea.eigen.block_krylov.BlockKrylov`).
     timer
@@ -65,6 +67,7 @@ class WindowSearch:
         self,
         matrices: Matrices,
         factors: Shifted,
+        field: FieldOfValues | None,
         *,
         tolerance: float,
         max_restarts: int,
@@ -80,7 +83,8 @@ class WindowSearch:
             timer=timer,
             solver=solver,
         )
-        self._tests = 0
+        self._first_field = field
+        self._tests = int(field is not None)
         self._turned: TurnedField | None = None
         self._turns = matrices.size > _SMALL
 
@@ -121,9 +125,9 @@ class WindowSearch:
         top
             Upper end omega^2 (1/s^2).
         """
-        discs = self._discs
-        upper, depth, reached = upper_end(top), _DEPTH * top, -top
-        field = self._field(depth, cone=True)
+        discs, field = self._discs, self._first_field
+        assert field is not None
+        upper, depth, reached = upper_end(top), field.depth, -top
         bounded = field.bounded
         radius = distance_of_cone(top, discs.middle, field)
         if radius <= _AROUND * (upper - discs.middle):
@@ -206,7 +210,25 @@ class WindowSearch:
         self._tests += 1
         return self._turned.bounds(top, depth)
 
-    def _field(self, depth: float, *, cone: bool = False) -> FieldOfValues:
+    def _field(self, depth: float) -> FieldOfValues:
         self._tests += 1
         with self._timer("factorisation"):
-            return field_of_values(self._matrices, depth, cone=cone)
+            return field_of_values(self._matrices, depth)
+
+
+def first_field(matrices: Matrices, top: float) -> FieldOfValues:
+    """How far friction moves eigenvalues near the window: what its first disc rests on.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at given parameters, with friction.
+    top
+        Upper end omega^2 (1/s^2).
+
+    Raises
+    ------
+    ConvergenceError
+        When the factorisation fails.
+    """
+    return field_of_values(matrices, _DEPTH * top, cone=True)

@@ -12,7 +12,7 @@ block of solves a side, the two-sided Rayleigh-Ritz of a Krylov space; component
 eigenvalue kappa_j in the error of an eigenvalue shrink by ((kappa - sigma) / (kappa_j - sigma))^2.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -52,8 +52,30 @@ class Step:
     remaining: Floats
 
 
-_Space = tuple[Floats, Floats]
-"""Vectors B and X = A(sigma)^-1 M B."""
+@dataclass(frozen=True)
+class _Vectors:
+    """Real vectors V with M V, which is as dear as all else: it is made of products once."""
+
+    own: Floats
+    image: Floats
+
+    def __matmul__(self, coefficients: Floats) -> "_Vectors":
+        return _Vectors(combined(self.own, coefficients), combined(self.image, coefficients))
+
+    def __truediv__(self, lengths: Floats) -> "_Vectors":
+        own, image = (np.asfortranarray(part / lengths) for part in (self.own, self.image))
+        return _Vectors(own, image)
+
+    def beside(self, other: "_Vectors") -> "_Vectors":
+        return _Vectors(beside(self.own, other.own), beside(self.image, other.image))
+
+
+@dataclass(frozen=True)
+class _Space:
+    """M-orthonormal vectors B, and X = A(sigma)^-1 M B."""
+
+    start: _Vectors
+    solved: _Vectors
 
 
 class BlockSteps:
@@ -111,8 +133,8 @@ class BlockSteps:
         values = old.eigenvalues[chosen]
         right = self._krylov(self._real_basis(values, old.right[:, chosen]), 1)
         C = self._orthonormal(self._real_basis(values, old.left[:, chosen]))
-        forces, inertia = (times(self.matrices.mass, each) for each in self._unit(right))
-        mu = ritz(self._inner(C, forces), self._inner(C, inertia))[0]
+        B, X = self._unit(right)
+        mu = ritz(self._inner(C.own, B.image), self._inner(C.own, X.image))[0]
         found = growing(self.factors.kappa + mu)
         return found[matched(old.eigenvalues, found)]
 
@@ -125,7 +147,7 @@ class BlockSteps:
         if not symmetric:
             start = self._real_basis(values, old.left[:, chosen])
             left = self._krylov(start, steps, transposed=True)
-        base = right[0].shape[1] // steps
+        base = right.start.own.shape[1] // steps
         step = self._projected_on(old, right, left, base, base)
         if allowed is None:
             return step
@@ -139,7 +161,8 @@ class BlockSteps:
         else:
             more = self._real_basis(found.eigenvalues[own], found.left[:, own])
             left = self._extended(left, more, transposed=True)
-        later = self._projected_on(old, right, left, base, right[0].shape[1] - steps * base)
+        newest = right.start.own.shape[1] - steps * base
+        later = self._projected_on(old, right, left, base, newest)
         return Step(later.approximation, np.where(late, later.remaining, step.remaining))
 
     def _projected_on(
@@ -148,52 +171,54 @@ class BlockSteps:
         """With X = A(sigma)^-1 M B the problem is (Y^T M B, Y^T M X)."""
         symmetric = self.matrices.symmetric
         (B, X), Y = self._unit(right), self._unit(left)[1]
-        forces, inertia = times(self.matrices.mass, B), times(self.matrices.mass, X)
         # Of unit length, as Y is: a span of very long and short vectors would lose the short.
-        lagging = np.hstack([Y[:, :-newest], left[0][:, -newest:]])
-        halfway = ritz(self._inner(lagging, forces), self._inner(lagging, inertia))[0]
-        mu, c, d = ritz(self._inner(Y, forces), self._inner(Y, inertia), symmetric=symmetric)
-        vectors = combined(X, c)
-        own = self._nearest_to(B[:, :base], vectors)
+        lagging = np.hstack([Y.own[:, :-newest], left.start.own[:, -newest:]])
+        halfway = ritz(self._inner(lagging, B.image), self._inner(lagging, X.image))[0]
+        forces, inertia = self._inner(Y.own, B.image), self._inner(Y.own, X.image)
+        mu, c, d = ritz(forces, inertia, symmetric=symmetric)
+        vectors, images = combined(X.own, c), combined(X.image, c)
+        own = self._nearest_to(right.start.own[:, :base], vectors, images)
         found, half = (growing(self.factors.kappa + each) for each in (mu, halfway))
         order = own[matched(old.eigenvalues, found[own])]
-        duals = vectors[:, order] if symmetric else combined(Y, d[:, order])
-        new = self._scaled(Approximation(found[order], vectors[:, order], duals))
+        x = self._scaled(vectors[:, order], images[:, order])
+        y = x
+        if not symmetric:
+            y = self._scaled(combined(Y.own, d[:, order]), combined(Y.image, d[:, order]))
+        new = Approximation(found[order], x, y)
         half = half[matched(new.eigenvalues, half)]
         return Step(new, np.abs(new.eigenvalues - half))
 
-    def _nearest_to(self, start: Floats, vectors: Complexes) -> Ints:
-        """As many vectors as a basis has, those that are most of it."""
-        basis = self._orthonormal(start)
-        inertia = times(self.matrices.mass, vectors)
-        sizes = columns_inner(vectors, inertia, self.matrices.stiffness.comm).real
-        share = (np.abs(self._inner(basis, inertia)) ** 2).sum(axis=0) / sizes
-        return np.sort(np.argsort(-share, kind="stable")[: start.shape[1]])
+    def _nearest_to(self, basis: Floats, vectors: Complexes, images: Complexes) -> Ints:
+        """As many vectors as an M-orthonormal basis has, those that are most of it."""
+        sizes = columns_inner(vectors, images, self.matrices.stiffness.comm).real
+        share = (np.abs(self._inner(basis, images)) ** 2).sum(axis=0) / sizes
+        return np.sort(np.argsort(-share, kind="stable")[: basis.shape[1]])
 
     def _krylov(self, vectors: Floats, steps: int, *, transposed: bool = False) -> _Space:
-        """M-orthonormal vectors B of a Krylov space, and X = A(sigma)^-1 M B."""
-        B = self._orthonormal(vectors)
-        X = block = self._solved(times(self.matrices.mass, B), transposed=transposed)
+        """A Krylov space."""
+        start = self._orthonormal(vectors)
+        block = self._solved(start.image, transposed=transposed)
+        space = _Space(start, self._with_image(block))
         for _ in range(steps - 1):
-            B, X = self._extended((B, X), block, transposed=transposed)
-            block = X[:, -block.shape[1] :]
-        return B, X
+            space = self._extended(space, block, transposed=transposed)
+            block = space.solved.own[:, -block.shape[1] :]
+        return space
 
     def _extended(self, space: _Space, vectors: Floats, *, transposed: bool = False) -> _Space:
         """A space with further vectors, made orthonormal to those before."""
-        B, X = space
-        fresh = vectors / np.sqrt(np.diag(self._gram(vectors)))
+        B = space.start
         for _ in range(2):
-            inside = self._inner(B, times(self.matrices.mass, fresh))
-            fresh = self._orthonormal(fresh - combined(B, inside))
-        block = self._solved(times(self.matrices.mass, fresh), transposed=transposed)
-        return beside(B, np.asfortranarray(fresh)), beside(X, block)
+            inside = self._inner(B.image, vectors)
+            fresh = self._orthonormal(vectors - combined(B.own, inside))
+            vectors = fresh.own
+        block = self._solved(fresh.image, transposed=transposed)
+        return _Space(B.beside(fresh), space.solved.beside(self._with_image(block)))
 
-    def _unit(self, space: _Space) -> _Space:
+    def _unit(self, space: _Space) -> tuple[_Vectors, _Vectors]:
         """B and X with the columns of X of unit length."""
-        B, X = space
-        lengths = np.sqrt(np.diag(self._gram(X)))
-        return np.asfortranarray(B / lengths), np.asfortranarray(X / lengths)
+        X, comm = space.solved, self.matrices.stiffness.comm
+        lengths = np.sqrt(columns_inner(X.own, X.image, comm))
+        return space.start / lengths, X / lengths
 
     def _quadratic(self, old: Approximation, damping: Damping) -> Step:
         """With damping, the companion form is projected on vectors [x; lambda x] and their duals.
@@ -210,7 +235,9 @@ class BlockSteps:
         Y = self._solved(L, transposed=True)
         found, c, d = self._projected(values, Y, inertia, drag, force)
         order = matched(values, found)
-        new = self._scaled(Approximation(found[order], X @ c[:, order], Y @ d[:, order]))
+        M, x, y = self.matrices.mass, X @ c[:, order], Y @ d[:, order]
+        x, y = (self._scaled(each, times(M, each)) for each in (x, y))
+        new = Approximation(found[order], x, y)
         half = halfway[matched(new.eigenvalues, halfway)]
         return Step(new, np.abs(new.eigenvalues - half))
 
@@ -258,30 +285,26 @@ class BlockSteps:
         parts = [turned.real, vectors[:, ~alone].real, vectors[:, ~alone].imag]
         return np.asfortranarray(np.hstack(parts))
 
-    def _orthonormal(self, vectors: Floats) -> Floats:
+    def _orthonormal(self, vectors: Floats) -> _Vectors:
         """An M-orthonormal basis of columns, which may be nearly parallel."""
         for _ in range(2):
-            sizes = np.sqrt(np.abs(np.diag(self._gram(vectors))))
-            vectors = vectors / np.maximum(sizes, np.finfo(float).tiny)
-            squares, turned = np.linalg.eigh(mean_with_transpose(self._gram(vectors)))
+            basis = self._with_image(vectors)
+            gram = self._inner(basis.own, basis.image)
+            sizes = np.maximum(np.sqrt(np.abs(np.diag(gram))), np.finfo(float).tiny)
+            squares, axes = np.linalg.eigh(mean_with_transpose(gram / sizes / sizes[:, None]))
             lengths = np.sqrt(np.maximum(squares, _SMALLEST * squares.max(initial=0.0)))
-            vectors = combined(np.asfortranarray(vectors), turned / lengths)
-        return vectors
+            basis @= axes / sizes[:, None] / lengths
+            vectors = basis.own
+        return basis
 
-    def _gram(self, vectors: Floats) -> Floats:
-        return np.asarray(self._inner(vectors, times(self.matrices.mass, vectors)))
+    def _with_image(self, vectors: Floats) -> _Vectors:
+        own = np.asfortranarray(vectors)
+        return _Vectors(own, times(self.matrices.mass, own))
 
-    def _scaled(self, new: Approximation) -> Approximation:
-        """With x^H M x = 1 and y^H M y = 1."""
-        M = self.matrices.mass
-        unit = []
-        for each in (new.right, new.left):
-            squares = [
-                np.diag(self._inner(each[:, block], times(M, each[:, block]))).real
-                for block in column_blocks(each.shape[1])
-            ]
-            unit.append(each / np.sqrt(np.concatenate(squares)))
-        return replace(new, right=unit[0], left=unit[1])
+    def _scaled(self, vectors: Complexes, images: Complexes) -> Complexes:
+        """Vectors with x^H M x = 1, of vectors and their products with M."""
+        squares = columns_inner(vectors, images, self.matrices.stiffness.comm).real
+        return np.asarray(vectors / np.sqrt(squares))
 
 
 def middle_shift(eigenvalues: Complexes) -> float:

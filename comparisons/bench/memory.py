@@ -3,13 +3,21 @@
 import resource
 from pathlib import Path
 
+from cea.heap import give_back
+
 _STATUS = Path("/proc/self/status")
 _FORGET = "5"
 """What tells the system to count the largest memory of a process anew."""
 
 
 def held() -> int:
-    """Memory held now (bytes)."""
+    """Memory held now (bytes); what was freed is given back first."""
+    give_back()
+    return resident()
+
+
+def resident() -> int:
+    """Memory that the system counts to this process (bytes), freed or not."""
     return _field("VmRSS")
 
 
@@ -19,7 +27,8 @@ def largest() -> int:
 
 
 def forget_largest() -> None:
-    """Count the largest memory anew from here on."""
+    """Count the largest memory anew from here on; what was freed is given back first."""
+    give_back()
     Path("/proc/self/clear_refs").write_text(_FORGET, encoding="ascii")
 
 
