@@ -14,10 +14,16 @@ from fe_cea.facets import geometry_element, slices
 _MAX_ITERATIONS = 40
 _STANDS = 1e-14
 """Step of reference coordinates that ends the iteration."""
+_SETTLED = 5
+"""Iterations after which a point that lies in one of its cells is no longer sought in the others:
+those it lies outside of are slow to come to their nearest point."""
+_INSIDE, _OUTSIDE = 1e-10, 1e-4
+"""Misses, relative to the size of a cell, of points inside it, and of those that are not."""
 _ALIKE = 9
 """Digits to which misses are compared: at a common facet the lower cell wins."""
-_REACH = 0.05
-"""How far beside boxes of cells points are looked for first, relative to the largest box."""
+_TOUCHES, _REACH = 1e-9, 0.05
+"""How far beside boxes of cells points are looked for, relative to the largest box: first those
+that lie in cells, then the others, again and again four times as far."""
 _SIMPLICES = (basix.CellType.triangle, basix.CellType.tetrahedron)
 
 
@@ -79,24 +85,33 @@ class Cells:
         """
         cell = np.full(len(x), -1, dtype=np.int64)
         xi, miss = np.zeros(x.shape), np.full(len(x), np.inf)
-        left, reach = np.arange(len(x)), _REACH * float(self.sizes.max())
+        left, largest = np.arange(len(x)), float(self.sizes.max())
+        reach, most = _TOUCHES * largest, _INSIDE
         while len(left):
             point, candidates = self._boxes.within(x[left], reach)
-            found, apart = self._pulled_back(candidates, x[left[point]])
+            found, apart = self._pulled_back(candidates, x[left[point]], point)
             order = np.lexsort((candidates, np.round(apart, _ALIKE), point))
             best = order[np.unique(point[order], return_index=True)[1]]
+            best = best[apart[best] <= most]
             at = left[point[best]]
             cell[at], xi[at], miss[at] = candidates[best], found[best], apart[best]
-            left, reach = left[cell[left] < 0], 4 * reach
+            left = left[cell[left] < 0]
+            reach, most = max(4 * reach, _REACH * largest), np.inf
         return cell, xi, miss
 
-    def _pulled_back(self, cell: Ints, x: Floats) -> tuple[Floats, Floats]:
-        """Reference coordinates of points in cells by Newton steps kept inside, and misses."""
+    def _pulled_back(self, cell: Ints, x: Floats, point: Ints) -> tuple[Floats, Floats]:
+        """Reference coordinates of points in cells by Newton steps kept inside, and misses.
+
+        Parameters
+        ----------
+        cell, x, point
+            Cells and points (m) that may lie in them, and which of these are the same one.
+        """
         corners = basix.geometry(self.geometry.cell_type)
         xi = np.broadcast_to(corners.mean(axis=0), x.shape).copy()
         rest = np.empty(x.shape)
         active = np.arange(len(x))
-        for _ in range(_MAX_ITERATIONS):
+        for number in range(_MAX_ITERATIONS):
             if not len(active):
                 break
             position, jacobian = self._mapped(cell[active], xi[active])
@@ -106,8 +121,15 @@ class Cells:
             way = np.abs(moved - xi[active]).max(axis=1)
             xi[active] = moved
             active = active[way > _STANDS]
+            if number == _SETTLED and len(active):
+                miss, least = self._missed(cell, rest), np.full(point.max() + 1, np.inf)
+                np.minimum.at(least, point, miss)
+                active = active[(least[point] > _INSIDE)[active] | (miss <= _OUTSIDE)[active]]
         rest = x - self._mapped(cell, xi, jacobian=False)[0]
-        return xi, np.linalg.norm(rest, axis=1) / self.sizes[cell]
+        return xi, self._missed(cell, rest)
+
+    def _missed(self, cell: Ints, rest: Floats) -> Floats:
+        return np.asarray(np.linalg.norm(rest, axis=1) / self.sizes[cell])
 
     def _inside(self, xi: Floats) -> Floats:
         """Reference coordinates moved into the reference cell."""

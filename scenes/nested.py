@@ -9,7 +9,7 @@ from cea.body import Body
 from cea.eigen.pencil import Matrices, release
 from cea.errors import InputError
 from cea.nested.estimate import ErrorEstimate, corrected_eigenvalues, error_estimate
-from cea.nested.prolongation import Prolongation, of_system
+from cea.nested.prolongation import Prolongation, of_system, unchanged
 from cea.nested.start import continued
 from cea.timing import StageTimer
 from scenes.body_meshes import used_surfaces
@@ -46,6 +46,8 @@ def prolongation(
 
 def _of_body(coarse: Body, fine: Body, scene: Scene, name: str) -> Prolongation:
     """Prolongation of one body, by its backend."""
+    if coarse is fine:
+        return unchanged(fine)
     if scene.bodies[name].backend == "fe":
         from fe_cea.body import FEBody
         from fe_cea.prolongation import prolongation as lagrange

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cea.arrays import Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.coverage import distance_within, touching_disc
 from cea.eigen.found import Disc
@@ -186,7 +186,6 @@ class DiscSearches:
         radius: float,
         *,
         once: bool = False,
-        transposed: bool = False,
         around: InvariantSubspace | None = None,
     ) -> InvariantSubspace:
         """Search a disc, once or again and again beside what was found until nothing more is.
@@ -194,7 +193,7 @@ class DiscSearches:
         Beside what is known around the disc too, it is soon seen that nothing is missing.
         """
         shift = self._factors.kappa
-        krylov = self._searcher(transposed=transposed)
+        krylov = self._searcher()
         if around is not None:
             seed, self._searches = self._searches, self._searches + 1
             if nothing_beside(krylov, around, shift, radius, seed):
@@ -206,20 +205,30 @@ class DiscSearches:
             self.farthest_kappa = krylov.farthest
             self._searches += 1  # never from the same random vectors
             new = np.abs(known.eigenvalues(before) - shift)
-            if not transposed:
-                self._note(shift, new)
+            self._note(shift, new)
             if not (new < radius).any():
                 break
         else:
             if not once:
-                raise ConvergenceError(
-                    f"the disc of radius {radius:.4g} about kappa = {shift:.4g} is not "
-                    f"full after {_MOST_SEARCHES} searches, each of which found more",
-                    best=known,
-                )
-        if not transposed:
-            self.discs.append(Disc(shift, radius))
+                raise _not_full(shift, radius, known)
+        self.discs.append(Disc(shift, radius))
         return known
+
+    def filled_with_left_ones(
+        self, known: InvariantSubspace, radius: float, right: Complexes
+    ) -> InvariantSubspace:
+        """Left vectors of a disc about the shift beside the known, as many as right eigenvalues."""
+        shift = self._factors.kappa
+        krylov = self._searcher(transposed=True)
+        wanted = int((np.abs(right - shift) < radius).sum())
+        for _ in range(_MOST_SEARCHES):
+            before = known.size
+            known = krylov.search(known, radius, self._searches)
+            self._searches += 1  # never from the same random vectors
+            inside = np.abs(known.eigenvalues() - shift) < radius
+            if inside.sum() >= wanted or not inside[before:].any():
+                return known
+        raise _not_full(shift, radius, known)
 
     def _note(self, shift: float, distances: Floats) -> None:
         """Take note of how far from a shift something was found, for its left vectors."""
@@ -243,6 +252,14 @@ class DiscSearches:
         """Where a search begins: nothing is known."""
         rows = self._matrices.stiffness.getLocalSize()[0]
         return InvariantSubspace.empty(rows, symmetric=self._matrices.symmetric)
+
+
+def _not_full(shift: float, radius: float, known: InvariantSubspace) -> ConvergenceError:
+    return ConvergenceError(
+        f"the disc of radius {radius:.4g} about kappa = {shift:.4g} is not full after "
+        f"{_MOST_SEARCHES} searches, each of which found more",
+        best=known,
+    )
 
 
 def below(known: InvariantSubspace, kappa: float) -> int:

@@ -18,6 +18,7 @@ import numpy as np
 from cea.arrays import Floats
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.dense_products import combined, subtract
+from cea.eigen.eliminated_forces import EliminatedForces, mean_and_half
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import balanced, count_below, force_scale
@@ -30,7 +31,7 @@ from cea.matrices import (
     scaled_total,
     symmetrised,
 )
-from cea.petsc import MPI, PETSc
+from cea.petsc import MPI, Mat, PETSc
 
 type Operation = Callable[[Floats], Floats]
 """What takes the rows of this rank of a block of vectors to those of another."""
@@ -72,7 +73,8 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
         H = K_b + M^T C^-1 M - D^T C^-1 D,
 
     as two sets of unknowns; where friction acts without compliance there is no bound. Of each set
-    those that its closures leave open have rows of their own, and a negative eigenvalue.
+    those that its closures leave open have rows of their own, and a negative eigenvalue. N has
+    M^T C^-1 D - D^T C^-1 M of them (:mod:`cea.eigen.eliminated_forces`).
 
     Parameters
     ----------
@@ -81,7 +83,8 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     depth
         X (1/s^2).
     cone
-        Whether the slope is wanted too; with forces as unknowns it stays infinite.
+        Whether the slope is wanted too; it stays infinite where forces are tied, or depend on each
+        other.
 
     Raises
     ------
@@ -94,8 +97,10 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     slope = np.inf
     if factors is None:
         return FieldOfValues(depth, bounded=False)
-    if cone and bounded and matrices.multipliers is None and not factors.null_pivots():
-        slope = SAFETY * _slope(factors, matrices.unsymmetric)
+    forces = matrices.multipliers
+    known = forces is None or EliminatedForces.possible(forces)
+    if cone and bounded and known and not factors.null_pivots():
+        slope = SAFETY * _slope(factors, matrices, depth)
     factors.free()
     return FieldOfValues(depth, bounded, slope)
 
@@ -140,17 +145,46 @@ def _surely_positive(factors: Mumps) -> bool:
     return not bad and shares_inertia(factors)
 
 
-def _slope(factors: Mumps, unsymmetric: Any) -> float:
+def _slope(factors: Mumps, matrices: Matrices, depth: float) -> float:
     """Estimate from below of max abs(x^H N x) / x^H (H + X M) x, of factors of H + X M."""
-    skew = antisymmetrised(unsymmetric.copy())
-    solve, image, turned = (
-        factors.solve_block,
-        partial(image_of, factors.matrix),
-        partial(image_of, skew),
-    )
-    slope = largest_quotient(solve, image, turned, skew.getLocalSize()[0], skew.comm)
-    destroy(skew)
+    rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
+    skew = None
+    if matrices.unsymmetric is not None:
+        skew = antisymmetrised(matrices.unsymmetric.copy())
+    if matrices.multipliers is None:
+        image, turned = partial(image_of, factors.matrix), partial(image_of, skew)
+        slope = largest_quotient(factors.solve_block, image, turned, rows, comm)
+    else:
+        slope = _slope_with_forces(factors, matrices, depth, skew)
+    if skew is not None:
+        destroy(skew)
     return slope
+
+
+def _slope_with_forces(factors: Mumps, matrices: Matrices, depth: float, skew: Mat | None) -> float:
+    """The same where contact forces are unknowns of the factors, beside those in H and N."""
+    assert matrices.multipliers is not None
+    rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
+    forces, of_bodies = EliminatedForces(matrices.multipliers), hermitian_part(matrices, depth)
+    every = factors.matrix.getLocalSize()[0]
+
+    def solve(b: Floats) -> Floats:
+        whole = np.zeros((every, b.shape[1]), order="F")
+        whole[:rows] = b
+        return factors.solve_block(whole)[:rows]
+
+    def image(x: Floats) -> Floats:
+        return np.asfortranarray(image_of(of_bodies, x) + forces.symmetric(x))
+
+    def turned(x: Floats) -> Floats:
+        part = forces.skew(x)
+        return np.asfortranarray(part if skew is None else part + image_of(skew, x))
+
+    try:
+        return largest_quotient(solve, image, turned, rows, comm)
+    finally:
+        forces.free()
+        destroy(of_bodies)
 
 
 def largest_quotient(
@@ -213,17 +247,12 @@ def _with_forces(hermitian: Any, matrices: Matrices) -> Any | None:
     """H with the forces of contacts as two sets of unknowns; None where there is no bound."""
     forces = matrices.multipliers
     assert forces is not None
-    mean, half = forces.closure.copy(), forces.closure.copy()
-    pattern: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
-    mean.axpy(1.0, forces.reaction, structure=pattern)
-    half.axpy(-1.0, forces.reaction, structure=pattern)
+    mean, half = mean_and_half(forces)
     scale = force_scale(hermitian, forces)
-    scale.scale(0.5)
     mean.diagonalScale(L=scale)
     half.diagonalScale(L=scale)
     compliance = forces.compliance.copy()
     compliance.diagonalScale(L=scale, R=scale)
-    compliance.scale(4.0)
     diagonal = compliance.getDiagonal()
     tied = diagonal.array_r == 0
     friction = local_part(half)

@@ -76,7 +76,7 @@ def judged(
     left_vectors = None
     if search is not None and (left or unsure):
         try:
-            kappa, vectors = search.left()
+            kappa, vectors = search.left(kappa)
             with timer("post-processing"):
                 left_vectors = left_vectors_of(matrices, factors, pairs, kappa, vectors, top)
         except (ConvergenceError, LinAlgError):

@@ -172,10 +172,15 @@ class WindowSearch:
                 known = discs.filled(known, 0.5 * (high - low))
         return known
 
-    def left(self) -> tuple[Complexes, Complexes]:
+    def left(self, found: Complexes) -> tuple[Complexes, Complexes]:
         """Left eigenvectors, with the conjugates of their eigenvalues, of all that was found.
 
         Without friction they are the right ones, and none are searched.
+
+        Parameters
+        ----------
+        found
+            Eigenvalues that were found (1/s^2): a disc is full when it holds as many.
         """
         discs = self._discs
         known = discs.nothing()
@@ -183,7 +188,7 @@ class WindowSearch:
             return known.eigenpairs()
         for shift, distance in discs.farthest.items():
             discs.move(shift)
-            known = discs.filled(known, _INSIDE * distance, transposed=True)
+            known = discs.filled_with_left_ones(known, _INSIDE * distance, found)
         return known.eigenpairs()
 
     def _ends(self, top: float, depth: float) -> bool:

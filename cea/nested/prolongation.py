@@ -20,7 +20,7 @@ from scipy.sparse import csr_array, eye_array, kron
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.matrices import block_diagonal, destroy, gather
+from cea.matrices import block_diagonal, destroy, gather, identity
 from cea.supports.constraints import Constraints
 from cea.unknowns import free_operator
 
@@ -94,6 +94,11 @@ def on_free_dofs(
     matrix = free_operator(csr_array(frames.T @ full), coarse)
     held = _held_differently(matrix, full, coarse, fine)
     return Prolongation(matrix, fine.comm.allreduce(max(defect, held), op=_larger))
+
+
+def unchanged(body: Body) -> Prolongation:
+    """Prolongation of a body that is the same in both discretisations."""
+    return Prolongation(identity(body.expansion.getLocalSize()[1], body.comm), 0.0)
 
 
 def of_system(parts: Sequence[Prolongation]) -> Prolongation:

@@ -1,5 +1,7 @@
 """Windows of any growth: discs that cover them, bounds, signs, copies, clusters, verdicts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -137,11 +139,29 @@ def test_the_bound_is_that_of_the_field_of_values(form, P):
 
 
 @pytest.mark.parametrize("mu", [1e-6, 0.3, 0.9, 3.0])
-def test_the_cone_holds_the_field_of_values(backend, mu):
+@pytest.mark.parametrize("of_contact", ["penalty", "saddle", "mortar", "both"])
+def test_the_cone_holds_the_field_of_values(backend, mu, of_contact):
     """Its slope is that of dense matrices, and a safety of one half."""
-    data = two_blocks(backend, {"method": "gpts", "points": 3}, held=True, mu=mu, P=2.0)
-    matrices = assemble(data).pencil().at()
+    gpts = {"method": "gpts", "points": 3}
+
+    def pencil_in(form, method=gpts):
+        data = two_blocks(backend, method, held=True, mu=mu, P=2.0)
+        if form:
+            data["contacts"]["interface"]["form"] = form
+        return assemble(data).pencil().at()
+
+    if of_contact == "mortar":
+        matrices = pencil_in(None, {"method": "mortar"})
+    elif of_contact == "both":
+        matrices = replace(pencil_in("penalty"), multipliers=pencil_in("saddle").multipliers)
+    else:
+        matrices = pencil_in(of_contact)
+    assert (matrices.multipliers is None) == (of_contact == "penalty")
+    assert (matrices.unsymmetric is None) == (of_contact in ("saddle", "mortar"))
     K, M = to_numpy(matrices.operator()), to_numpy(matrices.mass)
+    if (forces := matrices.multipliers) is not None:
+        J, L, C = (to_numpy(m) for m in (forces.closure, forces.reaction, forces.compliance))
+        K = K + L.T @ np.linalg.solve(C, J)
     lowest = scipy.linalg.eigvalsh(0.5 * (K + K.T), M)[0]
     depth = max(0.0, -1.5 * lowest) + 0.1
     field = field_of_values(matrices, depth, cone=True)
@@ -173,6 +193,18 @@ def test_friction_that_leaves_a_narrow_cone_takes_no_second_shift():
     assert modes.window.complete
     assert (np.abs(modes.eigenvalues**2 + 0.9) < 1e-9).sum() == 12
     assert modes.verdict() == "unstable"
+
+
+def test_forces_of_mortar_take_no_second_shift_for_left_vectors_either(backend):
+    """One factorisation for the bound and one for all modes of the blocks, right and left."""
+    data = two_blocks(backend, {"method": "mortar"}, held=True, mu=0.3, P=2.0)
+    with KrylovSchur(assemble(data).pencil()) as driver:
+        modes = driver.solve(0.5, left=True)
+        assert driver.factorisations == 2
+        mass = to_numpy(driver.mass(driver.pencil.values()))
+    assert modes.window.complete
+    overlap = modes.left.vectors.conj().T @ mass @ modes.vectors
+    assert overlap == pytest.approx(np.eye(len(modes)), abs=1e-8)
 
 
 def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():
