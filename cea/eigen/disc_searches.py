@@ -223,7 +223,7 @@ class DiscSearches:
         wanted = int((np.abs(right - shift) < radius).sum())
         for _ in range(_MOST_SEARCHES):
             before = known.size
-            known = krylov.search(known, radius, self._searches)
+            known = krylov.search(known, radius, self._searches, both_ends=True)
             self._searches += 1  # never from the same random vectors
             inside = np.abs(known.eigenvalues() - shift) < radius
             if inside.sum() >= wanted or not inside[before:].any():

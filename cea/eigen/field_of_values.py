@@ -21,7 +21,7 @@ from cea.eigen.dense_products import combined, subtract
 from cea.eigen.eliminated_forces import EliminatedForces, mean_and_half
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
-from cea.eigen.shifted import balanced, count_below, force_scale
+from cea.eigen.shifted import balanced, count_below, force_scale, nested
 from cea.eigen.single_precision import shares_inertia
 from cea.matrices import (
     antisymmetrised,
@@ -279,7 +279,7 @@ def _with_forces(hermitian: Any, matrices: Matrices) -> Any | None:
                 [None, None, across, None, None],
             ]
             made += [border, across]
-        bordered = PETSc.Mat().createNest(blocks).convert("aij")
+        bordered = nested(blocks)
         destroy(*made)
     destroy(mean, half, scale, compliance, diagonal)
     return bordered

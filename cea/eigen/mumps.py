@@ -186,13 +186,20 @@ def matrix_size(matrix: Any) -> int:
 
 
 def unknowns_of_nodes(matrix: Any) -> int:
-    """Unknowns of each node where they follow each other, 3 or 2; else, or on several ranks, 1."""
-    if matrix.comm.size > 1:
+    """Unknowns of each node where they follow each other, 3 or 2; else, or on several ranks, 1.
+
+    Rows of a node have the same entries: as many, whose columns have the same sum.
+    """
+    if matrix.comm.size > 1 or not matrix_size(matrix):
         return 1
-    entries = np.diff(matrix.getRowIJ()[0])
+    starts, columns = matrix.getRowIJ()
+    entries = np.diff(starts)
+    if not entries.all():
+        return 1
+    sums = np.add.reduceat(columns, starts[:-1], dtype=np.int64)
     for unknowns in (3, 2):
         if len(entries) % unknowns == 0:
-            nodes = entries.reshape(-1, unknowns)
-            if (nodes == nodes[:, :1]).all(axis=1).mean() >= _SAME:
+            nodes = np.stack([entries, sums]).reshape(2, -1, unknowns)
+            if (nodes == nodes[..., :1]).all(axis=(0, 2)).mean() >= _SAME:
                 return unknowns
     return 1

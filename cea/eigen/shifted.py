@@ -21,9 +21,11 @@ from cea.eigen.factorisation import Refined
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
-from cea.matrices import destroy, distributed, largest_row, local_part
+from cea.matrices import destroy, distributed, identity, largest_row, local_part
 from cea.petsc import PETSc
 
+_OF_NODES = 6
+"""A multiple of the unknowns that a node has, in the plane and in space."""
 _NEAR = 100.0
 """Shifts, relative to the first, between which a matrix is moved in place."""
 
@@ -237,8 +239,29 @@ def balanced(border: Any, scale: Any, size: float) -> Any:
     return distributed(part, border.getSizes()[1], border.comm)
 
 
+def nested(blocks: list[list[Any]]) -> Any:
+    """Blocks as one PETSc AIJ matrix, the displacements first.
+
+    On one rank rows of their own are put at its end, until they are a multiple of what nodes have:
+    the factorisation orders its graph by nodes then (:mod:`cea.eigen.mumps`).
+    """
+    operator = blocks[0][0]
+    rows = sum(next(block for block in row if block).getSize()[0] for row in blocks)
+    missing = -rows % _OF_NODES
+    if operator.comm.size > 1 or not missing:
+        return PETSc.Mat().createNest(blocks).convert("aij")
+    alone = identity(missing, operator.comm)
+    alone.scale(largest_row(operator) or 1.0)
+    last: list[Any] = [*([None] * len(blocks)), alone]
+    result = PETSc.Mat().createNest([*([*row, None] for row in blocks), last]).convert("aij")
+    destroy(alone)
+    return result
+
+
 def bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric: bool) -> Any:
     """[A, L^T s, .; s J, -s C s, s Z; ., Z^T s, .], PETSc AIJ; with J for L in its symmetric part.
+
+    Further rows may follow (:func:`nested`).
 
     Parameters
     ----------
@@ -268,7 +291,7 @@ def bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric: 
         across = border.transpose(PETSc.Mat())
         blocks = [[operator, transpose, None], [closure, corner, border], [None, across, None]]
         made += [border, across]
-    whole = PETSc.Mat().createNest(blocks).convert("aij")
+    whole = nested(blocks)
     destroy(*made)
     if reaction is not closure:
         destroy(reaction)

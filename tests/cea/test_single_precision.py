@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from petsc_matrices import to_petsc
+from petsc_matrices import to_numpy, to_petsc
 
 from cea.eigen import field_of_values, mumps
 from cea.eigen.factors_on_disk import factors_on_disk, folder_of_factors
 from cea.eigen.mumps import Mumps, unknowns_of_nodes
+from cea.eigen.shifted import Shifted
 from cea.eigen.single_precision import relative_rounding, shares_inertia
 from cea.matrices import destroy
 from scenes import load_scene, run_modes
@@ -87,6 +88,46 @@ def test_nodes_are_seen_where_there_are_any():
     assert unknowns_of_nodes(nodes) == 3
     assert unknowns_of_nodes(ragged) == 1
     destroy(nodes, ragged)
+
+
+@pytest.mark.parametrize("beside", [0, 2, 4])
+def test_nodes_of_three_are_not_taken_for_nodes_of_two(beside):
+    """Rows of neighbours have as many entries; those of one node have the same columns."""
+    nodes = sp.kron(laplacian(12), np.ones((3, 3)))
+    whole = to_petsc(sp.csr_array(sp.block_diag([nodes, sp.eye_array(beside)])))
+    assert unknowns_of_nodes(whole) == (1 if beside else 3)
+    destroy(whole)
+
+
+def test_forces_beside_displacements_leave_nodes_to_be_seen(backend):
+    scene = load_scene("disc_pad", backend=backend).change(
+        {
+            "contacts.pad_disc.formulation": {"method": "mortar"},
+            "bodies.pad.mesh.iga.elements": [3, 5, 1],
+            "bodies.disc.mesh.iga.elements": [4, 30, 1],
+            "bodies.disc.mesh.fe.elements": [3, 24, 1],
+            "bodies.pad.mesh.fe.elements": [3, 5, 1],
+        }
+    )
+    matrices = coupled(scene)[0].pencil().at()
+    assert matrices.multipliers.size % 6
+    factors = Shifted(matrices, 1e9)
+    assert unknowns_of_nodes(factors._factors.matrix) == 3
+    force = np.random.default_rng(4).standard_normal((matrices.size, 2))
+    x, f = factors.solve_with_forces(force)
+    assert f.shape == (matrices.multipliers.size, 2)
+    A, J, L, C = (
+        to_numpy(each)
+        for each in (
+            matrices.operator(1e9),
+            matrices.multipliers.closure,
+            matrices.multipliers.reaction,
+            matrices.multipliers.compliance,
+        )
+    )
+    assert A @ x + L.T @ f == pytest.approx(force, abs=1e-7)
+    assert J @ x == pytest.approx(C @ f, rel=1e-6, abs=1e-9 * np.abs(J @ x).max())
+    factors.free()
 
 
 def test_factors_on_disk_solve_the_same():
