@@ -16,7 +16,7 @@ from tempfile import gettempdir
 from typing import Any
 
 from cea.errors import InputError
-from cea.heap import give_back
+from cea.heap import give_back, kept
 from cea.petsc import MPI
 from meshes.mesh_file import MeshFile
 from scenes.node_grids import TINY, NodeGrid, box_lengths, node_grids
@@ -54,6 +54,10 @@ _SMALL = 4.0
 _BISECTIONS = 40
 _PART = 0.9
 """Part of the memory of a machine that a run may have."""
+
+
+_LARGE = 0.25
+"""Part of what a run may have from which on what the program has freed is given back before it."""
 
 
 @dataclass(frozen=True)
@@ -164,15 +168,14 @@ def available_memory() -> float:
 def _free() -> float:
     """Memory (bytes) that no program holds now; infinite where the system does not tell.
 
-    What this one has freed is given back first.
+    What this one has freed and kept counts as free.
     """
-    give_back()
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:
         return inf
     told = [float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
-    return 1024 * told[0] if told else inf
+    return 1024 * told[0] + kept() if told else inf
 
 
 def free_disk() -> float:
@@ -208,6 +211,8 @@ def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD, *, on_disk: bool = Tr
     """
     available = on_all_machines(available_memory, comm)
     estimate = estimated_memory(scene)
+    if estimate.bytes > _LARGE * available:  # what was freed may not do in one piece
+        give_back()
     if estimate.bytes <= available:
         return
     disk = on_all_machines(free_disk, comm) if on_disk else 0.0

@@ -16,7 +16,9 @@ _NO_ROOM: Any = PETSc.PC.FailedReason.FACTOR_OUTMEMORY
 _LARGE = 10_000
 """Unknowns from which on inertia is found by an order of nodes, and in panels."""
 _SAME = 0.9
-"""Part of the nodes of which all unknowns have equally many entries, where unknowns are by node."""
+"""Part of the nodes of which all unknowns have the same columns, where unknowns are by node."""
+_LOOKED_AT = 2000
+"""Nodes of which that is seen."""
 
 
 class Mumps:
@@ -188,18 +190,21 @@ def matrix_size(matrix: Any) -> int:
 def unknowns_of_nodes(matrix: Any) -> int:
     """Unknowns of each node where they follow each other, 3 or 2; else, or on several ranks, 1.
 
-    Rows of a node have the same entries: as many, whose columns have the same sum.
+    Rows of a node have the same columns; some nodes are looked at, evenly spread.
     """
-    if matrix.comm.size > 1 or not matrix_size(matrix):
+    if matrix.comm.size > 1:
         return 1
-    starts, columns = matrix.getRowIJ()
-    entries = np.diff(starts)
-    if not entries.all():
-        return 1
-    sums = np.add.reduceat(columns, starts[:-1], dtype=np.int64)
+    rows = matrix_size(matrix)
     for unknowns in (3, 2):
-        if len(entries) % unknowns == 0:
-            nodes = np.stack([entries, sums]).reshape(2, -1, unknowns)
-            if (nodes == nodes[..., :1]).all(axis=(0, 2)).mean() >= _SAME:
+        if rows and rows % unknowns == 0:
+            nodes = np.unique(np.linspace(0, rows // unknowns - 1, _LOOKED_AT, dtype=int))
+            same = [_has_same_columns(matrix, unknowns * int(node), unknowns) for node in nodes]
+            if np.mean(same) >= _SAME:
                 return unknowns
     return 1
+
+
+def _has_same_columns(matrix: Any, first: int, count: int) -> bool:
+    """Whether so many rows from one on have the same columns."""
+    columns = [matrix.getRow(row)[0] for row in range(first, first + count)]
+    return all(np.array_equal(columns[0], each) for each in columns[1:])
