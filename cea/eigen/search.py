@@ -1,13 +1,15 @@
 """Search of a window: every eigenvalue in it, its copies too, and what shows that none is missing.
 
 Eigenvalues around the middle of the window come first. Where friction leaves no more than a cone
-about the real axis, a disc about the middle covers it: the search goes on beside what was found, in
-random directions, until it finds nothing more. Else a second shift, left of all of them, covers the
-whole window with another disc. Where friction might move eigenvalues farther to the left than that
-disc reaches, which in large systems is judged by turned test functions too, further discs follow.
+about the real axis, a disc about the middle covers it, unless it would hold many that lie beyond
+the window: the search goes on beside what was found, in random directions, until it finds nothing
+more. Else a second shift, left of all of them, covers the whole window with another disc. Where
+friction might move eigenvalues farther to the left than that disc reaches, which in large systems
+is judged by turned test functions too, further discs follow.
 """
 
 from itertools import pairwise
+from math import sqrt
 
 import numpy as np
 
@@ -28,6 +30,9 @@ _DEPTH = 0.1
 """Depth X of the first covering disc relative to omega^2, where friction reaches no farther."""
 _AROUND = 1.5
 """Radius up to which a disc about the middle is searched, relative to that of the first search."""
+_FEW = 40
+"""Eigenvalues beyond the window, by what it holds itself, that are found about the middle sooner
+than a further shift is factorised, and once more for left vectors."""
 _DEEP = 3.0
 """The same where friction may reach farther: modes that grow by 1.7 omega."""
 _DEEPER = 8.0
@@ -139,6 +144,11 @@ class WindowSearch:
                 return Found(known, tuple(discs.discs), depth, bounded, slices=discs.slices)
         else:
             known = discs.around_the_middle(upper)
+            radius = distance_of_cone(top, discs.middle, field)
+            if known.size * (sqrt((discs.middle + radius) / top) - 1) <= _FEW:
+                known = discs.filled(known, radius)
+                if not discs.odd(known):
+                    return Found(known, tuple(discs.discs), depth, bounded, slices=discs.slices)
         most = _MOST_DISCS[self._matrices.size <= _SMALL]
         if not bounded:
             depth = _DEEP * top

@@ -195,6 +195,20 @@ def test_friction_that_leaves_a_narrow_cone_takes_no_second_shift():
     assert modes.verdict() == "unstable"
 
 
+@pytest.mark.parametrize("beyond", [20, 400])
+def test_a_wide_cone_takes_a_second_shift_only_where_much_lies_beyond(beyond):
+    """The same modes about one shift and about two; flutter that the first disc does not hold."""
+    blocks = [*band(beyond, 1.05, 4.0), *band(beyond // 4, 0.013, 0.99), [[900.0]], pair(0.2, 0.75)]
+    with KrylovSchur(pencil_of(blocks)) as driver:
+        modes = driver.solve(HERTZ)
+        assert driver.factorisations == (2 if beyond == 20 else 3)
+    assert modes.window.complete
+    kappa = -(modes.eigenvalues**2)
+    inside = [*np.linspace(0.013, 0.99, beyond // 4), 0.2 + 0.75j, 0.2 - 0.75j]
+    assert np.sort_complex(kappa) == pytest.approx(np.sort_complex(inside), abs=1e-9)
+    assert modes.verdict() == "unstable"
+
+
 def test_forces_of_mortar_take_no_second_shift_for_left_vectors_either(backend):
     """One factorisation for the bound and one for all modes of the blocks, right and left."""
     data = two_blocks(backend, {"method": "mortar"}, held=True, mu=0.3, P=2.0)
