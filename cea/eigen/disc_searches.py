@@ -225,8 +225,11 @@ class DiscSearches:
             before = known.size
             known = krylov.search(known, radius, self._searches, both_ends=True)
             self._searches += 1  # never from the same random vectors
-            inside = np.abs(known.eigenvalues() - shift) < radius
-            if inside.sum() >= wanted or not inside[before:].any():
+            inside, new = (
+                int((np.abs(known.eigenvalues(first) - shift) < radius).sum())
+                for first in (0, before)
+            )
+            if inside >= wanted or not new:
                 return known
         raise _not_full(shift, radius, known)
 

@@ -23,6 +23,7 @@ from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import balanced, count_below, force_scale, nested
 from cea.eigen.single_precision import shares_inertia
+from cea.errors import ConvergenceError
 from cea.matrices import (
     antisymmetrised,
     destroy,
@@ -165,7 +166,11 @@ def _slope_with_forces(factors: Mumps, matrices: Matrices, depth: float, skew: M
     """The same where contact forces are unknowns of the factors, beside those in H and N."""
     assert matrices.multipliers is not None
     rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
-    forces, of_bodies = EliminatedForces(matrices.multipliers), hermitian_part(matrices, depth)
+    try:
+        forces = EliminatedForces(matrices.multipliers)
+    except ConvergenceError:  # what shows nothing must not end a run
+        return np.inf
+    of_bodies = hermitian_part(matrices, depth)
     every = factors.matrix.getLocalSize()[0]
 
     def solve(b: Floats) -> Floats:

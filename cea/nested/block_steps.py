@@ -195,7 +195,7 @@ class BlockSteps:
         return np.sort(np.argsort(-share, kind="stable")[: basis.shape[1]])
 
     def _krylov(self, vectors: Floats, steps: int, *, transposed: bool = False) -> _Space:
-        """A Krylov space."""
+        """The Krylov space of some vectors after so many steps."""
         start = self._orthonormal(vectors)
         block = self._solved(start.image, transposed=transposed)
         space = _Space(start, self._with_image(block))

@@ -8,6 +8,7 @@ import scipy.linalg
 from blocks import assemble, two_blocks
 from petsc_matrices import to_numpy, to_petsc
 
+from cea.eigen import field_of_values as field_of_values_module
 from cea.eigen import search
 from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.clusters import cluster_bounds
@@ -207,6 +208,25 @@ def test_a_wide_cone_takes_a_second_shift_only_where_much_lies_beyond(beyond):
     inside = [*np.linspace(0.013, 0.99, beyond // 4), 0.2 + 0.75j, 0.2 - 0.75j]
     assert np.sort_complex(kappa) == pytest.approx(np.sort_complex(inside), abs=1e-9)
     assert modes.verdict() == "unstable"
+
+
+def test_forces_whose_compliance_cannot_be_inverted_leave_the_bound_alone(monkeypatch):
+    """Without a cone the window is still bounded, and searched as wide as it takes."""
+
+    def refused(forces):
+        raise ConvergenceError("singular")
+
+    data = two_blocks("iga", {"method": "mortar"}, held=True, mu=0.3, P=2.0)
+    pencil = assemble(data).pencil()
+    plain = solve_modes(pencil, 0.5)
+    monkeypatch.setattr(field_of_values_module, "EliminatedForces", refused)
+    refused.possible = lambda forces: True
+    field = field_of_values(pencil.at(), 1.0, cone=True)
+    assert field.bounded
+    assert field.slope == np.inf
+    modes = solve_modes(pencil, 0.5)
+    assert modes.window.complete
+    assert modes.eigenvalues == pytest.approx(plain.eigenvalues, rel=1e-9)
 
 
 def test_forces_of_mortar_take_no_second_shift_for_left_vectors_either(backend):
