@@ -8,6 +8,9 @@ remains when supports are removed, and ``expansion`` (full x free) goes from one
 from collections.abc import Mapping
 from typing import Any, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cea.arrays import Floats
 from cea.material import IsotropicMaterial
 from cea.rotation import Rotation
@@ -68,6 +71,32 @@ class Body(Protocol):
         ------
         InputError
             When the material has no density.
+        """
+        ...
+
+    @property
+    def node_positions(self) -> Floats | None:
+        """Where the scalar dofs of this rank lie (m), shape (n_local, dim).
+
+        None where no part of the body can be assembled alone.
+        """
+        ...
+
+    def part(self, nodes: NDArray[np.bool_]) -> tuple[Any, Any]:
+        """Stiffness without springs (N/m) and mass (kg) of a part alone, of free ends elsewhere.
+
+        PETSc AIJ (free x free), symmetric; what is left of those of the body without it is positive
+        semidefinite.
+
+        Parameters
+        ----------
+        nodes
+            Which scalar dofs of this rank all cells of the part are among, shape (n_local,).
+
+        Raises
+        ------
+        InputError
+            When the material has no density, or no part can be assembled alone.
         """
         ...
 

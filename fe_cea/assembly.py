@@ -11,7 +11,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from dolfinx import la
+from numpy.typing import NDArray
 
+from cea.arrays import Ints
 from cea.supports.constraints import Constraints
 from fe_cea.element_matrices import ElementMatrices
 from fe_cea.quadrature import mass_degree, stiffness_degree
@@ -26,10 +29,12 @@ class Assembly:
     ----------
     V
         Lagrange space (dolfinx), blocked with the dimension of its mesh.
+    cells
+        Cells of this rank that are integrated over; by default all of them.
     """
 
-    def __init__(self, V: Any) -> None:
-        self._space = V
+    def __init__(self, V: Any, cells: Ints | None = None) -> None:
+        self._space, self._cells = V, cells
         self._dim = V.mesh.geometry.dim
 
     def stiffness(self, lame: tuple[float, float], held: Constraints | None = None) -> Any:
@@ -72,13 +77,33 @@ class Assembly:
 
     @cached_property
     def _graph(self) -> NodeGraph:
-        return NodeGraph(self._space)
+        return NodeGraph(self._space, self._cells)
 
     @cached_property
     def _elements(self) -> ElementMatrices:
-        return ElementMatrices(self._space, len(self._graph.cells))
+        mesh = self._space.mesh
+        count = mesh.topology.index_map(mesh.topology.dim).size_local
+        return ElementMatrices(self._space, count, self._cells)
 
     def _unknowns(self, held: Constraints | None) -> Unknowns:
         nodes = self._graph.nodes
         every = self._dim * nodes[:, None] + np.arange(self._dim)
         return Unknowns(every if held is None else held.numbers(nodes), self._graph.own)
+
+
+def cells_within(V: Any, nodes: NDArray[np.bool_]) -> Ints:
+    """Cells of this rank all of whose nodes are among some; collective.
+
+    Parameters
+    ----------
+    V
+        Lagrange space (dolfinx).
+    nodes
+        Whether each node of this rank is among them, shape (n_local,).
+    """
+    among = la.vector(V.dofmap.index_map, dtype=np.int8)
+    among.array[: len(nodes)] = nodes
+    among.scatter_forward()
+    mesh = V.mesh
+    count = mesh.topology.index_map(mesh.topology.dim).size_local
+    return np.flatnonzero(among.array[V.dofmap.list[:count]].all(axis=1))

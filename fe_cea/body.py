@@ -4,7 +4,9 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, Self
 
+import numpy as np
 from dolfinx.fem import functionspace
+from numpy.typing import NDArray
 
 from cea.arrays import Floats
 from cea.checks import check_jacobians
@@ -245,6 +247,16 @@ class FEBody:
             self._mass_quadrature,
             f"bodies.{self._name}",
         )
+
+    @property
+    def node_positions(self) -> Floats:
+        """Nodes of this rank (m), shape (n_local, dim)."""
+        first, last = self._space.dofmap.index_map.local_range
+        return np.asarray(self._space.tabulate_dof_coordinates()[: last - first, : self.dim])
+
+    def part(self, nodes: NDArray[np.bool_]) -> tuple[Any, Any]:
+        """Stiffness (N/m) without springs and mass (kg) of cells within some nodes of this rank."""
+        return self._elasticity.part(nodes)
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""

@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from dolfinx.fem import Function
 from dolfinx.fem.petsc import assemble_matrix
+from numpy.typing import NDArray
 
 from cea.arrays import Floats
 from cea.checks import check_density
@@ -14,7 +16,7 @@ from cea.matrices import destroy
 from cea.petsc import PETSc
 from cea.rotation import Rotation
 from cea.supports.boundary import Spring
-from fe_cea.assembly import Assembly
+from fe_cea.assembly import Assembly, cells_within
 from fe_cea.forms import convective_form, geometric_form, gyroscopic_form, spring_form
 from fe_cea.restriction import Restriction
 
@@ -77,6 +79,13 @@ class Elasticity:
         """Consistent mass, kg."""
         rho, degree = self._density, self._mass_quadrature
         return self._restriction.of_free(lambda held: self._assembly.mass(rho, held, degree))
+
+    def part(self, nodes: NDArray[np.bool_]) -> tuple[Any, Any]:
+        """Stiffness (N/m) without springs and mass (kg) of cells within some nodes of this rank."""
+        assembly = Assembly(self._space, cells_within(self._space, nodes))
+        lame, rho, degree = self._material.lame, self._density, self._mass_quadrature
+        stiffness = self._restriction.of_free(lambda held: assembly.stiffness(lame, held))
+        return stiffness, self._restriction.of_free(lambda held: assembly.mass(rho, held, degree))
 
     @cached_property
     def _assembly(self) -> Assembly:

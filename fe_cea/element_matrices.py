@@ -19,7 +19,7 @@ from typing import Any
 import basix
 import numpy as np
 
-from cea.arrays import Floats
+from cea.arrays import Floats, Ints
 from fe_cea.facets import geometry_element
 
 _CHUNK_BYTES = 2**20
@@ -57,17 +57,21 @@ class ElementMatrices:
         Lagrange space (dolfinx), scalar or blocked.
     count
         Number of cells, the first of the mesh.
+    chosen
+        Which of them are done, and counted from zero; by default all.
     """
 
-    def __init__(self, V: Any, count: int) -> None:
+    def __init__(self, V: Any, count: int, chosen: Ints | None = None) -> None:
         mesh = V.mesh
         self._element = V.ufl_element().basix_element
         self._geometry = geometry_element(mesh)
         self._cell = mesh.basix_cell()
         self._dim = mesh.geometry.dim
-        self._nodes = mesh.geometry.dofmaps[0]
+        self._nodes = mesh.geometry.dofmaps[0][:count]
+        if chosen is not None:
+            self._nodes = self._nodes[chosen]
         self._x = mesh.geometry.x
-        self._count = count
+        self._count = len(self._nodes)
         n = self.size
         self._pair = np.empty((n, n), dtype=np.intp)
         upper = np.triu_indices(n)

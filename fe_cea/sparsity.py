@@ -55,9 +55,11 @@ class NodeGraph:
     ----------
     V
         Lagrange space (dolfinx).
+    chosen
+        Cells of this rank whose pairs are entries; by default all of them.
     """
 
-    def __init__(self, V: Any) -> None:
+    def __init__(self, V: Any, chosen: Ints | None = None) -> None:
         self.comm = lasting_communicator(V.mesh.comm)
         nodes = V.dofmap.index_map
         self.own = int(nodes.size_local)
@@ -65,6 +67,8 @@ class NodeGraph:
         self._first = int(nodes.local_range[0])
         count = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
         cells = V.dofmap.list[:count]
+        if chosen is not None:
+            cells = cells[chosen]
         ghosts = np.asarray(nodes.ghosts, dtype=np.int64)
         rising = np.arange(self.own + len(ghosts), dtype=np.int32)
         rising[self.own + np.argsort(ghosts)] = rising[self.own :].copy()

@@ -6,8 +6,10 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cea.arrays import Floats
+from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import destroy
 from cea.petsc import MPI
@@ -149,6 +151,15 @@ class NurbsBody:
             When the material has no density.
         """
         return self._elasticity.mass
+
+    @property
+    def node_positions(self) -> None:
+        """None: functions reach over many knot spans, and no part is assembled alone."""
+        return None
+
+    def part(self, nodes: NDArray[np.bool_]) -> tuple[Any, Any]:
+        """Refused: no part is assembled alone."""
+        raise InputError(f"bodies.{self.name}", "NURBS", "a body of finite elements")
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""

@@ -22,7 +22,7 @@ from cea.eigen.judged import Question, judged
 from cea.eigen.kept import Kept
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.nearest import NearestSearch
-from cea.eigen.pencil import Matrices, Pencil
+from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.quadratic import QuadraticDriver
 from cea.eigen.search import WindowSearch, first_field
 from cea.eigen.subspace import InvariantSubspace
@@ -167,12 +167,17 @@ class KrylovSchur:
         """All modes of a pencil without damping and rotation."""
         values, matrices = dict(asked.values), asked.matrices
         top = (2 * np.pi * asked.max_frequency) ** 2
-        counted, field = None, None
+        counted, field, near = None, None, None
+        if not matrices.symmetric and self.pencil.near_contact is not None:
+            with timer("assembly"):
+                near = self.pencil.near_contact.at(values)
         with timer("factorisation"):  # what shows completeness first: its memory serves the factors
             if matrices.symmetric:
                 counted = self._kept.count(matrices, values, upper_end(top))
             else:
-                field = first_field(matrices, top)
+                field = first_field(matrices, top, near)
+                if near is not None:
+                    release(near)
             factors = self._kept.in_the_middle(matrices, values, 0.5 * top)
         search = WindowSearch(
             matrices,

@@ -231,7 +231,9 @@ class WindowSearch:
             return field_of_values(self._matrices, depth)
 
 
-def first_field(matrices: Matrices, top: float) -> FieldOfValues:
+def first_field(
+    matrices: Matrices, top: float, near_contact: Matrices | None = None
+) -> FieldOfValues:
     """How far friction moves eigenvalues near the window: what its first disc rests on.
 
     Parameters
@@ -240,10 +242,18 @@ def first_field(matrices: Matrices, top: float) -> FieldOfValues:
         The pencil at given parameters, with friction.
     top
         Upper end omega^2 (1/s^2).
+    near_contact
+        What lies near the contacts alone (:attr:`cea.eigen.pencil.Pencil.near_contact`): its field
+        of values is the wider one, and known sooner. Where it leaves no more than a disc about the
+        middle of the window it is taken.
 
     Raises
     ------
     ConvergenceError
         When the factorisation fails.
     """
+    if near_contact is not None:
+        field, middle = field_of_values(near_contact, _DEPTH * top, cone=True), 0.5 * top
+        if distance_of_cone(top, middle, field) <= _AROUND * (upper_end(top) - middle):
+            return field
     return field_of_values(matrices, _DEPTH * top, cone=True)

@@ -7,6 +7,9 @@ By the path of the body in a scene, ``bodies.<name>``, the parameters are ``.mat
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cea.body import Body
 from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.parameters import Coefficient, Monomial, Parameter
@@ -66,17 +69,38 @@ def body_terms(
         yield from _rotation_terms(path, body, motion.rotation, embedded)
 
 
+def part_terms(
+    path: str, body: Body, nodes: NDArray[np.bool_], embedded: Callable[[Mat], Mat]
+) -> Iterator[Term]:
+    """K without springs and M of a part of a body (:meth:`cea.body.Body.part`).
+
+    Parameters
+    ----------
+    path, body, embedded
+        As for :func:`body_terms`.
+    nodes
+        Which scalar dofs of this rank all its cells are among, shape (n_local,).
+    """
+    stiffness, mass = body.part(nodes)
+    yield Term("stiffness", embedded(stiffness), _of_stiffness(path, body))
+    yield Term("mass", embedded(mass), _of_mass(path, body))
+
+
 def _pieces(
     path: str, body: Body, embedded: Callable[[Mat], Mat], with_mass: bool
 ) -> Iterator[tuple[Role, Mat, Coefficient]]:
     """K and M of a body; springs do not grow with E."""
-    E = {f"{path}.material.E": (body.material.E, 1.0)}
-    yield "stiffness", embedded(body.stiffness()), Coefficient.of(E)
+    yield "stiffness", embedded(body.stiffness()), _of_stiffness(path, body)
     if (springs := body.spring_stiffness()) is not None:
+        E = {f"{path}.material.E": (body.material.E, 1.0)}
         rest = Coefficient((Monomial(), Monomial(-1.0, E)))
         yield "stiffness", embedded(springs), rest
     if with_mass:
         yield "mass", embedded(body.mass()), _of_mass(path, body)
+
+
+def _of_stiffness(path: str, body: Body) -> Coefficient:
+    return Coefficient.of({f"{path}.material.E": (body.material.E, 1.0)})
 
 
 def _of_mass(path: str, body: Body) -> Coefficient:

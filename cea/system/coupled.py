@@ -25,6 +25,7 @@ from cea.petsc import MPI
 from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
 from cea.system.contact_terms import ContactPairs
 from cea.system.modal_damping import modal_terms
+from cea.system.near_contact import ContactPieces, near_contact
 from cea.system.sliding_state import SteadySliding
 from cea.system.sliding_terms import sliding_parameters, sliding_terms
 from cea.warned import ResultWarning
@@ -154,13 +155,32 @@ class CoupledSystem:
             are full on the interface; no contact is tied.
         """
         keeping = [c for c in self.contacts if c.keeps_forces and not eliminate]
-        return Pencil(
-            [*self._body_terms(), *self._pairs.terms(keeping), *self._sliding_terms()],
-            self._parameters(),
+        contacts = ContactPieces(
+            tuple(self._pairs.terms(keeping)),
             tuple(self._pairs.forces(keeping, self.stiffness_diagonal)),
+        )
+        return Pencil(
+            [*self._body_terms(), *contacts.terms, *self._sliding_terms()],
+            self._parameters(),
+            contacts.forces,
             self._modal_terms,
             leave_out=leave_out,
             nodes=self._nodes,
+            near_contact=partial(self._near_contact, contacts, leave_out=leave_out),
+        )
+
+    def _near_contact(self, contacts: ContactPieces, *, leave_out: bool) -> Pencil | None:
+        """Pencil of what lies near the contacts, where bodies have mass and are but elastic."""
+        rotates = any(motion.rotation is not None for motion in self.motions.values())
+        if not self.with_mass or self.prestress or rotates:
+            return None
+        return near_contact(
+            self.bodies,
+            contacts,
+            self._parameters(),
+            self.template,
+            self._embedded,
+            leave_out=leave_out,
         )
 
     def linearised(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.eigen.pencil import Pencil
+from cea.eigen.pencil import Matrices, Pencil
 from cea.errors import InputError
 from cea.petsc import PETSc
 from scenes.read import Scene, load_scene
@@ -25,6 +25,8 @@ SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {
 MAX_FREQUENCY = 27e3
 """End of the window (Hz)."""
 _NAMES = ("stiffness", "mass", "friction")
+_NEAR = "near_contact"
+"""Folder of those of what lies near the contacts."""
 
 
 def scene_of_size(size: str) -> Scene:
@@ -45,18 +47,42 @@ def scene_of_size(size: str) -> Scene:
 
 
 def write_matrices(scene: Scene, folder: Path) -> int:
-    """Write S, M and F of K = S - F, PETSc binary; the number of unknowns."""
+    """Write S, M and F of K = S - F, PETSc binary; the number of unknowns.
+
+    Those of what lies near the contacts too, where the pencil tells them apart.
+    """
     system, _, _ = coupled(scene)
-    matrices = system.pencil().at()
+    pencil = system.pencil()
+    matrices = pencil.at()
     if matrices.multipliers is not None or matrices.unsymmetric is None or matrices.quadratic:
         raise InputError("scene", scene.name, "a penalty with friction, without damping")
+    _write(matrices, folder)
+    if pencil.near_contact is not None:
+        (folder / _NEAR).mkdir(exist_ok=True)
+        _write(pencil.near_contact.at(), folder / _NEAR)
+    return matrices.size
+
+
+def _write(matrices: Matrices, folder: Path) -> None:
+    assert matrices.unsymmetric is not None
     matrices.unsymmetric.scale(-1.0)
     parts = (matrices.stiffness, matrices.mass, matrices.unsymmetric)
     for name, matrix in zip(_NAMES, parts, strict=True):
         viewer: Any = PETSc.Viewer().createBinary(str(folder / name), "w", comm=matrix.comm)
         matrix.view(viewer)
         viewer.destroy()
-    return matrices.size
+
+
+def _read(folder: Path) -> tuple[Any, Any, Any]:
+    parts = list[Any]()
+    for name in _NAMES:
+        viewer: Any = PETSc.Viewer().createBinary(str(folder / name), "r")
+        parts.append(PETSc.Mat().load(viewer))
+        viewer.destroy()
+    for symmetric in parts[:2]:
+        symmetric.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    S, M, F = parts
+    return S, M, F
 
 
 @dataclass(frozen=True)
@@ -71,6 +97,8 @@ class Problem:
         End of the window, of kappa = -lambda^2 (1/s^2).
     wanted
         Eigenvalues to be found; None where nobody knows, and the method must tell.
+    near_contact
+        S, M and F of what lies near the contacts; None where they are not told apart.
     """
 
     stiffness: Any
@@ -78,20 +106,14 @@ class Problem:
     friction: Any
     top: float
     wanted: int | None
+    near_contact: tuple[Any, Any, Any] | None = None
 
     @classmethod
     def read(cls, folder: Path, wanted: int | None) -> "Problem":
         """Matrices that :func:`write_matrices` wrote; collective."""
-        parts = list[Any]()
-        for name in _NAMES:
-            viewer: Any = PETSc.Viewer().createBinary(str(folder / name), "r")
-            parts.append(PETSc.Mat().load(viewer))
-            viewer.destroy()
-        for symmetric in parts[:2]:
-            symmetric.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        near = _read(folder / _NEAR) if (folder / _NEAR).exists() else None
         top = (2 * np.pi * MAX_FREQUENCY) ** 2
-        S, M, F = parts
-        return cls(S, M, F, top, wanted)
+        return cls(*_read(folder), top, wanted, near)
 
     @property
     def shift(self) -> float:
@@ -113,7 +135,8 @@ class Problem:
 
     def pencil(self) -> Pencil:
         """What this program's driver takes."""
-        return Pencil.of(self.stiffness, self.mass, self.friction)
+        near = None if self.near_contact is None else Pencil.of(*self.near_contact)
+        return Pencil.of(self.stiffness, self.mass, self.friction, near)
 
     def unsymmetric(self) -> Any:
         """K, a new matrix."""

@@ -1,0 +1,185 @@
+"""Bounds by what lies near the contacts hold for the whole, and give the same modes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg
+from blocks import assemble
+from mpi import on_ranks
+from near_contact_cases import on_a_bar
+from petsc_matrices import to_numpy
+from same_numbers import assert_same
+
+from cea.eigen import search
+from cea.eigen.field_of_values import field_of_values
+from cea.eigen.krylov_schur import KrylovSchur
+from cea.errors import InputError
+from cea.rotation import Rotation
+from cea.system import near_contact
+from cea.system.body_terms import Motion
+
+PARAMETERS = {
+    "bodies.lower.material.E": 5.0,
+    "bodies.upper.material.rho": 0.3,
+    "contacts.interface.mu": 0.8,
+}
+CONTACTS = [
+    ({"method": "gpts", "points": 3}, "penalty"),
+    ({"method": "gpts", "points": 3}, "saddle"),
+    ({"method": "mortar"}, None),
+    ({"method": "gpts", "points": 3, "lumped": True}, None),
+]
+
+
+@pytest.fixture
+def kept(monkeypatch):
+    """What lies near is told apart in systems of any size; its unknowns."""
+    found, original = [], near_contact._kept
+
+    def noted(*arguments):
+        chosen = original(*arguments)
+        found.append(None if chosen is None else chosen.array.copy())
+        return chosen
+
+    monkeypatch.setattr(near_contact, "_LARGE", 0)
+    monkeypatch.setattr(near_contact, "_kept", noted)
+    return found
+
+
+def dense(matrices):
+    """H, N and M, contact forces eliminated."""
+    K, M = to_numpy(matrices.operator()), to_numpy(matrices.mass)
+    if (forces := matrices.multipliers) is not None:
+        J, L, C = (to_numpy(m) for m in (forces.closure, forces.reaction, forces.compliance))
+        K = K + L.T @ np.linalg.solve(C, J)
+    return 0.5 * (K + K.T), 0.5 * (K - K.T), M
+
+
+@pytest.mark.parametrize(("method", "form"), CONTACTS)
+@pytest.mark.parametrize("upper", ["fe", "iga"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_is_left_out_is_positive_semidefinite(kept, method, form, upper, turned):
+    """All of friction is near, and K and M of the rest have no negative eigenvalue."""
+    data = on_a_bar(upper, method, form=form, turned=turned)
+    pencil = assemble(data).pencil()
+    near = pencil.near_contact
+    for changes in ({}, PARAMETERS):
+        H, N, M = dense(pencil.at(changes))
+        parts = [np.zeros_like(H) for _ in range(3)]
+        for whole, part in zip(parts, dense(near.at(changes)), strict=True):
+            whole[np.ix_(kept[0], kept[0])] = part
+        assert len(kept[0]) < 0.5 * len(H)
+        assert np.abs(N).max() > 0
+        assert parts[1] == pytest.approx(N, abs=1e-12 * np.abs(H).max())
+        for every, part in ((H, parts[0]), (M, parts[2])):
+            left = np.linalg.eigvalsh(every - part)
+            assert left[0] > -1e-12 * left[-1]
+            assert left[len(kept[0]) + 1] > 1e-6 * left[-1]
+
+
+@pytest.mark.parametrize("held", ["springs", "rollers", "a body apart"])
+def test_supports_and_bodies_of_any_kind(kept, held):
+    """Springs are left to the rest; rollers on a turned face hold no plain components."""
+    data = on_a_bar(turned=True)
+    bar = data["bodies"]["lower"]
+    if held == "springs":
+        bar["supports"] = []
+        bar["springs"] = [{"surface": "z_min", "stiffness": [0.3, 0.2, 0.5]}]
+    elif held == "a body apart":
+        data["bodies"] = {"apart": data["bodies"]["upper"]} | data["bodies"]
+    else:
+        bar["supports"] = [{"surface": "z_min", "components": ["normal"]}]
+    system = assemble(data)
+    assert system.bodies["lower"].constraints.selects == (held != "rollers")
+    pencil = system.pencil()
+    near = pencil.near_contact
+    H, N, _ = dense(pencil.at())
+    part, skew = np.zeros_like(H), np.zeros_like(H)
+    block = np.ix_(kept[0], kept[0])
+    part[block], skew[block], _ = dense(near.at())
+    assert len(kept[0]) < 0.5 * len(H)
+    assert skew == pytest.approx(N, abs=1e-12 * np.abs(H).max())
+    left = np.linalg.eigvalsh(H - part)
+    assert left[0] > -1e-12 * left[-1]
+
+
+@pytest.mark.parametrize(("method", "form"), CONTACTS)
+@pytest.mark.parametrize("mu", [1e-3, 0.4, 2.0])
+def test_its_bounds_hold_for_the_whole(kept, method, form, mu):
+    pencil = assemble(on_a_bar(method=method, form=form, mu=mu)).pencil()
+    H, N, M = dense(pencil.at())
+    depth = 1.0 + max(0.0, -3 * scipy.linalg.eigvalsh(H, M)[0])
+    field = field_of_values(pencil.near_contact.at(), depth, cone=True)
+    own = field_of_values(pencil.at(), depth, cone=True)
+    assert field.bounded
+    assert own.slope * (1 - 1e-2) <= field.slope < np.inf
+    steepest = scipy.linalg.eigvalsh(1j * N, H + depth * M)[-1]
+    assert steepest <= field.slope
+
+
+def test_the_same_modes_by_the_smaller_factorisation(kept, monkeypatch):
+    sizes, original = [], search.field_of_values
+
+    def noted(matrices, *arguments, **options):
+        sizes.append(matrices.size)
+        return original(matrices, *arguments, **options)
+
+    monkeypatch.setattr(search, "field_of_values", noted)
+    modes = {}
+    for small in (True, False):
+        monkeypatch.setattr(near_contact, "_LARGE", 0 if small else 10**9)
+        with KrylovSchur(assemble(on_a_bar(mu=0.1)).pencil()) as driver:
+            modes[small] = driver.solve(0.4)
+            assert driver.factorisations == 2
+    assert sizes[0] == len(kept[0]) < 0.5 * sizes[1]
+    assert len(sizes) == 2
+    for found in modes.values():
+        assert found.window.complete
+    assert modes[True].eigenvalues == pytest.approx(modes[False].eigenvalues, rel=1e-9)
+
+
+def test_where_it_says_too_little_the_whole_is_asked(kept, monkeypatch):
+    """Friction so strong that the part has no bound, though the whole has one."""
+    pencil = assemble(on_a_bar(mu=8.0)).pencil()
+    sizes, original = [], search.field_of_values
+
+    def noted(matrices, *arguments, **options):
+        sizes.append(matrices.size)
+        return original(matrices, *arguments, **options)
+
+    monkeypatch.setattr(search, "field_of_values", noted)
+    with KrylovSchur(pencil) as driver:
+        modes = driver.solve(0.3)
+    assert sizes[0] == len(kept[0])
+    assert sizes[1] == pencil.at().size
+    assert modes.window.complete
+
+
+def test_where_nothing_is_told_apart(kept, monkeypatch):
+    """Small systems, NURBS alone, contact everywhere, and stiffness that is not of elasticity."""
+    assert assemble(on_a_bar("iga", lower="iga")).pencil().near_contact is None
+    everywhere = on_a_bar()
+    everywhere["bodies"]["lower"]["geometry"]["size"] = [1.0, 1.1, 0.4]
+    everywhere["bodies"]["lower"]["mesh"]["fe"]["elements"] = [3, 3, 1]
+    assert assemble(everywhere).pencil().near_contact is None
+    motion = Motion(rotation=Rotation(1.0, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)))
+    turning = replace(assemble(on_a_bar()), motions={"lower": motion})
+    assert turning.pencil().near_contact is None
+    monkeypatch.setattr(near_contact, "_LARGE", 10**6)
+    assert assemble(on_a_bar()).pencil().near_contact is None
+
+
+def test_a_nurbs_body_has_no_parts():
+    body = assemble(on_a_bar("iga")).bodies["upper"]
+    assert body.node_positions is None
+    with pytest.raises(InputError, match="finite elements"):
+        body.part(np.ones(body.num_scalar_dofs, dtype=bool))
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_several_ranks_see_the_same(ranks):
+    alone = on_ranks(1, "near_contact_cases.near_numbers")
+    assert alone["complete"] == [True, True]
+    assert_same(on_ranks(ranks, "near_contact_cases.near_numbers"), alone, rel=1e-8)
