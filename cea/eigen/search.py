@@ -26,7 +26,7 @@ from cea.eigen.turned_field import TurnedField
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
-_DEPTH = 0.1
+_DEPTH = 0.15
 """Depth X of the first covering disc relative to omega^2, where friction reaches no farther."""
 _AROUND = 1.5
 """Radius up to which a disc about the middle is searched, relative to that of the first search."""

@@ -27,7 +27,7 @@ from cea.matrices import absolute, destroy
 from cea.petsc import MPI, Mat, PETSc
 from cea.system.body_terms import STILL, body_terms, part_terms
 
-_SHARE = 0.35
+_SHARE = 0.4
 """Part of all nodes that lie near contacts."""
 _LARGE = 10_000
 """Unknowns from which on it is worth its assembly."""
