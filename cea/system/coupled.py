@@ -25,7 +25,7 @@ from cea.petsc import MPI
 from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
 from cea.system.contact_terms import ContactPairs
 from cea.system.modal_damping import modal_terms
-from cea.system.near_contact import ContactPieces, near_contact
+from cea.system.near_contact import PARTED_FROM, ContactPieces, near_contact
 from cea.system.sliding_state import SteadySliding
 from cea.system.sliding_terms import sliding_parameters, sliding_terms
 from cea.warned import ResultWarning
@@ -136,7 +136,9 @@ class CoupledSystem:
         vector.set(0.0)
         return vector
 
-    def pencil(self, *, leave_out: bool = True, eliminate: bool = False) -> Pencil:
+    def pencil(
+        self, *, leave_out: bool = True, eliminate: bool = False, parted_from: int = PARTED_FROM
+    ) -> Pencil:
         """The parametric pencil of the system, whose matrices are its pieces.
 
         Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
@@ -153,6 +155,8 @@ class CoupledSystem:
         eliminate
             Whether all contact forces are eliminated, where gaps are projected into matrices that
             are full on the interface; no contact is tied.
+        parted_from
+            Unknowns from which on what lies near the contacts is told apart.
         """
         keeping = [c for c in self.contacts if c.keeps_forces and not eliminate]
         contacts = ContactPieces(
@@ -166,10 +170,14 @@ class CoupledSystem:
             self._modal_terms,
             leave_out=leave_out,
             nodes=self._nodes,
-            near_contact=partial(self._near_contact, contacts, leave_out=leave_out),
+            near_contact=partial(
+                self._near_contact, contacts, leave_out=leave_out, parted_from=parted_from
+            ),
         )
 
-    def _near_contact(self, contacts: ContactPieces, *, leave_out: bool) -> Pencil | None:
+    def _near_contact(
+        self, contacts: ContactPieces, *, leave_out: bool, parted_from: int
+    ) -> Pencil | None:
         """Pencil of what lies near the contacts, where bodies have mass and are but elastic."""
         rotates = any(motion.rotation is not None for motion in self.motions.values())
         if not self.with_mass or self.prestress or rotates:
@@ -181,6 +189,7 @@ class CoupledSystem:
             self.template,
             self._embedded,
             leave_out=leave_out,
+            parted_from=parted_from,
         )
 
     def linearised(

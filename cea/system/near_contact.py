@@ -29,7 +29,7 @@ from cea.system.body_terms import STILL, body_terms, part_terms
 
 _SHARE = 0.4
 """Part of all nodes that lie near contacts."""
-_LARGE = 10_000
+PARTED_FROM = 10_000
 """Unknowns from which on it is worth its assembly."""
 
 type Embedding = Callable[[str, Mat], Mat]
@@ -100,6 +100,7 @@ def near_contact(
     embedded: Embedding,
     *,
     leave_out: bool = True,
+    parted_from: int = PARTED_FROM,
 ) -> Pencil | None:
     """Pencil of what lies near the contacts; None where that is not much less than all. Collective.
 
@@ -118,8 +119,10 @@ def near_contact(
         Takes a matrix of a body to one of all unknowns.
     leave_out
         Whether friction that is zero is left out.
+    parted_from
+        Unknowns from which on the part is wanted.
     """
-    if template.getSize() < _LARGE:
+    if template.getSize() < parted_from:
         return None
     touched = contacts.touched(template)
     distances = dict(_distances(bodies, touched))

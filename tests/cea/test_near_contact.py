@@ -34,7 +34,7 @@ CONTACTS = [
 
 @pytest.fixture
 def kept(monkeypatch):
-    """What lies near is told apart in systems of any size; its unknowns."""
+    """Unknowns of what lies near, as it is told apart."""
     found, original = [], near_contact._kept
 
     def noted(*arguments):
@@ -42,7 +42,6 @@ def kept(monkeypatch):
         found.append(None if chosen is None else chosen.array.copy())
         return chosen
 
-    monkeypatch.setattr(near_contact, "_LARGE", 0)
     monkeypatch.setattr(near_contact, "_kept", noted)
     return found
 
@@ -62,7 +61,7 @@ def dense(matrices):
 def test_what_is_left_out_is_positive_semidefinite(kept, method, form, upper, turned):
     """All of friction is near, and K and M of the rest have no negative eigenvalue."""
     data = on_a_bar(upper, method, form=form, turned=turned)
-    pencil = assemble(data).pencil()
+    pencil = assemble(data).pencil(parted_from=0)
     near = pencil.near_contact
     for changes in ({}, PARAMETERS):
         H, N, M = dense(pencil.at(changes))
@@ -92,7 +91,7 @@ def test_supports_and_bodies_of_any_kind(kept, held):
         bar["supports"] = [{"surface": "z_min", "components": ["normal"]}]
     system = assemble(data)
     assert system.bodies["lower"].constraints.selects == (held != "rollers")
-    pencil = system.pencil()
+    pencil = system.pencil(parted_from=0)
     near = pencil.near_contact
     H, N, _ = dense(pencil.at())
     part, skew = np.zeros_like(H), np.zeros_like(H)
@@ -107,7 +106,7 @@ def test_supports_and_bodies_of_any_kind(kept, held):
 @pytest.mark.parametrize(("method", "form"), CONTACTS)
 @pytest.mark.parametrize("mu", [1e-3, 0.4, 2.0])
 def test_its_bounds_hold_for_the_whole(kept, method, form, mu):
-    pencil = assemble(on_a_bar(method=method, form=form, mu=mu)).pencil()
+    pencil = assemble(on_a_bar(method=method, form=form, mu=mu)).pencil(parted_from=0)
     H, N, M = dense(pencil.at())
     depth = 1.0 + max(0.0, -3 * scipy.linalg.eigvalsh(H, M)[0])
     field = field_of_values(pencil.near_contact.at(), depth, cone=True)
@@ -128,8 +127,8 @@ def test_the_same_modes_by_the_smaller_factorisation(kept, monkeypatch):
     monkeypatch.setattr(search, "field_of_values", noted)
     modes = {}
     for small in (True, False):
-        monkeypatch.setattr(near_contact, "_LARGE", 0 if small else 10**9)
-        with KrylovSchur(assemble(on_a_bar(mu=0.1)).pencil()) as driver:
+        pencil = assemble(on_a_bar(mu=0.1)).pencil(parted_from=0 if small else 10**9)
+        with KrylovSchur(pencil) as driver:
             modes[small] = driver.solve(0.4)
             assert driver.factorisations == 2
     assert sizes[0] == len(kept[0]) < 0.5 * sizes[1]
@@ -141,7 +140,7 @@ def test_the_same_modes_by_the_smaller_factorisation(kept, monkeypatch):
 
 def test_where_it_says_too_little_the_whole_is_asked(kept, monkeypatch):
     """Friction so strong that the part has no bound, though the whole has one."""
-    pencil = assemble(on_a_bar(mu=8.0)).pencil()
+    pencil = assemble(on_a_bar(mu=8.0)).pencil(parted_from=0)
     sizes, original = [], search.field_of_values
 
     def noted(matrices, *arguments, **options):
@@ -156,17 +155,17 @@ def test_where_it_says_too_little_the_whole_is_asked(kept, monkeypatch):
     assert modes.window.complete
 
 
-def test_where_nothing_is_told_apart(kept, monkeypatch):
+def test_where_nothing_is_told_apart():
     """Small systems, NURBS alone, contact everywhere, and stiffness that is not of elasticity."""
-    assert assemble(on_a_bar("iga", lower="iga")).pencil().near_contact is None
+    nurbs = assemble(on_a_bar("iga", lower="iga"))
+    assert nurbs.pencil(parted_from=0).near_contact is None
     everywhere = on_a_bar()
     everywhere["bodies"]["lower"]["geometry"]["size"] = [1.0, 1.1, 0.4]
     everywhere["bodies"]["lower"]["mesh"]["fe"]["elements"] = [3, 3, 1]
-    assert assemble(everywhere).pencil().near_contact is None
+    assert assemble(everywhere).pencil(parted_from=0).near_contact is None
     motion = Motion(rotation=Rotation(1.0, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)))
     turning = replace(assemble(on_a_bar()), motions={"lower": motion})
-    assert turning.pencil().near_contact is None
-    monkeypatch.setattr(near_contact, "_LARGE", 10**6)
+    assert turning.pencil(parted_from=0).near_contact is None
     assert assemble(on_a_bar()).pencil().near_contact is None
 
 

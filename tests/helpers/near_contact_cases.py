@@ -3,7 +3,6 @@
 from blocks import assemble, two_blocks
 
 from cea.eigen.krylov_schur import solve_modes
-from cea.system import near_contact
 
 
 def on_a_bar(upper="fe", method=None, *, form=None, mu=0.4, turned=False, lower="fe"):
@@ -25,8 +24,7 @@ def on_a_bar(upper="fe", method=None, *, form=None, mu=0.4, turned=False, lower=
 
 def near_numbers():
     """Size and modes of what lies near, and modes of the whole, on any ranks."""
-    near_contact._LARGE = 0
-    pencil = assemble(on_a_bar()).pencil()
+    pencil = assemble(on_a_bar()).pencil(parted_from=0)
     near = pencil.near_contact
     assert near is not None
     matrices = near.at()
