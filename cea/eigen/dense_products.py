@@ -30,10 +30,12 @@ def combined(vectors: NDArray[Any], coefficients: NDArray[Any]) -> NDArray[Any]:
 
 
 def inner(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
-    """Inner products of every column of one block with every column of another."""
-    if np.iscomplexobj(right):
-        return (left.T @ right.conj()).conj()  # the right is the smaller
-    return left.conj().T @ right if np.iscomplexobj(left) else left.T @ right
+    """Inner products of every column of one block with every column of another.
+
+    The right is best the smaller: the left is then read at the speed of memory.
+    """
+    products = right.conj().T @ left if np.iscomplexobj(right) else right.T @ left
+    return products.conj().T if np.iscomplexobj(products) else products.T
 
 
 def beside(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:

@@ -154,11 +154,8 @@ class KrylovSpace:
         inside: NDArray[Any] = np.zeros((first, w.shape[1]), w.dtype)
         self._take_out_what_is_large(w, inside)
         u, image = w, owner.image(w)
-        sizes = _lengths(owner.inner(u, image))
-        whole = np.hypot(sizes, np.linalg.norm(inside, axis=0))
-        u /= sizes
-        image /= sizes
-        rest: NDArray[Any] = np.diag(sizes).astype(w.dtype)
+        rest: NDArray[Any] = np.eye(w.shape[1], dtype=w.dtype)
+        whole: Floats = np.empty(0)
         for again in range(_MOST_PROJECTIONS):
             part = owner.inner(before, image)
             inside += part @ rest
@@ -167,11 +164,15 @@ class KrylovSpace:
             gram = owner.inner(u, image)
             if again and np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
                 break
-            axes = np.linalg.eigh(gram)[1]
-            u, image = combined(u, axes), combined(image, axes)
+            if not again:  # what was projected is orthogonal to what is left
+                whole = _lengths(gram, inside)
+            sizes = _lengths(gram, part)
+            axes = np.linalg.eigh(gram / np.outer(sizes, sizes))[1]
+            turn = axes / sizes[:, None]
+            u, image = combined(u, turn), combined(image, turn)
             # Of small vectors beside large ones the lengths say more than the eigenvalues.
             lengths = _lengths(owner.inner(u, image))
-            rest = lengths[:, None] * (axes.conj().T @ rest)
+            rest = lengths[:, None] * (axes.conj().T @ (sizes[:, None] * rest))
             # What a second projection takes most of was rounding.
             parts = lengths / _LEFT if again else np.linalg.norm(rest / whole, axis=1) / _NOISE
             kept = np.flatnonzero(parts > 1.0)
@@ -223,9 +224,20 @@ class KrylovSpace:
         self._vectors = wider
 
 
-def _lengths(gram: NDArray[Any]) -> Floats:
-    """Lengths of the columns of a block, of which none is zero."""
-    return np.sqrt(np.maximum(np.einsum("ii->i", gram).real, np.finfo(float).tiny))
+def _lengths(gram: NDArray[Any], projected: NDArray[Any] | None = None) -> Floats:
+    """Lengths of the columns of a block, of which none is zero.
+
+    Parameters
+    ----------
+    gram
+        Their inner products.
+    projected
+        Coefficients of what was taken out of them along orthonormal vectors: their lengths before.
+    """
+    squares = np.einsum("ii->i", gram).real
+    if projected is not None:
+        squares = squares + np.linalg.norm(projected, axis=0) ** 2
+    return np.sqrt(np.maximum(squares, np.finfo(float).tiny))
 
 
 def _columns(block: NDArray[Any], kept: NDArray[np.int64]) -> NDArray[Any]:
