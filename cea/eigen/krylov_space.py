@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Floats
+from cea.eigen.columns import Columns
 from cea.eigen.dense_products import combined, subtract
 
 _NOISE = 1e-12
@@ -23,8 +24,6 @@ _MOST_PROJECTIONS = 3
 """The third for what the first leaves of small vectors, far from orthogonal."""
 _ORTHONORMAL = 1e-12
 """Distance of inner products from those of orthonormal vectors that is good enough."""
-_WIDER, _FEW = 1.5, 64
-"""Growth of the room for vectors, and that of little room."""
 
 
 class InnerProduct(Protocol):
@@ -52,7 +51,7 @@ class InnerProduct(Protocol):
 
 
 class KrylovSpace:
-    """Vectors in one array: those of Q, known before, those of V, and a block U that is next.
+    """Vectors behind one another: those of Q, known before, those of V, and a block U, the next.
 
     They hold OP V = Q C + [V U] H.
 
@@ -77,9 +76,7 @@ class KrylovSpace:
         self._owner, self._room = owner, room
         self._known = known.shape[1]
         self.size = self.next = 0
-        self._vectors: NDArray[Any] = np.empty((len(known), 0), dtype=owner.dtype, order="F")
-        self._widen(self._known + 1)
-        self._vectors[:, : self._known] = known
+        self._vectors = Columns(known, room, owner.dtype)
         self._images: list[tuple[int, NDArray[Any]]] = []
         self._keep_first()
         self.operator: NDArray[Any] = np.empty((0, 0), dtype=owner.dtype)
@@ -98,7 +95,7 @@ class KrylovSpace:
         """Take U into V, and OP U beside them as the next U."""
         size, columns = self.size, self.next
         first = self._known + size
-        fresh = self._owner.apply(self._vectors[:, first : first + columns], self._images[-1][1])
+        fresh = self._owner.apply(self._vectors.take(first, first + columns), self._images[-1][1])
         self.size += columns
         coefficients = self._append(np.asfortranarray(fresh))
         shape = (self.size + self.next, self.size)
@@ -110,7 +107,7 @@ class KrylovSpace:
 
     def combined(self, coefficients: NDArray[Any]) -> NDArray[Any]:
         """V times columns."""
-        return combined(self._vectors[:, self._known : self._known + self.size], coefficients)
+        return self._vectors.combined(self._known, coefficients)
 
     def restart(self, form: NDArray[Any], vectors: NDArray[Any]) -> None:
         """Keep an invariant subspace of the square, and U.
@@ -121,13 +118,13 @@ class KrylovSpace:
             Its Schur form, and its orthonormal vectors.
         """
         first = self._known + self.size
-        block = self._vectors[:, first : first + self.next].copy(order="F")
+        block = self._vectors.take(first, first + self.next).copy(order="F")
         kept = self.combined(vectors)
         rest = self.operator[self.size :] @ vectors
         self.size = len(form)
         end = self._known + self.size
-        self._vectors[:, self._known : end] = kept
-        self._vectors[:, end : end + self.next] = block
+        self._vectors.put(self._known, kept)
+        self._vectors.put(end, block)
         self.operator = np.vstack([form, rest])
         self._images = [(end, self._images[-1][1])]
         self._keep_first()
@@ -149,7 +146,6 @@ class KrylovSpace:
             c.
         """
         owner, first = self._owner, self._known + self.size
-        before = self._vectors[:, :first]
         most = self._room - self.size  # more directions there are not, but of rounding
         inside: NDArray[Any] = np.zeros((first, w.shape[1]), w.dtype)
         self._take_out_what_is_large(w, inside)
@@ -157,9 +153,9 @@ class KrylovSpace:
         rest: NDArray[Any] = np.eye(w.shape[1], dtype=w.dtype)
         whole: Floats = np.empty(0)
         for again in range(_MOST_PROJECTIONS):
-            part = owner.inner(before, image)
+            part = self._vectors.inner(first, image, owner.inner)
             inside += part @ rest
-            subtract(u, before, part)
+            self._vectors.subtract(u, part)
             image = owner.image(u)
             gram = owner.inner(u, image)
             if again and np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
@@ -184,9 +180,7 @@ class KrylovSpace:
                 break
         self._keep_images(image, first)
         self.next = u.shape[1]
-        if first + self.next > self._vectors.shape[1]:
-            self._widen(first + self.next)
-        self._vectors[:, first : first + self.next] = u
+        self._vectors.put(first, u)
         return np.vstack([inside, rest])
 
     def _take_out_what_is_large(self, w: NDArray[Any], inside: NDArray[Any]) -> None:
@@ -197,14 +191,14 @@ class KrylovSpace:
         which the first vectors hold.
         """
         for start, image in self._images:
-            columns = slice(start, start + image.shape[1])
+            stop = start + image.shape[1]
             part = self._owner.inner(image, w)
-            subtract(w, self._vectors[:, columns], part)
-            inside[columns] = part
+            subtract(w, self._vectors.take(start, stop), part)
+            inside[start:stop] = part
 
     def _keep_first(self) -> None:
         """Find the image of the first vectors, if there are any."""
-        first = self._vectors[:, : min(_LEADING, self._known + self.size)]
+        first = self._vectors.take(0, min(_LEADING, self._known + self.size))
         if first.shape[1]:
             self._images.insert(0, (0, self._owner.image(first)))
 
@@ -212,16 +206,6 @@ class KrylovSpace:
         """Keep the image of a new block, of that before it, and of the first vectors."""
         first = [each for each in self._images[:-1] if each[0] < _LEADING]
         self._images = [*first, *self._images[-1:], (start, fresh)]
-
-    def _widen(self, columns: int) -> None:
-        """Room for more vectors; those there are stay."""
-        before = self._vectors.shape[1]
-        columns = max(columns, min(int(_WIDER * columns) + _FEW, self._known + self._room))
-        wider: NDArray[Any] = np.empty(
-            (len(self._vectors), columns), dtype=self._owner.dtype, order="F"
-        )
-        wider[:, :before] = self._vectors
-        self._vectors = wider
 
 
 def _lengths(gram: NDArray[Any], projected: NDArray[Any] | None = None) -> Floats:
