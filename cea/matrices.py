@@ -177,9 +177,9 @@ def largest_row(matrix: Any) -> float:
 
 def absolute(matrix: Any) -> Any:
     """Absolute values of the entries of a PETSc AIJ matrix, a new one."""
-    indptr, indices, values = matrix.getValuesCSR()
-    size = matrix.getSizes()
-    return PETSc.Mat().createAIJ(size, csr=(indptr, indices, np.abs(values)), comm=matrix.comm)
+    rows = local_part(matrix)
+    np.abs(rows.data, out=rows.data)
+    return distributed(rows, matrix.getSizes()[1], matrix.comm, shared=True)
 
 
 def block_diagonal(blocks: Sequence[Any]) -> Any:

@@ -26,6 +26,7 @@ import numpy as np
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import column_blocks, columns_inner, image_of, times
 from cea.eigen.clusters import cluster_bounds, clusters
+from cea.eigen.dense_products import combined
 from cea.eigen.eigenpairs import Eigenpairs, internal_forces
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.pencil import Matrices
@@ -82,8 +83,8 @@ def _left_out(matrices: Matrices, factors: Shifted, subspace: InvariantSubspace)
     far = np.abs(np.diag(subspace.projected) - factors.kappa) / abs(factors.kappa)
     mixed /= np.maximum(1.0, far)[:, None]
     image = subspace.projected.T @ mixed - factors.kappa * mixed
-    load = image_of(matrices.mass, subspace.basis @ image)
-    rest = subspace.basis @ mixed - factors.solve_block(load, transposed=True)
+    load = image_of(matrices.mass, combined(subspace.basis, image))
+    rest = combined(subspace.basis, mixed) - factors.solve_block(load, transposed=True)
     squares = columns_inner(rest, image_of(matrices.mass, rest), matrices.mass.comm)
     return float(np.sqrt(squares.sum() / COLUMNS))
 
