@@ -155,7 +155,7 @@ def _blocks(
         numbers = np.flatnonzero(chosen)
         for columns in column_blocks(len(numbers), rows):
             block = numbers[columns]
-            yield block, np.asfortranarray(part(vectors[:, block]))
+            yield block, np.asfortranarray(part(vectors)[:, block])
 
 
 def _gram(mass: Any, vectors: Complexes) -> Complexes:

@@ -126,7 +126,7 @@ def modes_of(
         residuals=pairs.residuals[order],
         conditions=conditions[order],
         growth_uncertainties=uncertainties_of(eigenvalues, errors)[order],
-        vectors=pairs.vectors[:, order],
+        vectors=_columns(pairs.vectors, order),
         forces=pairs.forces[:, order],
         left=left[order] if left is not None else None,
         template=matrices.stiffness.createVecRight(),
@@ -136,6 +136,12 @@ def modes_of(
     )
     refuse_what_is_lost(modes, eigenvalues, uncertainties_of(eigenvalues, errors))
     return replace(modes, warnings=warnings_of(modes))
+
+
+def _columns(vectors: Complexes, order: Ints) -> Complexes:
+    """Columns in an order: those of the vectors themselves where it is that they have."""
+    number = len(order)
+    return vectors[:, :number] if np.array_equal(order, np.arange(number)) else vectors[:, order]
 
 
 def refuse_what_is_lost(modes: Modes, eigenvalues: Complexes, uncertainties: Floats) -> None:

@@ -51,7 +51,8 @@ class InvariantSubspace:
     def eigenpairs(self) -> tuple[Complexes, Complexes]:
         """kappa, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k).
 
-        Of a real subspace that of a conjugate, which follows its eigenvalue, is the conjugate.
+        They rise with Im lambda, kappa = -lambda^2. Of a real subspace that of a conjugate, which
+        follows its eigenvalue, is the conjugate.
         """
         values, small = self._pairs
         if np.iscomplexobj(self.basis):
@@ -98,7 +99,8 @@ class InvariantSubspace:
         values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
         if not self.symmetric:
             _tell_apart(self.projected, values, vectors)
-        return values, vectors
+        order = _rising(values)
+        return values[order], vectors[:, order]
 
     def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
         """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
@@ -120,6 +122,16 @@ def small_eigenpairs(matrix: Floats, *, symmetric: bool) -> tuple[Complexes, Com
     """Eigenvalues and vectors of a small matrix."""
     values, vectors = np.linalg.eigh(symmetric_part(matrix)) if symmetric else np.linalg.eig(matrix)
     return values.astype(complex), vectors.astype(complex)
+
+
+def _rising(values: Complexes) -> Ints:
+    """Order of kappa by Re sqrt(kappa), which is Im lambda; conjugates stay together."""
+    twins = 1 + np.flatnonzero((values[:-1].imag > 0) & (values[1:] == values[:-1].conj()))
+    firsts = np.setdiff1d(np.arange(len(values)), twins)
+    firsts = firsts[np.lexsort((-values[firsts].real, np.sqrt(values[firsts]).real))]
+    followed = np.isin(firsts + 1, twins)
+    pairs = np.stack([firsts, np.where(followed, firsts + 1, -1)], axis=1).ravel()
+    return pairs[pairs >= 0]
 
 
 def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:

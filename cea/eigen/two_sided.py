@@ -72,7 +72,8 @@ def one_sided(
 
 def cancels(mass: Mat, vectors: Complexes) -> bool:
     """Whether parts of x^H M x = 1 are much larger than their sum; collective."""
-    sums = (_diagonal(mass)[:, None] * np.abs(vectors) ** 2).sum(axis=0)
+    diagonal, parts = _diagonal(mass), (vectors.real, vectors.imag)
+    sums: Floats = sum(np.einsum("i,ij,ij->j", diagonal, part, part) for part in parts)
     return bool(mass.comm.tompi4py().allreduce(sums).max() > _CANCELS)
 
 

@@ -55,3 +55,22 @@ def test_what_coalesces_in_earnest_is_left_as_it_is():
     values, vectors = pairs_of(matrix)
     two = np.argsort(np.abs(values - 1.0))[:2]
     assert np.linalg.svd(vectors[:, two], compute_uv=False)[-1] < 1e-6
+
+
+def test_pairs_rise_with_the_imaginary_part_of_lambda():
+    """Equal complex pairs, and real kappa of both signs, between others."""
+    turn = np.array([[2.0, -1.0], [1.0, 2.0]])
+    blocks = [[[3.0]], turn, [[-4.0]], [[0.5]], turn, [[-1.0]], [[1.9]], [[2.2]]]
+    size = sum(len(block) for block in blocks)
+    matrix, first = np.zeros((size, size)), 0
+    for block in blocks:
+        last = first + len(block)
+        matrix[first:last, first:last] = block
+        first = last
+    values, vectors = pairs_of(matrix)
+    upper = np.flatnonzero(values.imag > 0)
+    np.testing.assert_array_equal(values[upper + 1], values[upper].conj())
+    assert np.abs(matrix @ vectors - vectors * values).max() < 100 * EPS
+    lam = np.sqrt(-values)
+    assert (np.diff(np.abs(lam.imag)) >= -10 * EPS).all()
+    assert values[:2] == pytest.approx([-1.0, -4.0])
