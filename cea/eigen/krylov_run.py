@@ -183,9 +183,7 @@ class KrylovRun:
                 return self._locked(theta, converged & near)
             if converged[inside].all() and self._clear(theta, residuals, inside):
                 self.farthest = self._far_end(theta, residuals)
-                found = self._locked(theta, converged & near)
-                self.around = self._with_more(found, theta, residuals)
-                return found
+                return self._locked_with_more(theta, converged & near, residuals)
             wanted = int(inside.sum())
             if wanted > self._owner.most:
                 raise CrowdedError(wanted)
@@ -300,16 +298,16 @@ class KrylovRun:
         coupling = self._space.coupling @ vectors
         return self._known.extended(self._space.combined(vectors), coupling, form, self._shift)
 
-    def _with_more(
-        self, found: InvariantSubspace, theta: Complexes, residuals: Floats
-    ) -> InvariantSubspace | None:
-        """What was found, where nothing was known, with what nearly converged around it."""
-        sizes, first = np.abs(theta), found.size
-        if self._known.size or not first:
-            return None
+    def _locked_with_more(
+        self, theta: Complexes, converged: NDArray[np.bool_], residuals: Floats
+    ) -> InvariantSubspace:
+        """The same, and what nearly converged around it where nothing was known."""
+        sizes, first = np.abs(theta), leading(theta, converged)
         nearly = (residuals <= _NEARLY * sizes) & (_CLEAR * residuals <= self._least - sizes)
         number = leading(theta, nearly | (sizes >= self._least))
-        if number <= first:
-            return None
-        own, both = (self._leading(theta, each)[1] for each in (first, number))
-        return with_more(found, self._space, own, both, self._shift)
+        if self._known.size or not 0 < first < number:
+            return self._locked(theta, converged)
+        form, own = self._leading(theta, first)
+        both = self._leading(theta, number)[1]
+        found, self.around = with_more(self._known, self._space, form, own, both, self._shift)
+        return found

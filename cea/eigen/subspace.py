@@ -104,13 +104,17 @@ class InvariantSubspace:
 
     def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
         """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
+        return self.within(beside(self.basis, basis), coupling, form, shift)
+
+    def within(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
+        """The same of a basis [Q V] as it is."""
         own = np.linalg.inv(form)
         # What was known stays as it is: far from a shift digits are lost to it.
         across = -(self.projected - shift * np.eye(self.size)) @ coupling @ own
         own = own + shift * np.eye(len(form))
         nothing = np.zeros((len(form), self.size))
         projected = np.block([[self.projected, across], [nothing, own]])
-        return type(self)(beside(self.basis, basis), projected, self.symmetric)
+        return type(self)(basis, projected, self.symmetric)
 
 
 def symmetric_part(matrix: Floats) -> Floats:

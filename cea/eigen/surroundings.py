@@ -46,31 +46,36 @@ def leading(theta: Complexes, chosen: NDArray[np.bool_]) -> int:
 
 
 def with_more(
-    found: InvariantSubspace,
+    known: InvariantSubspace,
     space: KrylovSpace,
+    form: NDArray[Any],
     own: NDArray[Any],
     both: NDArray[Any],
     shift: complex,
-) -> InvariantSubspace:
-    """An invariant subspace with more of the space that it was found in.
+) -> tuple[InvariantSubspace, InvariantSubspace]:
+    """Invariant subspaces of a space that began beside nothing: one, and one with more around it.
+
+    The first has the leading vectors of the second, in the same memory.
 
     Parameters
     ----------
-    found
-        What was found, beside nothing that was known.
+    known
+        The subspace of nothing.
     space
-        Where it was found.
-    own, both
-        Orthonormal vectors of the square of the space: those of what was found, and others that
-        span more with them, all of them invariant.
+        Where they were found.
+    form, own
+        Schur form of the first on the square of the space, and its orthonormal vectors.
+    both
+        Orthonormal vectors of the square that span more with them.
     shift
         That of the operator.
     """
     apart = both - own @ (own.conj().T @ both)
     more = np.linalg.svd(apart)[0][:, : both.shape[1] - own.shape[1]]
     images = space.square @ more
-    coupling, form = own.conj().T @ images, more.conj().T @ images
-    return found.extended(space.combined(more), coupling, form, shift)
+    basis = space.combined(np.hstack([own, more]))
+    found = known.within(basis[:, : own.shape[1]], space.coupling @ own, form, shift)
+    return found, found.within(basis, own.conj().T @ images, more.conj().T @ images, shift)
 
 
 def nothing_beside(
