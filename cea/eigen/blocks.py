@@ -60,12 +60,12 @@ def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
 def image_of(matrix: Any, vectors: Floats) -> Floats:
     """Square matrix times a block of real vectors, in Fortran order."""
     image = np.empty(vectors.shape, order="F")
-    at_once = _few(matrix.getSize()[0])
+    at_once, layout = _few(matrix.getSize()[0]), matrix.getSizes()[1]
     for start in range(0, vectors.shape[1], at_once):
         columns = slice(start, start + at_once)
-        block = dense(vectors[:, columns], matrix.getSizes()[1], matrix.comm)
-        product = matrix.matMult(block)
-        image[:, columns] = product.getDenseArray()
+        block = dense(vectors[:, columns], layout, matrix.comm)
+        product = dense(image[:, columns], layout, matrix.comm)
+        matrix.matMult(block, product)  # into the memory of the image
         destroy(product, block)
     return image
 

@@ -5,6 +5,7 @@ import pytest
 from petsc4py import PETSc
 from scipy.sparse import csr_array
 
+from cea.eigen.blocks import image_of
 from cea.matrices import absolute, symmetrised
 
 
@@ -34,3 +35,18 @@ def test_absolute_values_leave_the_matrix_as_it_is():
     assert y.array.tolist() == [-8.0, 460.0]
     assert np.array_equal(matrix.convert("dense").getDenseArray(), entries)
     assert found.getSizes() == matrix.getSizes()
+
+
+@pytest.mark.parametrize("order", ["F", "C"])
+def test_products_with_many_columns_are_those_column_by_column(order, monkeypatch):
+    monkeypatch.setattr("cea.eigen.blocks._NUMBERS", 1)  # 8 columns at a time
+    rng = np.random.default_rng(4)
+    entries = rng.standard_normal((30, 30)) * (rng.random((30, 30)) < 0.3)
+    matrix = PETSc.Mat().createDense((30, 30), array=entries.T.ravel()).convert("aij")
+    columns = np.array(rng.standard_normal((30, 19)), order=order)
+    before = columns.copy()
+    image = image_of(matrix, columns)
+    assert image.flags.f_contiguous
+    assert image == pytest.approx(entries @ columns, abs=1e-13)
+    assert np.array_equal(columns, before)
+    assert np.array_equal(image_of(matrix, columns[:, 8:9])[:, 0], image[:, 8])
