@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from reduced_cases import MU, P, blocks_pencil, enrichment, errors_of_means, grid
 
+from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.reduced.greedy import largest_ratio
 from cea.reduced.rows import in_parts
@@ -67,6 +68,16 @@ def test_bounds_are_smaller_where_a_contact_is_stiff_and_full_solves_keep_them(b
         assert errors_of_means(found, -(modes.eigenvalues**2)).max() < 1e-8
 
 
+def means_beside_bounds(found, whole):
+    """Largest distance of means of clusters relative to what both are bounded by, with rounding."""
+    rows, columns = assign(np.abs(found.kappa[:, None] - whole.kappa))
+    clusters, means = found.certificate.clusters[rows], found.certificate.means[rows]
+    bounds, apart = means + whole.certificate.means[columns], found.kappa[rows]
+    apart = apart - whole.kappa[columns]
+    members = [clusters == each for each in np.unique(clusters)]
+    return max(abs(apart[each].mean()) / bounds[each].max() for each in members)
+
+
 @pytest.mark.parametrize("p", [1.0, 1e4, 1e8])
 def test_parts_of_a_line_are_those_of_the_whole_basis(built, p):
     small, pencil = built.model.small, built.model.pencil
@@ -79,4 +90,4 @@ def test_parts_of_a_line_are_those_of_the_whole_basis(built, p):
         whole = small.at(values)
         assert found.worst <= max(1e-7, whole.worst)
         assert len(found.window) == len(whole.window)
-        assert errors_of_means(found.window, whole.kappa).max() < 2e-7
+        assert means_beside_bounds(found.window, whole) <= 1.0
