@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from cea.eigen.blocks import image_of
 from cea.eigen.dense_products import inner
-from cea.eigen.krylov_run import KrylovRun
+from cea.eigen.krylov_run import KrylovRun, Outside
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.slices import NO_SLICES, Plan
@@ -97,6 +97,7 @@ class BlockSearch(ABC):
         *,
         both_ends: bool = False,
         surrounded: bool = False,
+        outside: Outside | None = None,
     ) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc.
 
@@ -119,6 +120,9 @@ class BlockSearch(ABC):
         surrounded
             Whether what is known was ``around`` the disc after a search before: what is missing
             shows sooner.
+        outside
+            What of the disc is not wanted: it need not converge, and is not among what is found
+            where it lies farther from the shift than all that is wanted.
 
         Raises
         ------
@@ -128,7 +132,15 @@ class BlockSearch(ABC):
             When it holds more than ``most`` eigenvalues.
         """
         with self._timer("krylov"):
-            run = KrylovRun(self, known, radius, seed, both_ends=both_ends, surrounded=surrounded)
+            run = KrylovRun(
+                self,
+                known,
+                radius,
+                seed,
+                both_ends=both_ends,
+                surrounded=surrounded,
+                outside=outside,
+            )
             known = run.complete()
             self.farthest, self.reached, self.around = run.farthest, run.reached, run.around
             return known

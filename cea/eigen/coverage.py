@@ -14,7 +14,9 @@ near the real axis, says the field of values (:mod:`cea.eigen.field_of_values`).
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
+from cea.arrays import Complexes, Floats
 from cea.eigen.field_of_values import FieldOfValues
 
 TIP = 1.01
@@ -33,6 +35,19 @@ def touching_disc(top: float, depth: float) -> float:
         X, zero or more (1/s^2).
     """
     return -0.5 * (depth + 3 * TIP * top)
+
+
+def outside_of_window(upper: float, kappa: Complexes, errors: Floats) -> NDArray[np.bool_]:
+    """Which kappa lie in no window that ends there, whatever their growth, shape (n,).
+
+    Parameters
+    ----------
+    upper
+        omega^2 (1/s^2).
+    kappa, errors
+        Eigenvalues and by how much they may be in error (1/s^2), shape (n,).
+    """
+    return np.abs(kappa) + kappa.real - 2 * errors > 2 * upper
 
 
 def distance_within(top: float, centre: float, left: float, right: float) -> float:

@@ -12,6 +12,7 @@ from cea.arrays import Complexes, Floats
 from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.coverage import distance_within, touching_disc
 from cea.eigen.found import Disc
+from cea.eigen.krylov_run import Outside
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.slepc_search import SlepcSearch
@@ -113,11 +114,19 @@ class DiscSearches:
         if (parity := self._factors.parity()) is not None:
             self._signs[kappa] = parity
 
-    def around_the_middle(self, upper: float) -> InvariantSubspace:
-        """Eigenvalues about the middle of the window; the shift steps aside where it is one."""
+    def around_the_middle(self, upper: float, outside: Outside | None = None) -> InvariantSubspace:
+        """Eigenvalues about the middle of the window; the shift steps aside where it is one.
+
+        Parameters
+        ----------
+        upper
+            Right end of the disc (1/s^2).
+        outside
+            What of the disc is not wanted; None where all of it is.
+        """
         for _ in range(_STEPS_ASIDE):
             self.move(self.middle)
-            known = self._first(upper - self.middle)
+            known = self._first(upper - self.middle, outside)
             nearest = np.abs(known.eigenvalues() - self.middle).min(initial=np.inf)
             if nearest > _ASIDE**2 * self.middle:
                 break
@@ -129,10 +138,10 @@ class DiscSearches:
             known = self.filled(known, _WIDER * (upper - self.middle), once=True)
         return known
 
-    def _first(self, radius: float) -> InvariantSubspace:
+    def _first(self, radius: float, outside: Outside | None) -> InvariantSubspace:
         """Eigenvalues of the disc about the middle, of which none is known; of many, in slices."""
         self.slices = 0
-        first = self._slice(radius)
+        first = self._slice(radius, outside=outside)
         if self.slices:
             low, high = self.middle - radius, self.middle + radius
             slices = covered(first, low, high, lambda at, reach: self._slice(reach, at))
@@ -144,13 +153,15 @@ class DiscSearches:
         self.discs.append(Disc(self.middle, radius))
         return known
 
-    def _slice(self, radius: float, to: float | None = None) -> Slice:
+    def _slice(
+        self, radius: float, to: float | None = None, outside: Outside | None = None
+    ) -> Slice:
         """What a disc about the shift holds, or about one to move to; of many those nearest."""
         if to is not None:
             self.move(to)
         shift = self._factors.kappa
         krylov = self._searcher(plan=plan_of(self.finite, *self._factors.cost()))
-        found = krylov.search(self.nothing(), radius, self._searches)
+        found = krylov.search(self.nothing(), radius, self._searches, outside=outside)
         self.around = None if to is not None or krylov.reached is not None else krylov.around
         self._searches += 1
         distances = np.abs(found.eigenvalues() - shift)

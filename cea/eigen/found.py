@@ -14,7 +14,7 @@ _MARGIN = 1.05
 
 @dataclass(frozen=True)
 class Disc:
-    """A disc of kappa = -lambda^2 in which every eigenvalue was found.
+    """A disc of kappa = -lambda^2 in which every eigenvalue of the window was found.
 
     Parameters
     ----------

@@ -1,5 +1,6 @@
 """One search of a block Krylov-Schur method: when it looks at its space, restarts it, and locks."""
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
@@ -36,6 +37,9 @@ _CLEAR = 3.0
 """Residuals by which an eigenvalue outside a disc must lie outside."""
 _NEARLY = 1e-6
 """Residual relative to theta up to which an eigenvalue around a disc need not be seen again."""
+
+type Outside = Callable[[Complexes, Floats], NDArray[np.bool_]]
+"""Which kappa lie outside of what is wanted, by so much as they may be in error, shape (n,)."""
 
 
 class CrowdedError(ConvergenceError):
@@ -105,6 +109,9 @@ class KrylovRun:
         Whether the far end of the spectrum is to be seen too.
     surrounded
         Whether what is known holds the eigenvalues around the disc too, as ``around`` does.
+    outside
+        What of the disc is not wanted: it has to be seen there, but not to converge. None where
+        all of the disc is wanted.
 
     Attributes
     ----------
@@ -127,8 +134,9 @@ class KrylovRun:
         *,
         both_ends: bool,
         surrounded: bool = False,
+        outside: Outside | None = None,
     ) -> None:
-        self._owner, self._known = owner, known
+        self._owner, self._known, self._outside = owner, known, outside
         self._least = 1.0 / radius
         self._both_ends = both_ends
         self._first_look = (_LEAST_AROUND if surrounded else _LEAST) * _BLOCK
@@ -181,18 +189,20 @@ class KrylovRun:
                 converged = self._largest(theta)
                 self.farthest = self._far_end(theta[converged], 0 * residuals[converged])
                 return self._locked(theta, converged & near)
-            if converged[inside].all() and self._clear(theta, residuals, inside):
+            wanted = self._sought(theta, inside)
+            seen = converged | ~wanted & self._surely_outside(theta, residuals)
+            if seen[inside].all() and self._clear(theta, residuals, inside):
                 self.farthest = self._far_end(theta, residuals)
                 return self._locked_with_more(theta, converged & near, residuals)
-            wanted = int(inside.sum())
-            if wanted > self._owner.most:
-                raise CrowdedError(wanted)
+            number = int(inside.sum())
+            if number > self._owner.most:
+                raise CrowdedError(number)
             plan = self._owner.plan
-            if size >= plan.columns and wanted > _CROWDED * size:
+            if size >= plan.columns and number > _CROWDED * size:
                 known = self._nearest_ones(theta, residuals, converged)
                 if known is not None:
                     return known
-            if size >= max(12 * _BLOCK, _RESTART * wanted + 6 * _BLOCK):
+            if size >= max(12 * _BLOCK, _RESTART * number + 6 * _BLOCK):
                 if restarts == self._owner.max_restarts:
                     where = f"{self._owner.unknown} = {self._shift:.4g}"
                     raise ConvergenceError(
@@ -201,12 +211,30 @@ class KrylovRun:
                         best=self._locked(theta, converged),
                     )
                 restarts += 1
-                self._space.restart(*self._leading(theta, wanted + 3 * _BLOCK))
+                self._space.restart(*self._leading(theta, number + 3 * _BLOCK))
                 self._worst = None
-            look = self._next_look(theta, residuals, inside)
+            look = self._next_look(theta, residuals, wanted)
             if size < plan.columns < look:
                 look = plan.columns
         return self._known
+
+    def _sought(self, theta: Complexes, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Eigenvalues of the disc that are to converge: none lies farther than all not outside."""
+        if self._outside is None or not inside.any():
+            return inside
+        within = inside & ~self._outside(self._shift + 1 / theta, np.zeros(len(theta)))
+        farthest = np.abs(theta[within]).min(initial=np.inf)
+        return inside & (np.abs(theta) >= (1 - PAIR) * farthest)
+
+    def _surely_outside(self, theta: Complexes, residuals: Floats) -> NDArray[np.bool_]:
+        """Which have nearly converged where nothing is wanted."""
+        sizes = np.maximum(np.abs(theta), np.finfo(float).tiny)
+        nearly = residuals <= _NEARLY * sizes
+        if self._outside is None or not nearly.any():
+            return np.zeros(len(theta), dtype=bool)
+        errors = _CLEAR * residuals[nearly] / sizes[nearly] ** 2
+        nearly[nearly] = self._outside(self._shift + 1 / theta[nearly], errors)
+        return nearly
 
     def _nearest_ones(
         self, theta: Complexes, residuals: Floats, converged: NDArray[np.bool_]
@@ -235,8 +263,8 @@ class KrylovRun:
     def _next_look(self, theta: Complexes, residuals: Floats, inside: NDArray[np.bool_]) -> int:
         """Size of the space at which it is worth looking again.
 
-        The worst residual in the disc falls the faster the larger the space: where it fell since
-        the last look, its rate says when it will have converged, or a little earlier.
+        The worst residual of what is wanted falls the faster the larger the space: where it fell
+        since the last look, its rate says when it will have converged, or a little earlier.
         """
         size, wanted = self._space.size, int(inside.sum())
         relative = residuals[inside] / (self._owner.tolerance * np.abs(theta[inside]))
@@ -245,7 +273,7 @@ class KrylovRun:
         most = int(_GROWTH * size)
         if before is not None and before[1] == wanted and worst < before[2]:
             rate = (before[2] - worst) / (size - before[0])
-            most = min(most, size + int(worst / rate))
+            most = min(most, size + int(worst / rate) // _BLOCK * _BLOCK)
         return max(size + _BLOCK, most)
 
     def _clear(self, theta: Complexes, residuals: Floats, inside: NDArray[np.bool_]) -> bool:

@@ -8,13 +8,14 @@ friction might move eigenvalues farther to the left than that disc reaches, whic
 is judged by turned test functions too, further discs follow.
 """
 
+from functools import partial
 from itertools import pairwise
 from math import sqrt
 
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.coverage import distance_of_cone
+from cea.eigen.coverage import distance_of_cone, outside_of_window
 from cea.eigen.disc_searches import DiscSearches, Solver, below
 from cea.eigen.field_of_values import FieldOfValues, field_of_values
 from cea.eigen.found import Found, upper_end
@@ -136,7 +137,9 @@ class WindowSearch:
         bounded = field.bounded
         radius = distance_of_cone(top, discs.middle, field)
         if radius <= _AROUND * (upper - discs.middle):
-            known = discs.around_the_middle(max(upper, discs.middle + radius))
+            known = discs.around_the_middle(
+                max(upper, discs.middle + radius), partial(outside_of_window, upper)
+            )
             known = discs.filled(
                 known, distance_of_cone(top, discs.middle, field), around=discs.around
             )

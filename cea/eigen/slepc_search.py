@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import image_of
 from cea.eigen.dense_products import inner, subtract
+from cea.eigen.krylov_run import Outside
 from cea.eigen.nearest import NearestSearch
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
@@ -75,6 +76,7 @@ class SlepcSearch:
         *,
         both_ends: bool = False,
         surrounded: bool = False,
+        outside: Outside | None = None,
     ) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc.
 
@@ -86,7 +88,7 @@ class SlepcSearch:
             Radius of the disc about the shift.
         seed
             Of the random start vector.
-        both_ends, surrounded
+        both_ends, surrounded, outside
             As of :meth:`cea.eigen.block_krylov.BlockSearch.search`; they change nothing here.
 
         Raises
@@ -94,7 +96,7 @@ class SlepcSearch:
         ConvergenceError
             When the disc does not become full.
         """
-        del both_ends, surrounded
+        del both_ends, surrounded, outside
         left, wanted = self._finite - known.size, _FIRST
         while left > 0:
             kappa, vectors = self._nearest.nearest(min(wanted, left), known.basis, seed)

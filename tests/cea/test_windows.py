@@ -1,6 +1,7 @@
 """Windows of any growth: discs that cover them, bounds, signs, copies, clusters, verdicts."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from cea.eigen import field_of_values as field_of_values_module
 from cea.eigen import search
 from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.clusters import cluster_bounds
-from cea.eigen.coverage import distance_of_cone, distance_within, touching_disc
+from cea.eigen.coverage import distance_of_cone, distance_within, outside_of_window, touching_disc
 from cea.eigen.field_of_values import FieldOfValues, field_of_values
 from cea.eigen.krylov_schur import KrylovSchur, solve_modes
 from cea.eigen.pencil import Pencil
@@ -183,6 +184,45 @@ def test_a_disc_about_the_middle_covers_what_a_cone_leaves(slope, depth):
     farthest = np.abs(kappa - 0.5).max()
     assert farthest <= radius <= 1.06 * farthest
     assert distance_of_cone(1.0, 0.5, FieldOfValues(depth, bounded=False)) == np.inf
+
+
+def test_what_lies_in_no_window():
+    """By its place and by so much as it may be in error; growth of any strength is wanted."""
+    kappa = np.array([1.0, 1.1, 0.9 + 0.1j, 0.5 + 1.3j, 0.5 + 1.5j, -7.0, -7.0 + 5.0j])
+    none = np.zeros(len(kappa))
+    outside = outside_of_window(1.0, kappa, none)
+    assert outside.tolist() == [False, True, False, False, True, False, False]
+    omega = np.abs(np.sqrt(-kappa).imag)
+    assert (outside == (omega > 1)).all()
+    assert not outside_of_window(1.0, kappa, none + 0.2).any()
+
+
+def test_what_lies_around_the_window_need_not_converge():
+    """Nothing beyond the end is found but what is nearer to the middle than a mode that grows."""
+    beyond = [[[1.07]], [[1.11]], [[1.13]], *band(500, 1.2, 400.0)]
+    blocks = [*band(60, 0.01, 0.99), pair(0.95, 0.02), *beyond]
+    disc = Searched(pencil_of(blocks))
+    found = disc.search(partial(outside_of_window, 1.03)).eigenvalues()
+    assert 62 <= len(found) < len(disc.search(None).eigenvalues())
+    assert (found.real < 1.0).sum() == 62
+    grows = Searched(pencil_of([*blocks, pair(0.6, 0.59)]))
+    found = grows.search(partial(outside_of_window, 1.03)).eigenvalues()
+    assert (np.abs(found - (0.6 + 0.59j)) < 1e-9).sum() == 1
+    assert (np.abs(found - 1.07) < 1e-9).sum() == 1
+
+
+class Searched:
+    """A disc about 0.5, as wide as 1.15, searched once."""
+
+    def __init__(self, pencil):
+        self.matrices = pencil.at()
+        self.factors = Shifted(self.matrices, 0.5)
+
+    def search(self, outside):
+        options = {"tolerance": 1e-13, "max_restarts": 20, "timer": StageTimer()}
+        krylov = BlockKrylov(self.matrices, self.factors, **options)
+        nothing = InvariantSubspace.empty(self.matrices.size, symmetric=False)
+        return krylov.search(nothing, 0.65, 0, outside=outside)
 
 
 def test_friction_that_leaves_a_narrow_cone_takes_no_second_shift():
