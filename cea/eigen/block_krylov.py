@@ -72,6 +72,8 @@ class BlockSearch(ABC):
     reached: float | None = None
     """Radius about the shift to which it then came."""
     around: InvariantSubspace | None = None
+    confirmed = False
+    """Whether other random vectors, beside all that was found, saw in the end that it was all."""
 
     def __init__(
         self,
@@ -98,6 +100,7 @@ class BlockSearch(ABC):
         both_ends: bool = False,
         surrounded: bool = False,
         outside: Outside | None = None,
+        fresh: bool = False,
     ) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc.
 
@@ -123,6 +126,8 @@ class BlockSearch(ABC):
         outside
             What of the disc is not wanted: it need not converge, and is not among what is found
             where it lies farther from the shift than all that is wanted.
+        fresh
+            Whether other random vectors take part in the last steps: see ``confirmed``.
 
         Raises
         ------
@@ -140,9 +145,11 @@ class BlockSearch(ABC):
                 both_ends=both_ends,
                 surrounded=surrounded,
                 outside=outside,
+                fresh=fresh,
             )
             known = run.complete()
             self.farthest, self.reached, self.around = run.farthest, run.reached, run.around
+            self.confirmed = run.confirmed
             return known
 
     @abstractmethod

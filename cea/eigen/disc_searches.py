@@ -28,6 +28,8 @@ _ASIDE = 1e-3
 """Step of a shift aside relative to itself, from an eigenvalue that is the square as near."""
 _WIDER = 10.0
 """Radius of a disc around an empty one, relative to it."""
+_EQUAL = 1 + 1e-12
+"""Ratio of radii that are equal but for rounding."""
 _STEPS_ASIDE = 4
 """Most such steps."""
 
@@ -94,6 +96,7 @@ class DiscSearches:
         self.farthest: dict[float, float] = {}
         self.farthest_kappa = np.inf
         self.around: InvariantSubspace | None = None
+        self._confirmed = 0.0
 
     @property
     def shift(self) -> float:
@@ -161,7 +164,10 @@ class DiscSearches:
             self.move(to)
         shift = self._factors.kappa
         krylov = self._searcher(plan=plan_of(self.finite, *self._factors.cost()))
-        found = krylov.search(self.nothing(), radius, self._searches, outside=outside)
+        found = krylov.search(
+            self.nothing(), radius, self._searches, outside=outside, fresh=outside is not None
+        )
+        self._confirmed = radius if krylov.confirmed else 0.0
         self.around = None if to is not None or krylov.reached is not None else krylov.around
         self._searches += 1
         distances = np.abs(found.eigenvalues() - shift)
@@ -201,11 +207,14 @@ class DiscSearches:
     ) -> InvariantSubspace:
         """Search a disc, once or again and again beside what was found until nothing more is.
 
-        Beside what is known around the disc too, it is soon seen that nothing is missing.
+        Beside what is known around the disc too, it is soon seen that nothing is missing; the
+        search about the middle may have seen it itself.
         """
         shift = self._factors.kappa
         krylov = self._searcher()
         if around is not None:
+            if radius <= self._confirmed * _EQUAL:
+                return known
             seed, self._searches = self._searches, self._searches + 1
             if nothing_beside(krylov, around, shift, radius, seed):
                 self.discs.append(Disc(shift, radius))

@@ -35,6 +35,8 @@ _AROUND = 0.1
 """Part of 1 / radius to which eigenvalues around a disc are kept: those farther lose digits."""
 _CLEAR = 3.0
 """Residuals by which an eigenvalue outside a disc must lie outside."""
+_LAST = 6
+"""Most steps to the end of a search, as foreseen, from which on fresh vectors take part."""
 _NEARLY = 1e-6
 """Residual relative to theta up to which an eigenvalue around a disc need not be seen again."""
 
@@ -112,9 +114,13 @@ class KrylovRun:
     outside
         What of the disc is not wanted: it has to be seen there, but not to converge. None where
         all of the disc is wanted.
+    fresh
+        Whether other random vectors take part in the last steps, beside all that was found before.
 
     Attributes
     ----------
+    confirmed
+        Whether they did, for as many steps as would have shown that something is missing.
     farthest
         Largest modulus of an eigenvalue that the space knows of; infinite where it does not see the
         far end of the spectrum.
@@ -135,8 +141,10 @@ class KrylovRun:
         both_ends: bool,
         surrounded: bool = False,
         outside: Outside | None = None,
+        fresh: bool = False,
     ) -> None:
         self._owner, self._known, self._outside = owner, known, outside
+        self._fresh, self._steps_beside = fresh, -1
         self._least = 1.0 / radius
         self._both_ends = both_ends
         self._first_look = (_LEAST_AROUND if surrounded else _LEAST) * _BLOCK
@@ -150,12 +158,8 @@ class KrylovRun:
         self._space = KrylovSpace(owner, known.basis, self._room)
         if self._finite > 0:
             columns = min(_BLOCK, self._room)
-            random = np.random.default_rng([seed, owner.comm.rank])
-            size = (len(known.basis), columns)
-            start: NDArray[Any] = random.standard_normal(size).astype(owner.dtype)
-            if owner.dtype is complex:
-                start += 1j * random.standard_normal(size)
-            start = np.asfortranarray(start)
+            self._random = np.random.default_rng([seed, owner.comm.rank])
+            start = self._random_block(columns)
             # OP takes what is far away out of a vector, ties above all.
             far = both_ends and owner.finite == owner.size
             once = known.size or both_ends or columns == self._room
@@ -163,6 +167,19 @@ class KrylovRun:
             for _ in range(0 if far else times):
                 start = self._applied(start)
             self._space.start(start)
+
+    def _random_block(self, columns: int) -> NDArray[Any]:
+        """So many random vectors, others each time, in Fortran order."""
+        size = (len(self._known.basis), columns)
+        block: NDArray[Any] = self._random.standard_normal(size).astype(self._owner.dtype)
+        if self._owner.dtype is complex:
+            block += 1j * self._random.standard_normal(size)
+        return np.asfortranarray(block)
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether fresh vectors took part for long enough."""
+        return self._steps_beside >= _LEAST_AROUND
 
     def _applied(self, block: NDArray[Any]) -> NDArray[Any]:
         """OP on a block of the same span, its vectors orthonormal: none hides the others."""
@@ -180,6 +197,7 @@ class KrylovRun:
             exhausted = not self._space.next or size >= self._room
             if size < look and not exhausted:
                 self._space.extend()
+                self._steps_beside += self._steps_beside >= 0
                 continue
             theta, residuals = self._ritz()
             inside = np.abs(theta) >= self._least
@@ -191,7 +209,8 @@ class KrylovRun:
                 return self._locked(theta, converged & near)
             wanted = self._sought(theta, inside)
             seen = converged | ~wanted & self._surely_outside(theta, residuals)
-            if seen[inside].all() and self._clear(theta, residuals, inside):
+            ends = seen[inside].all() and self._clear(theta, residuals, inside)
+            if ends and (self._steps_beside < 0 or self.confirmed):
                 self.farthest = self._far_end(theta, residuals)
                 return self._locked_with_more(theta, converged & near, residuals)
             number = int(inside.sum())
@@ -214,6 +233,10 @@ class KrylovRun:
                 self._space.restart(*self._leading(theta, number + 3 * _BLOCK))
                 self._worst = None
             look = self._next_look(theta, residuals, wanted)
+            if ends:
+                look = size + self._space.next * (_LEAST_AROUND - self._steps_beside)
+            elif self._fresh and self._steps_beside < 0 and self._soon(look):
+                look = self._with_fresh_ones(look)
             if size < plan.columns < look:
                 look = plan.columns
         return self._known
@@ -273,8 +296,20 @@ class KrylovRun:
         most = int(_GROWTH * size)
         if before is not None and before[1] == wanted and worst < before[2]:
             rate = (before[2] - worst) / (size - before[0])
-            most = min(most, size + int(worst / rate) // _BLOCK * _BLOCK)
-        return max(size + _BLOCK, most)
+            most = min(most, size + int(worst / rate) // self._space.next * self._space.next)
+        return max(size + self._space.next, most)
+
+    def _soon(self, look: int) -> bool:
+        """Whether a next look is foreseen to be the last, and near."""
+        size = self._space.size
+        return look < int(_GROWTH * size) and look - size <= _LAST * self._space.next
+
+    def _with_fresh_ones(self, look: int) -> int:
+        """Let fresh random vectors take part; the size of the space after as many steps."""
+        steps = max(_LEAST_AROUND, -(-(look - self._space.size) // self._space.next))
+        self._space.join(self._random_block(min(_BLOCK, self._room - self._space.size)))
+        self._steps_beside, self._worst = 0, None
+        return self._space.size + steps * self._space.next
 
     def _clear(self, theta: Complexes, residuals: Floats, inside: NDArray[np.bool_]) -> bool:
         """Whether the first eigenvalue outside has converged enough to be outside."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Floats
 from cea.eigen.columns import Columns
-from cea.eigen.dense_products import combined, subtract
+from cea.eigen.dense_products import beside, combined, subtract
 
 _NOISE = 1e-12
 """Part of a vector that projections leave below which it lies in the space already."""
@@ -104,6 +104,23 @@ class KrylovSpace:
         whole[:, size:] = coefficients[self._known :]
         self.operator = whole
         self.coupling = np.hstack([self.coupling, coefficients[: self._known]])
+
+    def join(self, block: NDArray[Any]) -> None:
+        """Take what of a block lies outside of all vectors into U, beside what is there.
+
+        Parameters
+        ----------
+        block
+            In Fortran order, the rows of this rank; it is overwritten.
+        """
+        images, columns = self._images, self.next
+        self.size += columns
+        self._append(block)
+        start, image = images[-1]
+        self._images = [*images[:-1], (start, beside(image, self._images[-1][1]))]
+        self.size -= columns
+        self.operator = np.pad(self.operator, ((0, self.next), (0, 0)))
+        self.next += columns
 
     def combined(self, coefficients: NDArray[Any]) -> NDArray[Any]:
         """V times columns."""

@@ -42,13 +42,14 @@ class SlepcSearch:
         Infinite: the far end of the spectrum is not seen.
     reached
         None: discs are searched whole.
-    around
-        None: eigenvalues around a disc are not kept.
+    around, confirmed
+        None and False: eigenvalues around a disc are not kept, and no vectors join.
     """
 
     farthest = np.inf
     reached = None
     around = None
+    confirmed = False
 
     def __init__(
         self,
@@ -77,6 +78,7 @@ class SlepcSearch:
         both_ends: bool = False,
         surrounded: bool = False,
         outside: Outside | None = None,
+        fresh: bool = False,
     ) -> InvariantSubspace:
         """What is known together with what lies beside it in a disc.
 
@@ -88,7 +90,7 @@ class SlepcSearch:
             Radius of the disc about the shift.
         seed
             Of the random start vector.
-        both_ends, surrounded, outside
+        both_ends, surrounded, outside, fresh
             As of :meth:`cea.eigen.block_krylov.BlockSearch.search`; they change nothing here.
 
         Raises
@@ -96,7 +98,7 @@ class SlepcSearch:
         ConvergenceError
             When the disc does not become full.
         """
-        del both_ends, surrounded, outside
+        del both_ends, surrounded, outside, fresh
         left, wanted = self._finite - known.size, _FIRST
         while left > 0:
             kappa, vectors = self._nearest.nearest(min(wanted, left), known.basis, seed)

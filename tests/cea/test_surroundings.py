@@ -132,3 +132,38 @@ def test_sums_keep_a_pattern_that_holds_the_others():
         total = scaled_total([(2.0, to_petsc(whole)), (0.5, to_petsc(second))])
         assert dense(total) == pytest.approx(2 * whole + 0.5 * second, abs=0)
         assert total.getInfo()["nz_used"] == np.count_nonzero((whole != 0) | (second != 0))
+
+
+class Blind(BlockKrylov):
+    """Blocks of eight are blind to an eigenvector; wider ones, with fresh vectors, see it."""
+
+    hidden = np.empty((0, 0))
+
+    def apply(self, block, image):
+        """OP on a block."""
+        result = super().apply(block, image)
+        if block.shape[1] <= 8:
+            result -= self.hidden @ (self.hidden.T @ result)
+        return result
+
+
+@pytest.mark.parametrize("rubs", [False, True])
+@pytest.mark.parametrize("value", [11, 50, 87])
+def test_fresh_vectors_of_the_last_steps_see_what_all_others_missed(rubs, value):
+    """At both rims of the disc, and next to the shift."""
+    matrices = pencil_of(rubs).at()
+    krylov = Blind(
+        matrices, Shifted(matrices, 50.3), tolerance=1e-13, max_restarts=50, timer=StageTimer()
+    )
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(ROWS, ROWS)))[0]
+    nothing = InvariantSubspace.empty(ROWS, symmetric=not rubs)
+    krylov.hidden = turn[:, [value]]  # rubbing turns but those that leave a rest of 1 or 2
+    inside = (np.abs(np.linalg.eigvals(dense(matrices.operator())) - 50.3) < RADIUS).sum()
+    for seed in range(3):
+        sees = krylov.search(nothing, RADIUS, seed, fresh=True)
+        assert krylov.confirmed
+        blind = krylov.search(nothing, RADIUS, seed)
+        assert not krylov.confirmed
+        found = [np.abs(each.eigenvalues() - (value + 1)).min() < 0.1 for each in (sees, blind)]
+        assert found == [True, False]
+        assert (np.abs(sees.eigenvalues() - 50.3) < RADIUS).sum() == inside

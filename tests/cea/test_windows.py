@@ -219,6 +219,7 @@ class Searched:
         self.factors = Shifted(self.matrices, 0.5)
 
     def search(self, outside):
+        """What is found in it."""
         options = {"tolerance": 1e-13, "max_restarts": 20, "timer": StageTimer()}
         krylov = BlockKrylov(self.matrices, self.factors, **options)
         nothing = InvariantSubspace.empty(self.matrices.size, symmetric=False)
