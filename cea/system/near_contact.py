@@ -27,8 +27,13 @@ from cea.matrices import absolute, destroy
 from cea.petsc import MPI, Mat, PETSc
 from cea.system.body_terms import STILL, body_terms, part_terms
 
-_SHARE = 0.4
-"""Part of all nodes that lie near contacts."""
+_SMALL = 1 / 3
+"""Part of all nodes up to which a body that a contact acts on is near it as a whole: a cut through
+a thin one would let it bend."""
+_SHARE = 0.17
+"""Part of all nodes that others have near contacts."""
+_MOST = 0.6
+"""Part of all nodes from which on it is not worth its assembly."""
 PARTED_FROM = 10_000
 """Unknowns from which on it is worth its assembly."""
 
@@ -124,10 +129,12 @@ def near_contact(
     """
     if template.getSize() < parted_from:
         return None
-    touched = contacts.touched(template)
+    touched, comm = contacts.touched(template), template.comm.tompi4py()
     distances = dict(_distances(bodies, touched))
-    reach = _reach(list(distances.values()), template.comm.tompi4py())
-    terms = list(_terms(bodies, distances, reach, embedded))
+    near = _near(distances, comm)
+    if sum(comm.allreduce(int(each.sum())) for each in near.values()) > _MOST * _nodes(bodies):
+        return None
+    terms = list(_terms(bodies, near, embedded))
     kept = _kept([term.matrix for term in terms if term.role == "mass"], touched, template)
     if kept is None:
         return None
@@ -137,14 +144,20 @@ def near_contact(
     return Pencil([*own, *pieces.terms], parameters, pieces.forces, leave_out=leave_out)
 
 
+def _nodes(bodies: Mapping[str, Body]) -> int:
+    """Nodes of all bodies."""
+    return sum(body.num_scalar_dofs for body in bodies.values())
+
+
 def _distances(
     bodies: Mapping[str, Body], touched: NDArray[np.bool_]
 ) -> Iterator[tuple[str, Floats]]:
     """Distance (m) of the nodes of this rank from those of their body that contacts act on.
 
-    Zero at all nodes of a body that cannot be parted, infinite where no contact acts on a body.
+    Zero at all nodes of a small body or of one that cannot be parted, infinite where no contact
+    acts on a body.
     """
-    first = 0
+    first, most = 0, _SMALL * _nodes(bodies)
     for name, body in bodies.items():
         expansion = body.expansion
         rows, columns = expansion.getLocalSize()
@@ -158,32 +171,34 @@ def _distances(
         positions = body.node_positions
         if not body.comm.allreduce(bool(nodes.any()), MPI.LOR):
             yield name, np.full(rows // body.dim, np.inf)
-        elif positions is None:
+        elif positions is None or body.num_scalar_dofs <= most:
             yield name, np.zeros(rows // body.dim)
         else:
             near = np.concatenate(body.comm.allgather(positions[nodes]))
             yield name, np.asarray(KDTree(near).query(positions)[0])
 
 
-def _reach(distances: Sequence[Floats], comm: Any) -> float:
-    """Distance (m) within which a share of all nodes lie; collective."""
-    every = np.concatenate(comm.allgather(np.concatenate(distances)))
-    place = int(_SHARE * len(every))
-    return float(np.partition(every, place)[place])
+def _near(distances: Mapping[str, Floats], comm: Any) -> dict[str, NDArray[np.bool_]]:
+    """Which nodes of each body are near: of those that are parted a share of all; collective."""
+    every = np.sort(np.concatenate(comm.allgather(np.concatenate(list(distances.values())))))
+    whole = int(np.searchsorted(every, 0.0, side="right"))
+    place = min(whole + int(_SHARE * len(every)), len(every) - 1)
+    reach = every[place] if np.isfinite(every[place]) else np.inf
+    return {name: (each == 0) | (each < reach) for name, each in distances.items()}
 
 
 def _terms(
-    bodies: Mapping[str, Body], distances: Mapping[str, Floats], reach: float, embedded: Embedding
+    bodies: Mapping[str, Body], near: Mapping[str, NDArray[np.bool_]], embedded: Embedding
 ) -> Iterator[Term]:
-    """K and M of all cells that lie nearer."""
+    """K and M of all cells that are near."""
     for name, body in bodies.items():
-        near, path, place = distances[name] < reach, f"bodies.{name}", partial(embedded, name)
-        if not body.comm.allreduce(bool(near.any()), MPI.LOR):
+        path, place = f"bodies.{name}", partial(embedded, name)
+        if not body.comm.allreduce(bool(near[name].any()), MPI.LOR):
             continue
         if body.node_positions is None:
             yield from body_terms(path, body, STILL, place, with_mass=True)
         else:
-            yield from part_terms(path, body, near, place)
+            yield from part_terms(path, body, near[name], place)
 
 
 def _kept(masses: Sequence[Mat], touched: NDArray[np.bool_], template: Any) -> Any | None:
