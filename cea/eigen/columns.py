@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cea.eigen.dense_products import combined, subtract
 
-_FEW, _GROWTH = 64, 0.5
+_FEW, _GROWTH = 128, 0.5
 """Least columns of a further piece, and part of all before it that a large one has."""
 
 

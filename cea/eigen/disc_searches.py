@@ -212,9 +212,9 @@ class DiscSearches:
         """
         shift = self._factors.kappa
         krylov = self._searcher()
+        if shift == self.middle and radius <= self._confirmed * _EQUAL:
+            return known
         if around is not None:
-            if radius <= self._confirmed * _EQUAL:
-                return known
             seed, self._searches = self._searches, self._searches + 1
             if nothing_beside(krylov, around, shift, radius, seed):
                 self.discs.append(Disc(shift, radius))

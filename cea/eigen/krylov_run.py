@@ -210,7 +210,9 @@ class KrylovRun:
             wanted = self._sought(theta, inside)
             seen = converged | ~wanted & self._surely_outside(theta, residuals)
             ends = seen[inside].all() and self._clear(theta, residuals, inside)
-            if ends and (self._steps_beside < 0 or self.confirmed):
+            if ends and self.confirmed:
+                return self._locked(theta, converged & near)
+            if ends and self._steps_beside < 0:
                 self.farthest = self._far_end(theta, residuals)
                 return self._locked_with_more(theta, converged & near, residuals)
             number = int(inside.sum())
@@ -237,6 +239,7 @@ class KrylovRun:
                 look = size + self._space.next * (_LEAST_AROUND - self._steps_beside)
             elif self._fresh and self._steps_beside < 0 and self._soon(look):
                 look = self._with_fresh_ones(look)
+                continue
             if size < plan.columns < look:
                 look = plan.columns
         return self._known
@@ -305,11 +308,15 @@ class KrylovRun:
         return look < int(_GROWTH * size) and look - size <= _LAST * self._space.next
 
     def _with_fresh_ones(self, look: int) -> int:
-        """Let fresh random vectors take part; the size of the space after as many steps."""
-        steps = max(_LEAST_AROUND, -(-(look - self._space.size) // self._space.next))
-        self._space.join(self._random_block(min(_BLOCK, self._room - self._space.size)))
+        """Let fresh random vectors take part in the last steps; the size of the space then."""
+        while look - self._space.size > _LEAST_AROUND * self._space.next > 0:
+            self._space.extend()
+        columns = min(_BLOCK, self._room - self._space.size - self._space.next)
+        if not self._space.next or columns <= 0:  # hardly any directions are left
+            return look
+        self._space.join(self._random_block(columns))
         self._steps_beside, self._worst = 0, None
-        return self._space.size + steps * self._space.next
+        return self._space.size + _LEAST_AROUND * self._space.next
 
     def _clear(self, theta: Complexes, residuals: Floats, inside: NDArray[np.bool_]) -> bool:
         """Whether the first eigenvalue outside has converged enough to be outside."""
