@@ -35,6 +35,9 @@ _AROUND = 0.1
 """Part of 1 / radius to which eigenvalues around a disc are kept: those farther lose digits."""
 _CLEAR = 3.0
 """Residuals by which an eigenvalue outside a disc must lie outside."""
+_FRESH = 4
+"""Fresh columns beside the last blocks: the whole space is taken out of them, so that few see as
+much as a block that starts beside eigenvalues alone."""
 _LAST = 6
 """Most steps to the end of a search, as foreseen, from which on fresh vectors take part."""
 _NEARLY = 1e-6
@@ -311,7 +314,7 @@ class KrylovRun:
         """Let fresh random vectors take part in the last steps; the size of the space then."""
         while look - self._space.size > _LEAST_AROUND * self._space.next > 0:
             self._space.extend()
-        columns = min(_BLOCK, self._room - self._space.size - self._space.next)
+        columns = min(_FRESH, self._room - self._space.size - self._space.next)
         if not self._space.next or columns <= 0:  # hardly any directions are left
             return look
         self._space.join(self._random_block(columns))

@@ -148,7 +148,7 @@ class Blind(BlockKrylov):
 
 
 @pytest.mark.parametrize("rubs", [False, True])
-@pytest.mark.parametrize("value", [11, 50, 87])
+@pytest.mark.parametrize("value", [11, 30, 50, 87])
 def test_fresh_vectors_of_the_last_steps_see_what_all_others_missed(rubs, value):
     """At both rims of the disc, and next to the shift."""
     matrices = pencil_of(rubs).at()
