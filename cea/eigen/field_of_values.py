@@ -98,12 +98,16 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     slope = np.inf
     if factors is None:
         return FieldOfValues(depth, bounded=False)
-    forces = matrices.multipliers
-    known = forces is None or EliminatedForces.possible(forces)
-    if cone and bounded and known and not factors.null_pivots():
+    if cone and bounded and has_cone(matrices) and not factors.null_pivots():
         slope = SAFETY * _slope(factors, matrices, depth)
     factors.free()
     return FieldOfValues(depth, bounded, slope)
+
+
+def has_cone(matrices: Matrices) -> bool:
+    """Whether the slope of its cone can be told: no contact force is tied or depends on others."""
+    forces = matrices.multipliers
+    return forces is None or EliminatedForces.possible(forces)
 
 
 def factorised_hermitian(hermitian: Any, matrices: Matrices) -> tuple[Mumps | None, bool]:

@@ -181,8 +181,8 @@ class KrylovRun:
 
     @property
     def confirmed(self) -> bool:
-        """Whether fresh vectors took part for long enough."""
-        return self._steps_beside >= _LEAST_AROUND
+        """Whether fresh vectors took part for long enough in the search of all of the disc."""
+        return self._steps_beside >= _LEAST_AROUND and self.reached is None
 
     def _applied(self, block: NDArray[Any]) -> NDArray[Any]:
         """OP on a block of the same span, its vectors orthonormal: none hides the others."""

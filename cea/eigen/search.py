@@ -17,7 +17,7 @@ import numpy as np
 from cea.arrays import Complexes
 from cea.eigen.coverage import distance_of_cone, outside_of_window
 from cea.eigen.disc_searches import DiscSearches, Solver, below
-from cea.eigen.field_of_values import FieldOfValues, field_of_values
+from cea.eigen.field_of_values import FieldOfValues, field_of_values, has_cone
 from cea.eigen.found import Found, upper_end
 from cea.eigen.pencil import Matrices
 from cea.eigen.sensitivity import SAME
@@ -255,7 +255,7 @@ def first_field(
     ConvergenceError
         When the factorisation fails.
     """
-    if near_contact is not None:
+    if near_contact is not None and has_cone(near_contact):
         field, middle = field_of_values(near_contact, _DEPTH * top, cone=True), 0.5 * top
         if distance_of_cone(top, middle, field) <= _AROUND * (upper_end(top) - middle):
             return field

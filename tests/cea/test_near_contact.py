@@ -155,6 +155,21 @@ def test_where_it_says_too_little_the_whole_is_asked(kept, monkeypatch):
     assert modes.window.complete
 
 
+def test_tied_sides_have_no_cone_and_ask_the_whole_at_once(monkeypatch):
+    data = on_a_bar(form="saddle")
+    data["contacts"]["interface"]["P"] = np.inf
+    pencil = assemble(data).pencil(parted_from=0)
+    sizes, original = [], search.field_of_values
+
+    def noted(matrices, *arguments, **options):
+        sizes.append(matrices.size)
+        return original(matrices, *arguments, **options)
+
+    monkeypatch.setattr(search, "field_of_values", noted)
+    search.first_field(pencil.at(), 1.0, pencil.near_contact.at())
+    assert sizes == [pencil.at().size]
+
+
 def test_where_nothing_is_told_apart():
     """Small systems, NURBS alone, contact everywhere, and stiffness that is not of elasticity."""
     nurbs = assemble(on_a_bar("iga", lower="iga"))

@@ -8,6 +8,7 @@ from petsc_matrices import to_petsc
 from same_numbers import assert_same
 
 from cea.eigen.block_krylov import BlockKrylov
+from cea.eigen.krylov_run import KrylovRun
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.pencil import Pencil
 from cea.eigen.shifted import Shifted
@@ -167,3 +168,15 @@ def test_fresh_vectors_of_the_last_steps_see_what_all_others_missed(rubs, value)
         found = [np.abs(each.eigenvalues() - (value + 1)).min() < 0.1 for each in (sees, blind)]
         assert found == [True, False]
         assert (np.abs(sees.eigenvalues() - 50.3) < RADIUS).sum() == inside
+
+
+def test_what_was_searched_in_part_is_not_confirmed(searched):
+    """Fresh vectors took part, but the search ended with the eigenvalues nearest to the shift."""
+    krylov, found, _, _ = searched
+    nothing = InvariantSubspace.empty(ROWS, symmetric=found.symmetric)
+    run = KrylovRun(krylov, nothing, RADIUS, 0, both_ends=False, fresh=True)
+    assert not run.confirmed
+    assert run.complete().size >= found.size
+    assert run.confirmed
+    run.reached = 20.0
+    assert not run.confirmed
