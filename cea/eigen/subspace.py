@@ -60,11 +60,12 @@ class InvariantSubspace:
         vectors = np.zeros((len(self.basis), self.size), dtype=complex, order="F")
         if not self.size:
             return values, vectors
-        upper = np.flatnonzero(values.imag > 0)
-        own = np.flatnonzero(values.imag >= 0)
+        twins = _twins(values)
+        own = np.setdiff1d(np.arange(self.size), twins)
+        turned = own[small.imag[:, own].any(axis=0)]
         vectors.real[:, own] = combined(self.basis, small.real[:, own])
-        vectors.imag[:, upper] = combined(self.basis, small.imag[:, upper])
-        vectors[:, upper + 1] = vectors[:, upper].conj()
+        vectors.imag[:, turned] = combined(self.basis, small.imag[:, turned])
+        vectors[:, twins] = vectors[:, twins - 1].conj()
         return values, vectors
 
     def between(self, low: float, high: float) -> Self:
@@ -99,7 +100,7 @@ class InvariantSubspace:
         values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
         if not self.symmetric:
             _tell_apart(self.projected, values, vectors)
-        order = _rising(values)
+        order = _rising(values, in_pairs=not np.iscomplexobj(self.projected))
         return values[order], vectors[:, order]
 
     def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
@@ -128,9 +129,18 @@ def small_eigenpairs(matrix: Floats, *, symmetric: bool) -> tuple[Complexes, Com
     return values.astype(complex), vectors.astype(complex)
 
 
-def _rising(values: Complexes) -> Ints:
-    """Order of kappa by Re sqrt(kappa), which is Im lambda; conjugates stay together."""
-    twins = 1 + np.flatnonzero((values[:-1].imag > 0) & (values[1:] == values[:-1].conj()))
+def _twins(values: Complexes) -> Ints:
+    """Numbers of the conjugates of what precedes them; rounding may leave a lower one alone."""
+    return 1 + np.flatnonzero(values.imag > 0)
+
+
+def _rising(values: Complexes, *, in_pairs: bool) -> Ints:
+    """Order of kappa by Re sqrt(kappa), which is Im lambda.
+
+    Where they come in pairs one with Im kappa > 0 is followed by what is its conjugate, maybe but
+    for rounding, and stays so.
+    """
+    twins = _twins(values) if in_pairs else np.empty(0, dtype=np.int64)
     firsts = np.setdiff1d(np.arange(len(values)), twins)
     firsts = firsts[np.lexsort((-values[firsts].real, np.sqrt(values[firsts]).real))]
     followed = np.isin(firsts + 1, twins)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cea.eigen.subspace import InvariantSubspace
+from cea.eigen.subspace import InvariantSubspace, _rising
 
 EPS = np.finfo(float).eps
 
@@ -74,3 +74,32 @@ def test_pairs_rise_with_the_imaginary_part_of_lambda():
     lam = np.sqrt(-values)
     assert (np.diff(np.abs(lam.imag)) >= -10 * EPS).all()
     assert values[:2] == pytest.approx([-1.0, -4.0])
+
+
+def test_conjugates_that_rounding_parts_stay_together():
+    """Vectors of the lower ones are the conjugates of those before them, whatever their values."""
+    turn = np.array([[1.0, -1.0], [1.0, 1.0]])
+    matrix = np.kron(np.eye(3), turn)
+    made = InvariantSubspace(np.eye(6), matrix, symmetric=False)
+    values, vectors = (part.copy() for part in made._pairs)
+    values[1::2] *= 1 + 4 * EPS
+    made.__dict__["_pairs"] = values, vectors
+    order = _rising(values, in_pairs=True)
+    assert order.tolist() in ([0, 1, 2, 3, 4, 5], [0, 1, 4, 5, 2, 3])
+    assert _rising(values, in_pairs=False).tolist() != order.tolist()
+    assert np.linalg.norm(made.eigenpairs()[1], axis=0).min() > 0.9
+
+
+def test_a_lower_one_whose_conjugate_was_mended_has_a_vector():
+    """Of a pair that is nothing but rounding one may count as a copy of zero, the other not."""
+    matrix = np.diag([0.0, 0.0, 2.0])
+    matrix[:2, :2] = [[0.0, EPS], [-EPS, 0.0]]
+    made = InvariantSubspace(np.eye(3), matrix, symmetric=False)
+    values, small = (part.copy() for part in made._pairs)
+    first = int(np.argmax(values.imag > 0))
+    values[first], small[:, first] = 0.0, np.eye(3)[:, 0]
+    made.__dict__["_pairs"] = values, small
+    found, vectors = made.eigenpairs()
+    assert (found.imag < 0).sum() == 1
+    assert np.abs(matrix @ vectors - vectors * found).max() < 4 * EPS
+    assert np.linalg.svd(vectors, compute_uv=False)[-1] > 0.1
