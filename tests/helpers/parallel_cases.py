@@ -126,7 +126,7 @@ def scenes():
         yield f"{backend} overhanging", overhanging(blocks(backend, GPTS))
         yield f"{backend} single point", static(single_point(backend))
         yield f"{backend} column", column(backend)
-    yield "several discs", two_blocks("fe", GRID, held=True)
+    yield "several discs", two_blocks("fe", GRID, held=True, mu=2.0)
     yield "fe on iga", mixed_pairing("fe", "iga")
     yield "iga on fe", static(mixed_pairing("iga", "fe"))
 
