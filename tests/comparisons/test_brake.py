@@ -1,11 +1,10 @@
 """The study of the ventilated brake on few elements: meshes matched, what is written."""
 
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from mpi import mpiexec
+from mpi import cea_on_ranks
 from typer.testing import CliRunner
 
 from cea.errors import InputError
@@ -134,8 +133,7 @@ def test_options_of_a_run_are_refused_where_nothing_runs(result, tmp_path, monke
 @pytest.mark.mpi
 def test_two_ranks_find_what_one_finds(result, tmp_path):
     overrides = [f"--set={override}" for override in ROUGH.overrides]
-    cea = Path(sys.executable).with_name("cea")
-    done = mpiexec(2, cea, "brake", "--size", "0.03", *overrides, "--out", str(tmp_path))
+    done = cea_on_ranks(2, "brake", "--size", "0.03", *overrides, "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("The figure to open: ") == 1
     found = read_brake(tmp_path)

@@ -6,7 +6,7 @@ from copy import deepcopy
 from pathlib import Path
 
 import pytest
-from mpi import BIN, mpiexec
+from mpi import cea_on_ranks
 from report_data import Page
 
 from cea.errors import InputError
@@ -255,7 +255,7 @@ def test_two_ranks_draw_one_page(report):
     """The command line names the page once, and the page is that of one rank."""
     before = report.read_text(encoding="utf-8")
     report.unlink()
-    done = mpiexec(2, BIN / "cea", "formulations", "--redraw", "--out", report.parent)
+    done = cea_on_ranks(2, "formulations", "--redraw", "--out", report.parent)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("The report to open: ") == 1
     assert report.read_text(encoding="utf-8") == before

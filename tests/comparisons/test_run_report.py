@@ -3,12 +3,10 @@
 import base64
 import gzip
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from mpi import mpiexec
+from mpi import cea_on_ranks
 from report_data import Page
 from typer.testing import CliRunner
 
@@ -20,8 +18,6 @@ from comparisons.kit.shapes import Shapes, by_importance
 from comparisons.run_report.page import write_run_report
 from scenes import load_scene, run_modes, run_scene, save_result
 from scenes.skin import skins
-
-BIN = Path(sys.executable).parent
 
 
 @pytest.fixture(scope="module")
@@ -188,8 +184,8 @@ def test_texts_and_numbers_fit_the_library():
 @pytest.mark.mpi
 def test_two_ranks_write_the_same_page(report, page, tmp_path):
     """Modes are the same; shapes too, whose sign and phase are those of the largest deflection."""
-    command = [BIN / "cea", "run", "drum", "--backend", "iga", "--report", "--out", tmp_path]
-    done = mpiexec(2, *command, "--set", "analysis.max_frequency=0.3")
+    command = ["run", "drum", "--backend", "iga", "--report", "--out", tmp_path]
+    done = cea_on_ranks(2, *command, "--set", "analysis.max_frequency=0.3")
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("The report to open: ") == 1
     text = (tmp_path / "report.html").read_text("utf-8")

@@ -4,7 +4,7 @@ import sys
 import tomllib
 
 import pytest
-from mpi import BIN, mpiexec
+from mpi import cea_on_ranks
 from PIL import Image
 
 import cea
@@ -84,7 +84,7 @@ def test_check_of_matrices(told, tmp_path):
 
 @pytest.mark.mpi
 def test_check_on_two_ranks_is_told_once(tmp_path):
-    done = mpiexec(2, BIN / "cea", "scene", "check", "blocks", "--out", tmp_path)
+    done = cea_on_ranks(2, "scene", "check", "blocks", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("920 unknowns") == 1
     assert "168 points (168 inside)" in done.stdout

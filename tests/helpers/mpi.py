@@ -1,17 +1,23 @@
 """Programs on any number of ranks, started in one way by the tests of every room.
 
-`on_ranks` calls a function of a module of this folder on every rank of a new MPI program and
-returns what it returned on rank 0; equal calls are made once in a session. `mpiexec` starts any
-other command.
+For each number of ranks one MPI program is started, which then waits for calls: `on_ranks` calls a
+function of a module of this folder on every rank of it and returns what it returned on rank 0;
+`cea_on_ranks` runs a command line there. `mpiexec` starts a program of its own, for what ends its
+program.
 """
 
+import atexit
+import io
 import json
 import os
 import subprocess
 import sys
+from contextlib import redirect_stderr, redirect_stdout
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import monotonic, sleep
 
 HELPERS = Path(__file__).parent
 BIN = Path(sys.executable).parent
@@ -35,7 +41,7 @@ def run(*command):
 
 
 def mpiexec(ranks, *command):
-    """A command on so many ranks, its output kept."""
+    """A command on so many ranks in a program of its own, its output kept."""
     return run(BIN / "mpiexec", "-n", str(ranks), *command)
 
 
@@ -45,19 +51,109 @@ def on_ranks(ranks, function, *arguments):
 
     Arguments and result are plain data, ready for JSON. The result is shared: leave it as it is.
     """
-    done = mpiexec(ranks, sys.executable, __file__, function, json.dumps(arguments))
-    assert done.returncode == 0, done.stdout + done.stderr
-    return json.loads(done.stdout)
+    return _program(ranks).call(function, arguments)
 
 
-def _call():
+def cea_on_ranks(ranks, *arguments):
+    """A command line of the program on so many ranks; what rank 0 printed, and its exit code."""
+    done = _program(ranks).call("mpi.command", [str(each) for each in arguments])
+    return subprocess.CompletedProcess(arguments, done["code"], done["out"], done["err"])
+
+
+def command(*arguments):
+    """Run a command line on this rank: its exit code and what it printed."""
+    from comparisons.cli.app import main
+
+    out, err, code, before = io.StringIO(), io.StringIO(), 0, sys.argv
+    sys.argv = ["cea", *arguments]
+    try:
+        with redirect_stdout(out), redirect_stderr(err):
+            main()
+    except SystemExit as end:
+        code = end.code or 0
+    finally:
+        sys.argv = before
+    return {"code": code, "out": out.getvalue(), "err": err.getvalue()}
+
+
+class _Program:
+    """An MPI program whose ranks wait for calls in a folder, where they cost nothing."""
+
+    def __init__(self, ranks):
+        self.folder = TemporaryDirectory(prefix="ranks_", ignore_cleanup_errors=True)
+        self.calls = 0
+        launch = [BIN / "mpiexec", "-n", str(ranks), sys.executable, __file__, self.folder.name]
+        self.log = (Path(self.folder.name) / "log").open("w+")
+        self.process = subprocess.Popen(
+            launch, stdin=subprocess.DEVNULL, stdout=self.log, stderr=self.log, env=ENVIRONMENT
+        )
+        atexit.register(self.end)
+
+    def call(self, function, arguments):
+        """What a function returns on rank 0."""
+        answer = _answer(self.folder.name, self.calls)
+        _write(_question(self.folder.name, self.calls), [function, arguments])
+        self.calls += 1
+        deadline = monotonic() + TIMEOUT
+        while not answer.exists():
+            if self.process.poll() is not None or monotonic() > deadline:
+                self.end()
+                self.log.seek(0)
+                raise AssertionError(f"{function} ended its ranks:\n{self.log.read()}")
+            sleep(0.01)
+        return json.loads(answer.read_text())
+
+    def end(self):
+        """End the program, as far as it still runs."""
+        self.process.terminate()
+        self.process.wait()
+
+
+_PROGRAMS: dict[int, _Program] = {}
+
+
+def _program(ranks):
+    """The program on so many ranks, started anew where a call ended it."""
+    if ranks not in _PROGRAMS or _PROGRAMS[ranks].process.poll() is not None:
+        _PROGRAMS[ranks] = _Program(ranks)
+    return _PROGRAMS[ranks]
+
+
+def _question(folder, number):
+    return Path(folder) / f"{number}.question"
+
+
+def _answer(folder, number):
+    return Path(folder) / f"{number}.answer"
+
+
+def _write(file, data):
+    """Write plain data; the file is there with all of it, or not at all."""
+    part = file.with_suffix(".part")
+    part.write_text(json.dumps(data))
+    part.rename(file)
+
+
+def _serve(folder):
+    """Answer calls as they come; a fault of any rank ends all of them."""
     from cea.petsc import MPI
 
-    module, name = sys.argv[1].split(".")
-    result = getattr(import_module(module), name)(*json.loads(sys.argv[2]))
-    if MPI.COMM_WORLD.rank == 0:
-        sys.stdout.write(json.dumps(result))
+    comm, number = MPI.COMM_WORLD, 0
+    while True:
+        while not _question(folder, number).exists():
+            sleep(0.01)
+        function, arguments = json.loads(_question(folder, number).read_text())
+        module, name = function.split(".")
+        try:
+            result = getattr(import_module(module), name)(*arguments)
+        except BaseException:
+            sys.excepthook(*sys.exc_info())
+            sys.stderr.flush()
+            comm.Abort(1)
+        if comm.rank == 0:
+            _write(_answer(folder, number), result)
+        number += 1
 
 
 if __name__ == "__main__":
-    _call()
+    _serve(sys.argv[1])

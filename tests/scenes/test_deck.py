@@ -8,7 +8,7 @@ import decks
 import numpy as np
 import pytest
 from deck_scenes import ELEMENTS, ROUND, alone, in_contact
-from mpi import BIN, mpiexec
+from mpi import cea_on_ranks
 
 from comparisons.cli.app import main
 from scenes import run_modes
@@ -191,8 +191,7 @@ def test_ranks_write_the_deck_once(written, tmp_path):
         for field in ('cell="tetrahedron"', "degree=2", "geometry_degree=1"):
             overrides += ["--set", f"bodies.{name}.mesh.fe.{field}"]
         overrides += ["--set", f"bodies.{name}.mesh.fe.through={{}}"]
-    command = [BIN / "cea", "export", "disc_pad", "--backend", "fe", *overrides]
-    done = mpiexec(2, *command, "--out", str(tmp_path))
+    done = cea_on_ranks(2, "export", "disc_pad", "--backend", "fe", *overrides, "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert len(done.stdout.splitlines()) == 3
     assert (tmp_path / model.name).read_bytes() == model.read_bytes()

@@ -6,7 +6,7 @@ from time import monotonic
 
 import numpy as np
 import pytest
-from mpi import BIN, mpiexec, on_ranks, run
+from mpi import BIN, cea_on_ranks, mpiexec, on_ranks, run
 from scipy.optimize import linear_sum_assignment
 
 pytestmark = pytest.mark.mpi
@@ -137,19 +137,19 @@ def test_disc_and_pad(ranks):
 
 
 def test_command_line_prints_and_writes_once(tmp_path):
-    cea = [BIN / "cea", "run", "patch_test", "--set", "contacts.interface.formulation.points=3"]
-    done = mpiexec(2, *cea, "--set", "analysis.samples=4", "--out", tmp_path)
+    command = ["run", "patch_test", "--set", "contacts.interface.formulation.points=3"]
+    done = cea_on_ranks(2, *command, "--set", "analysis.samples=4", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("result.json") == 1
     assert done.stdout.count("side b") == 1
     (tmp_path / "mode_1.png").write_text("mine")
     more = ["--set", "analysis.samples=4", "--set", "output.paraview=1"]
     for arguments, files in ((more, {"displacement.pvd"}), (more[:2], set())):
-        done = mpiexec(2, *cea, *arguments, "--out", tmp_path)
+        done = cea_on_ranks(2, *command, *arguments, "--out", tmp_path)
         assert done.returncode == 0, done.stderr
         found = {path.name for path in tmp_path.glob("*") if path.is_file()}
         assert found - {"contacts.pvd"} == {"manifest.json", "mode_1.png", "result.json"} | files
-    alone = run(*cea, "--set", "analysis.samples=4", "--out", tmp_path / "alone")
+    alone = run(BIN / "cea", *command, "--set", "analysis.samples=4", "--out", tmp_path / "alone")
     assert alone.returncode == 0, alone.stderr
     together, single = (
         json.loads((folder / "result.json").read_text())
@@ -181,6 +181,7 @@ if MPI.COMM_WORLD.rank == 0:
 """
 
 
+@pytest.mark.slow
 def test_rank_0_writes_the_report_and_the_others_wait(tmp_path):
     done = mpiexec(2, sys.executable, "-c", REPORT, tmp_path / "new")
     assert done.returncode == 0, done.stderr
@@ -196,7 +197,7 @@ def test_rank_0_writes_the_report_and_the_others_wait(tmp_path):
     ],
 )
 def test_faults_of_all_ranks_are_told_once(arguments, told, tmp_path):
-    done = mpiexec(2, BIN / "cea", "run", *arguments, "--out", tmp_path)
+    done = cea_on_ranks(2, "run", *arguments, "--out", tmp_path)
     assert done.returncode not in (0, None)
     assert done.stderr.count(told) == 1
     assert "Traceback" not in done.stderr
@@ -225,7 +226,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("rank", [0, 1])
+@pytest.mark.parametrize("rank", [pytest.param(0, marks=pytest.mark.slow), 1])
 def test_a_fault_of_one_rank_ends_all(rank, tmp_path):
     start = monotonic()
     arguments = ["run", "patch_test", "--backend", "iga", "--out", tmp_path, str(rank)]
