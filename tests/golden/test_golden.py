@@ -1,0 +1,164 @@
+"""What the program found on 2026-11-25, frozen: scenes, figures and claims, studies, decks."""
+
+import csv
+from math import isnan
+from pathlib import Path
+
+import numpy as np
+import pytest
+from deck_scenes import in_contact
+from decks import with_calculix
+from golden import BIN, differences, run_frozen, stored
+
+import comparisons.paper
+from comparisons.accuracy.exact_lists import exact
+from comparisons.accuracy.measure import Measurer
+from comparisons.accuracy.problems import problem
+from comparisons.accuracy.study import Case, Method
+from comparisons.formulations.locking import LockingStudy, run_locking
+from comparisons.formulations.pairings import PairingsStudy, run_pairings
+from comparisons.formulations.patch_tests import PatchTestStudy, run_patch_tests
+from comparisons.kit.progress import Progress
+from comparisons.peers import calculix
+from scenes.deck.write import write_deck
+
+QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
+QUICK = ("blocks_iga", "drum_fe", "hertz_cylinder_iga", "patch_test_fe", "paper_figure_3_iga")
+"""Frozen scenes that the quick tests run, a second or two each."""
+ROUNDING = 1e-9
+"""Relative errors below it are rounding, and differ from machine to machine."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in stored("scenes")],
+)
+def test_a_scene_has_its_frozen_numbers(name, tmp_path):
+    case = stored("scenes")[name]
+    assert list(differences(case, run_frozen(BIN / "cea", case, tmp_path))) == []
+
+
+def csv_rows(file):
+    with file.open(encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_figures_of_the_paper_have_their_frozen_numbers():
+    folder = Path(comparisons.paper.__file__).with_name("results")
+    expected = {}
+    for row in stored("tables")["paper_numbers"]:
+        expected.setdefault(row["figure"], []).append(row)
+    for figure, rows in expected.items():
+        found = csv_rows(folder / f"figure_{figure}_numbers.csv")
+        assert [row["what"] for row in found] == [row["what"] for row in rows]
+        for column in ("ours", "paper"):
+            assert_same([row[column] for row in found], [row[column] for row in rows], 1e-8)
+
+
+def test_claims_of_the_paper_have_their_frozen_verdicts():
+    folder = Path(comparisons.paper.__file__).with_name("results")
+    found = csv_rows(folder / "claims.csv")
+    for row, expected in zip(found, stored("tables")["paper_claims"], strict=True):
+        for column, value in expected.items():
+            assert_same([row[column]], [value], 1e-8)
+
+
+def assert_same(found, expected, rel):
+    """Equal words, numbers equal to rounding."""
+    for one, other in zip(found, expected, strict=True):
+        try:
+            value = float(other)
+        except ValueError:
+            assert one == other
+        else:
+            assert isnan(value) or float(one) == pytest.approx(value, rel=rel, abs=1e-12)
+
+
+def assert_same_errors(found, expected, rel=1e-3):
+    """Errors that are equal, or both rounding; None where an eigenvalue was lost."""
+    assert [error is None for error in found] == [error is None for error in expected]
+    pairs = [pair for pair in zip(found, expected, strict=True) if pair[1] is not None]
+    for one, other in pairs:
+        assert abs(one - other) <= max(rel * other, ROUNDING)
+
+
+@pytest.mark.slow
+def test_locking_is_as_frozen():
+    found = run_locking(QUIET, LockingStudy())["runs"]
+    for run, expected in zip(found, stored("tables")["locking"], strict=True):
+        for label in ("backend", "formulation", "points", "traces"):
+            assert run[label] == expected[label]
+        assert_same_errors(
+            [*run["errors"], run["tied_error"]], [*expected["errors"], expected["tied_error"]]
+        )
+
+
+@pytest.mark.slow
+def test_patch_tests_are_as_frozen():
+    """Errors of collocation at high P hang on rounding, so a tenth of a per cent is kept."""
+    found = run_patch_tests(QUIET, PatchTestStudy())["runs"]
+    for run, expected in zip(found, stored("tables")["patch_tests"], strict=True):
+        for label in ("interface", "formulation", "points", "passes"):
+            assert run[label] == expected[label]
+        assert list(run["meshes"]) == expected["meshes"]
+        assert_same_errors(run["errors"], expected["errors"])
+
+
+@pytest.mark.slow
+def test_pairings_of_backends_are_as_frozen():
+    found = run_pairings(QUIET, PairingsStudy())["runs"]
+    for run, expected in zip(found, stored("tables")["pairings"], strict=True):
+        assert [run[key] for key in ("pad", "disc", "dofs")] == [
+            expected[key] for key in ("pad", "disc", "dofs")
+        ]
+        modes = [[mode["frequency"], mode["growth"]] for mode in run["unstable"]]
+        np.testing.assert_allclose(modes, expected["unstable"], rtol=1e-7)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", stored("tables")["exact_lists"])
+def test_errors_against_exact_eigenvalues_are_as_frozen(name):
+    """The quick study of accuracy: four digits of each error are kept."""
+    measurer = Measurer()
+    for run in stored("tables")["accuracy_quick"]:
+        if run["problem"] != name:
+            continue
+        case = Case(name, Method(**run["method"]), run["refinement"], run["stiffness"])
+        found = measurer.measure(case, exact(name, case.stiffness), repeats=1)
+        assert [found[key] for key in ("dofs", "points", "modes")] == [
+            run[key] for key in ("dofs", "points", "modes")
+        ]
+        for quantity in ("lambda", "frequency", "growth"):
+            keys = run[quantity]
+            assert_same_errors([found[quantity][k] for k in keys], list(keys.values()))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        name
+        if name in ("drum", "blocks_constant_mu")
+        else pytest.param(name, marks=pytest.mark.slow)
+        for name in stored("tables")["exact_lists"]
+    ],
+)
+def test_exact_eigenvalues_are_as_frozen(name):
+    """One list of each problem is computed anew, that at the problem's own stiffness."""
+    entry = stored("tables")["exact_lists"][name]
+    found = problem(name).exact(1.0)
+    expected = np.array([complex(*pair) for pair in entry["lists"]["1"]])
+    np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-13)
+
+
+def test_a_deck_is_as_frozen(tmp_path):
+    frozen = stored("decks")
+    files = write_deck(in_contact(), tmp_path, 20)
+    assert {file.name: file.read_text() for file in files} == frozen["files"]
+
+
+def test_calculix_finds_the_frozen_eigenvalues(tmp_path):
+    with_calculix()
+    found = calculix.run(write_deck(in_contact(), tmp_path, 20)[1]).eigenvalues
+    expected = np.array([complex(*pair) for pair in stored("decks")["eigenvalues"]])
+    kept = min(len(found), len(expected)) - 2  # the last have not always converged
+    np.testing.assert_allclose(found[:kept], expected[:kept], rtol=1e-5)
