@@ -2,17 +2,19 @@
 
 import pytest
 from blocks import ROTATED
+from grids import mark_slow_cases
 
 import cea.petsc  # noqa: F401  (ahead of anything that imports PETSc, MPI or dolfinx)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Where workers share the tests, those of a file keep to one, which then shares its fixtures.
+    """Part of each grid is slow; the tests of a file keep to one worker, which shares its fixtures.
 
     Programs on several ranks come last and keep to one worker too, so that they have the cores for
     themselves: ranks that share one with other work wait for each other most of the time.
     """
+    mark_slow_cases(items)
     items.sort(key=_on_several_ranks)
     for item in items:
         group = "mpi" if _on_several_ranks(item) else item.nodeid.split("::")[0]

@@ -32,6 +32,7 @@ from exact_cea.reference import exact_eigenvalues
 from scenes.read import load_scene
 
 
+@pytest.mark.grid(quick=2)
 @pytest.mark.parametrize(
     ("name", "stiffness", "top", "parameters"),
     [

@@ -199,6 +199,7 @@ def test_a_mesh_too_coarse_for_the_yardstick_says_nothing(data):
     assert greville in {(u.method, u.stiffness) for u in uses(data["runs"])}
 
 
+@pytest.mark.slow
 def test_the_page_is_drawn_anew_without_running(data, tmp_path):
     report = page.write(data, tmp_path)
     files = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
@@ -291,6 +292,7 @@ def test_redraw_needs_a_result(tmp_path):
         page.read(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_tiny_study_from_the_command_line(tmp_path, monkeypatch):
     tiny = Study(
         stiffnesses=(1.0,),

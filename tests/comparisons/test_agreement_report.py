@@ -58,6 +58,7 @@ def test_result_json_holds_the_data_and_names_the_files(report, data):
         assert (report.parent / file).stat().st_size > 0
 
 
+@pytest.mark.slow
 def test_tables_of_the_page_hold_the_numbers(page):
     patch = page.tables["patch_test"]
     assert patch[3] == [
@@ -87,6 +88,7 @@ def test_tables_of_the_page_hold_the_numbers(page):
     assert ["commit", "0123456789abcdef"] in page.tables["machine"]
 
 
+@pytest.mark.slow
 def test_csv_files_agree_with_result_json(report):
     folder = report.parent
     result = json.loads((folder / "result.json").read_text())
@@ -129,6 +131,7 @@ def test_summary_follows_the_data(data):
     assert "modal assurance" not in text
 
 
+@pytest.mark.slow
 def test_warnings_of_runs_are_told(data, tmp_path):
     assert words.warned(data) == []
     data["warnings"] = [
@@ -188,6 +191,7 @@ def test_words_count_what_was_missed_and_kept(data):
     assert "4.0 · 10⁻¹² (NURBS, Greville)" in words.errors_of_modes(data)
 
 
+@pytest.mark.slow
 def test_a_comparison_without_unstable_modes_is_reported(data, tmp_path):
     for run in data["disc_pad"]["runs"]:
         run["unstable"] = []
@@ -211,6 +215,7 @@ def test_stability_diagram_holds_every_eigenvalue(data):
     assert bottom == -top
 
 
+@pytest.mark.slow
 def test_the_page_draws_every_eigenvalue(page, data):
     *traces, ring = page.data["figure-stability"]["data"]
     assert (ring["meta"], ring["x"]) == ("shown", [])
@@ -225,6 +230,7 @@ def test_the_page_draws_every_eigenvalue(page, data):
         assert filled == [mode["mode"] for mode in run["unstable"]]
 
 
+@pytest.mark.slow
 def test_the_page_draws_stresses_errors_and_times(page, data):
     runs = [run for run in data["patch_test"]["runs"] if run["P"] == 1e6]
     for i, run in enumerate(runs):
@@ -243,6 +249,7 @@ def test_the_page_draws_stresses_errors_and_times(page, data):
     np.testing.assert_allclose(totals[1], [run["seconds"] for run in data["disc_pad"]["runs"]])
 
 
+@pytest.mark.slow
 def test_names_stay_texts(data, tmp_path):
     """In tables, in the data of plots, and where plotly.js would take tags for its own."""
     evil = "</script><b onclick=alert(1)>rule</b>"
@@ -257,6 +264,7 @@ def test_names_stay_texts(data, tmp_path):
     assert name == "finite elements, &lt;/script&gt;&lt;b onclick=alert(1)&gt;rule&lt;/b&gt;"
 
 
+@pytest.mark.slow
 def test_every_finding_leads_to_its_section(report, data):
     source = report.read_text(encoding="utf-8")
     for place, sentence in words.findings(data):

@@ -55,6 +55,7 @@ def maps():
     return of
 
 
+@pytest.mark.slow
 def test_rows_of_a_band_are_those_of_the_whole_basis(maps, backend):
     scene, small = maps(backend)
     tolerance, bands = 1e-7, Bands(scene, 1e-7)
@@ -75,6 +76,7 @@ def test_rows_of_a_band_are_those_of_the_whole_basis(maps, backend):
             assert abs(mine.value - theirs.value) <= mine.error + theirs.error
 
 
+@pytest.mark.slow
 def test_a_band_ends_where_stiffness_is_another_and_takes_in_what_it_lacks(maps):
     scene, small = maps("iga")
     bands = Bands(scene, 1e-7)

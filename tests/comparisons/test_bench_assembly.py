@@ -41,6 +41,7 @@ PAIRS = [
 ]
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize(("program", "family"), PAIRS)
 def test_programs_give_the_same_matrices(program, family):
     discretisation = Discretisation(family, 2, BOXES)
@@ -96,6 +97,7 @@ def test_the_mass_of_one_component_stands_for_all():
     assert of_every_component(M, 2) is M
 
 
+@pytest.mark.slow
 def test_memory_and_time_of_an_assembly_are_told():
     worker = Worker(answers)  # this process has freed memory, which no new peak would show
     try:
@@ -148,6 +150,7 @@ def _run():
     return whole
 
 
+@pytest.mark.slow
 def test_a_study_is_stored_drawn_and_told(record, tmp_path):
     page = REPORT.write(record, tmp_path)
     text = page.read_text()
@@ -162,6 +165,7 @@ def test_a_study_is_stored_drawn_and_told(record, tmp_path):
     assert len(times_table(record).rows) == 3
 
 
+@pytest.mark.slow
 def test_what_fails_or_is_missing_is_named(record):
     reasons = {row[1]: row[2] for row in left_out_table(record).rows}
     assert "a_package_that_is_nowhere" in reasons["absent"]
@@ -200,6 +204,7 @@ def test_every_program_has_its_module():
         assert callable(import_module(each.path).lay_out)
 
 
+@pytest.mark.slow
 def test_the_command_runs_programs_in_processes_of_their_own(tmp_path, monkeypatch, capsys):
     out = tmp_path / "bench"
     line = ["bench", "assembly", "--only", "Q1", "--program", OURS, "--boxes", "1", "1", "1"]

@@ -72,6 +72,7 @@ DATA = {
 }
 
 
+@pytest.mark.slow
 def test_both_inverses_find_the_same_eigenvalues():
     direct, iterative = (inverse.answer(question(way)) for way in study.WAYS)
     for found in (direct, iterative):
@@ -91,6 +92,7 @@ def test_a_run_tells_its_stages():
     assert len(found["eigenvalues"]) > 5
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_a_run_on_two_ranks_has_the_same_eigenvalues(tmp_path):
     one, two = (

@@ -109,6 +109,7 @@ def test_a_method_that_must_be_told_how_many_refuses_to_guess():
         _ = problem.count
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 @pytest.mark.parametrize("method", ["this_driver", "slepc_krylov_schur", "projection"])
 def test_methods_give_the_same_on_two_ranks(method, tmp_path, unlimited):
@@ -125,6 +126,7 @@ def test_methods_give_the_same_on_two_ranks(method, tmp_path, unlimited):
     assert max(errors) < 1e-7
 
 
+@pytest.mark.slow
 def test_a_process_that_ends_in_want_of_memory_or_time_says_so(tmp_path):
     question = {"method": "this_driver", "modes": 0, "folder": str(tmp_path), "wanted": None}
     with pytest.raises(ConvergenceError, match="ended with code"):

@@ -53,6 +53,7 @@ def test_the_brake_is_what_its_scene_says():
     assert {b.mesh.fe.degree for b in scene.bodies.values()} == {2}
 
 
+@pytest.mark.slow
 def test_meshes_and_stiffnesses_are_all_run(result):
     assert [run["size"] for run in result["runs"]] == [0.03, 0.025]
     assert [run["p"] for run in result["stiffnesses"]] == [5e13, 5e14]
@@ -67,6 +68,7 @@ def test_meshes_and_stiffnesses_are_all_run(result):
     assert same == pytest.approx(992, rel=2e-2)
 
 
+@pytest.mark.slow
 def test_modes_are_followed_over_the_meshes(result):
     table = modes_table(result)
     names = [column.name for column in table.columns]
@@ -97,6 +99,7 @@ def test_partners_stay_one_row_whatever_they_were_before():
     assert table.rows[1][-1] == "unstable"
 
 
+@pytest.mark.slow
 def test_unstable_pairs_are_told_with_their_damping_ratio(result):
     rows = unstable_table(result).rows
     runs = [*result["runs"], result["stiffnesses"][1]]
@@ -130,6 +133,7 @@ def test_options_of_a_run_are_refused_where_nothing_runs(result, tmp_path, monke
         assert capsys.readouterr().err.startswith(f"error: {option[0][2:]} = ")
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_two_ranks_find_what_one_finds(result, tmp_path):
     overrides = [f"--set={override}" for override in ROUGH.overrides]

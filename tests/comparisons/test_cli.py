@@ -27,6 +27,7 @@ def with_settings(settings):
     return [part for setting in settings for part in ("--set", setting)]
 
 
+@pytest.mark.grid(quick=4)
 @pytest.mark.parametrize(
     ("arguments", "field", "told"),
     [
@@ -114,6 +115,7 @@ def test_run_writes_a_complete_result(backend, tmp_path):
     assert all(set(pair) >= {"re", "im", "residual"} for pair in result["eigenvalues"])
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize("content", [b"\xff\xfe\x00", b"\0" * 500, b"name = 'a", b"a = [" * 9000])
 def test_files_that_are_no_scene_end_in_one_line(content, tmp_path):
     file = tmp_path / "scene.toml"
@@ -134,6 +136,7 @@ main()
 """
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_in_one_line(tmp_path):
     for more in ([], ["output.paraview=1"]):
         settings = with_settings([*QUICK, *more])

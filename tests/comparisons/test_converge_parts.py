@@ -154,6 +154,7 @@ def test_a_step_is_trusted_little_more_than_the_part_that_falls_least():
 # Measured
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("name", ["blocks", "drum"])
 def test_the_sum_of_the_parts_is_the_error(backend, name):
     """Against exact eigenvalues, mode by mode, on a mesh of another density for each direction."""
@@ -221,6 +222,7 @@ THIN = (
 )
 
 
+@pytest.mark.slow
 def test_what_a_thin_disc_owes_across_is_not_laid_to_its_edges():
     """A layer at the edges divides no cell elsewhere, and takes off of little that is smooth."""
     scene, shares = load_scene("disc_pad", list(THIN)), []

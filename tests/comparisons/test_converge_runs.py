@@ -107,6 +107,7 @@ def test_the_front_holds_no_mesh_that_another_beats(result):
     assert front
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize(
     ("factor", "verdicts"),
     [(1.0, ["undecided", "undecided"]), (1.001, ["stable", "unstable"]), (0.999, ["stable"] * 2)],
@@ -119,6 +120,7 @@ def test_at_a_known_threshold_the_sign_of_growth_is_undecided(factor, verdicts):
     assert sorted(mode["verdict"] for mode in pair) == verdicts
 
 
+@pytest.mark.grid(quick=1)
 def test_a_body_without_contacts_converges(backend):
     """A disc alone, clamped: layers at the clamped edge, no contact surfaces to match on."""
     coarse = ("analysis.max_frequency=1500.0", f"bodies.disc.mesh.{backend}.elements=[4, 16, 1]")
@@ -193,6 +195,7 @@ def test_no_mesh_that_is_too_coarse_for_orders_is_left_to_a_correction(backend):
     assert len({left[digits] for digits in range(3, 9)}) == 1
 
 
+@pytest.mark.slow
 def test_the_budget_ends_a_run_that_would_take_longer(backend):
     """What the first mesh may take is a part of the budget, and what does not fit is not begun."""
     request = Request("disc_pad", digits=7, backends=(backend,), budget=10.0)
@@ -259,6 +262,7 @@ def test_the_command_prints_modes_and_names_its_page(tmp_path):
     assert again.exit_code == 0, again.output
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_on_several_ranks_modes_are_the_same_within_their_bars():
     one, several = (on_ranks(n, "parallel_converge.blocks_to_three_digits") for n in (1, 3))

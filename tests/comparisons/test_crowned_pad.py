@@ -117,6 +117,7 @@ def test_rules_of_equilibrium():
     assert equilibrium_rules.growth(ours, "hexahedra").verdict == "does not"
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize("backend", ["fe", "iga"])
 def test_stored_data_are_those_of_the_scenes_as_they_are(backend, tmp_path):
     """Found by their fingerprint; of every case at every load; drawn and tabled."""

@@ -30,6 +30,7 @@ def test_dampings_have_their_mean_and_their_share():
     assert (first + second) / 2 == pytest.approx(0.02)
 
 
+@pytest.mark.grid(quick=1)
 def test_elastic_bodies_flutter_where_the_lumped_system_does(backend):
     """Up to terms of the order k / E; damped so unlike that half of the friction suffices."""
     damping = dampings(10.0, 0.01)

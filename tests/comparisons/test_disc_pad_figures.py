@@ -277,6 +277,7 @@ def small_figure():
     )
 
 
+@pytest.mark.slow
 def test_diagrams_of_both_backends_are_stored_and_overlaid(tmp_path):
     figure = small_figure()
     made = make_both(figure, tmp_path, QUIET)
@@ -298,6 +299,7 @@ def test_diagrams_of_both_backends_are_stored_and_overlaid(tmp_path):
 SOFT = {"plain": replace(PLAIN, P=1e6), "lumped": replace(FALSE, P=1e6)}
 
 
+@pytest.mark.slow
 def test_shapes_and_lines_of_a_mode(tmp_path):
     shapes, line = (replace(figure, **SOFT) for figure in SHAPES)
     made = make_figure(shapes, "iga", tmp_path, QUIET)

@@ -39,6 +39,7 @@ def every_case():
             yield pytest.param(finest, p, mu, id=name, marks=marks)
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize(("finest", "p", "mu"), list(every_case()))
 def test_every_listed_eigenvalue_is_found_to_its_digits(finest, p, mu):
     families = stored_families(finest.problem, p, mu)

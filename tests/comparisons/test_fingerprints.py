@@ -53,6 +53,7 @@ def marks(scene, axes, *sets):
     return made[0]
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_of_a_changed_scene_is_another(backend, change):
     words = overrides(backend)

@@ -53,6 +53,7 @@ def errors(data, **labels):
     return np.array(found, dtype=float)
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize(
     ("backend", "expected"), [("iga", [9.4e-5, 2.0e-3, 3.85e-2]), ("fe", [8.4e-5, 3.0e-4, 8.1e-3])]
 )
@@ -88,6 +89,7 @@ def test_locking_is_plain_data_drawn_and_tabulated(tmp_path):
     assert table.cells()[0][-1] != ""
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize("interface", ["flat", "rotated"])
 def test_yardsticks_pass_and_points_do_not(interface):
     data = patch_tests(interface)
@@ -100,6 +102,7 @@ def test_yardsticks_pass_and_points_do_not(interface):
             assert run["errors"][data["P"].index(1e6)] > 4e-3, run
 
 
+@pytest.mark.slow
 def test_area_weights_are_better_than_equal_ones_at_low_stiffness():
     data = patch_tests("flat")
     for meshes, plain, weighted in (
@@ -113,6 +116,7 @@ def test_area_weights_are_better_than_equal_ones_at_low_stiffness():
         assert shared[2] == pytest.approx(even[2], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_placement_changes_nothing_but_rounding():
     for run in patch_tests("rotated")["runs"]:
         if run["formulation"] not in YARDSTICKS:
@@ -121,6 +125,7 @@ def test_placement_changes_nothing_but_rounding():
             assert run["errors"] == [pytest.approx(flat, rel=1e-5)], run
 
 
+@pytest.mark.slow
 def test_curved_interfaces_need_the_same_geometry_on_both_sides():
     """NURBS pass within their own quadrature; chords and arcs of Lagrange meshes leave gaps."""
     data = patch_tests("curved")
@@ -153,6 +158,7 @@ def test_error_on_curved_interfaces_falls_with_the_mesh(meshes, backend, order):
     assert worst[0] < {"fe": 7e-4, "iga": 4e-5}[backend]
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize("interface", ["flat", "rotated", "curved"])
 def test_momentum(interface):
     """Linear momentum is kept by all; angular too, but by lumping and by friction across gaps."""

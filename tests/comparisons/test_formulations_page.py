@@ -76,6 +76,7 @@ def rows_of(file):
         return list(csv.DictReader(stream))
 
 
+@pytest.mark.slow
 def test_every_part_is_run_and_timed(computed):
     data, begun = computed
     parts = [data[key] for key in ("patch_tests", "locking", "paper", "pairings")]
@@ -108,6 +109,7 @@ def test_pairings_find_the_same_unstable_mode(data):
     assert part["refined"]["dofs"] > part["runs"][-1]["dofs"]
 
 
+@pytest.mark.slow
 def test_a_pairing_is_the_scene_with_mortar(data):
     mixed = [
         *(*COARSE, "bodies.pad.backend=iga", "bodies.disc.backend=fe"),
@@ -250,6 +252,7 @@ def test_other_folders_are_refused(tmp_path):
         read_formulations(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_two_ranks_draw_one_page(report):
     """The command line names the page once, and the page is that of one rank."""

@@ -56,6 +56,7 @@ def test_twenty_random_values_of_a_large_map(backend):
     scene.driver.free()
 
 
+@pytest.mark.grid(quick=1)
 def test_next_to_the_threshold_of_the_blocks_bounds_hold(backend):
     """Either side of coalescence, from 1e-2 down to 1e-8 in mu; the threshold itself to 1e-8."""
     driver, name, bracket, top = flutter_of_the_blocks(backend)

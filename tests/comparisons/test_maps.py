@@ -73,6 +73,7 @@ def made(tmp_path_factory):
     return of
 
 
+@pytest.mark.grid(quick=1)
 def test_values_of_a_map_are_those_of_full_solves(made, backend):
     wanted, data, _, folder = made(backend)
     assert data["certified"] == data["values"] == 84
@@ -95,6 +96,7 @@ def test_values_of_a_map_are_those_of_full_solves(made, backend):
     scene.driver.free()
 
 
+@pytest.mark.grid(quick=1)
 def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     wanted, data, rows, _ = made(backend)
     scene = mapped(wanted.scene, wanted.axes, wanted.overrides, None)
@@ -156,6 +158,7 @@ def test_branches_keep_their_numbers_along_a_row(made, backend):
             assert (np.abs(before[i] - after[j])[real] < 0.05).all()
 
 
+@pytest.mark.slow
 def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, monkeypatch, capsys):
     _, data, rows, folder = made(backend)
     names = {"sweep.nc", "sweep.csv", "thresholds.csv", "full_solves.csv", "modes.csv", "map.png"}
@@ -179,6 +182,7 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, mon
     assert (folder / "map.png").exists()
 
 
+@pytest.mark.slow
 def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     """SIGKILL once three full solves are stored: all of them serve again."""
     out = tmp_path / "out"

@@ -63,6 +63,7 @@ def column(running, table, number):
     )
 
 
+@pytest.mark.slow
 def test_a_click_on_a_heading_sorts(page, result):
     heading = page.find_element("css selector", "#modes thead th:nth-child(4) button")
     growth = sorted(result.growth_rates.tolist())
@@ -114,6 +115,7 @@ def test_a_click_on_a_point_shows_its_mode(page):
     )
 
 
+@pytest.mark.slow
 def test_the_phase_moves_the_shape(page, result):
     """Half a period on, every point is as far on the other side; a whole one on, where it was."""
     import numpy as np
@@ -135,6 +137,7 @@ def test_the_phase_moves_the_shape(page, result):
     np.testing.assert_allclose(at(90) + at(270), 2 * rest, atol=1e-4 * np.ptp(rest))
 
 
+@pytest.mark.slow
 def test_the_geometry_is_drawn_when_it_comes_in_sight(page, result):
     place = page.find_element("class name", "geometry")
     page.execute_script(IN_SIGHT, place)
@@ -154,6 +157,7 @@ def test_no_button_sends_data_elsewhere(page):
     assert [title for title in titles if not title.startswith(offered)] == []
 
 
+@pytest.mark.slow
 def test_play_and_pause(page):
     play = page.find_element("class name", "play")
     page.execute_script(IN_SIGHT, play)
@@ -169,6 +173,7 @@ def test_nothing_was_complained_of_and_nothing_asked_for(page):
     assert foreign_addresses(page) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [1400, 390])
 @pytest.mark.parametrize("name", ["report", "comparison"])
 def test_no_page_scrolls_sideways(browser, name, width, request):

@@ -57,6 +57,7 @@ def nothing_stored(monkeypatch, tmp_path):
     monkeypatch.setattr("comparisons.paper.common.store.STORED", tmp_path / "nothing")
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize("name", EXPECTED)
 def test_numbers_of_the_patch_test(made, name):
     ours = {row[0]: row[2] for row in made[1][name].numbers.rows}
@@ -64,6 +65,7 @@ def test_numbers_of_the_patch_test(made, name):
         assert ours[case] == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.slow
 def test_lumping_passes_the_patch_test_at_high_stiffness(made):
     ours = {row[0]: row[2] for row in made[1]["3"].numbers.rows}
     plain, lumped = (ours[f"D2C1, GPTS 25 × 25{name}, P = 10¹⁴"] for name in ("", ", lumped"))
@@ -109,6 +111,7 @@ def test_maps_keep_three_digits_of_what_they_show():
     np.testing.assert_array_equal(shown(flat), flat)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("nothing_stored")
 def test_stored_figures_are_drawn_without_computing(made, monkeypatch):
     out, figures = made
@@ -180,6 +183,7 @@ def backends(figure):
     return ("iga",) if figure.inputs("iga") == figure.inputs("fe") else ("iga", "fe")
 
 
+@pytest.mark.grid(quick=4)
 @pytest.mark.parametrize("name", FIGURES)
 def test_every_figure_comes_with_its_data_and_tables(name, tmp_path):
     """Equal inputs, so that nothing is computed, and CSV files made of the very data."""
@@ -317,6 +321,7 @@ def test_error_falls_with_gauss_points_in_every_space(backend):
         assert found["slope"] == pytest.approx(-(found["continuity"] + 2), abs=0.3)
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize("name", ["2", "11"])
 def test_settings_show_the_meshes_of_both_backends(name, tmp_path):
     made = {
@@ -354,6 +359,7 @@ def test_figures_go_by_name():
         chosen("99")
 
 
+@pytest.mark.slow
 def test_command_line_draws_stored_figures(tmp_path):
     def cea(*arguments):
         command = [Path(sys.executable).with_name("cea"), "figure", *arguments]

@@ -44,12 +44,14 @@ def worst_errors(pair, where, P, form="penalty"):
     return errors
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize(("pair", "where"), CASES, ids=str)
 def test_exact_integration_passes(pair, where):
     for label, error in worst_errors(pair, where, 1e6).items():
         assert error < 1e-10, label
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("P", [1e2, 1e20, float("inf")])
 @pytest.mark.parametrize("pair", [("tetrahedra", "NURBS"), ("NURBS", "hexahedra")])
 def test_in_the_saddle_form_at_any_stiffness(pair, P):

@@ -114,6 +114,7 @@ def test_processes_are_measured_one_by_one(tmp_path):
         run_measured([sys.executable, "-c", "raise SystemExit(3)"], tmp_path, "log")
 
 
+@pytest.mark.slow
 def test_each_body_alone_has_the_frequencies_of_calculix():
     decks.with_calculix()
     whole = exported(load_scene("disc_pad", backend="fe"), QUICK.meshes[0])

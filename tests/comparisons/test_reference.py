@@ -48,6 +48,7 @@ def test_meshes_crowd_where_stress_is_large(backend):
     assert coarse.degree < fine.degree
 
 
+@pytest.mark.slow
 def test_both_backends_are_compared_mode_by_mode():
     data = compute_reference(SILENT, {"iga": (COARSE, FINER), "fe": (COARSE, FINER)})
     assert [run["backend"] for run in data["runs"]] == ["iga", "iga", "fe", "fe"]

@@ -181,6 +181,7 @@ def test_texts_and_numbers_fit_the_library():
     assert finite({"a": [1.0, float("nan")], "b": float("inf")}) == {"a": [1.0, None], "b": None}
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_two_ranks_write_the_same_page(report, page, tmp_path):
     """Modes are the same; shapes too, whose sign and phase are those of the largest deflection."""

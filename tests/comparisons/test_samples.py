@@ -68,6 +68,7 @@ def made(tmp_path_factory):
     return of
 
 
+@pytest.mark.grid(quick=1)
 def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backend):
     """Only mu varies: what grows is what was drawn above mu_c, sample by sample."""
     data, drawn, found, _ = made(backend)
@@ -97,6 +98,7 @@ def test_the_probability_is_that_of_the_exact_threshold_on_a_fine_mesh(tmp_path)
     assert abs(data["any"]["probability"] - exact) < 3 * error + 2e-4 / 0.13
 
 
+@pytest.mark.grid(quick=1)
 def test_both_modes_that_coalesce_are_named_and_no_other(made, backend):
     data, _, found, _ = made(backend)
     assert len(data["modes"]) == 2
@@ -179,6 +181,7 @@ def test_samples_that_are_not_certified_are_counted_and_named(tmp_path):
     assert str(left[0]) in told["message"]
 
 
+@pytest.mark.slow
 def test_samples_leave_a_page_and_are_drawn_anew(made, backend, monkeypatch, capsys):
     data, drawn, found, folder = made(backend)
     names = {"samples.nc", "probability.csv", "samples.csv", "report.html", "samples.png"}
@@ -201,6 +204,7 @@ def test_samples_leave_a_page_and_are_drawn_anew(made, backend, monkeypatch, cap
     assert f"{data['any']['grows']} of 800 samples grow" in page
 
 
+@pytest.mark.slow
 def test_the_command_records_its_seed_and_draws_the_same_again(tmp_path, monkeypatch, capsys):
     settings = [part for each in overrides("iga") for part in ("--set", each)]
     text = f"mu~normal:{MU_C}:{0.01 * MU_C}"
@@ -314,6 +318,7 @@ def test_commands_that_ask_for_no_samples_are_refused(words, told, monkeypatch, 
     assert told in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_samples_are_the_same_on_several_ranks():
     alone = on_ranks(1, "sampled_numbers.numbers")

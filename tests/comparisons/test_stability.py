@@ -91,6 +91,7 @@ def report(tmp_path_factory):
     return data, write_stability(data, out)
 
 
+@pytest.mark.slow
 def test_a_representative_part_comes_out_as_expected(report):
     data, _ = report
     assert [run["reason"] for run in data["runs"] if not run["met"]] == []
@@ -127,6 +128,7 @@ def test_a_run_that_kills_its_process_is_wrong_and_the_others_go_on():
     assert data["failed"] == 1
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize(("failed", "code"), [(0, 0), (1, 1)])
 def test_the_command_ends_with_code_1_where_a_run_is_not_as_expected(
     report, failed, code, tmp_path

@@ -34,6 +34,7 @@ def test_scenes_of_matrices_are_refused(backend):
         with_backend("tu_berlin", (), backend)
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("command", ["sweep", "threshold"])
 def test_the_commands_run_on_the_backend(command, backend, tmp_path, monkeypatch, capsys):
     settings = [part for each in COARSE for part in ("--set", each)]

@@ -51,6 +51,7 @@ def test_little_to_be_saved_is_not_worth_what_a_map_tells_more():
     assert weighed(3, [1e3], full=0.5, basis=0.5, plain=0.2) == 0
 
 
+@pytest.mark.slow
 def test_the_command_tells_that_it_solved_in_full_and_why(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(thrift, "_WORTH", -1e6)
     window = "analysis.max_frequency=0.3"

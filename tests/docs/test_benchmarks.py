@@ -38,6 +38,7 @@ def digits(text):
     return len(text.lstrip("-0.").replace(".", ""))
 
 
+@pytest.mark.grid(quick=4)
 @pytest.mark.parametrize(("command", "rows"), [case(*each) for each in LISTS])
 def test_eigenvalues_are_those_of_the_command(command, rows):
     done = CliRunner().invoke(app, command.split(), catch_exceptions=False)

@@ -5,6 +5,7 @@ from pathlib import Path
 from textwrap import dedent
 
 import numpy as np
+import pytest
 from PIL import Image
 
 import scenes
@@ -17,6 +18,7 @@ COARSE = {
 }
 
 
+@pytest.mark.slow
 def test_the_lines_for_a_notebook_run(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     load = scenes.load_scene

@@ -38,6 +38,7 @@ def test_unstable_modes():
     assert growth == pytest.approx(332.8704443645315, rel=SAME)
 
 
+@pytest.mark.slow
 def test_formulations():
     assert compare_formulations.largest_growth_rates() == {
         "collocation": pytest.approx(153.21917722552962, rel=SAME),
@@ -100,6 +101,7 @@ def test_which_formulation():
         assert abs(found[name] - mortar) > 0.04 * mortar
 
 
+@pytest.mark.slow
 def test_brake_sweep(tmp_path):
     brake = assemble(brake_sweep.SCENE)
     threshold = brake.threshold(brake_sweep.MU, real=0.0, flutter=0.5).value
@@ -133,6 +135,7 @@ def scene_file(name):
     return ROOT / "examples" / f"{name}.toml"
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("name", ["hub_pad", "two_pads"])
 def test_scenes_for_error_bars_have_no_faults(backend, name):
     scene = load_scene(scene_file(name), [], backend)
