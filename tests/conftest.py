@@ -1,7 +1,7 @@
 """Fixtures shared by all tests: each backend, each formulation, each placement."""
 
 import pytest
-from blocks import ROTATED
+from blocks import FORMULATIONS, PLACEMENTS, ROTATED
 from grids import mark_slow_cases
 
 import cea.petsc  # noqa: F401  (ahead of anything that imports PETSc, MPI or dolfinx)
@@ -45,9 +45,7 @@ def backend(request):
     return request.param
 
 
-@pytest.fixture(
-    params=["collocation", "weighted collocation", "grid", "gpts", "segments", "mortar"]
-)
+@pytest.fixture(params=FORMULATIONS)
 def formulation(request, backend):
     """Each formulation, collocation in the manner of the backend."""
     return {
@@ -63,7 +61,7 @@ def formulation(request, backend):
     }[request.param]
 
 
-@pytest.fixture(params=["axis-aligned", "rotated"])
+@pytest.fixture(params=PLACEMENTS)
 def placement(request):
     """Along the axes, and rotated."""
     return {} if request.param == "axis-aligned" else ROTATED

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from covering import covering
 from reference_data import plane_meshes
 
 from cea.contact.cell_coordinates import continued_coordinates
@@ -25,8 +26,12 @@ def sides(scene, overrides, backend):
 DEGREES = {"fe": {8: (1, 2, 3, 4), 4: (3, 4)}, "iga": {8: (2, 3, 4), 4: (2, 3, 4)}}
 
 
-@pytest.mark.parametrize(("around_a", "around_b"), [(12, 8), (8, 12), (4, 4), (4, 40), (40, 4)])
-def test_segments_of_coarse_rings_cover_side_a_once(backend, around_a, around_b):
+@pytest.mark.parametrize(
+    ("backend", "around"),
+    covering(["fe", "iga"], [(12, 8), (8, 12), (4, 4), (4, 40), (40, 4)], strength=1),
+)
+def test_segments_of_coarse_rings_cover_side_a_once(backend, around):
+    around_a, around_b = around
     for degree in DEGREES[backend][min(around_a, around_b)]:
         covered_once(backend, degree, around_a, around_b)
 
@@ -41,9 +46,14 @@ def covered_once(backend, degree, around_a, around_b):
     assert np.diff(angle).min() > 1e-6
 
 
-@pytest.mark.parametrize("elements", [{"pad": [2, 16, 1], "disc": [3, 12, 1]},
-                                      {"pad": [2, 4, 1], "disc": [1, 20, 1]}])  # fmt: skip
-@pytest.mark.parametrize("degree", [2, 3])
+@pytest.mark.parametrize(
+    ("degree", "elements"),
+    covering(
+        [2, 3],
+        [{"pad": [2, 16, 1], "disc": [3, 12, 1]}, {"pad": [2, 4, 1], "disc": [1, 20, 1]}],
+        strength=1,
+    ),
+)
 def test_segments_of_coarse_annuli_cover_side_a_once(degree, elements):
     overrides = [
         f"bodies.{body}.mesh.iga={{degree=[2, {degree}, 2], elements={numbers}}}"
@@ -60,7 +70,7 @@ def test_segments_of_coarse_annuli_cover_side_a_once(degree, elements):
         ("iga", 2, [9, 4]),
         ("iga", 3, [2, 12]),
         ("fe", 1, [4, 8]),
-        ("fe", 2, [9, 8]),
+        pytest.param("fe", 2, [9, 8], marks=pytest.mark.slow),
         ("fe", 4, [5, 8]),
     ],
 )
@@ -88,7 +98,7 @@ def test_points_of_a_ring_lie_in_their_own_cell_alone(backend, degree, elements)
     assert np.abs(xi[owner, point] - points.at.xi[point]).max() < 1e-12
 
 
-@pytest.mark.parametrize("angle", [40, 80, -80])
+@pytest.mark.parametrize("angle", [pytest.param(40, marks=pytest.mark.slow), 80, -80])
 def test_parameter_lines_go_on_straight_to_a_right_angle(angle):
     surface, _ = sides("ring", ["bodies.pad.mesh.iga={degree=[2,2,2],elements=[9,40,1]}"], "iga")
     cells = surface.cells()

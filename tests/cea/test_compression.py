@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from blocks import assemble, two_blocks
+from covering import covering
 from motions import dense
 from scipy.linalg import qr
 from scipy.sparse import csr_array, diags_array, hstack, kron
@@ -108,7 +109,9 @@ def test_normals_along_axes_leave_rounding_that_is_no_gap():
     assert closure.shape[0] == np.linalg.matrix_rank(gap.toarray())
 
 
-@pytest.mark.parametrize("method", ["mortar", "segments"])
+@pytest.mark.parametrize(
+    ("backend", "method"), covering(["fe", "iga"], ["mortar", "segments"], strength=1)
+)
 def test_operators_of_an_interface_do_not_fill_as_it_grows(backend, method):
     """Entries for each force: their number settles where a full matrix doubles it."""
     entries = []

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import FORMULATIONS, PLACEMENTS, assemble, two_blocks
+from covering import covering
 from motions import control_points, product, resultant, rotation_of, unknowns
 
 from cea.errors import InputError
@@ -11,11 +12,25 @@ from cea.matrices import gather
 P, MU, CLOSURE = 3.0, 0.4, 1e-6
 
 
+EVERY = pytest.mark.parametrize(
+    ("backend", "formulation", "placement"),
+    covering(["fe", "iga"], FORMULATIONS, PLACEMENTS),
+    indirect=True,
+)
+"""Each formulation on each backend, placed either way."""
+SYSTEMS = {}
+
+
 @pytest.fixture
 def system(backend, formulation, placement):
-    return assemble(two_blocks(backend, formulation, placement, mu=MU, P=P))
+    """One for each case: the tests leave it as it is."""
+    case = backend, str(formulation), str(placement)
+    if case not in SYSTEMS:
+        SYSTEMS[case] = assemble(two_blocks(backend, formulation, placement, mu=MU, P=P))
+    return SYSTEMS[case]
 
 
+@EVERY
 def test_friction_pushes_a_along_k_and_b_against_it(system):
     contact = system.contacts[0]
     normal = contact.interface.points.normal[0]
@@ -31,6 +46,7 @@ def test_friction_pushes_a_along_k_and_b_against_it(system):
         assert -pressure == pytest.approx(-sign * force * normal, abs=1e-13 * scale)
 
 
+@EVERY
 def test_uniform_closure_gives_uniform_pressure(system):
     contact = system.contacts[0]
     normal = contact.interface.points.normal[0]
@@ -38,6 +54,7 @@ def test_uniform_closure_gives_uniform_pressure(system):
     assert contact.pressure(x) == pytest.approx(P / 0.3 * CLOSURE, rel=1e-11)
 
 
+@EVERY
 def test_momentum_is_conserved(system):
     rng = np.random.default_rng(3)
     x = unknowns(system, dict.fromkeys(system.bodies, lambda X: rng.normal(size=X.shape)))
@@ -53,6 +70,7 @@ def test_momentum_is_conserved(system):
         assert np.abs(moments[0] + moments[1]).max() <= 1e-12 * scale
 
 
+@EVERY
 def test_common_rigid_motion_closes_no_gap(system):
     rotation = np.array([[0, -0.3, 0.2], [0.3, 0, -0.7], [-0.2, 0.7, 0]])
     x = unknowns(system, dict.fromkeys(system.bodies, lambda X: X @ rotation.T + [1.0, -2.0, 0.5]))
@@ -60,6 +78,7 @@ def test_common_rigid_motion_closes_no_gap(system):
     assert np.abs(gap).max() <= 1e-12
 
 
+@EVERY
 def test_normal_stiffness_is_exactly_symmetric(system):
     stiffness = system.contacts[0].stiffness
     difference = stiffness.copy()
@@ -71,6 +90,7 @@ def test_normal_stiffness_is_exactly_symmetric(system):
     assert difference.norm() > 0.1 * friction.norm()
 
 
+@EVERY
 def test_matrices_equal_a_loop_over_points(system):
     contact = system.contacts[0]
     interface = contact.interface

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import assemble, coarse, two_blocks
+from covering import covering
 from motions import dense
 from scipy.linalg import eigvals, null_space
 
@@ -81,8 +82,10 @@ def nearest(found, among):
     return np.abs(found[:, None] - among).min(axis=1).max()
 
 
-@pytest.mark.parametrize("sliding", [True, False])
-@pytest.mark.parametrize("P", [1e8, 1e12, 1e14, 1e20, INF])
+@pytest.mark.parametrize(
+    ("P", "backend", "sliding"),
+    covering([1e8, 1e12, 1e14, 1e20, INF], ["iga", "fe"], [True, False], strength=1),
+)
 def test_bodies_bonded_round_a_point(backend, P, sliding):
     """As many constraints as are independent; beyond rounding a stiff contact is a tied one."""
     tied = read_scene(round_a_point(backend, INF, sliding=sliding))
@@ -108,10 +111,9 @@ def test_the_inertia_counts_beside_dependent_constraints(backend):
         assert count_below(pencil.at(), 0.5 * (ends[count] + ends[count + 1])) == count
 
 
-@pytest.mark.parametrize("P", [1e13, INF])
-@pytest.mark.parametrize("mu", [0.0, 0.5])
+@pytest.mark.parametrize(("backend", "P", "mu"), covering(["fe", "iga"], [1e13, INF], [0.0, 0.5]))
 def test_one_contact_given_twice_is_one_of_both_stiffnesses(backend, P, mu):
-    data = two_blocks(backend, {"method": "mortar"}, mu=mu, held=True, P=P)
+    data = coarse(two_blocks(backend, {"method": "mortar"}, mu=mu, held=True, P=P))
     once = solve_modes(assemble(data).pencil(), 0.8).eigenvalues
     first = data["contacts"]["interface"] | {"P": 0.5 * P, "form": "saddle"}
     data["contacts"] = {"interface": first, "again": first}
@@ -123,9 +125,10 @@ def test_one_contact_given_twice_is_one_of_both_stiffnesses(backend, P, mu):
         assert pencil.at().tied == 0.5 * pencil.at().multipliers.size
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_contacts_of_different_stiffness_share_forces_by_it(backend):
     """One tied, or stiffer by 1e20, takes all: friction of the other does nothing."""
-    data = two_blocks(backend, {"method": "mortar"}, mu=0.5, held=True, P=1e20)
+    data = coarse(two_blocks(backend, {"method": "mortar"}, mu=0.5, held=True, P=1e20))
     first = data["contacts"]["interface"] | {"form": "saddle"}
     for stiffer, softer in ((INF, 1e20), (INF, 3.0), (1e20, 3.0)):
         data["contacts"] = {"interface": first | {"P": stiffer}}
@@ -135,7 +138,7 @@ def test_contacts_of_different_stiffness_share_forces_by_it(backend):
         assert both == pytest.approx(alone, rel=1e-8)
 
 
-@pytest.mark.parametrize("P", [1e13, INF])
+@pytest.mark.parametrize(("backend", "P"), covering(["fe", "iga"], [1e13, INF], strength=1))
 def test_traces_that_supports_hold_on_both_sides(backend, P):
     """Equal meshes, held at one end: a closure there asks what is so already."""
     data = two_blocks(backend, {"method": "bonded"}, mu=0.0, P=P)

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import assemble, coarse, two_blocks
+from covering import covering
 
 from cea.contact.interface import pair
 from cea.errors import InputError
@@ -17,7 +18,7 @@ LUMPED = GPTS | {"lumped": True}
 
 
 def contact_of(backend, P, formulation=GPTS, **fields):
-    data = two_blocks(backend, formulation, held=True, P=P, mu=0.3)
+    data = coarse(two_blocks(backend, formulation, held=True, P=P, mu=0.3))
     data["contacts"]["interface"] |= fields
     return data
 
@@ -26,14 +27,17 @@ def forms(system):
     return {contact.half.form for contact in system.contacts}
 
 
-@pytest.mark.parametrize(("P", "form"), [(3.0, "penalty"), (1e5, "penalty"), (1e9, "saddle")])
-@pytest.mark.parametrize("full_pass", [False, True])
-def test_saddle_where_a_penalty_costs_more_than_six_digits(backend, P, form, full_pass):
+@pytest.mark.parametrize(
+    ("backend", "P", "full_pass"), covering(["fe", "iga"], [3.0, 1e5, 1e9], [False, True])
+)
+def test_saddle_where_a_penalty_costs_more_than_six_digits(backend, P, full_pass):
+    form = "saddle" if P == 1e9 else "penalty"
     system = assemble(contact_of(backend, P, full_pass=full_pass))
     assert forms(system) == {form}
     assert not system.warnings
 
 
+@pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])
 def test_infinite_stiffness_needs_no_word_for_its_form(backend):
     named = run_modes(read_scene(contact_of(backend, float("inf"), form="saddle")))
     left_open = run_modes(read_scene(contact_of(backend, float("inf"))))
@@ -53,6 +57,7 @@ def test_a_penalty_that_stays_says_how_many_digits_it_costs(backend, fields):
     assert not assemble(contact_of(backend, 1e5, **fields)).warnings
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_the_warning_is_no_false_alarm(backend):
     """Digits of the penalty form beside the saddle form of the same contact."""
     (warning,) = assemble(contact_of(backend, 1e9, form="penalty")).warnings
@@ -71,6 +76,7 @@ def test_projected_gaps_cost_no_digits(backend):
     assert not system.warnings
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_a_sweep_takes_the_form_of_each_stiffness(backend):
     assembled = assemble_scene(read_scene(contact_of(backend, 3.0)))
     for P, form in ((30.0, "penalty"), (1e10, "saddle"), (float("inf"), "saddle")):
@@ -80,6 +86,7 @@ def test_a_sweep_takes_the_form_of_each_stiffness(backend):
         assert swept.eigenvalues == pytest.approx(alone.eigenvalues, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_matrices_of_a_form_left_open_are_those_of_the_penalty(backend):
     penalty, chosen = (
         run_modes(read_scene(contact_of(backend, 1e9, **fields))).matrices()
@@ -90,7 +97,9 @@ def test_matrices_of_a_form_left_open_are_those_of_the_penalty(backend):
         assert difference <= 1e-13 * np.abs(penalty[name].toarray()).max()
 
 
-@pytest.mark.parametrize("method", ["gpts", "mortar"])
+@pytest.mark.parametrize(
+    ("backend", "method"), covering(["fe", "iga"], ["gpts", "mortar"], strength=1)
+)
 def test_halves_of_unequal_area_keep_their_own_stiffness(backend, method):
     """A full pass at a given p: the larger side has more area and more of P."""
     both = []

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from blocks import ROTATED, assemble, block, two_blocks
+from blocks import PLACEMENTS, ROTATED, assemble, block, coarse, two_blocks
+from covering import covering
 from motions import control_points, dense, product, resultant, rotation_of, unknowns
 
 from cea.eigen.krylov_schur import solve_modes
@@ -24,9 +25,14 @@ def full_pass(backend, formulation, placement=None, **options):
     return data
 
 
+@pytest.mark.parametrize(
+    ("backend", "placement"),
+    covering(["iga", "fe"], PLACEMENTS, strength=1),
+    indirect=["placement"],
+)
 def test_lumped_matrices_are_sums_over_columns_of_a_loop(backend, placement):
     """Paper eq. 41: in a-a and b-b scalar row i is summed over scalar columns j onto i."""
-    contact = assemble(two_blocks(backend, LUMPED, placement, mu=MU, P=P)).contacts[0]
+    contact = assemble(coarse(two_blocks(backend, LUMPED, placement, mu=MU, P=P))).contacts[0]
     interface = contact.interface
     normal, p = interface.points.normal, P / 0.3
     k = contact.half.friction.direction.at(interface.points.x, normal)
@@ -76,7 +82,11 @@ def test_lumped_nurbs_pass_the_patch_test_at_high_stiffness(points):
     assert max(side.oscillation for side in sides.values()) < 1e-11 * 1000
 
 
-@pytest.mark.parametrize("method", ["collocation", "gpts", "segments", "mortar"])
+@pytest.mark.parametrize(
+    ("backend", "method", "placement"),
+    covering(["iga", "fe"], ["collocation", "gpts", "segments", "mortar"], PLACEMENTS),
+    indirect=["placement"],
+)
 def test_friction_of_a_full_pass_pushes_a_along_k_and_b_against_it(backend, method, placement):
     names = {"fe": "node_to_surface", "iga": "greville"}
     formulation = {
@@ -165,14 +175,15 @@ def frequencies(data):
     return solve_modes(system.pencil(), 0.7).frequencies
 
 
-@pytest.mark.parametrize("sides", [("fe", "fe"), ("iga", "iga"), ("fe", "iga"), ("iga", "fe")])
-def test_a_bonded_joint_makes_one_body_of_two(sides):
-    joined = frequencies(split_beam(*sides, P=float("inf"), form="saddle"))
-    whole = frequencies(whole_bar(sides[0]))
+@pytest.mark.parametrize(("upper", "lower"), covering(["fe", "iga"], ["iga", "fe"], strength=1))
+def test_a_bonded_joint_makes_one_body_of_two(upper, lower):
+    joined = frequencies(split_beam(upper, lower, P=float("inf"), form="saddle"))
+    whole = frequencies(whole_bar(upper))
     assert len(whole) >= 8
     assert joined == pytest.approx(whole, rel=4e-3)
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_a_stiff_bonded_joint_is_near_the_tied_one(backend):
     tied = frequencies(split_beam(backend, backend, P=float("inf"), form="saddle"))
     stiff = frequencies(split_beam(backend, backend, P=1e5, form="penalty"))

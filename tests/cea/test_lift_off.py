@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import FORMULATIONS, assemble, two_blocks
+from covering import covering
 
 from cea.errors import InputError
 from cea.matrices import destroy
@@ -51,6 +52,11 @@ def test_open_points_bear_no_force(backend, formulation):
     assert mean == pytest.approx(3.0, rel=0.35)
 
 
+@pytest.mark.parametrize(
+    ("backend", "formulation"),
+    covering(["iga", "fe"], FORMULATIONS, strength=1),
+    indirect=["formulation"],
+)
 def test_friction_goes_with_the_pressure(backend, formulation):
     """Forces along friction are mu times those along the normal, over what is closed."""
     system = assemble(lifted(backend, formulation, mu=0.4))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from blocks import assemble, two_blocks
+from covering import covering
 from petsc_matrices import to_numpy, to_petsc
 from quadratic_cases import damped
 from scipy.linalg import eig
@@ -60,9 +61,12 @@ def test_products_are_those_of_the_full_matrix(columns):
     assert sum_of([(0.0, pieces[0])], 7, PETSc.COMM_SELF) is None
 
 
-@pytest.mark.parametrize("shift", [0.7, 0.2 + 1.3j, 2.1j])
-@pytest.mark.parametrize(("form", "turning"), [("penalty", 0.3), ("saddle", 0.0)])
-def test_systems_are_those_of_the_full_matrix(backend, form, shift, turning):
+@pytest.mark.parametrize(
+    ("backend", "form", "shift"),
+    covering(["iga", "fe"], ["penalty", "saddle"], [0.7, 0.2 + 1.3j, 2.1j]),
+)
+def test_systems_are_those_of_the_full_matrix(backend, form, shift):
+    turning = {"penalty": 0.3, "saddle": 0.0}[form]
     data = two_blocks(backend, GPTS, mu=0.4 if turning else 0.0, held=True)
     data["contacts"]["interface"] |= {"form": form}
     plain = damped(assemble(data).pencil(), 0.1, 0.02, turning=turning)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from blocks import assemble, two_blocks
+from covering import covering
 from petsc_matrices import to_numpy, to_petsc
 
 from cea.eigen.krylov_schur import KrylovSchur
@@ -21,22 +22,21 @@ def scene(backend, *, form="penalty", full_pass=False, E=2.0, rho=1.5, P=3.0, mu
     return assemble(data)
 
 
-CHANGES = [
-    ({"E": 5.0}, "bodies.upper.material.E"),
-    ({"rho": 0.7}, "bodies.upper.material.rho"),
-    ({"P": 40.0}, "contacts.interface.P"),
-    ({"mu": 0.9}, "contacts.interface.mu"),
-]
+CHANGES = {
+    "bodies.upper.material.E": {"E": 5.0},
+    "bodies.upper.material.rho": {"rho": 0.7},
+    "contacts.interface.P": {"P": 40.0},
+    "contacts.interface.mu": {"mu": 0.9},
+}
 
 
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
-@pytest.mark.parametrize("full_pass", [False, True])
-@pytest.mark.parametrize(("change", "name"), CHANGES, ids=[name for _, name in CHANGES])
-def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(
-    backend, form, full_pass, change, name
-):
+@pytest.mark.parametrize(
+    ("backend", "form", "full_pass", "name"),
+    covering(["fe", "iga"], ["penalty", "saddle"], [False, True], list(CHANGES)),
+)
+def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(backend, form, full_pass, name):
     spring = {"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}
-    options = {"form": form, "full_pass": full_pass, "springs": [spring]}
+    options, change = {"form": form, "full_pass": full_pass, "springs": [spring]}, CHANGES[name]
     changed = scene(backend, **options).pencil().at({name: next(iter(change.values()))})
     assembled = scene(backend, **options, **change).pencil().at()
     for part in ("stiffness", "unsymmetric", "mass"):
@@ -76,7 +76,8 @@ def test_two_contacts_have_their_own_friction(backend):
         for changes in ({"contacts.again.mu": 0.0}, {"contacts.again.mu": 0.8})
     )
     # Equal points: the second adds 7/3 * 0.8/0.4 of what the first is.
-    assert both == pytest.approx(one * (1 + 7 / 3 * 2), rel=1e-12, abs=1e-15)
+    expected = one * (1 + 7 / 3 * 2)
+    assert (np.abs(both - expected) <= np.maximum(1e-12 * np.abs(expected), 1e-15)).all()
 
 
 def test_friction_of_zero_is_a_symmetric_problem(backend):
@@ -92,7 +93,7 @@ def test_friction_that_varies_is_changed_by_a_factor(backend):
     parameter = system.pencil().parameter("contacts.interface.mu")
     assert parameter.value == 1.0
     twice = system.pencil().at({"contacts.interface.mu": 2.0}).unsymmetric
-    assert to_numpy(twice) == pytest.approx(-2 * to_numpy(system.contacts[0].friction), rel=1e-15)
+    assert (to_numpy(twice) == -2 * to_numpy(system.contacts[0].friction)).all()
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from blocks import ROTATED, two_blocks
+from covering import covering
 from pressed import pressed_blocks
 
 from cea.errors import InputError
@@ -46,12 +47,13 @@ def solved(data):
     return result, sample.points, result.displacements(name, sample.values)
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-@pytest.mark.parametrize("degree", [1, 3])
-@pytest.mark.parametrize("divided", [False, True])
-def test_a_stretched_box_is_exact(backend, dim, degree, divided):
-    if divided and backend == "iga":
-        pytest.skip("splines have boxes alone")
+@pytest.mark.parametrize(
+    ("cells", "dim", "degree"),
+    covering([("fe", False), ("fe", True), ("iga", False)], [2, 3], [1, 3]),
+)
+def test_a_stretched_box_is_exact(cells, dim, degree):
+    """Of elements that are boxes, or divided into triangles or tetrahedra; splines have boxes."""
+    backend, divided = cells
     data = box(backend, held(STRETCH, dim=dim), dim=dim, degree=degree, cell=CELLS[dim][divided])
     result, x, u = solved(data)
     across = -NU if dim == 3 else -NU / (1 - NU)
@@ -76,7 +78,9 @@ def test_each_component_has_its_own_value(backend):
     assert solved(box(backend, [bottom, named]))[2] == pytest.approx(u, abs=1e-16)
 
 
-@pytest.mark.parametrize("value", [1e-12, 1e-3, 0.1])
+@pytest.mark.parametrize(
+    ("backend", "value"), covering(["fe", "iga"], [1e-12, 1e-3, 0.1], strength=1)
+)
 def test_rollers_press_along_oblique_normals(backend, value):
     """A turned box between rollers: the displacement along its own axis is linear."""
     rollers = [{"surface": f"{axis}_min", "components": ["normal"]} for axis in "xyz"]
@@ -143,7 +147,9 @@ def test_values_may_be_zero(backend):
     assert not result.reactions
 
 
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize(
+    ("backend", "form"), covering(["fe", "iga"], ["penalty", "saddle"], strength=1)
+)
 def test_supports_that_reach_a_contact_close_it(backend, form):
     """Moving the walls of one block by as much as the ground of the other changes no force."""
     found = []
@@ -233,12 +239,16 @@ def test_what_is_no_value_is_refused(backend, support, field):
 
 
 @pytest.mark.parametrize(
-    "contact",
-    [
-        {"formulation": {"method": "mortar"}},
-        {"form": "saddle", "P": float("inf")},
-        {"formulation": GPTS | {"lumped": True}},
-    ],
+    ("backend", "contact"),
+    covering(
+        ["fe", "iga"],
+        [
+            {"formulation": {"method": "mortar"}},
+            {"form": "saddle", "P": float("inf")},
+            {"formulation": GPTS | {"lumped": True}},
+        ],
+        strength=1,
+    ),
 )
 def test_contacts_that_know_no_forces_at_points_refuse_values_that_reach_them(backend, contact):
     data = two_blocks(backend, GPTS, mu=0.0, held=True)

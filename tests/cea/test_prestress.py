@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from covering import covering
 from motions import control_points, dense
 from pressed import pressed_blocks
 from scipy.linalg import eigh
@@ -56,8 +57,9 @@ def geometric(body, gradient):
     return dense(body.geometric_stiffness((control_points(body) @ gradient.T).ravel()))
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-@pytest.mark.parametrize("stress", [0.3, -0.3, -MU])
+@pytest.mark.parametrize(
+    ("backend", "dim", "stress"), covering(["iga", "fe"], [2, 3], [0.3, -0.3, -MU])
+)
 def test_thickness_shear_waves_of_a_stretched_slab(backend, dim, stress):
     """u_x = sin(k y) where faces hold u_y: rho omega^2 = (mu + sigma) k^2, 0 at sigma = -mu."""
     body = slab(backend, dim, BOTH_WAYS + [("z_min", "z"), ("z_max", "z")][: 2 * (dim - 2)])

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import assemble, coarse, two_blocks
+from covering import covering
 from mpi import on_ranks
 from petsc_matrices import to_numpy, to_petsc
-from quadratic_cases import damped, lumped_modes
+from quadratic_cases import damped, lumped_modes, numbers
 from quadratic_judge import dense_quadratic, judge_quadratic
 from random_quadratic import pencil_of, random_quadratic
 from reference_data import eigenvalues, stored
@@ -85,9 +86,11 @@ def test_the_threshold_of_a_damped_system_is_exact(c1, c2):
             flutter_threshold(driver, "mu", 0.01, 0.5, max_frequency=0.3)
 
 
-@pytest.mark.parametrize("size", [0.0, 1e-14, 1e-11])
+@pytest.mark.parametrize(
+    ("backend", "size"), covering(["fe", "iga"], [0.0, 1e-14, 1e-11], strength=1)
+)
 def test_without_damping_the_problem_stays_linear(backend, size):
-    pencil = assemble(two_blocks(backend, GPTS, mu=0.4, held=True)).pencil()
+    pencil = assemble(coarse(two_blocks(backend, GPTS, mu=0.4, held=True))).pencil()
     linear = solve_modes(pencil, TOP)
     modes = solve_modes(damped(pencil, size, size), TOP)
     if not size:
@@ -99,11 +102,12 @@ def test_without_damping_the_problem_stays_linear(backend, size):
     assert modes.verdict() == linear.verdict()
 
 
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
-@pytest.mark.parametrize("mu", [0.0, 0.4])
+@pytest.mark.parametrize(
+    ("backend", "form", "mu"), covering(["fe", "iga"], ["penalty", "saddle"], [0.0, 0.4])
+)
 def test_proportional_damping_turns_eigenvalues_as_it_must(backend, form, mu):
     """With C = alpha M, lambda^2 + alpha lambda is -kappa of the undamped pencil."""
-    data = two_blocks(backend, GPTS, mu=mu, held=True)
+    data = coarse(two_blocks(backend, GPTS, mu=mu, held=True))
     data["contacts"]["interface"] |= {"form": form}
     pencil, alpha = assemble(data).pencil(), 0.05
     kappa = -(solve_modes(pencil, TOP).eigenvalues ** 2)
@@ -188,8 +192,10 @@ def test_windows_of_rigid_motions_alone_have_left_vectors(seed):
     assert np.abs(y.conj().T @ problem.stiffness).max() < 1e-6 * np.abs(problem.stiffness).max()
 
 
-@pytest.mark.parametrize("shift", [0.7, 0.2 + 1.3j, 2.1j])
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize(
+    ("backend", "form", "shift"),
+    covering(["fe", "iga"], ["penalty", "saddle"], [0.7, 0.2 + 1.3j, 2.1j]),
+)
 def test_systems_at_complex_shifts_are_solved_in_real_numbers(backend, form, shift):
     data = two_blocks(backend, GPTS, mu=0.4, held=True)
     data["contacts"]["interface"] |= {"form": form}
@@ -254,9 +260,9 @@ def test_the_judge_sees_what_is_wrong(mixed):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.slow), 3])
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_numbers_do_not_depend_on_the_ranks(ranks):
-    alone, together = (on_ranks(n, "quadratic_cases.numbers") for n in (1, ranks))
+    alone, together = numbers(), on_ranks(ranks, "quadratic_cases.numbers")
     assert len(alone["re"]) > 3
     for name, values in alone.items():
         assert together[name] == pytest.approx(values, rel=1e-8, abs=1e-9)

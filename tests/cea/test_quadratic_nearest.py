@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import assemble, coarse, two_blocks
+from covering import covering
 from petsc_matrices import to_petsc
 from quadratic_cases import damped
 from quadratic_judge import dense_quadratic
@@ -43,8 +44,10 @@ def assert_nearest(modes, dense, place, wanted=WANTED):
     assert distance.min(axis=1).max() < error
 
 
-@pytest.mark.parametrize("low_rank", [False, True])
-@pytest.mark.parametrize("place", [20j, 1 + 20j, -0.5 + 35j, 3 + 3j, 5.0, 1e-3 + 1j])
+@pytest.mark.parametrize(
+    ("low_rank", "place"),
+    covering([False, True], [20j, 1 + 20j, -0.5 + 35j, 3 + 3j, 5.0, 1e-3 + 1j], strength=1),
+)
 def test_those_nearest_to_complex_and_real_places_are_found(place, low_rank):
     M, D, K = matrices()
     piece = None
@@ -89,9 +92,11 @@ def test_more_than_there_are_gives_all():
     assert found == pytest.approx(dense[np.argsort(dense.imag)], rel=1e-12)
 
 
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize(
+    ("backend", "form"), covering(["fe", "iga"], ["penalty", "saddle"], strength=1)
+)
 def test_they_are_modes_of_the_window(backend, form):
-    data = two_blocks(backend, {"method": "gpts", "points": 3}, mu=0.4, held=True)
+    data = coarse(two_blocks(backend, {"method": "gpts", "points": 3}, mu=0.4, held=True))
     data["contacts"]["interface"] |= {"form": form}
     pencil = damped(assemble(data).pencil(), 0.05, 0.01, turning=0.1)
     window = solve_modes(pencil, 1.0)

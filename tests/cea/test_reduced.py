@@ -11,6 +11,7 @@ from reduced_cases import (
     enrichment,
     errors_of_means,
     grid,
+    map_numbers,
     random_pencil,
     three_blocks_pencil,
 )
@@ -30,6 +31,8 @@ from cea.reduced.rows import along
 from cea.reduced.spectrum import MARGIN, upper_root
 
 TOP = 0.6
+ON_NURBS = pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
+"""The maps of finite elements, which take as long again, are among the slow tests."""
 RNG = np.random.default_rng(7)
 
 
@@ -50,6 +53,7 @@ def maps():
     return of
 
 
+@ON_NURBS
 def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
     built = maps(backend)
     assert len(built.snapshots) < 12
@@ -63,12 +67,14 @@ def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
         assert found.worst < 1e-7
 
 
+@ON_NURBS
 def test_every_full_solve_that_could_tell_agreed_with_the_bounds(maps, backend):
     tested = [each.tested for each in maps(backend).snapshots if each.tested is not None]
     assert tested
     assert max(tested) <= 1
 
 
+@ON_NURBS
 def test_rows_on_a_local_basis_are_those_of_the_whole_basis(maps, backend):
     small = maps(backend).model.small
     pencil = maps(backend).model.pencil
@@ -101,7 +107,7 @@ def test_no_bound_is_passed_wherever_the_basis_is_poor(seed):
     assert told > 45
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.slow)])
 def test_near_a_coalescence_members_and_means_keep_their_bounds(seed):
     pencil, matrices = random_pencil(seed)
     built = enrichment(pencil, {FRICTION: (0.0, 1.0)}, 5.0 / (2 * np.pi))
@@ -152,6 +158,7 @@ def _growing(found, mean):
     return found.right[:, turning[np.argmin(np.abs(found.kappa[turning].real - mean))]]
 
 
+@ON_NURBS
 def test_two_contacts_each_with_its_friction(backend):
     pencil = three_blocks_pencil(backend)
     names = [MU, "contacts.other.mu"]
@@ -170,6 +177,7 @@ def test_two_contacts_each_with_its_friction(backend):
         assert largest_ratio(built.at(point), modes) <= 1
 
 
+@pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])
 def test_forces_as_unknowns_are_eliminated(backend):
     """The saddle form has the eigenvalues that it has in full."""
     method = {"fe": "mortar", "iga": "gpts"}[backend]
@@ -183,6 +191,7 @@ def test_forces_as_unknowns_are_eliminated(backend):
         assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
 
 
+@ON_NURBS
 def test_materials_are_parameters_too(backend):
     pencil = blocks_pencil(backend)
     E, rho = "bodies.upper.material.E", "bodies.lower.material.rho"
@@ -216,6 +225,7 @@ def test_an_onset_of_flutter_is_that_of_full_solves(backend):
         )
 
 
+@ON_NURBS
 def test_branches_go_straight_through_crossings(maps, backend):
     """Along P without friction branches that cross keep their vectors."""
     small, pencil = maps(backend).model.small, maps(backend).model.pencil
@@ -247,6 +257,6 @@ def test_what_has_no_reduced_model_is_refused():
 @pytest.mark.mpi
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_maps_are_the_same_on_several_ranks(backend):
-    alone = on_ranks(1, "reduced_cases.map_numbers", backend)
     ranks = {"fe": 3, "iga": 2}[backend]
-    assert_same(on_ranks(ranks, "reduced_cases.map_numbers", backend), alone, rel=1e-8)
+    found = on_ranks(ranks, "reduced_cases.map_numbers", backend)
+    assert_same(found, map_numbers(backend), rel=1e-8)

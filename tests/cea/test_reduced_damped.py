@@ -11,6 +11,7 @@ from reduced_cases import (
     RATIO,
     P,
     damped_blocks_pencil,
+    damped_numbers,
     dense_damped,
     enrichment,
     random_damped_pencil,
@@ -29,6 +30,8 @@ from cea.reduced.zero_growth import zero_growth
 TOP = 0.6
 RNG = np.random.default_rng(13)
 BOX = {MU: (0.0, 1.0), P: (5.0, 50.0), ALPHA: (0.0, 0.1), RATIO: (0.0, 0.04)}
+ON_NURBS = pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
+"""The maps of finite elements, which take as long again, are among the slow tests."""
 LINE = [{MU: mu, P: 40.0, ALPHA: 0.03, RATIO: 0.02} for mu in (0.5, 0.55, 0.6)]
 """Where rows on local bases are asked for more digits than the rest of the map."""
 
@@ -59,6 +62,7 @@ def apart(found, modes):
     return np.abs(window.eigenvalues[rows] - modes.eigenvalues[columns]), columns
 
 
+@ON_NURBS
 def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
     built = maps(backend)
     assert len(built.snapshots) < 12
@@ -76,6 +80,7 @@ def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
         assert found.window.eigenvalues.real.max() < 0 or point[MU] > 0
 
 
+@ON_NURBS
 def test_without_damping_it_is_the_undamped_problem(maps, backend):
     """Where all damping vanishes a full solve is linear in lambda^2, and the map agrees with it."""
     built = maps(backend)
@@ -89,6 +94,7 @@ def test_without_damping_it_is_the_undamped_problem(maps, backend):
     assert (apart(found, modes)[0] / found.window.speeds).max() < 1e-8
 
 
+@ON_NURBS
 def test_rows_on_a_local_basis_are_those_of_the_whole_basis(maps, backend):
     small, pencil = maps(backend).model.small, maps(backend).model.pencil
     line = [pencil.values({MU: mu, P: 40.0, ALPHA: 0.03}) for mu in np.linspace(0.5, 0.6, 21)]
@@ -102,7 +108,7 @@ def test_rows_on_a_local_basis_are_those_of_the_whole_basis(maps, backend):
         assert (difference / whole.window.speeds).max() < 2e-9
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(s, marks=pytest.mark.slow) for s in (1, 2))])
 def test_no_bound_is_passed_wherever_the_basis_is_poor(seed):
     """From bases that know far too little to such as know all: dense eigenvalues are the judge."""
     pencil, matrices = random_damped_pencil(seed)
@@ -141,6 +147,7 @@ def test_near_a_coalescence_members_and_means_keep_their_bounds():
         assert found.certificate.means[pair].max() / (2 * speed**2) < 1e-6
 
 
+@ON_NURBS
 def test_a_threshold_of_growth_is_that_of_full_solves(maps, backend):
     built = maps(backend)
     point = {P: 40.0, ALPHA: 0.01, RATIO: 0.005}
@@ -189,6 +196,6 @@ def test_derivatives_of_coefficients_are_those_of_differences(backend):
 @pytest.mark.mpi
 @pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])
 def test_damped_maps_are_the_same_on_several_ranks(backend):
-    alone = on_ranks(1, "reduced_cases.damped_numbers", backend)
     ranks = {"fe": 2, "iga": 3}[backend]
-    assert_same(on_ranks(ranks, "reduced_cases.damped_numbers", backend), alone, rel=1e-8)
+    found = on_ranks(ranks, "reduced_cases.damped_numbers", backend)
+    assert_same(found, damped_numbers(backend), rel=1e-8)

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from covering import covering
 from petsc_matrices import to_numpy
 from scipy.linalg import eigh, eigvals
 
@@ -54,8 +55,10 @@ def matrices(part, rotation):
     ]
 
 
-@pytest.mark.parametrize("coriolis", [True, False])
-@pytest.mark.parametrize("held", ["free", "clamped", "roller"])
+@pytest.mark.parametrize(
+    ("backend", "held", "coriolis"),
+    covering(["fe", "iga"], ["free", "clamped", "roller"], [True, False]),
+)
 def test_y_is_skew_and_z_symmetric_to_the_last_bit(backend, coriolis, held):
     supports = {
         "free": [],
@@ -70,8 +73,10 @@ def test_y_is_skew_and_z_symmetric_to_the_last_bit(backend, coriolis, held):
     assert eigh(Z, eigvals_only=True).min() > -1e-13 * np.abs(Z).max()
 
 
-@pytest.mark.parametrize("coriolis", [True, False])
-@pytest.mark.parametrize("placement", [None, TURNED], ids=["as it is", "turned"])
+@pytest.mark.parametrize(
+    ("backend", "coriolis", "placement"),
+    covering(["iga", "fe"], [True, False], [None, TURNED]),
+)
 def test_linear_fields_have_their_integrals(backend, coriolis, placement):
     """For u = A r, v = B r with W v = a x v: R u = A W r, less W A r without Coriolis forces.
 
@@ -167,6 +172,7 @@ def test_waves_of_a_free_ring_pass_by_with_their_number_times_the_rate(backend):
     assert coarse / fine > 12
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 @pytest.mark.convergence
 def test_with_coriolis_forces_the_frame_of_the_body_tells_the_same(backend):
     """In that frame lambda^2 M + 2 lambda Omega G + K - Omega^2 N, G = int rho v . (a x u).

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import FORMULATIONS, assemble, coarse, two_blocks
+from covering import covering
 from motions import dense
 from scipy.linalg import eigvals, null_space
 
@@ -28,10 +29,14 @@ def with_form(data, form, **changes):
     return data
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.4])
+@pytest.mark.parametrize(
+    ("backend", "formulation", "mu"),
+    covering(["iga", "fe"], FORMULATIONS, [0.0, 0.4], strength=1),
+    indirect=["formulation"],
+)
 def test_the_eigenvalues_are_those_of_the_penalty_form(backend, formulation, mu):
     both = [
-        modes_of(with_form(two_blocks(backend, formulation, mu=mu, held=True), form))
+        modes_of(with_form(coarse(two_blocks(backend, formulation, mu=mu, held=True)), form))
         for form in ("penalty", "saddle")
     ]
     assert len(both[0].eigenvalues) > 3
@@ -50,11 +55,14 @@ def test_multipliers_eliminated_give_the_penalty_matrices(backend, formulation):
     np.testing.assert_allclose(stiffness, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_infinite_stiffness_is_the_limit_of_finite_ones(backend):
     mortar = {"method": "mortar"}
     kappa = {
         P: -(
-            modes_of(with_form(two_blocks(backend, mortar, held=True), "saddle", P=P)).eigenvalues
+            modes_of(
+                with_form(coarse(two_blocks(backend, mortar, held=True)), "saddle", P=P)
+            ).eigenvalues
             ** 2
         )
         for P in (1e5, 1e6, float("inf"))
@@ -72,8 +80,10 @@ def test_inertia_counts_modes_beside_multipliers(backend):
     assert count_below(matrices, middle) == 4
 
 
-@pytest.mark.parametrize("P", ["1e2", "1e6", "1e14", "1e20", "inf"])
-@pytest.mark.parametrize("method", ["mortar", "segments"])
+@pytest.mark.parametrize(
+    ("backend", "method", "P"),
+    covering(["iga", "fe"], ["mortar", "segments"], ["1e2", "1e6", "1e14", "1e20", "inf"]),
+)
 def test_the_patch_test_passes_at_any_stiffness(backend, method, P):
     overrides = [f"contacts.interface.P={P}", "contacts.interface.form='saddle'"]
     overrides.append(f"contacts.interface.formulation={{method='{method}'}}")
@@ -86,7 +96,7 @@ def test_a_full_pass_in_both_forms_is_the_same(backend):
     both = [
         modes_of(
             with_form(
-                two_blocks(backend, {"method": "gpts", "points": 4}, held=True),
+                coarse(two_blocks(backend, {"method": "gpts", "points": 4}, held=True)),
                 form,
                 full_pass=True,
             )
@@ -151,9 +161,10 @@ def test_contact_between_held_sides_does_nothing(form):
     assert modes_of(data, together=False).eigenvalues == pytest.approx(alone, rel=1e-9)
 
 
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
-@pytest.mark.parametrize("leave_out", [True, False])
-@pytest.mark.parametrize("changed", [0.5, 0.0, 1.0])
+@pytest.mark.parametrize(
+    ("form", "leave_out", "changed"),
+    covering(["penalty", "saddle"], [True, False], [0.5, 0.0, 1.0]),
+)
 def test_friction_that_varies_over_the_points_of_one_side_alone(form, leave_out, changed):
     """Constant, or zero, on the coarse points of the other: both halves keep their own."""
     matrices = []

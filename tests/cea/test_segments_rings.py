@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from covering import covering
 
 from cea.contact.segments import segment_points
 from cea.surface import SurfaceCoordinates
@@ -95,7 +96,12 @@ def covered(surface, around, pieces=3072):
 
 
 @pytest.mark.parametrize(
-    ("degree", "rings"), [(k % 2 + 2, rings) for k, rings in enumerate(RINGS)], ids=str
+    ("degree", "rings"),
+    [
+        pytest.param(k % 2 + 2, rings, marks=() if k in (1, 2, 6) else pytest.mark.slow)
+        for k, rings in enumerate(RINGS)
+    ],
+    ids=str,
 )
 def test_boxes_of_splines_fill_the_ring(rings, degree):
     a, b = sides("iga", degree, rings)
@@ -117,8 +123,9 @@ def common_boxes(a, b):
     return (len(circles) - 1) * len(spokes)
 
 
-@pytest.mark.parametrize("degree", [2, 3, 4])
-@pytest.mark.parametrize("rings", MATCHING_RIMS, ids=str)
+@pytest.mark.parametrize(
+    ("rings", "degree"), covering(MATCHING_RIMS, [4, 3, 2], strength=1), ids=str
+)
 def test_segments_of_elements_fill_rings_whose_rims_match(rings, degree):
     a, b = sides("fe", 1, rings, degree)
     points = segment_points(a, b, 8, REACH)
@@ -126,8 +133,11 @@ def test_segments_of_elements_fill_rings_whose_rims_match(rings, degree):
     assert not b.locate(points.x[::7], points.normal[::7], REACH).missed.any()
 
 
-@pytest.mark.parametrize("degree", [1, 2, 4])
-@pytest.mark.parametrize("rings", [((1, 12), (2, 16)), ((2, 24), (2, 12))], ids=str)
+@pytest.mark.parametrize(
+    ("rings", "degree"),
+    covering([((1, 12), (2, 16)), ((2, 24), (2, 12))], [4, 2, 1], strength=1),
+    ids=str,
+)
 def test_rims_that_miss_each_other_leave_what_both_cover(rings, degree):
     a, b = sides("fe", 1, rings, degree)
     points = segment_points(a, b, 4, REACH)

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg
-from blocks import assemble, two_blocks
+from blocks import assemble, coarse, two_blocks
+from covering import covering
 from petsc_matrices import to_numpy, to_petsc
 from reference_data import plane_meshes, stored
 
@@ -74,9 +75,11 @@ STEPS = {
 }
 
 
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize(
+    ("backend", "form"), covering(["fe", "iga"], ["penalty", "saddle"], strength=1)
+)
 def test_derivatives_in_every_kind_of_parameter(backend, form):
-    data = two_blocks(backend, {"method": "gpts", "points": 4}, held=True)
+    data = coarse(two_blocks(backend, {"method": "gpts", "points": 4}, held=True))
     data["contacts"]["interface"]["form"] = form
     data["bodies"]["upper"]["springs"] = [{"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}]
     check(assemble(data).pencil(), 0.62, STEPS)
@@ -84,7 +87,7 @@ def test_derivatives_in_every_kind_of_parameter(backend, form):
 
 def test_derivatives_beside_tied_contact(backend):
     """At P = infinity the derivative in mu goes through the contact forces alone."""
-    data = two_blocks(backend, {"method": "mortar"}, held=True, P=float("inf"))
+    data = coarse(two_blocks(backend, {"method": "mortar"}, held=True, P=float("inf")))
     data["contacts"]["interface"]["form"] = "saddle"
     check(assemble(data).pencil(), 0.62, {"contacts.interface.mu": 2e-4})
 
@@ -95,6 +98,7 @@ COARSE = {
 }
 
 
+@pytest.mark.slow
 def test_derivatives_of_the_disc_and_pad(backend):
     scene = load_scene(Path("disc_pad"), COARSE[backend], backend)
     steps = {
@@ -112,7 +116,7 @@ MESHES = {
 }
 
 
-@pytest.mark.parametrize("distance", [1e-2, 1e-4])
+@pytest.mark.parametrize(("backend", "distance"), covering(["fe", "iga"], [1e-2, 1e-4], strength=1))
 def test_derivatives_of_the_blocks_near_coalescence(backend, distance):
     """Members part like square roots of the distance; steps must stay well below it."""
     entry = stored("blocks_sine_mu_thresholds")[0]

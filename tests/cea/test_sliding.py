@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import FORMULATIONS, PLACEMENTS, assemble, two_blocks
+from covering import covering
 from petsc_matrices import to_numpy
 
 from cea.errors import InputError
@@ -34,6 +35,11 @@ def damping(data, changes=None):
     return C, shift, area
 
 
+@pytest.mark.parametrize(
+    ("backend", "formulation", "placement"),
+    covering(["fe", "iga"], FORMULATIONS, PLACEMENTS),
+    indirect=True,
+)
 def test_power_of_a_translation(backend, formulation, placement):
     """Along k it is sigma mu' A, across it mu sigma A / v, and none along the normal.
 
@@ -100,17 +106,17 @@ def test_fields_are_taken_at_the_points(backend):
     np.testing.assert_allclose(C, expected, rtol=1e-11, atol=1e-13 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"sliding.pressure": 7.0},
-        {"sliding.pressure": 0.0},
-        {"sliding.speed": 0.1},
-        {"sliding.mu_slope": 0.3},
-        {"mu": 0.9},
-        {"mu": 0.0},
-    ],
-)
+CHANGES = [
+    {"sliding.pressure": 7.0},
+    {"sliding.pressure": 0.0},
+    {"sliding.speed": 0.1},
+    {"sliding.mu_slope": 0.3},
+    {"mu": 0.9},
+    {"mu": 0.0},
+]
+
+
+@pytest.mark.parametrize(("backend", "change"), covering(["iga", "fe"], CHANGES, strength=1))
 def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(backend, change):
     sliding = {"pressure": PRESSURE, "speed": SPEED, "mu_slope": SLOPE}
     formulation = {"method": "gpts", "points": 2}

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from blocks import ROTATED, assemble, two_blocks
+from blocks import FORMULATIONS, ROTATED, assemble, two_blocks
+from covering import covering
 from motions import dense, resultant
 from pressed import AREA, PRESSURE, SOFT, coupled_blocks
 
@@ -13,6 +14,12 @@ from cea.system.steady_sliding import steady_sliding
 
 GPTS = {"method": "gpts", "points": 3}
 MORTAR = {"method": "mortar"}
+EACH = pytest.mark.parametrize(
+    ("backend", "formulation"),
+    covering(["iga", "fe"], FORMULATIONS, strength=1),
+    indirect=["formulation"],
+)
+"""Each formulation."""
 RNG = np.random.default_rng(5)
 
 
@@ -22,7 +29,7 @@ def orders(residuals):
     return np.diff(logs)[1:] / np.diff(logs)[:-1]
 
 
-@pytest.mark.parametrize("m", [2.0, 2.5, 3.3])
+@pytest.mark.parametrize(("backend", "m"), covering(["fe", "iga"], [2.0, 2.5, 3.3], strength=1))
 def test_newton_converges_quadratically(backend, m):
     steady = steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT, m_n=m))
     (step,) = steady.path
@@ -36,7 +43,11 @@ def test_a_linear_law_closed_everywhere_takes_one_step(backend):
     assert steady.contacts["interface"].closed_fraction == 1.0
 
 
-@pytest.mark.parametrize("m", [1.0, 2.5])
+@pytest.mark.parametrize(
+    ("backend", "formulation", "m"),
+    covering(["fe", "iga"], FORMULATIONS, [1.0, 2.5]),
+    indirect=["formulation"],
+)
 def test_the_tangent_is_the_derivative_of_the_forces(backend, formulation, m):
     """Where some points are open and others closed; a law of m = 1 has a kink that is kept off."""
     problem = SlidingProblem(coupled_blocks(backend, formulation, c_n=SOFT, m_n=m, mu=0.4))
@@ -69,7 +80,11 @@ def test_forces_equal_a_loop_over_points(backend):
     assert state.residual == pytest.approx(force, abs=1e-13 * np.abs(force).max())
 
 
-@pytest.mark.parametrize("full_pass", [False, True])
+@pytest.mark.parametrize(
+    ("backend", "formulation", "full_pass"),
+    covering(["iga", "fe"], FORMULATIONS, [False, True], strength=1),
+    indirect=["formulation"],
+)
 def test_the_contact_bears_the_load(backend, formulation, full_pass):
     options = {"c_n": 1e4, "m_n": 2.5, "mu": 0.3, "full_pass": full_pass}
     states = steady_sliding(coupled_blocks(backend, formulation, **options)).contacts.values()
@@ -84,6 +99,7 @@ def test_the_contact_bears_the_load(backend, formulation, full_pass):
         assert state.pressure == pytest.approx(law.pressure(state.closure), rel=1e-12)
 
 
+@EACH
 def test_forces_on_both_sides_cancel(backend, formulation):
     data = two_blocks(backend, formulation, ROTATED)
     contact = data["contacts"]["interface"]
@@ -97,7 +113,7 @@ def test_forces_on_both_sides_cancel(backend, formulation):
     assert np.abs(on_a + on_b).max() <= 1e-13 * scale
 
 
-@pytest.mark.parametrize("rule", [GPTS, MORTAR], ids=lambda rule: rule["method"])
+@pytest.mark.parametrize(("backend", "rule"), covering(["fe", "iga"], [GPTS, MORTAR], strength=1))
 def test_an_added_gap_moves_the_state_and_changes_no_pressure(backend, rule):
     """A block that nothing holds along the normal sinks as far as it is lifted."""
     options = {"c_n": SOFT, "m_n": 2.0, "reach": 0.1}
@@ -109,6 +125,7 @@ def test_an_added_gap_moves_the_state_and_changes_no_pressure(backend, rule):
     assert closures[1] == pytest.approx(closures[0], rel=1e-8)
 
 
+@EACH
 def test_a_crowned_gap_closes_in_part(backend, formulation):
     law = {"c_n": 100.0, "m_n": 2.0, "added_gap": "0.2*(x-0.45)**2"}
     system = coupled_blocks(backend, formulation, mu=0.0, **law)
@@ -146,6 +163,7 @@ def test_without_a_load_nothing_presses(backend):
         steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT, pressure=0.0))
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_a_law_too_stiff_for_rounding_says_what_is_allowed(backend):
     """What is allowed is: the state is found there."""
     law = {"c_n": 1e13, "mu": 0.0}

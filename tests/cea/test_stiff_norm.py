@@ -14,7 +14,7 @@ TOP = 0.6
 RNG = np.random.default_rng(5)
 
 
-@pytest.fixture(scope="module", params=["fe", "iga"])
+@pytest.fixture(scope="module", params=[pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def built(request):
     made = enrichment(blocks_pencil(request.param), {MU: (0.0, 1.0), P: (1.0, 1e8)}, TOP)
     made.cover(grid(mu=[0.0, 0.5, 1.0], P=np.geomspace(1, 1e8, 9)))
@@ -78,7 +78,7 @@ def means_beside_bounds(found, whole):
     return max(abs(apart[each].mean()) / bounds[each].max() for each in members)
 
 
-@pytest.mark.parametrize("p", [1.0, 1e4, 1e8])
+@pytest.mark.parametrize("p", [*(pytest.param(p, marks=pytest.mark.slow) for p in (1.0, 1e4)), 1e8])
 def test_parts_of_a_line_are_those_of_the_whole_basis(built, p):
     small, pencil = built.model.small, built.model.pencil
     line = [pencil.values({MU: mu, P: p}) for mu in np.linspace(0, 1, 61)]

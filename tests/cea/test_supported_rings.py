@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from blocks import ROTATED
+from covering import covering
 from lagrange_bodies import csr
 from scipy.optimize import brentq
 from scipy.special import jv, jvp, yv, yvp
@@ -25,10 +26,16 @@ from scenes.run import run_scene
 
 
 @pytest.mark.parametrize(
-    ("component", "placement"), [("radial", None), ("radial", ROTATED), ("normal", ROTATED)]
+    ("backend", "held"),
+    covering(
+        ["iga", "fe"],
+        [("radial", None), ("radial", ROTATED), ("normal", ROTATED)],
+        strength=1,
+    ),
 )
-def test_ring_between_rollers_turns_and_slides_freely(backend, component, placement):
+def test_ring_between_rollers_turns_and_slides_freely(backend, held):
     """Two zero eigenvalues and no more; the rotation satisfies every constraint exactly."""
+    component, placement = held
     frame = (ABOUT_PLACED if placement else ABOUT_Z) if component == "radial" else {}
     rims = on(("inner", "outer"), component, **frame)
     part = build(backend, RING, rims, [2, 12, 1], placement=placement)
@@ -86,7 +93,7 @@ PLANE = on(("bottom", "top"), "axial", **ABOUT_Z)
 
 
 @pytest.mark.convergence
-@pytest.mark.parametrize("degree", [2, 3])
+@pytest.mark.parametrize("degree", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_projection_keeps_the_order_of_nurbs(degree):
     """Rims with u_r = 0 in plane strain: one u_r-dominated and two sheared modes, m = 0, 1."""
     exact = np.sort([*exact_frequencies(1, 3.2), *exact_frequencies(0, 3.2)])
@@ -145,6 +152,7 @@ def ring_on_disc(backend):
     }
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_ring_on_disc_between_rollers_flutters_as_its_waves_do(backend):
     """Exact waves of order m = 0, 1, 2 by an independent solver; each m > 0 runs both ways."""
     found = run_scene(read_scene(ring_on_disc(backend))).modes.eigenvalues
@@ -164,6 +172,7 @@ def test_ring_on_disc_between_rollers_flutters_as_its_waves_do(backend):
             assert np.abs(found - twin).min() < 5e-5 * abs(value)
 
 
+@pytest.mark.slow
 def test_both_backends_agree_on_a_ring_between_rollers():
     supports = on(("inner", "outer"), "radial", **ABOUT_Z) + on(["bottom"])
     meshes = {"fe": ([3, 24, 1], 3), "iga": ([5, 24, 2], 3)}
@@ -177,10 +186,12 @@ def test_both_backends_agree_on_a_ring_between_rollers():
 
 
 @pytest.mark.parametrize(
-    ("geometry", "turned"), [(RING, ("inner", "outer")), (QUARTER, ("start", "end"))]
+    ("backend", "held"),
+    covering(["iga", "fe"], [(RING, ("inner", "outer")), (QUARTER, ("start", "end"))], strength=1),
 )
-def test_ring_under_pressure_is_lame_s(backend, geometry, turned):
+def test_ring_under_pressure_is_lame_s(backend, held):
     """Plane strain, u_theta held: u_r = A r + B / r, in all of the body."""
+    geometry, turned = held
     p, a, b = 0.3, RING["inner_radius"], RING["outer_radius"]
     part = build(
         backend, geometry, PLANE + on(turned, "circumferential", **ABOUT_Z),

@@ -6,6 +6,7 @@ import scipy.linalg
 from mpi import on_ranks
 from petsc_matrices import to_petsc
 from same_numbers import assert_same
+from surrounded_numbers import surrounded_numbers
 
 from cea.eigen.block_krylov import BlockKrylov
 from cea.eigen.krylov_run import KrylovRun
@@ -70,7 +71,9 @@ def test_it_is_an_invariant_subspace_that_holds_what_was_found(searched):
     assert inside == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(
+    "seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 6))]
+)
 def test_what_is_missing_is_seen(searched, seed):
     krylov, found, around, _ = searched
     assert nothing_beside(krylov, around, 50.3, RADIUS, seed)
@@ -119,7 +122,7 @@ def test_a_mode_that_the_first_search_missed_is_found(monkeypatch):
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_several_ranks_see_the_same(backend):
     ranks = {"fe": 2, "iga": 3}[backend]
-    alone = on_ranks(1, "surrounded_numbers.surrounded_numbers", backend)
+    alone = surrounded_numbers(backend)
     assert alone["window"][:-1] == [True, True]
     assert_same(on_ranks(ranks, "surrounded_numbers.surrounded_numbers", backend), alone, rel=1e-8)
 
@@ -148,9 +151,15 @@ class Blind(BlockKrylov):
         return result
 
 
-@pytest.mark.parametrize("rubs", [False, True])
-@pytest.mark.parametrize("value", [11, 30, 50, 87])
-def test_fresh_vectors_of_the_last_steps_see_what_all_others_missed(rubs, value):
+@pytest.mark.parametrize(
+    ("value", "rubs"),
+    [
+        (11, False),
+        *(pytest.param(v, False, marks=pytest.mark.slow) for v in (30, 50, 87)),
+        *(pytest.param(v, True, marks=pytest.mark.slow) for v in (11, 30, 50, 87)),
+    ],
+)
+def test_fresh_vectors_of_the_last_steps_see_what_all_others_missed(value, rubs):
     """At both rims of the disc, and next to the shift."""
     matrices = pencil_of(rubs).at()
     krylov = Blind(

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from covering import covering
 from petsc_matrices import to_petsc
 from reference_data import plane_meshes, stored
 
@@ -179,9 +180,9 @@ def test_without_friction_nothing_flutters():
         flutter_threshold(KrylovSchur(pencil), FRICTION, 0.0, 1.0, max_frequency=TOP)
 
 
-@pytest.mark.parametrize(("backend", "degree", "n"), [("fe", 4, 1), ("iga", 4, 2)])
-@pytest.mark.parametrize("i", [0, 3])
-def test_first_thresholds_of_the_blocks_on_coarse_meshes(backend, degree, n, i):
+@pytest.mark.parametrize(("mesh", "i"), covering([("fe", 4, 1), ("iga", 4, 2)], [0, 3], strength=1))
+def test_first_thresholds_of_the_blocks_on_coarse_meshes(mesh, i):
+    backend, degree, n = mesh
     p, mu_c, omega = exact_points()[i]
     threshold = found_at(blocks(backend, degree, n, p), mu_c, omega, 0.53)
     assert threshold.value == pytest.approx(mu_c, abs=1e-4)
@@ -201,7 +202,7 @@ def test_every_threshold_of_the_blocks_to_six_digits(backend, degree, n, p):
 
 
 @pytest.mark.convergence
-@pytest.mark.parametrize("backend", ["fe", "iga"])
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_at_the_threshold_the_mean_keeps_twice_the_order_of_its_members(backend):
     """Quadratic elements: the mean converges like h^4, the members part from it like h^2."""
     p, mu_c, omega = exact_points()[0]

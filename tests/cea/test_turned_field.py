@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 import scipy.linalg
-from blocks import assemble, two_blocks
+from blocks import assemble, coarse, two_blocks
+from covering import covering
 from mpi import on_ranks
 from petsc_matrices import to_numpy, to_petsc
 from same_numbers import assert_same
+from turned_numbers import turned_numbers
 
 from cea.eigen import search
 from cea.eigen.field_of_values import field_of_values
@@ -45,27 +47,27 @@ def symmetric(matrix):
 
 
 def scene(backend, formulation, P, mu, form=None):
-    data = two_blocks(backend, formulation, held=True, mu=mu, P=P)
+    data = coarse(two_blocks(backend, formulation, held=True, mu=mu, P=P))
     if form is not None:
         data["contacts"]["interface"]["form"] = form
     return assemble(data).pencil().at()
 
 
-@pytest.mark.parametrize(
-    ("formulation", "form", "P", "mu"),
-    [
-        (GPTS, "penalty", 1e4, 1.5),
-        (GPTS, "saddle", 3.0, 0.4),
-        (MORTAR, None, 1e9, 0.7),
-        ({"method": "segments", "points": 3}, "penalty", 1e9, 0.7),
-    ],
-)
-def test_the_wedge_is_that_of_dense_matrices(backend, formulation, form, P, mu):
+CONTACTS = [
+    (GPTS, 1e4, 1.5, "penalty"),
+    (GPTS, 3.0, 0.4, "saddle"),
+    (MORTAR, 1e9, 0.7, None),
+    ({"method": "segments", "points": 3}, 1e9, 0.7, "penalty"),
+]
+
+
+@pytest.mark.parametrize(("backend", "contact"), covering(["iga", "fe"], CONTACTS, strength=1))
+def test_the_wedge_is_that_of_dense_matrices(backend, contact):
     """X flips where the least eigenvalue of the symmetric parts is, and tau has half as much room.
 
     Every eigenvalue of the pencil lies in the wedge, though nothing here knew of eigenvalues.
     """
-    matrices = scene(backend, formulation, P, mu, form)
+    matrices = scene(backend, *contact)
     field = TurnedField.of(matrices)
     assert field is not None
     K, M = dense(matrices)
@@ -100,8 +102,9 @@ def test_the_depth_is_where_wedge_and_window_part(slope, depth):
         assert reaches.max() > -within - 0.05 * (1 + slope) * (TOP + depth)
 
 
-@pytest.mark.parametrize("P", [1e8, 1e14])
-@pytest.mark.parametrize("formulation", [GPTS, MORTAR])
+@pytest.mark.parametrize(
+    ("backend", "formulation", "P"), covering(["fe", "iga"], [GPTS, MORTAR], [1e8, 1e14])
+)
 def test_stiff_contact_moves_nothing_farther(backend, formulation, P):
     """The plain bound grows with P; this one hardly."""
     matrices = scene(backend, formulation, P, 0.7)
@@ -113,7 +116,7 @@ def test_stiff_contact_moves_nothing_farther(backend, formulation, P):
 
 def test_tied_sides_with_friction_are_bounded(backend):
     """P = infinity, of which the plain bound says nothing."""
-    data = two_blocks(backend, MORTAR, held=True, mu=0.7, P=float("inf"))
+    data = coarse(two_blocks(backend, MORTAR, held=True, mu=0.7, P=float("inf")))
     matrices = assemble(data).pencil().at()
     field = TurnedField.of(matrices)
     assert field.bounds(TOP, 20.0)
@@ -129,9 +132,18 @@ def test_without_friction_or_nodes_there_is_none():
     assert TurnedField.of(pencil.at()) is None
 
 
+STIFF, STIFFEST = ["P=1e12"], ["P=1e16", 'formulation={method="mortar"}', "mu=1.5"]
+
+
 @pytest.mark.parametrize(
-    "changes",
-    [["P=1e12"], ["P=1e16", 'formulation={method="mortar"}', "mu=1.5"]],
+    ("backend", "changes"),
+    [
+        ("fe", STIFF),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (("iga", STIFF), ("fe", STIFFEST), ("iga", STIFFEST))
+        ),
+    ],
 )
 def test_windows_of_stiff_contact_are_complete(backend, changes, monkeypatch):
     """As large systems are searched, with few discs: all modes of many discs, and complete."""
@@ -163,12 +175,13 @@ def test_large_windows_of_stiff_contact_are_complete(backend, changes):
 @pytest.mark.parametrize(
     ("backend", "ranks"),
     [
-        ("fe", 3),
         ("iga", 2),
-        pytest.param("fe", 2, marks=pytest.mark.slow),
-        pytest.param("iga", 3, marks=pytest.mark.slow),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (("fe", 2), ("fe", 3), ("iga", 3))
+        ),
     ],
 )
 def test_ranks_agree(backend, ranks):
-    alone = on_ranks(1, "turned_numbers.turned_numbers", backend)
-    assert_same(on_ranks(ranks, "turned_numbers.turned_numbers", backend), alone, rel=1e-6)
+    found = on_ranks(ranks, "turned_numbers.turned_numbers", backend)
+    assert_same(found, turned_numbers(backend), rel=1e-6)

@@ -1,6 +1,7 @@
 """Operators on full dofs as operators on unknowns, against dense products with expansions."""
 
 import gc
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,6 +27,11 @@ SUPPORTS = {
 @pytest.fixture
 def bodies(backend):
     """A free body, one whose supports select dofs, one whose supports mix them."""
+    return _bodies(backend)
+
+
+@cache
+def _bodies(backend):
     return {
         name: build(backend, shape, supports, [2, 8, 1] if shape is RING else [2, 2, 1])
         for name, (shape, supports) in SUPPORTS.items()

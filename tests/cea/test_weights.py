@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from covering import covering
 from scipy.interpolate import BSpline
 from scipy.optimize import minimize_scalar
 
@@ -86,12 +87,13 @@ def test_botella_and_greville_points_agree_on_uniform_splines_only():
     assert np.abs(botella(uniform, 3) - greville(uniform, 3)).max() > 5e-3
 
 
-@pytest.mark.parametrize(("degree", "continuity"), [(2, None), (3, 1)])
-@pytest.mark.parametrize("kind", ["greville", "botella"])
 @pytest.mark.parametrize(
-    ("shape", "elements"), SPACE + PLANE, ids=lambda s: getattr(s, "shape", "")
+    ("meshed", "kind", "order"),
+    covering(SPACE + PLANE, ["greville", "botella"], [(2, None), (3, 1)]),
+    ids=lambda s: getattr(s[0], "shape", "") if isinstance(s, tuple) else s,
 )
-def test_area_weights_are_integrals_of_the_traces(shape, elements, kind, degree, continuity):
+def test_area_weights_are_integrals_of_the_traces(meshed, kind, order):
+    (shape, elements), (degree, continuity) = meshed, order
     for surface in nurbs(shape, elements, degree, continuity).surfaces.values():
         even, points = surface.abscissae(kind), surface.abscissae(kind, "area")
         assert len(points) == len(surface.dofs)

@@ -6,7 +6,8 @@ from functools import partial
 import numpy as np
 import pytest
 import scipy.linalg
-from blocks import assemble, two_blocks
+from blocks import assemble, coarse, two_blocks
+from covering import covering
 from petsc_matrices import to_numpy, to_petsc
 
 from cea.eigen import field_of_values as field_of_values_module
@@ -140,14 +141,16 @@ def test_the_bound_is_that_of_the_field_of_values(form, P):
     assert not field_of_values(matrices, -lowest - 1e-3 * size).bounded
 
 
-@pytest.mark.parametrize("mu", [1e-6, 0.3, 0.9, 3.0])
-@pytest.mark.parametrize("of_contact", ["penalty", "saddle", "mortar", "both"])
+@pytest.mark.parametrize(
+    ("backend", "of_contact", "mu"),
+    covering(["iga", "fe"], ["penalty", "saddle", "mortar", "both"], [1e-6, 0.3, 0.9, 3.0]),
+)
 def test_the_cone_holds_the_field_of_values(backend, mu, of_contact):
     """Its slope is that of dense matrices, and a safety of one half."""
     gpts = {"method": "gpts", "points": 3}
 
     def pencil_in(form, method=gpts):
-        data = two_blocks(backend, method, held=True, mu=mu, P=2.0)
+        data = coarse(two_blocks(backend, method, held=True, mu=mu, P=2.0))
         if form:
             data["contacts"]["interface"]["form"] = form
         return assemble(data).pencil().at()

@@ -62,7 +62,8 @@ def distance_to(values, reference):
 
 
 DRUMS = stored("drum_2d") + stored("drum_3d")
-QUICK_DRUMS = [13, 37]
+QUICK_DRUMS = [37]
+"""One in 3D; one in 2D is compared where the command line is tested."""
 
 
 def reproduces_drum(entry):
@@ -76,7 +77,7 @@ def reproduces_drum(entry):
 
 
 @pytest.mark.parametrize("i", QUICK_DRUMS)
-def test_the_drum_in_2d_and_3d_to_19_digits_and_nothing_missing(i):
+def test_the_drum_to_19_digits_and_nothing_missing(i):
     reproduces_drum(DRUMS[i])
 
 
@@ -87,7 +88,7 @@ def test_every_stored_drum(i):
 
 
 @pytest.mark.parametrize(
-    "i", [2, 6, *(pytest.param(i, marks=pytest.mark.slow) for i in (0, 1, 3, 4, 5))]
+    "i", [2, *(pytest.param(i, marks=pytest.mark.slow) for i in (0, 1, 3, 4, 5, 6))]
 )
 def test_blocks_with_sinusoidal_friction_to_16_digits(i):
     entry = stored("blocks_sine_mu")[i]
@@ -96,6 +97,7 @@ def test_blocks_with_sinusoidal_friction_to_16_digits(i):
     assert apart(by_frequency(found["lam"]), by_frequency(entry["lam"])) < 1e-16
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("p", ["1", "10"])
 def test_thresholds_of_the_blocks_to_19_digits(p):
     found = {
@@ -109,6 +111,7 @@ def test_thresholds_of_the_blocks_to_19_digits(p):
                 assert abs(Decimal(point[name]) / Decimal(entry[name]) - 1) < Decimal("1e-19")
 
 
+@pytest.mark.slow
 def test_two_real_modes_turn_into_a_growing_and_a_decaying_one_at_a_threshold():
     (point,) = exceptional_points(Blocks.of("1"), 0.1, 3.0)
     mu_c = float(point.mu_c)
@@ -208,8 +211,8 @@ def random_materials(rng):
     ]
 
 
-def methods_agree(seed, degree=18):
-    """Determinant against Galerkin for one random drum and one random pair of blocks."""
+def random_problems(seed):
+    """A random drum, and a random pair of blocks."""
     rng = np.random.default_rng(seed)
     p = rng.choice(["0.2", "3", "150", "inf"])
     kz = rng.choice([None, "pi/2", "2.1"])
@@ -217,11 +220,24 @@ def methods_agree(seed, degree=18):
     a, b = random_materials(rng)
     radii = [f"{r:.2f}" for r in np.cumsum(rng.uniform(0.3, 0.7, 3))]
     drum = Drum.of(int(rng.integers(0, 7)), p, mu, kz, a, b, *radii)
+    sizes = [f"{s:.2f}" for s in rng.uniform((0.3, 0.5, 1.2), (0.8, 1.2, 2.2))]
+    return drum, Blocks.of(p, mu, kz, a, b, *sizes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_determinant_and_galerkin_agree_for_random_drums(seed):
+    drum, _ = random_problems(seed)
     exact = spectrum(drum, count=8).values
     same_set(lowest(galerkin_problems.drum(drum, 36), 8, drum.scale()), exact, 1e-10)
 
-    sizes = [f"{s:.2f}" for s in rng.uniform((0.3, 0.5, 1.2), (0.8, 1.2, 2.2))]
-    blocks = Blocks.of(p, mu, kz, a, b, *sizes)
+
+@pytest.mark.parametrize(
+    ("seed", "degree"),
+    [(16, 18), *(pytest.param(seed, 22, marks=pytest.mark.slow) for seed in range(20))],
+)
+def test_determinant_and_galerkin_agree_for_random_blocks(seed, degree):
+    _, blocks = random_problems(seed)
     found = spectrum(blocks, count=8)
     exact = found.values + [complex(value) for value in found.contact_free]
     contact = galerkin_problems.blocks(blocks, degree, 0, constant=False)
@@ -232,17 +248,7 @@ def methods_agree(seed, degree=18):
     assert distance_to(inside, exact).max() < 1e-9
 
 
-@pytest.mark.parametrize("seed", [1])
-def test_determinant_and_galerkin_agree_for_random_parameters(seed):
-    methods_agree(seed)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, *range(2, 20)])
-def test_determinant_and_galerkin_agree_for_more_random_parameters(seed):
-    methods_agree(seed, degree=22)
-
-
 def test_no_harmonic_no_flutter_and_mirror_images_of_each_other_neither():
     assert all(value.real == 0 for value in spectrum(Drum.of(0, mu="0.9"), count=4).values)
     twins = Blocks.of("1", "0.9", a=SOFT, b=SOFT, height_a="0.7", height_b="0.7")

@@ -36,6 +36,7 @@ def assert_same(values, reference, tolerance):
         assert abs(left.pop(nearest) - value) < tolerance * abs(value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("problem", "arguments", "file", "chosen", "tolerance"),
     [
@@ -111,7 +112,14 @@ def test_torsion_stands_apart_in_the_drum_of_order_0_in_3d():
     assert_same(values, lowest(galerkin_problems.drum(problem), 5, problem.scale()), 1e-10)
 
 
-@pytest.mark.parametrize("spoil", [np.zeros_like, lambda v: np.full_like(v, v[0]), lambda v: v + 1])
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        np.zeros_like,
+        pytest.param(lambda v: np.full_like(v, v[0]), marks=pytest.mark.slow),
+        pytest.param(lambda v: v + 1, marks=pytest.mark.slow),
+    ],
+)
 def test_a_useless_guess_costs_time_only(spoil):
     problem = Drum.of(2)
     helpful = galerkin_problems.guess(problem)
@@ -135,6 +143,10 @@ def test_where_flutter_of_the_blocks_begins_to_all_digits():
     table = json.loads((DATA / "blocks_sine_mu_thresholds.json").read_text())
     first = min(float(entry["mu_c"]) for entry in table if entry["p"] == "1")
     assert abs(mu_critical("blocks", p=1, max_frequency=3.0) / first - 1) < 1e-15
+
+
+@pytest.mark.slow
+def test_flutter_that_begins_beyond_the_largest_friction_is_not_reported():
     assert mu_critical("blocks", p=1, max_frequency=3.0, mu_max=0.05) == math.inf
 
 

@@ -9,6 +9,9 @@ from scenes.validation import checked
 
 SECTIONS = TypeAdapter(Scene)
 """Reads sections that are each right by themselves."""
+FORMULATIONS = ["collocation", "weighted collocation", "grid", "gpts", "segments", "mortar"]
+PLACEMENTS = ["axis-aligned", "rotated"]
+"""Parameters of the fixtures `formulation` and `placement`."""
 ROTATED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
 
 
@@ -58,6 +61,14 @@ def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.
         },
         "analysis": {"kind": "cea", "max_frequency": 1.0, "growth_threshold": 10.0},
     }
+
+
+def coarse(scene):
+    """A scene of two blocks with as few elements as do not match."""
+    for name, elements in (("upper", [2, 2, 1]), ("lower", [3, 3, 1])):
+        for mesh in scene["bodies"][name]["mesh"].values():
+            mesh["elements"] = elements
+    return scene
 
 
 def assemble(data, *, together=True, **options):

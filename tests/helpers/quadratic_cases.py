@@ -1,7 +1,7 @@
 """Damped pencils of lumped systems and of two blocks, in this program and on several ranks."""
 
 import numpy as np
-from blocks import assemble, two_blocks
+from blocks import assemble, coarse, two_blocks
 from random_quadratic import pencil_of
 
 from cea.eigen.krylov_schur import KrylovSchur, solve_modes
@@ -49,7 +49,7 @@ def numbers():
     """Modes of two damped, rotating blocks in contact."""
     found = {}
     for form in ("penalty", "saddle"):
-        data = two_blocks("iga", {"method": "gpts", "points": 3}, mu=0.4, held=True)
+        data = coarse(two_blocks("iga", {"method": "gpts", "points": 3}, mu=0.4, held=True))
         data["contacts"]["interface"] |= {"form": form}
         pencil = damped(assemble(data).pencil(), 0.05, 0.01, turning=0.1)
         modes = solve_modes(pencil, 1.0, left=True)
