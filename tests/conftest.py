@@ -1,7 +1,7 @@
 """Fixtures shared by all tests: each backend, each formulation, each placement."""
 
 import pytest
-from blocks import ROTATED
+from blocks import KINDS, ROTATED
 
 import cea.petsc  # noqa: F401  (ahead of anything that imports PETSc, MPI or dolfinx)
 
@@ -43,9 +43,7 @@ def backend(request):
     return request.param
 
 
-@pytest.fixture(
-    params=["collocation", "weighted collocation", "grid", "gpts", "segments", "mortar"]
-)
+@pytest.fixture(params=KINDS)
 def formulation(request, backend):
     """Each formulation, collocation in the manner of the backend."""
     return {

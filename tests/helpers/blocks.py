@@ -9,6 +9,8 @@ from scenes.validation import checked
 
 SECTIONS = TypeAdapter(Scene)
 """Reads sections that are each right by themselves."""
+KINDS = ("collocation", "weighted collocation", "grid", "gpts", "segments", "mortar")
+"""Formulations, as the fixture of all tests names them."""
 ROTATED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
 
 

@@ -25,7 +25,9 @@ def _judged(first, count):
     return outcomes
 
 
-@pytest.mark.parametrize("chunk", range(5))
+@pytest.mark.parametrize(
+    "chunk", [0, *(pytest.param(chunk, marks=pytest.mark.slow) for chunk in range(1, 5))]
+)
 def test_a_hundred_random_scenes(chunk):
     _judged(FIRST + CHUNK * chunk, CHUNK)
 

@@ -92,6 +92,7 @@ def test_sharp_edges_are_the_four_rims(backend):
     assert lengths.sum() == pytest.approx(4 * np.pi * (INNER + OUTER), rel=5e-3)
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_fewer_points_are_some_of_those_there_were(backend):
     bodies = build_bodies(load_scene("disc_pad").on(backend), StageTimer(lambda stage: None))
     whole = skins(bodies, 20_000)

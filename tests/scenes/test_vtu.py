@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import pyvista
 from blocks import block, two_blocks
+from covering import covering
 from iga_data import STEEL, TILTED, turned
 from iga_data import body as nurbs_body
 from lagrange_bodies import DIMENSION, MATERIAL, ROUND, body_of, csr
@@ -171,8 +172,10 @@ def handedness(grid):
     return min(jacobians)
 
 
-@pytest.mark.parametrize("degree", [(2, 2, 1), (2, 3, 2), (3, 4, 1)])
-@pytest.mark.parametrize("shape", [ANNULUS, DISC], ids=lambda shape: shape.shape)
+@pytest.mark.parametrize(
+    ("shape", "degree"),
+    covering((ANNULUS, DISC), ((2, 2, 1), (2, 3, 2), (3, 4, 1)), strength=1),
+)
 def test_bezier_cells_are_rational_and_of_mixed_degrees(shape, degree, tmp_path):
     part = nurbs_body(shape, (2, 8, 1), degree)
     area = np.pi * (1.0 - (0.25 if shape is ANNULUS else 0.0))
@@ -185,7 +188,14 @@ def test_bezier_cells_of_the_plane(continuity, tmp_path):
     check_bezier_cells(part, np.pi * 0.75, tmp_path)
 
 
-@pytest.mark.parametrize(("axes", "flip"), [((0, 1, 2), 1), ((2, 0, 1), 0), ((1, 0, 2), 2)])
+@pytest.mark.parametrize(
+    ("axes", "flip"),
+    [
+        ((0, 1, 2), 1),
+        pytest.param((2, 0, 1), 0, marks=pytest.mark.slow),
+        pytest.param((1, 0, 2), 2, marks=pytest.mark.slow),
+    ],
+)
 def test_left_handed_patches_give_right_handed_cells(axes, flip, tmp_path):
     data = nurbs_shape(ANNULUS, breaks_of(ANNULUS, (2, 4, 2)), TILTED)
     patches = [turned(patch, axes, flip) for patch in data.patches]
@@ -243,6 +253,7 @@ def test_collections_list_every_mode_of_every_body(result, backend, tmp_path):
         assert np.abs(grid.point_data["gap_real"]).max() > 1e-3
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_most_unstable_modes_are_written_first(result, monkeypatch, tmp_path):
     monkeypatch.setattr(ModesResult, "most_unstable", lambda result, count: [2, 0][:count])
     for count, expected in [(1, [3]), (2, [1, 3]), (3, [1, 2, 3])]:
