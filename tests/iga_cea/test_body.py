@@ -72,7 +72,10 @@ def test_total_mass() -> None:
     assert scipy_of(part.mass()).sum() == pytest.approx(3 * STEEL.rho * volume, rel=2e-14)
 
 
-@pytest.mark.parametrize("degree", [(1, 2, 1), (2, 2, 2), (3, 4, 2)])
+@pytest.mark.parametrize(
+    "degree",
+    [(3, 4, 2), *(pytest.param(q, marks=pytest.mark.slow) for q in ((1, 2, 1), (2, 2, 2)))],
+)
 def test_quarters_of_an_annulus_are_joined(degree: tuple[int, int, int]) -> None:
     part = body(ANNULUS, (3, 8, 2), degree)
     r, z = 3 + degree[0], 2 + degree[2]
