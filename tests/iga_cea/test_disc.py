@@ -65,13 +65,7 @@ def test_surfaces() -> None:
 
 
 @pytest.mark.parametrize(
-    "radius",
-    [
-        0.0,
-        pytest.param(1e-9, marks=pytest.mark.slow),
-        1e-4,
-        pytest.param(0.1, marks=pytest.mark.slow),
-    ],
+    "radius", [0.0, *(pytest.param(r, marks=pytest.mark.slow) for r in (1e-9, 1e-4, 0.1))]
 )
 def test_location_about_the_axis(radius: float) -> None:
     rng = np.random.default_rng(3)

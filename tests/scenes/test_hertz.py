@@ -78,7 +78,7 @@ def test_a_sphere_on_a_block(backend):
         (CYLINDER, "fe"),
         (CYLINDER, "iga"),
         pytest.param(SPHERE, "fe", marks=pytest.mark.slow),
-        (SPHERE, "iga"),
+        pytest.param(SPHERE, "iga", marks=pytest.mark.slow),
     ],
 )
 def test_scenes_of_the_catalogue(name, backend):

@@ -233,6 +233,7 @@ def test_modes_of_which_much_remains_take_one_step_more(backend):
     assert (apart <= more.remaining + 1e-12).all()
 
 
+@pytest.mark.slow
 def test_a_smoother_space_of_few_unknowns_takes_two_steps():
     coarse = coarse_modes("drum", "iga", 3, 2.0)
     richer = richer_scene(coarse.scene, "smooth")

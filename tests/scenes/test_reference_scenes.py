@@ -233,7 +233,7 @@ def ring_is_found(backend, highest, bound, meshes=()):
     assert np.sum(np.abs(modes.eigenvalues) < 1e-4 * highest) == 1
 
 
-@pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=slow)])
+@slow
 def test_the_ring(backend):
     numbers = {"pad": [2, 20, 1], "disc": [2, 24, 1]}
     mesh = {"fe": "elements={}", "iga": "degree=[3, 3, 3], elements={}"}[backend]

@@ -32,6 +32,8 @@ from scenes.vtu import cell_grid, in_space, point_grid
 RNG = np.random.default_rng(11)
 ANNULUS, RING, DISC = Annulus(0.5, 1.0, 0.0, 0.3), Ring(0.5, 1.0), Disc(1.0, 0.0, 0.3)
 GPTS = {"method": "gpts", "points": 3}
+COSTLY = {("tetrahedron", 4), ("hexahedron", 4)}
+"""Cells and degrees of slow tests."""
 
 
 def reread(grid, tmp_path):
@@ -94,7 +96,13 @@ def check_lagrange_cells(body, tmp_path):
     assert handedness(grid) > 0
 
 
-@pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSION, (1, 2, 3, 4))))
+@pytest.mark.parametrize(
+    ("cell", "degree"),
+    [
+        pytest.param(*row, marks=pytest.mark.slow if row in COSTLY else ())
+        for row in product(DIMENSION, (1, 2, 3, 4))
+    ],
+)
 def test_lagrange_cells_hold_geometry_and_displacement(cell, degree, tmp_path):
     body = body_of(ROUND, cell, degree)
     assert body.volume_cells().degree == degree

@@ -41,6 +41,7 @@ def blocks(backend, **changes):
 
 
 COSTLY = {
+    ("crowned_pad", "fe"),
     ("crowned_pad", "iga"),
     ("disc_pad", "iga"),
     ("drum_3d", "iga"),
