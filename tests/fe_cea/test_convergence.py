@@ -19,6 +19,10 @@ MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 RING = Ring(0.5, 1.0)
 
 
+def slow(*values):
+    return pytest.param(*values, marks=pytest.mark.slow)
+
+
 def torsion_of_the_ring():
     """Square of the angular frequency of the ring turning about its held inner circle.
 
@@ -58,7 +62,7 @@ def ring_error(cell, degree, order, n):
 
 
 @pytest.mark.parametrize(
-    ("degree", "n", "within"), [(1, 6, 0.2), (2, 6, 0.2), (3, 6, 0.2), (4, 3, 0.4)]
+    ("degree", "n", "within"), [(1, 6, 0.2), (2, 6, 0.2), slow(3, 6, 0.2), slow(4, 3, 0.4)]
 )
 def test_curved_rings_converge_like_h_to_2q(degree, n, within):
     """Cubic arcs through equispaced points rather than Lobatto points would stop at fourth order.
@@ -70,14 +74,14 @@ def test_curved_rings_converge_like_h_to_2q(degree, n, within):
     assert np.log2(coarse / fine) == pytest.approx(2 * degree, abs=within)
 
 
-@pytest.mark.parametrize("degree", [2, 3])
+@pytest.mark.parametrize("degree", [2, slow(3)])
 def test_straight_rings_stop_at_second_order(degree):
     coarse, fine = (ring_error("quadrilateral", degree, 1, n) for n in (4, 8))
     assert np.log2(coarse / fine) == pytest.approx(2, abs=0.2)
     assert fine > 100 * ring_error("quadrilateral", degree, degree, 8)
 
 
-@pytest.mark.parametrize(("degree", "bound"), [(2, 3e-5), (3, 1e-7), (4, 2e-10)])
+@pytest.mark.parametrize(("degree", "bound"), [(2, 3e-5), slow(3, 1e-7), slow(4, 2e-10)])
 def test_curved_triangles_gain_with_the_degree(degree, bound):
     """Sizes of unstructured meshes do not halve exactly: the rate is only about 2q."""
     coarse, fine = (ring_error("triangle", degree, degree, n) for n in (4, 8))
@@ -85,7 +89,7 @@ def test_curved_triangles_gain_with_the_degree(degree, bound):
     assert np.log2(coarse / fine) > 2 * degree - 1.5
 
 
-@pytest.mark.parametrize(("degree", "n", "within"), [(1, 6, 0.2), (2, 6, 0.2), (3, 6, 0.2)])
+@pytest.mark.parametrize(("degree", "n", "within"), [(1, 6, 0.2), (2, 6, 0.2), slow(3, 6, 0.2)])
 def test_divided_rings_converge_like_h_to_2q(degree, n, within):
     coarse, fine = (ring_error("divided quadrilateral", degree, degree, m) for m in (n, 2 * n))
     assert fine < {1: 1e-2, 2: 1e-6, 3: 1e-10}[degree]

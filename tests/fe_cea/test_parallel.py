@@ -14,7 +14,9 @@ def numbers(ranks, names=EVERYTHING):
 
 
 @pytest.mark.parametrize(
-    ("ranks", "names"), [(2, EVERYTHING), (3, ("triangle",))], ids=["2 ranks", "3 ranks"]
+    ("ranks", "names"),
+    [(2, EVERYTHING), pytest.param(3, EVERYTHING, marks=pytest.mark.slow)],
+    ids=["2 ranks", "3 ranks"],
 )
 def test_numbers_do_not_depend_on_the_ranks(ranks, names):
     alone, together = numbers(1), numbers(ranks, names)

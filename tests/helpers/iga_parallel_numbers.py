@@ -76,8 +76,3 @@ def numbers(name):
     shown["sampled"] = ((sample.values @ u) ** 2).mean(axis=0).tolist()
     symmetry = max(asymmetry(part.stiffness()), asymmetry(part.mass()))
     return {"same": shown, "asymmetry": symmetry}
-
-
-def of_cases(*names):
-    """Numbers of some cases by name."""
-    return {name: numbers(name) for name in names}

@@ -1,7 +1,7 @@
 """Small scenes on any number of ranks: what must not depend on that number.
 
-`every` runs every case, `few` those of few messages, `formulations` every formulation on coarse
-meshes of two scenes that come with the project, `disc_pad` that scene on both backends.
+`case` runs one of `CASES`, `formulation` one of `FORMULATIONS` on coarse meshes of a scene that
+comes with the project, `disc_pad` that scene on both backends.
 """
 
 import tomllib
@@ -13,8 +13,6 @@ from blocks import SECTIONS, block, two_blocks
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
-from cea.timing import StageTimer
-from scenes.build import build_bodies
 from scenes.describe import describe
 from scenes.read import load_scene, read_scene
 from scenes.results import ModesResult
@@ -89,18 +87,13 @@ def tied_twice():
     return data | {"contacts": {"interface": first, "again": first}}
 
 
-def lifted_off():
-    """Eigenvalues of contacts of which all but a sliver has lifted off on some ranks."""
-    found = {}
-    for backend in ("fe", "iga"):
-        for name in ("gpts", "segments", "mortar"):
-            changes = FORMULATIONS[name] | {"form": "saddle"}
-            data = blocks(backend, {})
-            contact = data["contacts"]["interface"]
-            del contact["P"]
-            contact |= changes | {"p": "where(x < 0.55, 0, 300.0)"}
-            found[f"{backend} {name}"] = eigenvalues(run_modes(read_scene(data)))
-    return found
+def lifted_off(backend, name):
+    """Eigenvalues of a contact of which all but a sliver has lifted off on some ranks."""
+    data = blocks(backend, {})
+    contact = data["contacts"]["interface"]
+    del contact["P"]
+    contact |= FORMULATIONS[name] | {"form": "saddle", "p": "where(x < 0.55, 0, 300.0)"}
+    return eigenvalues(run_modes(read_scene(data)))
 
 
 def saddle():
@@ -131,12 +124,8 @@ def scenes():
     yield "iga on fe", static(mixed_pairing("iga", "fe"))
 
 
-FEW = (
-    "static", "static without friction", "single point", "fe gpts",
-    "iga column", "fe on iga", "iga on fe",
-)  # fmt: skip
-"""Ends of the names of all static scenes, and of some with modes, one for each path taken."""
-
+CASES = tuple(name for name, _ in scenes())
+"""Names of all cases."""
 
 FORMULATIONS = {
     "collocation": {},
@@ -167,28 +156,16 @@ def coarse(name, backend, **analysis):
     return data
 
 
-def with_every_formulation(data, backend):
-    """Results of a scene with one contact, by formulation; its bodies are built once."""
-    bodies = build_bodies(read_scene(data), StageTimer())
-    ((contact_name, contact),) = data["contacts"].items()
-    contact["formulation"] = collocation(backend)
-    for name, changes in FORMULATIONS.items():
-        scene = read_scene(data | {"contacts": {contact_name: contact | changes}})
-        yield name, run_scene(scene, bodies=bodies)
-
-
-def formulations():
-    """Displacements of the patch test and eigenvalues of the disc and pad."""
-    shown = {}
-    for backend in ("fe", "iga"):
-        patch_test = coarse("patch_test", backend, samples=7)
-        for name, result in with_every_formulation(patch_test, backend):
-            shown[f"{backend} {name} patch test"] = displacements(result)
-        disc_pad = coarse("disc_pad", backend, max_frequency=6000.0)
-        disc_pad["contacts"]["pad_disc"]["mu"] = 2.0  # on coarse meshes the modes flutter late
-        for name, result in with_every_formulation(disc_pad, backend):
-            shown[f"{backend} {name} disc and pad"] = eigenvalues(result)
-    return shown
+def formulation(scene, backend, name):
+    """Displacements of the patch test, or eigenvalues of the disc and pad."""
+    modes = scene == "disc_pad"
+    data = coarse(scene, backend, **({"max_frequency": 6000.0} if modes else {"samples": 7}))
+    (contact,) = data["contacts"].values()
+    contact |= {"formulation": collocation(backend)} | FORMULATIONS[name]
+    if modes:
+        contact["mu"] = 2.0  # on coarse meshes the modes flutter late
+    result = run_scene(read_scene(data))
+    return eigenvalues(result) if modes else displacements(result)
 
 
 def probes(result):
@@ -266,9 +243,9 @@ def eigenvalues(result):
     }
 
 
-def refusals(comm):
+def refusals():
     """What each rank hears when only the last one refuses its input."""
-    heard = None
+    comm, heard = MPI.COMM_WORLD, None
     try:
         with agreed(comm):
             if comm.rank == comm.size - 1:
@@ -278,17 +255,9 @@ def refusals(comm):
     return comm.allgather(heard)
 
 
-def every(suffixes=("",)):
-    """Facts of the cases whose names have one of these ends, and how a refusal is heard."""
-    found = {
-        name: facts(read_scene(data)) for name, data in scenes() if name.endswith(tuple(suffixes))
-    }
-    return found | {"refusals": sorted(set(refusals(MPI.COMM_WORLD)))}
-
-
-def few():
-    """Facts of the cases of few messages."""
-    return every(FEW)
+def case(name):
+    """Facts of a case."""
+    return facts(read_scene(dict(scenes())[name]))
 
 
 def disc_pad():

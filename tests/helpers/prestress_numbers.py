@@ -7,12 +7,8 @@ from cea.errors import InputError
 from scenes import read_scene, run_scene
 
 
-def histories():
-    """History, reactions and prestressed eigenvalues on both backends, and how a refusal sounds."""
-    return {backend: _numbers(backend) for backend in ("fe", "iga")}
-
-
-def _numbers(backend):
+def history(backend):
+    """History, reactions and prestressed eigenvalues of a backend, and how a refusal sounds."""
     data = pressed_blocks(backend, {"method": "gpts", "points": 3}, c_n=100.0, m_n=2.0, mu=0.3)
     data["bodies"]["upper"]["supports"] = [
         {"surface": "z_max", "value": [1e-3, 0.0, -5e-2]},

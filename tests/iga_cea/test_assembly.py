@@ -86,9 +86,11 @@ def test_collapsed_edges(elements: tuple[int, ...]) -> None:
 @pytest.mark.parametrize(
     ("shape", "elements", "degree"),
     [
-        (Annulus(0.8, 1.7, -0.1, 0.2), (2, 8, 2), (2, 3, 2)),
+        pytest.param(Annulus(0.8, 1.7, -0.1, 0.2), (2, 8, 2), (2, 3, 2), marks=pytest.mark.slow),
         (Disc(1.7, -0.1, 0.2), (3, 12, 3), (3, 2, 2)),
-        (Hub(0.3, 0.8, 1.7, -0.1, 0.2, -0.2, 0.2), (2, 8, 2), (2, 2, 2)),
+        pytest.param(
+            Hub(0.3, 0.8, 1.7, -0.1, 0.2, -0.2, 0.2), (2, 8, 2), (2, 2, 2), marks=pytest.mark.slow
+        ),
         (Ring(0.8, 1.7), (3, 12), (4, 3)),
     ],
     ids=lambda s: getattr(s, "shape", None),
@@ -123,10 +125,8 @@ print(taken, sum(12 * matrix.getInfo()["nz_used"] for matrix in matrices))
 )
 
 
-@pytest.mark.parametrize(
-    ("elements", "degree", "least"),
-    [(8, 3, 35e6), pytest.param(18, 3, 300e6, marks=pytest.mark.slow)],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("elements", "degree", "least"), [(8, 3, 35e6), (18, 3, 300e6)])
 def test_memory_of_assembly(elements: int, degree: int, least: float) -> None:
     """At most twice the finished matrices."""
     command = [sys.executable, "-c", MEMORY, str(elements), str(degree)]

@@ -55,7 +55,7 @@ def test_rectangle_on_rollers(q: int) -> None:
     assert_order(errors, q, {2: 2e-5, 3: 1e-7, 4: 3e-10}[q])
 
 
-@pytest.mark.parametrize("q", [2, 3])
+@pytest.mark.parametrize("q", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_box_on_rollers(q: int) -> None:
     """Dilatation u = grad cos(pi x / a) cos(pi y / b) cos(pi z / c)."""
     shape = Box((1.3, 1.0, 0.9))
@@ -92,7 +92,7 @@ def breathing(inner: float, outer: float) -> float:
     return k**2 * (LAM + 2 * MU) / RHO
 
 
-@pytest.mark.parametrize("q", [2, 3, 4])
+@pytest.mark.parametrize("q", [2, *(pytest.param(q, marks=pytest.mark.slow) for q in (3, 4))])
 def test_free_ring(q: int) -> None:
     exact = breathing(INNER, OUTER)
     errors = [
@@ -102,7 +102,7 @@ def test_free_ring(q: int) -> None:
     assert_order(errors, q, {2: 1e-5, 3: 2e-8, 4: 5e-11}[q])
 
 
-@pytest.mark.parametrize("q", [2, 3])
+@pytest.mark.parametrize("q", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_twisting_disc(q: int) -> None:
     """u_theta = J1(k r), rim held: the collapsed axis does not spoil the order."""
     held = [Support("outer", (0, 1)), Support("bottom", (2,)), Support("top", (2,))]

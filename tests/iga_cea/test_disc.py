@@ -64,7 +64,9 @@ def test_surfaces() -> None:
         assert np.linalg.norm(np.cross(gauss.x - centre, up), axis=1).min() > 1e-3
 
 
-@pytest.mark.parametrize("radius", [0.0, 1e-9, 1e-4, 0.1])
+@pytest.mark.parametrize(
+    "radius", [0.0, *(pytest.param(r, marks=pytest.mark.slow) for r in (1e-9, 1e-4, 0.1))]
+)
 def test_location_about_the_axis(radius: float) -> None:
     rng = np.random.default_rng(3)
     r, angle = radius * rng.random(1000), rng.uniform(0, 2 * np.pi, 1000)
@@ -85,6 +87,7 @@ def test_pressure_on_the_top_has_its_resultant() -> None:
     np.testing.assert_allclose(force.sum(axis=0), resultant, rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_clamped_thin_disc_against_plate_theory() -> None:
     """Frequencies a^2 sqrt(rho h / D) omega of a clamped plate (Leissa, Vibration of Plates).
 

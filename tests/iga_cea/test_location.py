@@ -11,7 +11,8 @@ from meshes.patches import GivenPatch, Patches
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Disc, Hub
 
-COUNTS = [10_000, pytest.param(100_000, marks=pytest.mark.slow)]
+SLOW = pytest.mark.slow
+COUNTS = [10_000, pytest.param(100_000, marks=SLOW)]
 UNITS_BEYOND = 0.15
 
 
@@ -47,7 +48,7 @@ def located(surface, x, direction, reach):
 
 
 @pytest.mark.parametrize("count", COUNTS)
-@pytest.mark.parametrize("gap", [0.0, 0.05, -0.08])
+@pytest.mark.parametrize("gap", [0.05, *(pytest.param(g, marks=SLOW) for g in (0.0, -0.08))])
 def test_graph_of_a_polynomial(gap: float, count: int) -> None:
     """Along z there is one answer, and none beside the slab."""
     rng = np.random.default_rng(1)
@@ -86,11 +87,16 @@ def nearest_root(x, direction, radius, low, high, reach):
 @pytest.mark.parametrize(
     ("shape", "name", "radius", "low", "high"),
     [
-        (Annulus(0.8, 1.7, -0.1, 0.2), "outer", 1.7, -0.1, 0.2),
-        (Annulus(0.8, 1.7, -0.1, 0.2), "inner", 0.8, -0.1, 0.2),
-        (Hub(0.3, 0.5, 1.0, -0.1, 0.15, -0.3, 0.15), "bore", 0.3, -0.3, 0.15),
+        pytest.param(
+            *(Annulus(0.8, 1.7, -0.1, 0.2), "outer", 1.7, -0.1, 0.2), marks=SLOW, id="outer"
+        ),
+        pytest.param(Annulus(0.8, 1.7, -0.1, 0.2), "inner", 0.8, -0.1, 0.2, id="inner"),
+        pytest.param(
+            *(Hub(0.3, 0.5, 1.0, -0.1, 0.15, -0.3, 0.15), "bore", 0.3, -0.3, 0.15),
+            marks=SLOW,
+            id="bore of two layers",
+        ),
     ],
-    ids=["outer", "inner", "bore of two layers"],
 )
 def test_cylinders(shape, name: str, radius: float, low: float, high: float, count: int) -> None:
     """Oblique lines from points offset to either side, rotated; also past the rims."""

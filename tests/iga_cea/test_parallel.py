@@ -1,25 +1,26 @@
 """NURBS bodies on 2 and 3 ranks: the same numbers as on one."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from mpi import on_ranks
 
 pytestmark = pytest.mark.mpi
-EVERY = ("ring", "disc", "hub", "odd", "sector")
-CASES = {1: EVERY, 2: EVERY, 3: ("disc", "odd", "sector")}
-"""By number of ranks; three of them wait for each other on two cores."""
-
-
-def numbers(ranks: int) -> dict:
-    """Numbers of the cases by name, on so many ranks."""
-    return on_ranks(ranks, "iga_parallel_numbers.of_cases", *CASES[ranks])
+CASES = ("ring", "disc", "hub", "odd", "sector")
+QUICK = ("ring", "disc", "odd")
+"""Cases of the quick tests, on 2 ranks: plane, collapsed, joined whatever the parameters."""
 
 
 @pytest.mark.parametrize(
-    ("ranks", "case"), [(ranks, case) for ranks in (2, 3) for case in CASES[ranks]]
+    ("ranks", "case"),
+    [
+        pytest.param(*row, marks=() if row in product((2,), QUICK) else pytest.mark.slow)
+        for row in product((2, 3), CASES)
+    ],
 )
 def test_numbers_do_not_depend_on_the_ranks(ranks: int, case: str) -> None:
-    alone, together = numbers(1)[case], numbers(ranks)[case]
+    alone, together = (on_ranks(n, "iga_parallel_numbers.numbers", case) for n in (1, ranks))
     assert len(alone["same"]["frequencies"]) >= 4
     assert together["same"].keys() == alone["same"].keys()
     for quantity, expected in alone["same"].items():

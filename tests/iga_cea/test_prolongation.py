@@ -33,7 +33,10 @@ def values(part, u, patch, parameters):
         (Ring(0.8, 1.7), ((2, 8), (2, 3), None), ((6, 16), (2, 4), (1, 2))),
         (Box((1.0, 0.8, 0.5)), ((2, 1, 2), (2, 2, 1), None), ((4, 3, 2), (3, 2, 2), (1, 1, 0))),
         (Disc(1.7, -0.1, 0.2), ((2, 8, 1), (2, 2, 2), None), ((4, 8, 2), (3, 3, 2), (1, 1, 1))),
-        (HUB, ((2, 4, 2), (2, 2, 1), None), ((2, 4, 4), (2, 3, 1), (1, 1, 0))),
+        pytest.param(
+            *(HUB, ((2, 4, 2), (2, 2, 1), None), ((2, 4, 4), (2, 3, 1), (1, 1, 0))),
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_coarse_functions_stay_what_they_are(shape, coarse, fine):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from covering import covering
 
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
@@ -68,8 +69,9 @@ def exact_normal(name: str, x: np.ndarray) -> np.ndarray:
     return out
 
 
-@pytest.mark.parametrize("placement", [Placement(), TILTED], ids=["at origin", "tilted"])
-@pytest.mark.parametrize("shape", [ANNULUS, SECTOR, BOX], ids=lambda s: s.shape)
+@pytest.mark.parametrize(
+    ("shape", "placement"), covering((BOX, ANNULUS, SECTOR), (Placement(), TILTED), strength=1)
+)
 def test_areas_and_normals(shape: Shape, placement: Placement) -> None:
     part = body(shape, placement=placement)
     assert tuple(part.surfaces) == shape.surfaces
@@ -164,7 +166,9 @@ def flat_points(count: int) -> tuple[np.ndarray, np.ndarray]:
     return RNG.uniform(INNER - 0.2, OUTER + 0.2, count), RNG.uniform(0, 2 * np.pi, count)
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.03, -0.02])
+@pytest.mark.parametrize(
+    "gap", [0.03, *(pytest.param(gap, marks=pytest.mark.slow) for gap in (0.0, -0.02))]
+)
 def test_location_on_a_flat_face(gap: float) -> None:
     part = body(ANNULUS)
     top = part.surfaces["top"]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from covering import covering
 from gmsh_models import assert_outer_facets_are_named, volumes
 
 from cea.errors import InputError
@@ -42,9 +43,7 @@ def made(case, order, layers, placement=None):
     )
 
 
-@pytest.mark.parametrize("layers", [1, 3])
-@pytest.mark.parametrize("order", [1, 2, 4])
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(("case", "order", "layers"), covering(tuple(CASES), (1, 2, 4), (1, 3)))
 def test_cells_fit_and_fill_the_shape(case, order, layers):
     whole, parts = made(case, order, 0), made(case, order, layers)
     assert set(parts.surfaces) == set(whole.surfaces)

@@ -4,6 +4,7 @@ import gmsh
 import numpy as np
 import pytest
 from boxes_in_files import by_place, file_of, made, two_boxes
+from covering import covering
 from mesh_writers import listed, write
 
 from cea.errors import InputError
@@ -21,14 +22,21 @@ TRUNCATED = {".bdf", ".nas"}
 """Formats whose numbers have twelve digits."""
 
 
-CASES = [(name, cell, order, True) for name in FILES for cell, order in KINDS]
-CASES += [
-    (name, "hexahedron", 2, False) for name in FILES if name.endswith((".msh", ".xdmf", ".vtu"))
-]
+WITH_ALL_NODES = [name for name in FILES if name.endswith((".msh", ".xdmf", ".vtu"))]
+"""Files that may hold hexahedra of second order with all their nodes."""
 
 
-@pytest.mark.parametrize(("name", "cell", "order", "lacking"), CASES)
-def test_cells_and_faces_are_those_that_were_written(tmp_path, name, cell, order, lacking):
+@pytest.mark.parametrize(("name", "kind"), covering(FILES, KINDS, strength=1))
+def test_cells_and_faces_are_those_that_were_written(tmp_path, name, kind):
+    check_what_was_written(tmp_path, name, *kind, lacking=True)
+
+
+@pytest.mark.parametrize("name", WITH_ALL_NODES)
+def test_hexahedra_with_all_nodes_are_those_that_were_written(tmp_path, name):
+    check_what_was_written(tmp_path, name, "hexahedron", 2, lacking=False)
+
+
+def check_what_was_written(tmp_path, name, cell, order, *, lacking):
     file = file_of(tmp_path, name)
     meshes = two_boxes(cell, order)
     digits = 1e-11 if file.suffix in TRUNCATED else 1e-13

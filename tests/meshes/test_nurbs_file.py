@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from covering import covering
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
@@ -58,8 +59,7 @@ def scene(geometry, dim):
     }
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-@pytest.mark.parametrize("ending", [".json", ".xml"])
+@pytest.mark.parametrize(("ending", "dim"), covering((".json", ".xml"), (2, 3), strength=1))
 def test_a_ring_of_a_file_has_the_modes_of_the_shape(tmp_path, ending, dim):
     file = written(tmp_path, ending, dim)
     outer = [[patch, 0, 1] for patch in range(4)]

@@ -7,6 +7,7 @@ from itertools import product
 import gmsh
 import numpy as np
 import pytest
+from covering import covering
 from gmsh_models import gmsh_model
 
 from cea.errors import InputError
@@ -229,9 +230,9 @@ def measure(model, dim, tag=-1):
     return total
 
 
-@pytest.mark.parametrize("structured", [True, False])
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
-@pytest.mark.parametrize("name", MEASURES)
+@pytest.mark.parametrize(
+    ("name", "order", "structured"), covering(tuple(MEASURES), (1, 2, 3, 4), (True, False))
+)
 def test_shapes_have_their_volume_and_the_areas_of_their_surfaces(name, order, structured):
     shape, volume, areas = MEASURES[name]
     dim = len(shape.directions)

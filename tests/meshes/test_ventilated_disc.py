@@ -57,7 +57,10 @@ def areas_of(disc):
     }
 
 
-@pytest.mark.parametrize("disc", [DISC, OTHER], ids=["as built", "another"])
+@pytest.mark.parametrize(
+    "disc",
+    [pytest.param(DISC, marks=pytest.mark.slow, id="as built"), pytest.param(OTHER, id="another")],
+)
 def test_volume_and_areas_are_those_in_closed_form(disc):
     """Curved cells of second order miss circles by the fourth power of their length."""
     with gmsh_model(shape_mesh(disc, "tetrahedron", 2, size=ROUGH)) as model:
@@ -81,6 +84,7 @@ def test_the_volume_of_the_default_is_that_of_its_parts():
     assert DISC.volume == pytest.approx(2 * ring + flange + wall + plate + 21 * vane, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_upper_ring_is_held_by_the_vanes_alone():
     """One solid; between the rings there is nothing but vanes inside the rings' radii."""
     mesh = shape_mesh(DISC, "tetrahedron", 1, size=ROUGH)
@@ -96,10 +100,14 @@ def test_the_upper_ring_is_held_by_the_vanes_alone():
 
 
 def test_a_disc_without_holes_has_none():
+    assert set(DISC.surfaces) - set(replace(DISC, holes=0).surfaces) == {"holes"}
+
+
+@pytest.mark.slow
+def test_a_disc_without_holes_has_the_surfaces_it_names():
     plain = replace(DISC, holes=0)
     mesh = shape_mesh(plain, "tetrahedron", 1, size=ROUGH)
     assert sorted(mesh.surfaces) == sorted(plain.surfaces)
-    assert set(DISC.surfaces) - set(plain.surfaces) == {"holes"}
 
 
 @pytest.mark.parametrize(

@@ -126,6 +126,7 @@ def refused_or_read(read, value):
             return None if named else NAMELESS
 
 
+@pytest.mark.slow
 @quickly
 @given(plain)
 def test_nothing_random_is_a_scene(data):

@@ -101,7 +101,14 @@ def rate(errors, refined):
     return -np.polyfit(np.log(refined), np.log(errors), 1)[0]
 
 
-@pytest.mark.parametrize("sides", [("fe", "fe"), ("iga", "iga"), ("iga", "fe")])
+@pytest.mark.parametrize(
+    "sides",
+    [
+        ("iga", "fe"),
+        pytest.param(("fe", "fe"), marks=pytest.mark.slow),
+        pytest.param(("iga", "iga"), marks=pytest.mark.slow),
+    ],
+)
 def test_a_cube_cut_and_bonded_converges_to_the_uncut_one(sides):
     """Two meshes; the error of the finer one is no larger than that of the uncut cube there."""
     coarse, fine = (cut_error(sides, 2, refined) for refined in (1, 2))

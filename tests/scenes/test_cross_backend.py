@@ -42,6 +42,7 @@ def assert_same_body(geometry, max_frequency, meshes, tolerance):
     assert kappa["fe"][6:16] == pytest.approx(kappa["iga"][6:16], rel=tolerance)
 
 
+@pytest.mark.slow
 def test_free_block():
     meshes = {
         "fe": {"degree": 4, "elements": [6, 5, 3]},

@@ -1,12 +1,15 @@
 """The same run twice: on one rank the same numbers to the last bit."""
 
 import pytest
+from covering import covering
 
 from scenes.read import load_scene
 from scenes.run import run_modes
 
 
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize(
+    ("backend", "form"), covering(("fe", "iga"), ("penalty", "saddle"), strength=1)
+)
 def test_a_run_repeats_itself_to_the_last_bit(backend, form):
     fields = {"contacts.interface.form": form, "contacts.interface.p": 1e3}
     scene = load_scene("blocks", [], backend).change(fields)

@@ -27,6 +27,7 @@ def kinds(found):
     return [warning.kind for warning in found.warnings]
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_a_threshold_follows_the_state(backend):
     """Scenes solved anew on either side of it flutter, or do not; where it is kept they do not."""
     scene = scene_of(backend)

@@ -50,7 +50,9 @@ def plot(result, out):
     save(Figure(), out / "figure.png")
 
 
-@pytest.mark.parametrize("write", [paraview, pictures, record, table, plot])
+@pytest.mark.parametrize(
+    "write", [paraview, pytest.param(pictures, marks=pytest.mark.slow), record, table, plot]
+)
 def test_a_full_disk_is_told_and_leaves_nothing(write, result, tmp_path):
     out = tmp_path / "out"
     with full_disk(200), pytest.raises(WriteError, match="cannot be written: File too large"):

@@ -34,6 +34,7 @@ def check_orders(found, row, name):
 
 
 @pytest.mark.convergence
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_a_cylinder_on_a_block(backend):
     """Elements of the lower block are smaller by a fifth, and match none of the upper one."""
     row = (8, 11, 16, 23, 32)
@@ -71,7 +72,15 @@ def test_a_sphere_on_a_block(backend):
     assert abs(found["peak"][-1]) < 0.03
 
 
-@pytest.mark.parametrize("name", [CYLINDER, SPHERE])
+@pytest.mark.parametrize(
+    ("name", "backend"),
+    [
+        (CYLINDER, "fe"),
+        (CYLINDER, "iga"),
+        pytest.param(SPHERE, "fe", marks=pytest.mark.slow),
+        pytest.param(SPHERE, "iga", marks=pytest.mark.slow),
+    ],
+)
 def test_scenes_of_the_catalogue(name, backend):
     """Elements as coarse as seven to a radius in the plane, three in space."""
     of_catalogue = load_scene(name, backend=backend)

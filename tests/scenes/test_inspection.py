@@ -150,6 +150,7 @@ def test_catalogue_has_no_doubtful_units():
     assert [w for name in scene_names() for w in doubtful_units(load_scene(name))] == []
 
 
+@pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])
 def test_the_picture_shows_bodies_supports_and_contacts(backend, tmp_path):
     base = {"fe": "disc_pad", "iga": "blocks"}[backend]
     looked = inspect_scene(scene_of(base, backend))

@@ -94,6 +94,7 @@ def test_a_scene_without_steps_says_nothing_of_them(backend):
     assert write_load_steps(told, None) == []
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_steps_are_cut_where_no_equilibrium_is_found(backend, monkeypatch):
     """As if Newton's method failed wherever the load grows by a tenth of the whole or more."""
     found = [0.0]
@@ -144,6 +145,7 @@ def test_prescribed_displacements_grow_with_the_steps(backend, tmp_path):
         assert reader.read()[0]["displacement"][:, 2].min() == pytest.approx(-1e-3 * factor)
 
 
+@pytest.mark.parametrize("backend", [pytest.param("iga", marks=pytest.mark.slow), "fe"])
 def test_contacts_are_drawn(result, tmp_path):
     (file,) = draw_contacts(result, tmp_path)
     assert file.name == f"contact_{result.scene.backends}_interface.png"
@@ -156,6 +158,7 @@ def test_contacts_are_drawn(result, tmp_path):
     assert share == pytest.approx(state.closed_fraction, abs=0.15)
 
 
+@pytest.mark.slow
 def test_contacts_in_the_plane_are_drawn_and_given_ones_are_not(tmp_path):
     found = run_scene(load_scene("hertz_cylinder"))
     (file,) = draw_contacts(found, tmp_path)
@@ -189,6 +192,7 @@ def test_without_a_law_there_is_nothing_to_step(backend):
         read_scene(data)
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_a_sweep_takes_steps_of_its_own(backend):
     scene = stepped(backend, 2, kind="cea")
     assembled = assemble(scene)
@@ -197,7 +201,15 @@ def test_a_sweep_takes_steps_of_its_own(backend):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.slow), 3])
-def test_ranks_find_the_same_history(ranks):
-    found, expected = (on_ranks(n, "prestress_numbers.histories") for n in (ranks, 1))
+@pytest.mark.parametrize(
+    ("ranks", "backend"),
+    [
+        (2, "iga"),
+        pytest.param(2, "fe", marks=pytest.mark.slow),
+        pytest.param(3, "fe", marks=pytest.mark.slow),
+        pytest.param(3, "iga", marks=pytest.mark.slow),
+    ],
+)
+def test_ranks_find_the_same_history(ranks, backend):
+    found, expected = (on_ranks(n, "prestress_numbers.history", backend) for n in (ranks, 1))
     assert_same(found, expected, rel=1e-8)

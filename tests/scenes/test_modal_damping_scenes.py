@@ -21,7 +21,15 @@ from scenes.scene_error import SceneError
 RATIO = "bodies.disc.damping.modal.ratio"
 
 
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize(
+    ("backend", "form"),
+    [
+        ("iga", "saddle"),
+        pytest.param("fe", "penalty", marks=pytest.mark.slow),
+        pytest.param("fe", "saddle", marks=pytest.mark.slow),
+        pytest.param("iga", "penalty", marks=pytest.mark.slow),
+    ],
+)
 def test_modes_are_those_of_dense_matrices(backend, form):
     assert_modes_are_dense(modally_damped_disc(backend, form=form))
 
@@ -38,8 +46,8 @@ def assembled():
     "change",
     [
         {RATIO: 0.1},
-        {RATIO: 0.0},
-        {"bodies.pad.material.E": 1.3},
+        pytest.param({RATIO: 0.0}, marks=pytest.mark.slow),
+        pytest.param({"bodies.pad.material.E": 1.3}, marks=pytest.mark.slow),
         {"bodies.pad.damping.alpha": 0.02, "bodies.pad.damping.beta": 0.0},
     ],
 )
@@ -56,10 +64,10 @@ def test_changes_need_no_assembly(assembled, change, monkeypatch):
     "change",
     [
         {"bodies.disc.material.E": 2.5},
-        {"bodies.disc.material.rho": 0.8},
-        {"bodies.disc.damping.modal.max_frequency": 0.3},
-        {"bodies.pad.damping.modal.ratios": [0.05]},
-        {"bodies.pad.damping.modal": None},
+        pytest.param({"bodies.disc.material.rho": 0.8}, marks=pytest.mark.slow),
+        pytest.param({"bodies.disc.damping.modal.max_frequency": 0.3}, marks=pytest.mark.slow),
+        pytest.param({"bodies.pad.damping.modal.ratios": [0.05]}, marks=pytest.mark.slow),
+        pytest.param({"bodies.pad.damping.modal": None}, marks=pytest.mark.slow),
     ],
 )
 def test_other_changes_find_the_modes_anew(assembled, change):
@@ -75,6 +83,7 @@ def test_thresholds_do_not_cross_materials(assembled):
         assembled.threshold("bodies.disc.material.E", real=2.5, flutter=1.5)
 
 
+@pytest.mark.slow
 def test_a_threshold_in_the_ratio_is_where_growth_begins():
     data = modally_damped_disc("iga")
     data["contacts"]["interface"]["sliding"]["mu_slope"] = -3.0
@@ -89,16 +98,23 @@ def test_a_threshold_in_the_ratio_is_where_growth_begins():
     assert values.real[inside].max() == pytest.approx(0.0, abs=1e-9)
 
 
-def test_sensitivities_are_differences(assembled):
+@pytest.mark.parametrize(
+    "name",
+    [
+        RATIO,
+        pytest.param("bodies.pad.damping.modal.ratios", marks=pytest.mark.slow),
+        pytest.param("bodies.pad.material.E", marks=pytest.mark.slow),
+    ],
+)
+def test_sensitivities_are_differences(assembled, name):
     result = assembled.modes(left=True)
-    for name in (RATIO, "bodies.pad.damping.modal.ratios", "bodies.pad.material.E"):
-        step = 1e-4 * result.modes.values[name]
-        values = [result.modes.values[name] + s * step for s in (1, -1)]
-        ends = [assembled._driver.solve(0.3, {name: value}).eigenvalues for value in values]
-        slopes = (ends[0] - ends[1]) / (2 * step)
-        np.testing.assert_allclose(
-            result.modes.sensitivity(name), slopes, atol=1e-4 * np.abs(slopes).max()
-        )
+    step = 1e-4 * result.modes.values[name]
+    values = [result.modes.values[name] + s * step for s in (1, -1)]
+    ends = [assembled._driver.solve(0.3, {name: value}).eigenvalues for value in values]
+    slopes = (ends[0] - ends[1]) / (2 * step)
+    np.testing.assert_allclose(
+        result.modes.sensitivity(name), slopes, atol=1e-4 * np.abs(slopes).max()
+    )
 
 
 def test_matrices_hold_all_of_the_damping(assembled):
@@ -154,6 +170,7 @@ def test_what_cannot_be_is_refused(change, named):
         read_scene(modally_damped_disc("iga")).change(change)
 
 
+@pytest.mark.slow
 def test_bad_values_are_refused_by_name():
     table = modally_damped_disc("iga")
     table["bodies"]["pad"]["damping"]["modal"] |= {"ratios": [0.1, 0.2], "frequencies": [0.1, 0.5]}
@@ -172,9 +189,9 @@ def test_bad_values_are_refused_by_name():
     ("ranks", "backend"),
     [
         (2, "fe"),
-        (3, "iga"),
         pytest.param(2, "iga", marks=pytest.mark.slow),
         pytest.param(3, "fe", marks=pytest.mark.slow),
+        pytest.param(3, "iga", marks=pytest.mark.slow),
     ],
 )
 def test_numbers_do_not_depend_on_the_ranks(ranks, backend):

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from covering import covering
 from mpi import on_ranks
 from nested_scenes import coarse_modes, paired
 from reference_data import exact, stored, whole_ring
@@ -18,6 +19,7 @@ from scenes.read import load_scene
 from scenes.richer import richer_scene
 from scenes.run import run_modes
 
+BACKENDS = ("iga", "fe")
 HIGHEST = {"drum": 2.0, "blocks": 2.9}
 CRITICAL, DOUBLE = (
     float(stored("blocks_sine_mu_thresholds")[0]["mu_c"]),
@@ -26,10 +28,11 @@ CRITICAL, DOUBLE = (
 """Friction at which modes of the blocks first coalesce, and -lambda^2 of both."""
 
 
-@pytest.mark.parametrize("name", ["drum", "blocks"])
-@pytest.mark.parametrize("degree", [2, 3])
-@pytest.mark.parametrize("by", ["degree", "bisection"])
-def test_estimates_are_nearly_the_true_errors(backend, name, degree, by):
+@pytest.mark.parametrize(
+    ("backend", "by", "degree", "name"),
+    covering(BACKENDS, ("bisection", "degree"), (2, 3), ("blocks", "drum")),
+)
+def test_estimates_are_nearly_the_true_errors(backend, by, degree, name):
     """Bisection leaves 2^-2q of the error, a degree more less."""
     coarse = coarse_modes(name, backend, degree, HIGHEST[name])
     estimate = estimate_errors(coarse, richer_scene(coarse.scene, by))
@@ -103,7 +106,10 @@ def test_estimates_of_random_blocks_and_drums(backend, seed):
     assert np.abs(effectivity - 1).max() < 0.05
 
 
-@pytest.mark.parametrize("formulation", [{"gpts": 6}, {"gpts": 3}, {"segments": None}])
+@pytest.mark.parametrize(
+    ("backend", "formulation"),
+    covering(BACKENDS, ({"gpts": 6}, {"gpts": 3}, {"segments": None}), strength=1),
+)
 def test_rules_of_contact_may_differ(backend, formulation):
     """The richer scene takes the exact integral: what a rule of points errs by is in the error."""
     method, points = next(iter(formulation.items()))
@@ -117,8 +123,23 @@ def test_rules_of_contact_may_differ(backend, formulation):
     assert np.abs(effectivity - 1).max() < 0.06
 
 
-@pytest.mark.parametrize(("factor", "verdict"), [(0.98, "stable"), (1.0, None), (1.02, "unstable")])
-def test_a_pair_near_its_coalescence_is_judged_by_mean_and_splitting(backend, factor, verdict):
+VERDICTS = {0.98: "stable", 1.0: None, 1.02: "unstable"}
+"""By friction relative to that of the coalescence."""
+
+
+@pytest.mark.parametrize(
+    ("backend", "factor"),
+    [
+        ("fe", 1.0),
+        ("iga", 1.02),
+        *(
+            pytest.param(*row, marks=pytest.mark.slow)
+            for row in (("fe", 0.98), ("fe", 1.02), ("iga", 0.98), ("iga", 1.0))
+        ),
+    ],
+)
+def test_a_pair_near_its_coalescence_is_judged_by_mean_and_splitting(backend, factor):
+    verdict = VERDICTS[factor]
     mu = factor * CRITICAL
     coarse = coarse_modes(
         "blocks", backend, 2, 3.2, [f'contacts.interface.mu="{mu!r}*sin(pi*x/2)"']
@@ -136,15 +157,15 @@ def test_a_pair_near_its_coalescence_is_judged_by_mean_and_splitting(backend, fa
     assert found == {"undecided"} if verdict is None else verdict in found
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        ["contacts.interface.p=inf"],
-        ["contacts.interface.p=1e9", "contacts.interface.form='penalty'"],
-        ["contacts.interface.p=inf", "contacts.interface.mu=0.0"],
-        ["bodies.upper.damping={alpha=0.02,beta=0.01}", "bodies.lower.damping={beta=0.02}"],
-    ],
+DAMPED = ["bodies.upper.damping={alpha=0.02,beta=0.01}", "bodies.lower.damping={beta=0.02}"]
+STIFF = (
+    ["contacts.interface.p=1e9", "contacts.interface.form='penalty'"],
+    ["contacts.interface.p=inf"],
+    ["contacts.interface.p=inf", "contacts.interface.mu=0.0"],
 )
+
+
+@pytest.mark.parametrize(("backend", "changes"), covering(BACKENDS, (*STIFF, DAMPED), strength=1))
 def test_estimates_are_what_a_search_in_the_richer_space_finds(backend, changes):
     """Tied, stiff, without friction, damped: one step lands on the eigenvalues of that space."""
     elements = {"upper": [6, 2], "lower": [5, 3]}
@@ -158,12 +179,8 @@ def test_estimates_are_what_a_search_in_the_richer_space_finds(backend, changes)
 
 
 @pytest.mark.parametrize(
-    "changes",
-    [
-        [],
-        ["contacts.interface.mu=0.0"],
-        ["bodies.upper.damping={alpha=0.02,beta=0.01}", "bodies.lower.damping={beta=0.02}"],
-    ],
+    ("backend", "changes"),
+    covering(BACKENDS, (DAMPED, [], ["contacts.interface.mu=0.0"]), strength=1),
 )
 def test_right_vectors_alone_tell_the_errors_too(backend, changes):
     """To a few per cent of them, with friction, without, with damping."""
@@ -216,6 +233,7 @@ def test_modes_of_which_much_remains_take_one_step_more(backend):
     assert (apart <= more.remaining + 1e-12).all()
 
 
+@pytest.mark.slow
 def test_a_smoother_space_of_few_unknowns_takes_two_steps():
     coarse = coarse_modes("drum", "iga", 3, 2.0)
     richer = richer_scene(coarse.scene, "smooth")
@@ -228,7 +246,7 @@ def test_a_smoother_space_of_few_unknowns_takes_two_steps():
     assert np.abs(effectivity - 1).max() < 0.1
 
 
-@pytest.mark.parametrize("mu", [0.3, 0.0])
+@pytest.mark.parametrize(("backend", "mu"), covering(("fe", "iga"), (0.0, 0.3), strength=1))
 def test_continued_modes_are_those_of_a_search(backend, mu):
     coarse = coarse_modes("drum", backend, 2, 2.0, [f"contacts.interface.mu={mu}"])
     fine = richer_scene(coarse.scene, "bisection")
@@ -245,6 +263,7 @@ def test_continued_modes_are_those_of_a_search(backend, mu):
     np.testing.assert_allclose(one, other, atol=1e-5 * np.abs(other).max())
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_modes_beyond_the_window_help_those_at_its_end(backend):
     """They are no part of the result, and what they shed is shed at once."""
     elements = {"upper": [6, 2], "lower": [5, 3]}
@@ -258,6 +277,7 @@ def test_modes_beyond_the_window_help_those_at_its_end(backend):
     assert apart[1][: len(near.modes)].max() < 0.1 * apart[0].max()
 
 
+@pytest.mark.slow
 def test_more_steps_leave_less():
     coarse = coarse_modes("blocks", "iga", 2, 2.9)
     fine = richer_scene(coarse.scene, "bisection")
@@ -313,13 +333,12 @@ def test_what_cannot_be_done_is_refused():
 
 @pytest.mark.mpi
 @pytest.mark.parametrize(("backend", "by"), [("fe", "bisection"), ("iga", "degree")])
-def test_the_same_on_any_ranks(backend, by):
-    one, *several = (
-        on_ranks(ranks, "nested_scenes.parallel_numbers", "blocks", backend, by)
-        for ranks in (1, 2, 3)
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_the_same_on_any_ranks(ranks, backend, by):
+    one, other = (
+        on_ranks(n, "nested_scenes.parallel_numbers", "blocks", backend, by) for n in (1, ranks)
     )
-    for other in several:
-        assert other["verdicts"] == one["verdicts"]
-        assert other["exact"] == one["exact"] is True
-        for name in ("size", "norm", "image", "corrected", "continued"):
-            np.testing.assert_allclose(other[name], one[name], rtol=1e-9, atol=1e-10)
+    assert other["verdicts"] == one["verdicts"]
+    assert other["exact"] == one["exact"] is True
+    for name in ("size", "norm", "image", "corrected", "continued"):
+        np.testing.assert_allclose(other[name], one[name], rtol=1e-9, atol=1e-10)

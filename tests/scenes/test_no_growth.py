@@ -4,12 +4,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from blocks import FORMULATIONS
+from covering import covering
 from reference_data import compare, exact, solve
 
 from exact_cea.reference import exact_eigenvalues
 from scenes.read import load_scene, read_scene
 from scenes.run import run_scene
 
+BACKENDS = ("iga", "fe")
 SOFT = {"E": 0.1, "nu": 0.25, "rho": 0.35}
 
 
@@ -53,7 +56,11 @@ def mirrored_layers(backend, formulation, **contact):
     }
 
 
-@pytest.mark.parametrize("full_pass", [False, True])
+@pytest.mark.parametrize(
+    ("full_pass", "backend", "formulation"),
+    covering((False, True), ("fe", "iga"), FORMULATIONS, strength=1),
+    indirect=["formulation"],
+)
 def test_layers_that_mirror_each_other_do_not_flutter(backend, formulation, full_pass):
     """Even modes load the contact, odd ones slide: friction couples them one way only.
 
@@ -89,6 +96,11 @@ def test_lumping_is_the_exception_on_splines(backend):
         assert 0.05 < growth[1] < 0.8 * growth[0]
 
 
+@pytest.mark.parametrize(
+    ("backend", "formulation"),
+    covering(BACKENDS, FORMULATIONS, strength=1),
+    indirect=["formulation"],
+)
 def test_order_zero_of_the_drum_does_not_grow(backend, formulation):
     """Nothing of order zero meets friction, on meshes that know no rotation too."""
     method = ", ".join(f"{k} = {v!r}" for k, v in formulation.items())
@@ -106,6 +118,7 @@ def test_order_zero_of_the_drum_does_not_grow(backend, formulation):
         assert abs(modes.growth_rates[nearest]) <= modes.growth_uncertainties[nearest]
 
 
+@pytest.mark.slow
 def test_the_drum_turned_the_other_way_is_its_mirror_image(backend):
     highest = 2.4
     turned = ["contacts.interface.friction_direction_on_a.circumferential_about=[0.0, 0.0, -1.0]"]

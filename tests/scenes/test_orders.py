@@ -128,17 +128,17 @@ slow = pytest.mark.slow
     ("name", "backend", "q", "counts"),
     [
         ("free", "fe", 1, (6, 9, 12)),
-        ("free", "fe", 2, (4, 6, 8)),
+        pytest.param("free", "fe", 2, (4, 6, 8), marks=slow),
         pytest.param("free", "fe", 3, (4, 5, 6), marks=slow),
         ("free", "iga", 2, (4, 6, 8)),
-        ("free", "iga", 3, (5, 6, 8)),
+        pytest.param("free", "iga", 3, (5, 6, 8), marks=slow),
         pytest.param("free", "iga", 4, (5, 6, 8), marks=slow),
         ("clamped all round", "fe", 1, (6, 9, 12)),
-        ("clamped all round", "fe", 2, (4, 6, 8)),
+        pytest.param("clamped all round", "fe", 2, (4, 6, 8), marks=slow),
         pytest.param("clamped all round", "fe", 3, (4, 5, 6), marks=slow),
-        ("clamped all round", "iga", 2, (6, 8, 12)),
+        pytest.param("clamped all round", "iga", 2, (6, 8, 12), marks=slow),
         pytest.param("clamped all round", "iga", 3, (8, 9, 10), marks=slow),
-        ("clamped on one face", "fe", 1, (12, 14, 16)),
+        pytest.param("clamped on one face", "fe", 1, (12, 14, 16), marks=slow),
         pytest.param("clamped on one face", "iga", 2, (10, 12, 14), marks=slow),
     ],
 )
@@ -154,6 +154,7 @@ def test_blocks_on_meshes_graded_to_their_edges(name, backend, q, counts):
     assert_order(counts, errors, 2 * q)
 
 
+@slow
 @pytest.mark.parametrize(("backend", "counts"), [("fe", (6, 7, 8)), ("iga", (6, 8, 10))])
 def test_uniform_meshes_stop_at_twice_the_exponent(backend, counts):
     """A block clamped on one face, in degree 2."""
@@ -188,9 +189,9 @@ def pipe_error(backend, q, elements, order=None):
     ("backend", "q", "counts"),
     [
         ("fe", 1, (4, 6, 8)),
-        ("fe", 2, (3, 4, 5)),
+        pytest.param("fe", 2, (3, 4, 5), marks=slow),
         pytest.param("fe", 3, (2, 3, 4), marks=slow),
-        ("iga", 2, (4, 6, 8)),
+        pytest.param("iga", 2, (4, 6, 8), marks=slow),
         pytest.param("iga", 3, (6, 8, 10), marks=slow),
         pytest.param("iga", 4, (4, 6, 8), marks=slow),
     ],
@@ -202,6 +203,7 @@ def test_clamped_pipe(backend, q, counts):
     assert_order(counts, errors, 2 * q)
 
 
+@slow
 def test_straight_sided_pipe_stops_at_second_order():
     """Cubic elements, fine along the radius and the axis: what remains is the geometry."""
     counts = (8, 12, 16)

@@ -2,18 +2,35 @@
 
 import json
 import sys
+from itertools import product
 from time import monotonic
 
 import numpy as np
 import pytest
-from mpi import BIN, cea_on_ranks, mpiexec, on_ranks, run
+from mpi import cea_on_ranks, mpiexec, on_ranks
+from parallel_cases import CASES, FORMULATIONS
 from scipy.optimize import linear_sum_assignment
 
 pytestmark = pytest.mark.mpi
 
 
-def cases(ranks, chosen="every"):
-    return on_ranks(ranks, f"parallel_cases.{chosen}")
+QUICK = {
+    2: (
+        "fe node_to_surface", "fe gpts static", "iga gpts", "iga greville static",
+        "fe without friction", "fe static without friction",
+        "iga without friction", "iga static without friction",
+        "fe overhanging", "fe single point", "fe column",
+        "iga overhanging", "iga single point", "iga column",
+        "several discs", "fe on iga", "iga on fe",
+    ),
+    3: ("fe static without friction", "iga gpts static"),
+}  # fmt: skip
+"""Cases of the quick tests by number of ranks: every kind on each backend, and the cheapest."""
+slow = pytest.mark.slow
+
+
+def case(ranks, name):
+    return on_ranks(ranks, "parallel_cases.case", name)
 
 
 def assert_same_eigenvalues(found, expected):
@@ -54,84 +71,122 @@ def assert_same(found, expected, at=""):
 
 
 @pytest.mark.parametrize(
-    ("ranks", "chosen", "number"),
-    [(2, "every", 25), (3, "few", 14), pytest.param(3, "every", 25, marks=pytest.mark.slow)],
+    ("ranks", "name"),
+    [
+        pytest.param(ranks, name, marks=() if name in QUICK[ranks] else slow)
+        for ranks in QUICK
+        for name in CASES
+    ],
 )
-def test_answers_do_not_depend_on_the_number_of_ranks(ranks, chosen, number):
-    everything, expected = dict(cases(ranks, chosen)), cases(1)
-    assert everything.pop("refusals") == expected["refusals"] == ["mu = -1.0: zero or positive"]
-    assert len(everything) == number
-    for name in everything:
-        found, reference = dict(everything[name]), dict(expected[name])
-        asymmetry = found.pop("asymmetry")
-        assert asymmetry == reference.pop("asymmetry") == [0.0] * len(asymmetry), name
-        if "im" in reference:
-            assert len(reference["im"]) >= 3, name
-            assert found.pop("worst_residual") < 1e-7 > reference.pop("worst_residual"), name
-            assert_same_eigenvalues(found, reference)
-            shapes, expected_shapes = found.pop("shapes"), reference.pop("shapes")
-            if name.split()[-1] != "column":  # copies of one frequency have no shape of their own
-                np.testing.assert_allclose(shapes, expected_shapes, atol=1e-6 * np.max(shapes))
-            for part in ("re", "im"):
-                found.pop(part)
-                reference.pop(part)
-        assert_same(found, reference, name)
+def test_answers_do_not_depend_on_the_number_of_ranks(ranks, name):
+    found, expected = dict(case(ranks, name)), dict(case(1, name))
+    asymmetry = found.pop("asymmetry")
+    assert asymmetry == expected.pop("asymmetry") == [0.0] * len(asymmetry)
+    if "im" in expected:
+        assert len(expected["im"]) >= 3
+        assert found.pop("worst_residual") < 1e-7 > expected.pop("worst_residual")
+        assert_same_eigenvalues(found, expected)
+        shapes, expected_shapes = found.pop("shapes"), expected.pop("shapes")
+        if name.split()[-1] != "column":  # copies of one frequency have no shape of their own
+            np.testing.assert_allclose(shapes, expected_shapes, atol=1e-6 * np.max(shapes))
+        for part in ("re", "im"):
+            found.pop(part)
+            expected.pop(part)
+    assert_same(found, expected)
 
 
-def test_cases_meet_what_they_are_meant_to_meet():
-    """Missed points, unstable modes, copies of one frequency, windows of several discs."""
-    found, discs = cases(1)["several discs"]["count"]
+@pytest.mark.parametrize("ranks", [1, 2, 3])
+def test_every_rank_hears_the_refusal_of_one(ranks):
+    assert on_ranks(ranks, "parallel_cases.refusals") == ["mu = -1.0: zero or positive"] * ranks
+
+
+def test_several_discs_are_searched_for_unstable_modes():
+    found, discs = case(1, "several discs")["count"]
     assert found > 0
     assert discs > 1
-    for backend in ("fe", "iga"):
-        assert cases(1)[f"{backend} overhanging"]["contacts"]["interface"]["status"]["missed"] > 0
-        assert cases(1)[f"{backend} single point"]["contacts"]["interface"]["points"] == 1
-        frequencies = np.array(cases(1)[f"{backend} column"]["im"])
-        assert np.diff(frequencies).min() < 1e-9 * frequencies[0]
-        assert cases(1)[f"{backend} gpts"]["unstable"] == 1
-        assert cases(1)[f"{backend} gpts static"]["closing force"] != 0
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.slow), 3])
+def test_cases_meet_what_they_are_meant_to_meet(backend):
+    """Missed points, copies of one frequency, unstable modes, contacts that bear a force."""
+    overhanging = case(1, f"{backend} overhanging")["contacts"]["interface"]
+    assert overhanging["status"]["missed"] > 0
+    assert case(1, f"{backend} single point")["contacts"]["interface"]["points"] == 1
+    frequencies = np.array(case(1, f"{backend} column")["im"])
+    assert np.diff(frequencies).min() < 1e-9 * frequencies[0]
+    assert case(1, f"{backend} gpts")["unstable"] == 1
+    assert case(1, f"{backend} gpts static")["closing force"] != 0
+
+
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=slow)])
 def test_forces_on_ranks_without_displacements(ranks):
-    found, expected = cases(ranks, "saddle"), cases(1, "saddle")
+    found, expected = (on_ranks(n, "parallel_cases.saddle") for n in (ranks, 1))
     assert len(found["im"]) > 3
     for name, values in expected.items():
         assert sorted(found[name]) == pytest.approx(sorted(values), rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize("ranks", [pytest.param(2, marks=pytest.mark.slow), 3])
-def test_contacts_lifted_off_in_part(ranks):
+LIFTED_OFF = {(2, "fe", "segments"), (2, "iga", "mortar")}
+"""Number of ranks, backend and formulation of the quick tests."""
+
+
+@pytest.mark.parametrize(
+    ("ranks", "backend", "name"),
+    [
+        pytest.param(*row, marks=() if row in LIFTED_OFF else slow)
+        for row in product((2, 3), ("fe", "iga"), ("gpts", "segments", "mortar"))
+    ],
+)
+def test_contacts_lifted_off_in_part(ranks, backend, name):
     """Ranks without a closed point take part too."""
-    found, expected = cases(ranks, "lifted_off"), cases(1, "lifted_off")
-    assert found.keys() == expected.keys()
-    for name, values in expected.items():
-        assert len(values["im"]) > 3, name
-        assert_same_eigenvalues(found[name], values)
+    found, expected = (on_ranks(n, "parallel_cases.lifted_off", backend, name) for n in (ranks, 1))
+    assert len(expected["im"]) > 3
+    assert_same_eigenvalues(found, expected)
 
 
-@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
-def test_every_formulation(ranks):
-    """Displacements of the patch test and eigenvalues of the disc and pad, on coarse meshes."""
-    found, expected = cases(ranks, "formulations"), cases(1, "formulations")
-    assert found.keys() == expected.keys()
-    assert len(found) == 32
-    for name, here in found.items():
-        if name.endswith("patch test"):
-            assert_same(here, expected[name], name)
-        else:
-            assert len(expected[name]["im"]) >= 5, name
-            assert here["worst_residual"] < 1e-9 > expected[name]["worst_residual"], name
-            assert_same_eigenvalues(here, expected[name])
-    for name in ("fe grid", "iga segments", "iga mortar"):
-        assert max(expected[f"{name} disc and pad"]["re"]) > 100
+def with_formulation(ranks, scene, backend, name):
+    return on_ranks(ranks, "parallel_cases.formulation", scene, backend, name)
+
+
+COARSE = {
+    ("patch_test", "fe"): {"collocation", "gpts", "full pass", "mortar"},
+    ("patch_test", "iga"): {"grid", "lumped", "segments", "tied mortar"},
+    ("disc_pad", "fe"): {"full pass"},
+    ("disc_pad", "iga"): {"segments"},
+}
+"""Formulations of the quick tests, on 2 ranks."""
+
+
+@pytest.mark.parametrize(
+    ("ranks", "scene", "backend", "name"),
+    [
+        pytest.param(*row, marks=() if row[0] == 2 and row[3] in COARSE[row[1:3]] else slow)
+        for row in product((2, 3), ("patch_test", "disc_pad"), ("fe", "iga"), FORMULATIONS)
+    ],
+)
+def test_every_formulation(ranks, scene, backend, name):
+    """Displacements of the patch test or eigenvalues of the disc and pad, on coarse meshes."""
+    found, expected = (with_formulation(n, scene, backend, name) for n in (ranks, 1))
+    if scene == "patch_test":
+        assert_same(found, expected)
+    else:
+        assert len(expected["im"]) >= 5
+        assert found["worst_residual"] < 1e-9 > expected["worst_residual"]
+        assert_same_eigenvalues(found, expected)
+
+
+@pytest.mark.parametrize(
+    ("backend", "name"), [("fe", "grid"), ("iga", "segments"), ("iga", "mortar")]
+)
+def test_the_disc_and_pad_flutters_on_coarse_meshes(backend, name):
+    assert max(with_formulation(1, "disc_pad", backend, name)["re"]) > 100
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_disc_and_pad(ranks):
-    for backend, expected in cases(1, "disc_pad").items():
-        found = cases(ranks, "disc_pad")[backend]
+    found_on_both, expected_on_both = (on_ranks(n, "parallel_cases.disc_pad") for n in (ranks, 1))
+    for backend, expected in expected_on_both.items():
+        found = found_on_both[backend]
         assert found["worst_residual"] < 1e-7
         assert_same_eigenvalues(found, expected)
 
@@ -149,7 +204,7 @@ def test_command_line_prints_and_writes_once(tmp_path):
         assert done.returncode == 0, done.stderr
         found = {path.name for path in tmp_path.glob("*") if path.is_file()}
         assert found - {"contacts.pvd"} == {"manifest.json", "mode_1.png", "result.json"} | files
-    alone = run(BIN / "cea", *command, "--set", "analysis.samples=4", "--out", tmp_path / "alone")
+    alone = cea_on_ranks(1, *command, "--set", "analysis.samples=4", "--out", tmp_path / "alone")
     assert alone.returncode == 0, alone.stderr
     together, single = (
         json.loads((folder / "result.json").read_text())

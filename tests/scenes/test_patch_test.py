@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from covering import covering
 
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
 from scenes.read import load_scene
@@ -39,7 +40,7 @@ def test_nurbs_gpts_at_high_stiffness_is_round_off_limited():
     assert max(s.oscillation for s in sides.values()) < 3e-4
 
 
-@pytest.mark.parametrize("P", [1e6, 1e14])
+@pytest.mark.parametrize("P", [1e6, pytest.param(1e14, marks=pytest.mark.slow)])
 def test_finite_elements_improve_with_gauss_points(P):
     few, many = (stresses("fe", GaussPointToSurface(n), P) for n in (5, 25))
     assert max(s.oscillation for s in many.values()) < 0.2 * max(
@@ -56,9 +57,12 @@ def test_mean_stress_balances_the_load(backend, collocation):
     assert oscillation > 100
 
 
-@pytest.mark.parametrize("method", ["segments", "mortar"])
-@pytest.mark.parametrize("lower", ["fe", "iga", "tetrahedra"])
-@pytest.mark.parametrize("upper", ["fe", "iga", "tetrahedra"])
+BODIES = ("fe", "iga", "tetrahedra")
+
+
+@pytest.mark.parametrize(
+    ("upper", "lower", "method"), covering(BODIES, BODIES, ("segments", "mortar"))
+)
 def test_yardsticks_pass_in_every_pairing(method, upper, lower):
     overrides = [f"contacts.interface.formulation={{method='{method}'}}", "analysis.samples=31"]
     for name, kind in (("upper", upper), ("lower", lower)):

@@ -60,7 +60,22 @@ def test_most_unstable_modes_are_drawn_first(result):
     assert with_growth(result, [0.0]).most_unstable(2) == [0, 1]
 
 
-def test_modes_are_drawn_and_put_on_the_page(result, backend, tmp_path):
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
+def test_modes_are_drawn(result, backend, tmp_path):
+    (file,) = draw_modes(with_growth(result, [0.0, 0.7]), 1, tmp_path)
+    assert file.name == f"mode_{backend}_2.png"
+    image = imread(file)[..., :3]
+    drawn = np.ptp(image, axis=2) > 0.05
+    rows, columns = (np.flatnonzero(drawn[:780].any(axis=axis)) for axis in (1, 0))
+    assert np.ptp(rows) > 0.6 * len(image)
+    assert drawn.mean() > 0.1
+    assert rows.min() > 0
+    assert columns.min() > 0
+    assert columns.max() < image.shape[1] - 1
+
+
+@pytest.mark.slow
+def test_modes_are_put_on_the_page(result, backend, tmp_path):
     data, unstable = small_comparison(), with_growth(result, [0.0, 0.7])
     runs = data["disc_pad"]["runs"]
     kind = (backend, "gpts")
@@ -73,14 +88,6 @@ def test_modes_are_drawn_and_put_on_the_page(result, backend, tmp_path):
     assert drawn_from_files == f"paraview_{backend}.png"
     assert f"<code>{drawn_from_files}</code>" in page.read_text(encoding="utf-8")
     assert (tmp_path / drawn_from_files).exists()
-    image = imread(tmp_path / name)[..., :3]
-    drawn = np.ptp(image, axis=2) > 0.05
-    rows, columns = (np.flatnonzero(drawn[:780].any(axis=axis)) for axis in (1, 0))
-    assert np.ptp(rows) > 0.6 * len(image)
-    assert drawn.mean() > 0.1
-    assert rows.min() > 0
-    assert columns.min() > 0
-    assert columns.max() < image.shape[1] - 1
 
 
 def colours(file):
@@ -90,6 +97,7 @@ def colours(file):
     return [half[np.ptp(half, axis=2) > 30] for half in halves]
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_files_for_paraview_are_drawn_by_themselves(result, backend, tmp_path):
     modes, contacts = write_paraview(with_growth(result, [0.0, 0.7]), 1, tmp_path)
     draw_files(modes, contacts, tmp_path / "files.png")
@@ -134,6 +142,7 @@ def test_images_follow_the_phase():
     assert np.sqrt(residual[0].real) < 0.1 * fit[1].real
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["iga"])
 def test_an_animation_is_a_small_endless_period(result, tmp_path):
     unstable = with_growth(result, [0.0, 0.7])

@@ -7,7 +7,7 @@ from random_runs import scene_outcome, statistics, tell
 
 FIRST = 20_000
 """Seed of the first scene."""
-CHUNK = 20
+CHUNK = 10
 _REFUSED = 0.08
 """Part of the scenes that may be refused: random ones ask for what cannot be had."""
 
@@ -25,7 +25,9 @@ def _judged(first, count):
     return outcomes
 
 
-@pytest.mark.parametrize("chunk", range(5))
+@pytest.mark.parametrize(
+    "chunk", [0, *(pytest.param(chunk, marks=pytest.mark.slow) for chunk in range(1, 10))]
+)
 def test_a_hundred_random_scenes(chunk):
     _judged(FIRST + CHUNK * chunk, CHUNK)
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from blocks import FORMULATIONS
+from covering import covering
 from reference_data import (
     BLOCK_BODIES,
     DRUM_BODIES,
@@ -30,7 +32,8 @@ The largest belong to modes of the blocks near a coalescence, where errors go by
 """
 
 HIGHEST = {"drum": 2.7, "blocks": 2.9, "blocks_constant_mu": 2.9}
-PLANE = sorted(HIGHEST)
+BACKENDS = ("fe", "iga")
+slow = pytest.mark.slow
 
 
 def overrides(**fields):
@@ -52,7 +55,11 @@ def fine_enough(formulation, backend):
     return formulation
 
 
-@pytest.mark.parametrize("scene", ["drum", "blocks"])
+@pytest.mark.parametrize(
+    ("scene", "backend", "formulation"),
+    covering(("blocks", "drum"), BACKENDS, FORMULATIONS),
+    indirect=["formulation"],
+)
 def test_every_formulation_finds_the_exact_spectrum(scene, backend, formulation, request):
     highest = HIGHEST[scene]
     kind = request.node.callspec.params["formulation"]
@@ -66,8 +73,9 @@ def test_every_formulation_finds_the_exact_spectrum(scene, backend, formulation,
     assert found.errors.max() < BOUNDS.get((backend, kind), 4e-5)
 
 
-@pytest.mark.parametrize("scene", ["drum", "blocks"])
-@pytest.mark.parametrize("full_pass", ["false", "true"])
+@pytest.mark.parametrize(
+    ("scene", "backend", "full_pass"), covering(("drum", "blocks"), BACKENDS, ("false", "true"))
+)
 def test_lumped_blocks_cost_accuracy_on_splines_only(scene, backend, full_pass):
     """Splines of a side overlap more widely than its points resolve: lumping widens contact."""
     fields = {"formulation": "{method = 'gpts', points = 6, lumped = true}"}
@@ -80,9 +88,15 @@ def test_lumped_blocks_cost_accuracy_on_splines_only(scene, backend, full_pass):
     assert found.errors.max() < {"fe": 1e-4, "iga": 3e-2}[backend]
 
 
-@pytest.mark.parametrize("scene", ["drum", "blocks"])
-@pytest.mark.parametrize("method", ["segments", "mortar"])
-@pytest.mark.parametrize("fields", [{"full_pass": "true"}, {"form": "'saddle'"}])
+@pytest.mark.parametrize(
+    ("scene", "backend", "method", "fields"),
+    covering(
+        ("blocks", "drum"),
+        BACKENDS,
+        ("segments", "mortar"),
+        ({"full_pass": "true"}, {"form": "'saddle'"}),
+    ),
+)
 def test_full_pass_and_saddle_form_of_the_yardsticks(scene, backend, method, fields):
     chosen = {"formulation": f"{{method = '{method}'}}"} | fields
     found = compare(
@@ -94,6 +108,7 @@ def test_full_pass_and_saddle_form_of_the_yardsticks(scene, backend, method, fie
     assert found.errors.max() < 4e-5
 
 
+@slow
 @pytest.mark.parametrize(
     ("p", "mu", "highest"), [(0.1, "0.7", 2.2), (1000.0, "0.3", 2.6), (1000.0, "0.7", 2.6)]
 )
@@ -107,8 +122,12 @@ def test_the_drum_at_other_stiffness_and_friction_does_not_lock(backend, p, mu, 
     assert found.errors.max() < 3e-5
 
 
-@pytest.mark.parametrize(("p", "mu"), [("1", "1"), ("10", "0.3"), ("10", "1")])
-def test_the_blocks_at_stored_stiffness_and_friction(backend, p, mu):
+@pytest.mark.parametrize(
+    ("backend", "of_contact"),
+    covering(BACKENDS, (("1", "1"), ("10", "0.3"), ("10", "1")), strength=1),
+)
+def test_the_blocks_at_stored_stiffness_and_friction(backend, of_contact):
+    p, mu = of_contact
     entry = next(
         entry
         for entry in stored("blocks_sine_mu")
@@ -121,13 +140,13 @@ def test_the_blocks_at_stored_stiffness_and_friction(backend, p, mu):
     assert found.errors.max() < 1e-5
 
 
-@pytest.mark.parametrize("side_a", ["fe", "iga"])
 @pytest.mark.parametrize(
-    ("scene", "bodies"), [("drum", DRUM_BODIES), ("blocks", BLOCK_BODIES)], ids=["drum", "blocks"]
+    ("method", "scene", "side_a"),
+    covering(("gpts", "segments", "mortar"), ("blocks", "drum"), BACKENDS),
 )
-@pytest.mark.parametrize("method", ["gpts", "segments", "mortar"])
-def test_a_nurbs_body_on_a_lagrange_body_both_ways_round(scene, bodies, side_a, method):
+def test_a_nurbs_body_on_a_lagrange_body_both_ways_round(scene, side_a, method):
     other = {"fe": "iga", "iga": "fe"}[side_a]
+    bodies = {"drum": DRUM_BODIES, "blocks": BLOCK_BODIES}[scene]
     backends = [
         f"bodies.{name}.backend='{b}'" for name, b in zip(bodies, (side_a, other), strict=True)
     ]
@@ -155,6 +174,7 @@ def test_triangles(scene):
     assert found.errors.max() < 1e-4
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=slow), "iga"])
 def test_an_order_and_its_mirror_image_grow_with_opposite_signs(backend):
     highest = 2.7
     modes = solve("drum", highest, overrides(mu=0.7), backend)
@@ -166,6 +186,7 @@ def test_an_order_and_its_mirror_image_grow_with_opposite_signs(backend):
             assert found.errors.max() < 4e-5
 
 
+@slow
 def test_the_drum_in_space(backend):
     """Below 2.1 live plane strain and one wave along z."""
     highest = 2.05
@@ -182,6 +203,7 @@ def test_the_drum_in_space(backend):
     assert found.errors.max() < {"fe": 5e-3, "iga": 5e-4}[backend]
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=slow), "iga"])
 def test_the_blocks_in_space(backend):
     """Plane strain and one wave along z, each with its own exact list."""
     highest = 2.0
@@ -193,7 +215,7 @@ def test_the_blocks_in_space(backend):
             assert found.errors.max() < {"fe": 4e-3, "iga": 7e-4}[backend]
 
 
-@pytest.mark.slow
+@slow
 def test_the_blocks_in_space_show_every_wave_along_z(backend):
     highest = 2.15
     values = whole_spectrum("blocks", depth=2, max_frequency=1.05 * highest, p=1, mu="0.7").values
@@ -211,6 +233,7 @@ def ring_is_found(backend, highest, bound, meshes=()):
     assert np.sum(np.abs(modes.eigenvalues) < 1e-4 * highest) == 1
 
 
+@slow
 def test_the_ring(backend):
     numbers = {"pad": [2, 20, 1], "disc": [2, 24, 1]}
     mesh = {"fe": "elements={}", "iga": "degree=[3, 3, 3], elements={}"}[backend]
@@ -218,12 +241,15 @@ def test_the_ring(backend):
     ring_is_found(backend, 66e3, {"fe": 3e-2, "iga": 2e-3}[backend], meshes)
 
 
-@pytest.mark.slow
+@slow
 def test_the_ring_on_the_meshes_of_its_scene(backend):
     ring_is_found(backend, 75e3, {"fe": 8e-3, "iga": 5e-4}[backend])
 
 
-@pytest.mark.parametrize("scene", PLANE)
+@pytest.mark.parametrize(
+    "scene",
+    [pytest.param("blocks", marks=slow), "blocks_constant_mu", pytest.param("drum", marks=slow)],
+)
 def test_backends_agree_better_than_either_must_with_the_exact_values(scene):
     highest = HIGHEST[scene]
     fe, iga = (solve(scene, highest, backend=backend) for backend in ("fe", "iga"))

@@ -192,6 +192,7 @@ def test_text_holds_infinity_and_odd_names(tmp_path):
     assert load_scene(file) == scene
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("degree", "layers"), [(5, 4), (6, 5)])
 def test_contacts_are_whole_on_splines_of_many_layers(degree, layers):
     """Segments continue faces beyond edges at which spans are a thousandth of their neighbours."""

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import pyvista
 from blocks import two_blocks
+from covering import covering
 from motions import mode_displacement
 from scipy.linalg import eigvals
 
@@ -109,14 +110,14 @@ def test_what_is_printed_begins_with_the_unstable_modes(result):
     assert [row["unstable"] for row in table] == result.unstable.tolist()
     first, *_ = str(result).splitlines()
     count = int(result.unstable.sum())
-    headline = f"two blocks: {count} of {len(table)} modes up to 1 Hz unstable"
-    assert first == f"{headline}; verdict: {result.verdict}"
+    for fact in ("two blocks", f"{count} of {len(table)}", "1 Hz", result.verdict):
+        assert fact in first
     told = str(result.modes).splitlines()
     assert len(told) == len(table) + 3
     frequencies = [float(line[1:].split()[1]) for line in told[2:-1]]
     np.testing.assert_allclose(frequencies, result.frequencies, rtol=0, atol=5e-7)
-    for sign in (f"{result.dofs} dofs", result.modes.window.evidence, "damping ratio"):
-        assert sign in str(result)
+    for fact in (str(result.dofs), result.modes.window.evidence):
+        assert fact in str(result)
     for warning in result.warnings:
         assert warning.message in str(result)
 
@@ -194,7 +195,11 @@ def assembled(request):
     return assemble(scene_of(request.param, mu=0.0))
 
 
-@pytest.mark.parametrize("changes", [{}, *PARAMETERS])
+@pytest.mark.parametrize(
+    ("assembled", "changes"),
+    covering(("fe", "iga"), ({}, *PARAMETERS), strength=1),
+    indirect=["assembled"],
+)
 def test_a_sweep_assembles_nothing_and_finds_the_same(assembled, changes):
     found, anew = assembled.modes(changes), run_modes(assembled.scene.change(changes))
     assert found.scene == anew.scene
@@ -251,6 +256,7 @@ def test_sensitivities_come_with_left_vectors(assembled):
     np.testing.assert_allclose(slope[:5], expected[:5], atol=1e-4 * scale)
 
 
+@pytest.mark.slow
 def test_a_mode_is_drawn():
     result = run_modes(scene_of("iga"))
     pixels = np.asarray(result.plot(1).convert("RGB"), dtype=int)
@@ -258,12 +264,16 @@ def test_a_mode_is_drawn():
     first = result.drawings([0])[0]
     assert "mode 1:" in first.title
     np.testing.assert_array_equal(pixels, first.images([0.0])[0].convert("RGB"))
+
+
+def test_modes_are_numbered_from_1(result):
     assert result.index(len(result.modes)) == len(result.modes) - 1
     for mode in (0, -1, len(result.modes) + 1):
         with pytest.raises(InputError, match=rf"mode = {mode}: the number of a mode, from 1"):
             result.plot(mode)
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_one_friction_for_all_contacts_leaves_bonded_ones_out(backend):
     """A lower block in two bonded halves is the uncut block: friction changes both alike."""
     data = two_blocks(backend, GPTS, held=True, mu=0.1)

@@ -70,6 +70,7 @@ def errors(backend, around):
 
 
 @pytest.mark.convergence
+@pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])
 def test_waves_pass_by_with_their_number_times_the_rate(backend):
     coarse, fine = errors(backend, 8), errors(backend, 16)
     assert {2, 3} <= set(fine)
@@ -77,6 +78,7 @@ def test_waves_pass_by_with_their_number_times_the_rate(backend):
     assert coarse[2] / fine[2] > 12
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_coriolis_forces_hardly_matter_to_waves_out_of_the_plane(backend):
     """They are proportional to motion in the plane, of the order of thickness over wave length."""
     rest = disc(backend, 16)

@@ -1,5 +1,6 @@
 """The field reference and the JSON Schema: current, whole, and true of the scenes there are."""
 
+import json
 import subprocess
 import sys
 import tomllib
@@ -23,23 +24,39 @@ def wrong(data, kind="bodies"):
     return list(complaints(data, schema, schema))
 
 
-@pytest.mark.parametrize(
-    ("arguments", "file"),
-    [
-        (["reference"], "scene_reference.md"),
-        (["schema"], KINDS["bodies"]),
-        (["schema", "--matrices"], KINDS["matrices"]),
-    ],
-)
-def test_what_is_committed_is_what_the_command_writes(arguments, file, tmp_path):
-    """In a process of its own: formulations that other tests register are none of the project."""
-    out = tmp_path / file
-    command = [Path(sys.executable).with_name("cea"), "scene", *arguments, "--out", out]
+COMMANDS = {
+    "scene_reference.md": ["reference"],
+    KINDS["bodies"]: ["schema"],
+    KINDS["matrices"]: ["schema", "--matrices"],
+}
+"""Arguments of `cea scene` by the file of the documentation that they write."""
+PROGRAM = """
+import json, sys
+from comparisons.cli.app import app
+
+for arguments in json.loads(sys.argv[1]):
+    app(arguments, standalone_mode=False)
+"""
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """Folder of what the commands write.
+
+    In a process of its own: formulations that other tests register are none of the project.
+    """
+    folder = tmp_path_factory.mktemp("docs")
+    lines = [["scene", *some, "--out", str(folder / file)] for file, some in COMMANDS.items()]
+    command = [sys.executable, "-c", PROGRAM, json.dumps(lines)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == str(out)
-    assert out.read_text() == (DOCS / file).read_text(), (
-        f"cea scene {arguments[0]} --out docs/{file}"
-    )
+    assert done.stdout.splitlines() == [line[-1] for line in lines]
+    return folder
+
+
+@pytest.mark.parametrize("file", COMMANDS)
+def test_what_is_committed_is_what_the_command_writes(written, file):
+    command = " ".join(["cea scene", *COMMANDS[file], f"--out docs/{file}"])
+    assert (written / file).read_text() == (DOCS / file).read_text(), command
 
 
 @pytest.mark.parametrize(("file", "kind"), FILES, ids=lambda value: getattr(value, "stem", value))

@@ -27,11 +27,12 @@ def area_and_volume(skin):
     return np.linalg.norm(doubled, axis=1).sum() / 2, volume, doubled.sum(axis=0)
 
 
+HEXAHEDRA = {"cell": "hexahedron", "degree": 2, "elements": [3, 24, 2]}
 CASES = [
-    ("fe", {"cell": "hexahedron", "degree": 2, "elements": [3, 24, 2]}),
+    pytest.param("fe", HEXAHEDRA, marks=pytest.mark.slow),
     ("fe", {"cell": "tetrahedron", "degree": 2, "elements": [3, 24, 2]}),
     ("fe", {"cell": "hexahedron", "degree": 3, "elements": [2, 16, 1]}),
-    ("iga", {"degree": [2, 2, 2], "elements": [3, 16, 2]}),
+    pytest.param("iga", {"degree": [2, 2, 2], "elements": [3, 16, 2]}, marks=pytest.mark.slow),
     ("iga", {"degree": [3, 3, 3], "elements": [3, 8, 1]}),
 ]
 
@@ -92,6 +93,7 @@ def test_sharp_edges_are_the_four_rims(backend):
     assert lengths.sum() == pytest.approx(4 * np.pi * (INNER + OUTER), rel=5e-3)
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_fewer_points_are_some_of_those_there_were(backend):
     bodies = build_bodies(load_scene("disc_pad").on(backend), StageTimer(lambda stage: None))
     whole = skins(bodies, 20_000)

@@ -5,6 +5,7 @@ import sys
 
 import pytest
 from blocks import assemble, two_blocks
+from covering import covering
 
 import cea.eigen.krylov_schur
 from scenes.read import read_scene
@@ -41,7 +42,9 @@ def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, taken
     assert "friction" not in results[0.4].skipped
 
 
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize(
+    ("backend", "form"), covering(("fe", "iga"), ("saddle", "penalty"), strength=1)
+)
 def test_leaving_friction_out_changes_no_frequency(backend, form, taken):
     data = two_blocks(backend, GPTS, held=True, mu=0.0)
     data["contacts"]["interface"]["form"] = form
@@ -135,7 +138,7 @@ def test_what_is_given_without_use_is_told_with_its_path(backend, changes, unuse
     ("backend", "absent"),
     [
         ("iga", {"gmsh", "pyvista", "vtk", "dolfinx", "fe_cea"}),
-        ("fe", {"gmsh", "pyvista", "iga_cea"}),
+        pytest.param("fe", {"gmsh", "pyvista", "iga_cea"}, marks=pytest.mark.slow),
     ],
 )
 def test_nothing_unused_is_imported(backend, absent, tmp_path):

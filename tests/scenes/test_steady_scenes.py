@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from blocks import FORMULATIONS
+from covering import covering
 from mpi import on_ranks
 from pressed import AREA, PRESSURE, SOFT, pressed_blocks
 from same_numbers import assert_same
@@ -20,7 +22,11 @@ def run(*arguments, **options):
     return run_scene(read_scene(pressed_blocks(*arguments, **options)))
 
 
-@pytest.mark.parametrize("changes", [{}, {"full_pass": True}])
+@pytest.mark.parametrize(
+    ("changes", "backend", "formulation"),
+    covering(({}, {"full_pass": True}), ("fe", "iga"), FORMULATIONS, strength=1),
+    indirect=["formulation"],
+)
 def test_uniform_closed_contact_has_the_modes_of_uniform_stiffness(backend, formulation, changes):
     """The closed points of a law of m = 1 have p = c_n, to the last bit where nothing projects."""
     found = run(backend, formulation, c_n=SOFT, **changes)
@@ -68,6 +74,7 @@ def test_friction_is_a_parameter_and_stiffness_is_none(backend):
     assert "contacts.interface.P" not in parameters
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_a_sweep_seeks_each_state_anew(backend):
     """Friction moves the equilibrium too; density does not."""
     scene = read_scene(pressed_blocks(backend, GPTS, c_n=1e2, m_n=2.0))
@@ -81,7 +88,9 @@ def test_a_sweep_seeks_each_state_anew(backend):
     assert swept.eigenvalues == pytest.approx(fresh.eigenvalues, rel=1e-8, abs=1e-8)
 
 
-@pytest.mark.parametrize("rule", [GPTS, {"method": "mortar"}], ids=lambda rule: rule["method"])
+@pytest.mark.parametrize(
+    ("backend", "rule"), covering(("iga", "fe"), ({"method": "mortar"}, GPTS), strength=1)
+)
 def test_matrices_are_those_of_the_state(backend, rule):
     result = run(backend, rule, c_n=1e2, m_n=2.0)
     matrices = result.matrices()
@@ -112,6 +121,7 @@ def test_what_is_sought_is_not_among_what_was_skipped(backend):
     assert "newton" not in skipped_by(sought)
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_damping_moves_no_equilibrium(backend):
     data = pressed_blocks(backend, GPTS, c_n=SOFT, m_n=2.0)
     data["bodies"]["upper"]["damping"] = {"alpha": 0.01, "beta": 0.002}
@@ -170,12 +180,18 @@ def test_fields_that_say_nothing_stand_in_no_fingerprint(name):
         assert ("c_n" in contact) == (contact.get("c_n") is not None)
 
 
-FEW = ("fe gpts", "iga mortar")
-MORE = ("fe full pass", "fe mortar", "iga saddle")
+CASES = ("fe gpts", "iga mortar", "fe full pass", "fe mortar", "iga saddle")
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize(("ranks", "cases"), [(2, (*FEW, *MORE)), (3, FEW)])
+@pytest.mark.parametrize(
+    ("ranks", "cases"),
+    [
+        (2, ("iga mortar",)),
+        pytest.param(2, CASES, marks=pytest.mark.slow),
+        pytest.param(3, CASES, marks=pytest.mark.slow),
+    ],
+)
 def test_ranks_find_the_same_state(ranks, cases):
     found, expected = (on_ranks(n, "steady_numbers.states", *cases) for n in (ranks, 1))
     assert_same(found, expected, rel=1e-8)

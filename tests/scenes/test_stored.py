@@ -119,7 +119,7 @@ def test_what_is_no_record_is_refused(content, name, tmp_path):
 
 def test_the_commit_is_that_of_the_checkout():
     if not (ROOT / ".git").exists():
-        pytest.skip("no checkout")
+        pytest.skip("no git checkout, whose commit it would be")
     git = ["git", "-C", str(ROOT), "rev-parse", "HEAD"]
     head = subprocess.run(git, capture_output=True, text=True, check=True).stdout.strip()
     assert commit().removesuffix("-dirty") == head

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import pyvista
 from blocks import block, two_blocks
+from covering import covering
 from iga_data import STEEL, TILTED, turned
 from iga_data import body as nurbs_body
 from lagrange_bodies import DIMENSION, MATERIAL, ROUND, body_of, csr
@@ -31,6 +32,8 @@ from scenes.vtu import cell_grid, in_space, point_grid
 RNG = np.random.default_rng(11)
 ANNULUS, RING, DISC = Annulus(0.5, 1.0, 0.0, 0.3), Ring(0.5, 1.0), Disc(1.0, 0.0, 0.3)
 GPTS = {"method": "gpts", "points": 3}
+COSTLY = {("tetrahedron", 4), ("hexahedron", 4)}
+"""Cells and degrees of slow tests."""
 
 
 def reread(grid, tmp_path):
@@ -93,7 +96,13 @@ def check_lagrange_cells(body, tmp_path):
     assert handedness(grid) > 0
 
 
-@pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSION, (1, 2, 3, 4))))
+@pytest.mark.parametrize(
+    ("cell", "degree"),
+    [
+        pytest.param(*row, marks=pytest.mark.slow if row in COSTLY else ())
+        for row in product(DIMENSION, (1, 2, 3, 4))
+    ],
+)
 def test_lagrange_cells_hold_geometry_and_displacement(cell, degree, tmp_path):
     body = body_of(ROUND, cell, degree)
     assert body.volume_cells().degree == degree
@@ -171,8 +180,10 @@ def handedness(grid):
     return min(jacobians)
 
 
-@pytest.mark.parametrize("degree", [(2, 2, 1), (2, 3, 2), (3, 4, 1)])
-@pytest.mark.parametrize("shape", [ANNULUS, DISC], ids=lambda shape: shape.shape)
+@pytest.mark.parametrize(
+    ("shape", "degree"),
+    covering((ANNULUS, DISC), ((2, 2, 1), (2, 3, 2), (3, 4, 1)), strength=1),
+)
 def test_bezier_cells_are_rational_and_of_mixed_degrees(shape, degree, tmp_path):
     part = nurbs_body(shape, (2, 8, 1), degree)
     area = np.pi * (1.0 - (0.25 if shape is ANNULUS else 0.0))
@@ -185,7 +196,14 @@ def test_bezier_cells_of_the_plane(continuity, tmp_path):
     check_bezier_cells(part, np.pi * 0.75, tmp_path)
 
 
-@pytest.mark.parametrize(("axes", "flip"), [((0, 1, 2), 1), ((2, 0, 1), 0), ((1, 0, 2), 2)])
+@pytest.mark.parametrize(
+    ("axes", "flip"),
+    [
+        ((0, 1, 2), 1),
+        pytest.param((2, 0, 1), 0, marks=pytest.mark.slow),
+        pytest.param((1, 0, 2), 2, marks=pytest.mark.slow),
+    ],
+)
 def test_left_handed_patches_give_right_handed_cells(axes, flip, tmp_path):
     data = nurbs_shape(ANNULUS, breaks_of(ANNULUS, (2, 4, 2)), TILTED)
     patches = [turned(patch, axes, flip) for patch in data.patches]
@@ -243,6 +261,7 @@ def test_collections_list_every_mode_of_every_body(result, backend, tmp_path):
         assert np.abs(grid.point_data["gap_real"]).max() > 1e-3
 
 
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_most_unstable_modes_are_written_first(result, monkeypatch, tmp_path):
     monkeypatch.setattr(ModesResult, "most_unstable", lambda result, count: [2, 0][:count])
     for count, expected in [(1, [3]), (2, [1, 3]), (3, [1, 2, 3])]:

@@ -2,11 +2,13 @@
 
 import csv
 import json
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from catalogue import MESHED
+from covering import covering
 
 from comparisons.accuracy.problems import problem
 from scenes.describe import save_result
@@ -38,12 +40,32 @@ def blocks(backend, **changes):
     return scene.change(mesh | contact)
 
 
-@pytest.mark.parametrize(("name", "backend"), MESHED)
+COSTLY = {
+    ("crowned_pad", "fe"),
+    ("crowned_pad", "iga"),
+    ("disc_pad", "iga"),
+    ("drum_3d", "iga"),
+    ("hertz_sphere", "fe"),
+    ("hertz_sphere", "iga"),
+    ("ring", "fe"),
+    ("ring", "iga"),
+    ("ventilated_brake", "fe"),
+}
+"""Scenes that take long to build."""
+
+
+@pytest.mark.parametrize(
+    ("name", "backend"),
+    [pytest.param(*row, marks=pytest.mark.slow if row in COSTLY else ()) for row in MESHED],
+)
 def test_scenes_of_the_catalogue_are_free_of_warnings(name, backend):
     assert told(load_scene(name, backend=backend)) == {}
 
 
-@pytest.mark.parametrize("name", ["blocks", "blocks_constant_mu", "drum"])
+@pytest.mark.parametrize(
+    ("name", "backend"),
+    covering(("blocks", "blocks_constant_mu", "drum"), ("fe", "iga"), strength=1),
+)
 def test_modes_of_the_catalogue_are_free_of_warnings(name, backend):
     assert run_modes(load_scene(name, backend=backend)).warnings == ()
 
@@ -167,11 +189,16 @@ def cantilever(backend, degree, nu, elements=4):
     )
 
 
+@cache
+def exact_frequencies(nu):
+    """The first three frequencies of the beam."""
+    return run_modes(cantilever("iga", 6, nu, elements=8)).frequencies[:3]
+
+
 def locking_error(backend, degree, nu):
     """Relative error of the first three frequencies with four elements through the height."""
-    exact = run_modes(cantilever("iga", 6, nu, elements=8)).frequencies[:3]
     found = run_modes(cantilever(backend, degree, nu)).frequencies[:3]
-    return np.abs(found / exact - 1).max()
+    return np.abs(found / exact_frequencies(nu) - 1).max()
 
 
 @pytest.mark.parametrize(("elements", "limit"), _INCOMPRESSIBLE.items())
@@ -202,10 +229,16 @@ RULES = {
 ACCURATE = ("GPTS", "node-to-surface, tributary")
 
 
+@cache
+def contacts_of(name, backend):
+    """Contacts of a scene as it comes; their relative stiffness does not depend on the rule."""
+    return coupled(load_scene(name, backend=backend))[0].contacts
+
+
 @pytest.mark.parametrize("rule", RULES)
 def test_point_rules_are_told_where_the_study_found_them_too_crude(rule):
     """Errors of growth rates of 2 % and more, where the yardstick has less than half of that."""
-    crude, contacts = 0, {}
+    crude = 0
     with STUDY.open() as file:
         rows = [r for r in csv.DictReader(file) if r["rule"] == rule and r["growth_worst"]]
     for row in rows:
@@ -216,9 +249,7 @@ def test_point_rules_are_told_where_the_study_found_them_too_crude(rule):
         scene = load_scene(row["problem"], backend=backend).change(
             {"contacts.interface.formulation": RULES[rule], "contacts.interface.p": stiffness}
         )
-        if (row["problem"], backend) not in contacts:
-            contacts[row["problem"], backend] = coupled(scene)[0].contacts
-        warned = list(point_rule("interface", scene, contacts[row["problem"], backend]))
+        warned = list(point_rule("interface", scene, contacts_of(row["problem"], backend)))
         if float(row["growth_worst"]) > max(0.02, 2 * float(row["yardstick_growth_worst"])):
             crude += 1
             assert warned, row

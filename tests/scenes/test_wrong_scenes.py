@@ -23,7 +23,13 @@ def test_what_reading_refuses(base):
     assert met_badly("read", base) == []
 
 
-@pytest.mark.parametrize("base", sorted({base for base, *_ in rows("built")}))
+@pytest.mark.parametrize(
+    "base",
+    [
+        pytest.param(base, marks=pytest.mark.slow if base == "disc_pad" else ())
+        for base in sorted({base for base, *_ in rows("built")})
+    ],
+)
 def test_what_building_refuses(base):
     assert met_badly("built", base) == []
 
