@@ -15,11 +15,11 @@ from cea.errors import InputError
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.following import FollowingDriver, kept_state_warning, moves_the_state
-from scenes.parameter_changes import parameters_changed, same_points
+from scenes.following import FollowingDriver, kept_state_warning
+from scenes.parameter_changes import at_parameters, parameters_changed
 from scenes.read import Scene
 from scenes.results import ModesResult
-from scenes.run import RunOptions, coupled, run_modes, skipped_by, with_warnings
+from scenes.run import RunOptions, coupled, result_of_modes, run_modes, solved
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.swept import parameters_meant
 
@@ -84,7 +84,8 @@ class AssembledScene:
 
     def depends_on_state(self, names: Sequence[str]) -> bool:
         """Whether parameters move a state of steady sliding that the pencil is linearised about."""
-        return self.scene.slides_steadily and any(map(moves_the_state, names))
+        moving = self._driver.pencil.stiffness_parameters
+        return self.scene.slides_steadily and not moving.isdisjoint(names)
 
     def modes(
         self,
@@ -122,13 +123,11 @@ class AssembledScene:
         scene = self.scene.change(every | dict(changes or {}))
         values = self._parameters_changed(scene)
         if values is None or not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-            options: RunOptions = {"listener": listener, **self._reusable(scene)}
+            options: RunOptions = {"listener": listener, **self._built}
             return run_modes(scene, left=left, **options)
         timer = StageTimer(listener)
-        top, decay = scene.analysis.max_frequency, scene.analysis.min_growth
-        modes = self._driver.solve(top, values, min_growth=decay, left=left, timer=timer)
-        result = ModesResult(scene, self._system, self.interfaces, timer, skipped_by(scene), modes)
-        return with_warnings(result)
+        known = self._system, self.interfaces, timer
+        return solved(scene, *known, self._driver, values, left=left)
 
     def warnings(
         self, modes: Modes, max_frequency: float, values: Mapping[str, float]
@@ -144,13 +143,10 @@ class AssembledScene:
         values
             Parameters of the pencil that differ from their own values.
         """
-        scene = self.scene.change(_numbers(self.scene, values))
-        inside = np.flatnonzero(modes.frequencies <= max_frequency)
-        result = ModesResult(
-            *(scene, self._system, self.interfaces, StageTimer(), skipped_by(scene)),
-            modes[inside],
-        )
-        return with_warnings(result).warnings
+        scene = at_parameters(self.scene, self._driver.pencil, values)
+        inside = modes[np.flatnonzero(modes.frequencies <= max_frequency)]
+        known = self._system, self.interfaces, StageTimer()
+        return result_of_modes(scene, *known, inside).warnings
 
     def threshold(
         self,
@@ -193,7 +189,12 @@ class AssembledScene:
         names = parameters_meant(self._driver.pencil, parameter)
         depends = self.depends_on_state(names)
         if not follow_steady_state:
-            found = self._threshold(self._driver, names, real, flutter, frequency)
+            good = self.good_at(*(dict.fromkeys(names, value) for value in (real, flutter)))
+            try:
+                found = self._threshold(good.driver, names, real, flutter, frequency)
+            finally:
+                if good is not self:
+                    good.free()
             told = (kept_state_warning(parameter),) if depends else ()
             return replace(found, warnings=(*found.warnings, *told))
         if not depends:
@@ -227,8 +228,9 @@ class AssembledScene:
 
     def _system_at(self, names: Sequence[str], value: float) -> CoupledSystem:
         """The system about the state of steady sliding that it has at a value of parameters."""
-        changed = self.scene.change(dict.fromkeys(names, value))
-        options: RunOptions = {"leave_out": False, **self._reusable(changed)}
+        pencil = self._driver.pencil
+        changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
+        options: RunOptions = {"leave_out": False, **self._built}
         return coupled(changed, **options)[0]
 
     def _quadratic(self, names: Sequence[str], *values: float) -> bool:
@@ -237,54 +239,51 @@ class AssembledScene:
             return False
         return any(self._driver.quadratic(dict.fromkeys(names, value)) for value in values)
 
-    def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
-        """Parameters that make this scene another; None where others differ, or forms would."""
-        values = parameters_changed(self.scene, scene)
-        if scene.slides_steadily and (
-            scene.analysis.load_steps != self.scene.analysis.load_steps
-            or scene.stiffened_by_stress != self.scene.stiffened_by_stress
-            or not all(name.endswith(".rho") for name in values or ())
-        ):
-            return None  # another state of steady sliding
-        if values is not None and self.keeps_forms(scene, values):
-            return values
-        return None
-
-    def keeps_forms(self, scene: Scene, values: Mapping[str, float]) -> bool:
-        """Whether contacts whose form a scene leaves open keep theirs at some parameters."""
-        left_open = [name for name, contact in scene.contacts.items() if contact.form is None]
-        return self._system.keeps_forms(left_open, values)
-
-    def _reusable(self, scene: Scene) -> RunOptions:
-        """What a changed scene shares with this one."""
-        if (scene.bodies, scene.loads) != (self.scene.bodies, self.scene.loads):
-            return {}
-        if not same_points(self.scene, scene):
-            return {"bodies": self.bodies}
+    @property
+    def _built(self) -> RunOptions:
+        """Bodies and contact points, to be used again as far as another scene has the same."""
         return {"bodies": self.bodies, "interfaces": self.interfaces}
+
+    def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
+        """Parameters at which the pencil is that of another scene; None where it is at none."""
+        pencil = self._driver.pencil
+        values = parameters_changed(pencil, self.scene, scene)
+        if values is None or self.depends_on_state(list(values)):
+            return None
+        try:
+            pencil.check(values)
+        except InputError:
+            return None
+        return values if not self._other_forms(values) else None
+
+    def _other_forms(self, values: Mapping[str, float]) -> list[str]:
+        """Contacts whose form is left open and would be another at some parameters."""
+        left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
+        return [name for name in left_open if not self._system.keeps_forms([name], values)]
+
+    def good_at(self, *points: Mapping[str, float]) -> "AssembledScene":
+        """The scene with contacts whose forms, where left open, are good at some parameters too.
+
+        Parameters
+        ----------
+        points
+            Parameters of the pencil.
+
+        Returns
+        -------
+        AssembledScene
+            Itself where the forms that its contacts have are good there too.
+        """
+        changing = [name for values in points for name in self._other_forms(values)]
+        if not changing:
+            return self
+        return AssembledScene(
+            self.scene.change({f"contacts.{name}.form": "saddle" for name in changing})
+        )
 
     def free(self) -> None:
         """Free factors kept between solves."""
         self._driver.free()
-
-
-def _numbers(scene: Scene, values: Mapping[str, float]) -> dict[str, float | None]:
-    """Parameters that are numbers of a scene; those that are factors on expressions are not.
-
-    Where it gives p, uniform, P takes its place.
-    """
-    sections: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "contacts": scene.contacts}
-    found: dict[str, float | None] = {}
-    for path, value in values.items():
-        first, name, *fields = path.split(".")
-        at: Any = sections[first][name]
-        for field in fields:
-            at = getattr(at, field, None)
-        if isinstance(at, float):
-            found[path] = value
-        elif fields == ["P"] and isinstance(sections[first][name].p, float):
-            found |= {path: value, f"{first}.{name}.p": None}
-    return found
 
 
 def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:

@@ -9,14 +9,6 @@ from cea.petsc import Mat
 from cea.system.coupled import CoupledSystem
 from cea.warned import ResultWarning
 
-_MOVE = (".mu", ".P", ".material.E")
-"""Ends of the names of parameters that a state of steady sliding depends on."""
-
-
-def moves_the_state(parameter: str) -> bool:
-    """Whether a state of steady sliding depends on a parameter of its pencil."""
-    return parameter.endswith(_MOVE)
-
 
 def kept_state_warning(parameters: str) -> ResultWarning:
     """What is told where such parameters change and the state is kept.
