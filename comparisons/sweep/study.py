@@ -11,6 +11,7 @@ import numpy as np
 from cea.arrays import Complexes
 from cea.eigen.eigenvalue_matching import assign
 from cea.errors import ConvergenceError, InputError
+from comparisons.kit.run_warnings import Run, merged_warnings
 from comparisons.kit.tables import Data
 from scenes.assembled import AssembledScene
 from scenes.matrix_run import AssembledMatrices
@@ -117,13 +118,14 @@ def run_sweep(
     dict
         The record: ``field``, ``why`` where it was told, ``points`` with ``value``, ``failed`` (the
         reason, or "") and ``modes``, each with ``curve``, a number that modes of one curve share,
-        ``re``, ``im``, ``uncertainty`` and ``verdict``; and the ``window``.
+        ``re``, ``im``, ``uncertainty`` and ``verdict``; ``warnings`` are those of all values,
+        merged (:func:`comparisons.kit.run_warnings.merged_warnings`).
     """
     begun = perf_counter()
     assembled = sweep.assembled()
     paths = sweep.paths(assembled)
     points: list[dict[str, Any]] = []
-    warnings: list[dict[str, Any]] = []
+    runs: list[Run] = []
     curves = Curves()
     for value in sweep.values:
         progress(f"{sweep.field} = {value:g}")
@@ -133,8 +135,7 @@ def run_sweep(
             points.append({"value": value, "failed": str(error), "modes": [], "verdict": ""})
             curves.interrupt()
             continue
-        told = [warning.plain() for warning in result.modes.warnings]
-        warnings += [warning | {"value": value} for warning in told]
+        runs.append(({sweep.field: value}, [warning.plain() for warning in result.warnings]))
         points.append(_point(value, result, curves.follow(result.eigenvalues)))
     assembled.free()
     inputs = {
@@ -148,6 +149,7 @@ def run_sweep(
     }
     data = {"field": sweep.field, "points": points} | ({"why": why} if why else {})
     seconds = perf_counter() - begun
+    warnings = merged_warnings(runs, f"values of {sweep.field}")
     return record(COMMAND, data, inputs=inputs, seconds=seconds, warnings=warnings)
 
 

@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 
 from comparisons.kit.numbers import shown
+from comparisons.kit.run_warnings import kinds_at
 from comparisons.kit.tables import Column, Data, Table
 from comparisons.sweep.study import curves_of
 
 
 def values_table(data: Data) -> Table:
-    """A row for each value: how many modes are unstable, and the fastest."""
+    """A row for each value: how many modes are unstable, the fastest, what it warns of."""
     rows: list[tuple[Any, ...]] = []
     for point in data["points"]:
         modes = point["modes"]
@@ -23,6 +24,7 @@ def values_table(data: Data) -> Table:
                 fastest["re"] if fastest else None,
                 fastest["im"] / (2 * np.pi) if fastest else None,
                 point["failed"] or point["verdict"],
+                ", ".join(kinds_at(data["warnings"], {data["field"]: point["value"]})),
             )
         )
     return Table(
@@ -35,6 +37,7 @@ def values_table(data: Data) -> Table:
             Column("growth", "fastest growth", shown(4, sign=True), "1/s"),
             Column("frequency", "its frequency", shown(5), "Hz"),
             Column("verdict", "verdict"),
+            Column("warnings", "warnings"),
         ),
         rows,
     )
