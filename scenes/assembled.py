@@ -121,8 +121,46 @@ class AssembledScene:
             for field, value in of_every_contact.items()
         }
         scene = self.scene.change(every | dict(changes or {}))
-        values = self._parameters_changed(scene)
-        if values is None or not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
+        values = parameters_changed(self._driver.pencil, self.scene, scene)
+        return self._modes(scene, values, left=left, listener=listener)
+
+    def modes_at(
+        self,
+        values: Mapping[str, float],
+        *,
+        left: bool = False,
+        listener: Callable[[str], None] | None = None,
+    ) -> ModesResult:
+        """Modes of the scene at parameters of its pencil.
+
+        Parameters
+        ----------
+        values
+            By name, as :meth:`threshold` takes them: of a field that is an expression a factor on
+            it, where :meth:`modes` puts a number in its place.
+        left, listener
+            As of :meth:`modes`.
+
+        Raises
+        ------
+        SceneError
+            When a scene may not have a value.
+        InputError
+            When there is no such parameter.
+        """
+        scene = at_parameters(self.scene, self._driver.pencil, values)
+        return self._modes(scene, values, left=left, listener=listener)
+
+    def _modes(
+        self,
+        scene: Scene,
+        values: Mapping[str, float] | None,
+        *,
+        left: bool,
+        listener: Callable[[str], None] | None,
+    ) -> ModesResult:
+        """Modes of another scene, that of the pencil at some parameters where these are given."""
+        if values is None or not self._holds_at(values):
             options: RunOptions = {"listener": listener, **self._built}
             return run_modes(scene, left=left, **options)
         timer = StageTimer(listener)
@@ -244,17 +282,15 @@ class AssembledScene:
         """Bodies and contact points, to be used again as far as another scene has the same."""
         return {"bodies": self.bodies, "interfaces": self.interfaces}
 
-    def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
-        """Parameters at which the pencil is that of another scene; None where it is at none."""
-        pencil = self._driver.pencil
-        values = parameters_changed(pencil, self.scene, scene)
-        if values is None or self.depends_on_state(list(values)):
-            return None
+    def _holds_at(self, values: Mapping[str, float]) -> bool:
+        """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
+        if self.depends_on_state(list(values)):
+            return False
         try:
-            pencil.check(values)
+            self._driver.pencil.check(values)
         except InputError:
-            return None
-        return values if not self._other_forms(values) else None
+            return False
+        return not self._other_forms(values)
 
     def _other_forms(self, values: Mapping[str, float]) -> list[str]:
         """Contacts whose form is left open and would be another at some parameters."""

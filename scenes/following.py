@@ -9,6 +9,9 @@ from cea.petsc import Mat
 from cea.system.coupled import CoupledSystem
 from cea.warned import ResultWarning
 
+STATE_KEPT = "steady-state-kept"
+"""Kind of the warning that a state is not the one at other parameters."""
+
 
 def kept_state_warning(parameters: str) -> ResultWarning:
     """What is told where such parameters change and the state is kept.
@@ -19,7 +22,7 @@ def kept_state_warning(parameters: str) -> ResultWarning:
         In words.
     """
     return ResultWarning(
-        "steady-state-kept",
+        STATE_KEPT,
         f"the state of steady sliding depends on {parameters}, and is kept in derivatives and "
         "thresholds: closed zones and contact stiffness are those of the scene; a threshold with "
         "follow_steady_state seeks it at each value",

@@ -80,25 +80,35 @@ def at_parameters(scene: Scene, pencil: Pencil, values: Mapping[str, float]) -> 
     values
         Parameters that differ from their own values; those that are factors on fields which are no
         numbers, or P on p, multiply these.
+
+    Raises
+    ------
+    SceneError
+        When a field may not have the value.
+    InputError
+        When there is no such parameter.
     """
-    changed = _in_factors(scene)
+    scene = _in_factors(scene)
     changes: dict[str, Any] = {}
     for name, value in values.items():
-        path = name
-        if name.endswith(".P") and _field(changed, name) is None:
-            path = f"{name.removesuffix('P')}p"
-        changes[path] = _scaled(_field(changed, path), value, pencil.parameters[name].value)
-    return changed.change(changes)
+        own, field, of_p = pencil.parameter(name).value, _field(scene, name), f"{name[:-1]}p"
+        if field is not None:
+            changes[name] = _scaled(field, value, own)
+        elif isinstance(p := _field(scene, of_p), float):
+            changes |= {name: value, of_p: None}
+        else:
+            changes[of_p] = _scaled(p, value, own)
+    return scene.change(changes)
 
 
 def _scaled(field: Any, value: float, own: float) -> Any:
     """A field where its parameter has another value than its own."""
-    if isinstance(field, float) and isclose(field, own, rel_tol=_ROUNDING):
+    if own == 0 or isinstance(field, float):
         return value
     factor = value / own
-    if isinstance(field, str):
-        return f"{factor!r}*({field})"
-    return [factor * each for each in field] if isinstance(field, tuple) else factor * field
+    return (
+        [factor * each for each in field] if isinstance(field, tuple) else f"{factor!r}*({field})"
+    )
 
 
 def _field(scene: Scene, path: str) -> Any:

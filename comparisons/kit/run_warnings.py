@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 _LISTED = 4
-"""Numbers up to which all are named."""
+"""Runs up to which all are named."""
 
 Run = tuple[Mapping[str, Any], Iterable[Mapping[str, Any]]]
 """What sets a run apart, by name, and its warnings as plain data."""
@@ -59,23 +59,27 @@ def _message(places: Sequence[Mapping[str, Any]], total: int, what: str) -> str:
     first = places[0]
     if total == 1:
         return str(first["message"])
-    every = f"all {total} {what}" if len(places) == total else f"{len(places)} of {total} {what}"
-    where = f"at {every}{_between(places) if len(places) < total else ''}"
+    where = f"at all {total} {what}"
+    if len(places) < total:
+        points = [place["point"] for place in places]
+        where = f"at {len(places)} of {total} {what}{_which(points)}"
     if any(place["message"] != first["message"] for place in places):
-        own = ", ".join(f"{name} = {_shown(value)}" for name, value in first["point"].items())
-        where = f"so at {own}, and the like {where}"
+        where = f"so at {_named(first['point'])}, and the like {where}"
     return f"{first['message']} ({where})"
 
 
-def _between(places: Sequence[Mapping[str, Any]]) -> str:
-    """The numbers of places that one number sets apart, or their range."""
-    points = [list(place["point"].values()) for place in places]
-    if any(len(point) != 1 or not isinstance(point[0], float) for point in points):
-        return ""
-    numbers = sorted(point[0] for point in points)
-    if len(numbers) > _LISTED:
-        return f", from {_shown(numbers[0])} to {_shown(numbers[-1])}"
-    return f": {', '.join(map(_shown, numbers))}"
+def _which(points: Sequence[Mapping[str, Any]]) -> str:
+    """The points where they are few, or the range of the one number that sets them apart."""
+    if len(points) <= _LISTED:
+        return f": {'; '.join(map(_named, points))}"
+    numbers = [value for point in points for value in point.values() if isinstance(value, float)]
+    if len(numbers) == len(points) == sum(map(len, points)):
+        return f", from {_shown(min(numbers))} to {_shown(max(numbers))}"
+    return ""
+
+
+def _named(point: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name} = {_shown(value)}" for name, value in point.items())
 
 
 def _shown(value: Any) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
@@ -17,6 +17,7 @@ from cea.warned import ResultWarning
 from scenes.assembled import AssembledScene
 from scenes.matrix_run import AssembledMatrices
 from scenes.matrix_scene import is_of_matrices, load_matrices
+from scenes.plain import as_data
 from scenes.read import load_scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.swept import no_two_alike, parameters_meant
@@ -57,6 +58,8 @@ class Mapped:
         The axes.
     names
         Parameters of the pencil that each axis means.
+    scene
+        The scene as plain data, which warnings may hang on too.
     max_frequency
         Upper end of the window (Hz).
     growth_threshold
@@ -70,6 +73,7 @@ class Mapped:
     driver: KrylovSchur
     axes: tuple[Varied, ...]
     names: tuple[tuple[str, ...], ...]
+    scene: Mapping[str, Any]
     max_frequency: float
     growth_threshold: float | None
     min_growth: float | None = None
@@ -120,6 +124,7 @@ def mapped(
             matrices.driver,
             tuple(axes),
             names,
+            as_data(matrices.scene),
             window.max_frequency,
             window.growth_threshold,
             window.min_growth,
@@ -150,6 +155,7 @@ def mapped(
         assembled.driver,
         tuple(axes),
         names,
+        as_data(assembled.scene),
         analysis.max_frequency,
         analysis.growth_threshold,
         analysis.min_growth,

@@ -14,10 +14,11 @@ from cea.errors import ConvergenceError, InputError
 from comparisons.kit.run_warnings import Run, merged_warnings
 from comparisons.kit.tables import Data
 from scenes.assembled import AssembledScene
-from scenes.matrix_run import AssembledMatrices
+from scenes.matrix_run import AssembledMatrices, MatrixResult
 from scenes.matrix_scene import is_of_matrices, load_matrices
-from scenes.of_modes import OfModes
 from scenes.read import load_scene
+from scenes.results import ModesResult
+from scenes.scene_error import SceneError
 from scenes.stored import record
 from scenes.swept import means_several, parameters_meant
 
@@ -30,6 +31,8 @@ _MOST = 1000
 
 Assembled = AssembledScene | AssembledMatrices
 """A scene that is solved at changed fields."""
+Result = ModesResult | MatrixResult
+"""What comes of it."""
 
 
 @dataclass(frozen=True)
@@ -76,15 +79,22 @@ class Sweep:
         return np.linspace(self.start, self.stop, self.count).tolist()
 
     def assembled(self) -> Assembled:
-        """The scene, assembled at the first value."""
-        overrides = list(self.overrides)
-        if not means_several(self.field):
-            overrides.append(f"{self.field}={self.start!r}")
+        """The scene, assembled as it is, or at the first value of a field that is no parameter."""
+        several = means_several(self.field)
+        at_first = [*self.overrides, *([] if several else [f"{self.field}={self.start!r}"])]
         if is_of_matrices(self.scene):
-            return AssembledMatrices(load_matrices(self.scene, overrides, self.data))
+            return AssembledMatrices(load_matrices(self.scene, at_first, self.data))
         if self.data is not None:
             raise InputError("data", self.data, "left out: a scene of bodies reads no matrices")
-        return AssembledScene(load_scene(self.scene, overrides))
+        try:
+            scene = load_scene(self.scene, self.overrides)
+        except SceneError:  # a field may be given by the sweep alone
+            scene = load_scene(self.scene, at_first)
+        assembled = AssembledScene(scene)
+        if several or self.field in assembled.driver.pencil.parameters:
+            return assembled
+        assembled.free()
+        return AssembledScene(scene.change(self.field, self.start))
 
     def paths(self, assembled: Assembled) -> list[str]:
         """Paths of the fields that change together."""
@@ -97,6 +107,16 @@ class Sweep:
         except InputError as error:
             allowed = f"no such field; there are {', '.join(pencil.parameters)}"
             raise InputError(self.field, self.start, allowed) from error
+
+
+def _solve(assembled: Assembled, paths: Sequence[str], value: float) -> Result:
+    """Modes at a value of fields; of parameters as maps take them, factors on expressions."""
+    values = dict.fromkeys(paths, value)
+    if isinstance(assembled, AssembledScene) and set(paths) <= set(
+        assembled.driver.pencil.parameters
+    ):
+        return assembled.modes_at(values)
+    return assembled.modes(values)
 
 
 def run_sweep(
@@ -130,7 +150,7 @@ def run_sweep(
     for value in sweep.values:
         progress(f"{sweep.field} = {value:g}")
         try:
-            result = assembled.modes(dict.fromkeys(paths, value))
+            result = _solve(assembled, paths, value)
         except ConvergenceError as error:
             points.append({"value": value, "failed": str(error), "modes": [], "verdict": ""})
             curves.interrupt()
@@ -153,7 +173,7 @@ def run_sweep(
     return record(COMMAND, data, inputs=inputs, seconds=seconds, warnings=warnings)
 
 
-def _point(value: float, result: OfModes, curves: Sequence[int]) -> dict[str, Any]:
+def _point(value: float, result: Result, curves: Sequence[int]) -> dict[str, Any]:
     modes = [
         {
             "curve": curve,

@@ -23,8 +23,8 @@ def values_table(data: Data) -> Table:
                 sum(mode["verdict"] == "unstable" for mode in modes),
                 fastest["re"] if fastest else None,
                 fastest["im"] / (2 * np.pi) if fastest else None,
-                point["failed"] or point["verdict"],
                 ", ".join(kinds_at(data["warnings"], {data["field"]: point["value"]})),
+                point["failed"] or point["verdict"],
             )
         )
     return Table(
@@ -36,8 +36,8 @@ def values_table(data: Data) -> Table:
             Column("unstable", "unstable", shown(3)),
             Column("growth", "fastest growth", shown(4, sign=True), "1/s"),
             Column("frequency", "its frequency", shown(5), "Hz"),
-            Column("verdict", "verdict"),
             Column("warnings", "warnings"),
+            Column("verdict", "verdict"),
         ),
         rows,
     )

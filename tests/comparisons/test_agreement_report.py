@@ -14,6 +14,7 @@ from comparisons.agreement import figures, tables, words
 from comparisons.agreement.page import write_report
 from comparisons.agreement.time_saved import compared
 from comparisons.kit.numbers import listed, number, per_cent, plain
+from comparisons.kit.run_warnings import merged_warnings
 
 _KINDS = ("worst", "median")
 
@@ -131,11 +132,11 @@ def test_summary_follows_the_data(data):
 
 def test_warnings_of_runs_are_told(data, tmp_path):
     assert words.warned(data) == []
-    data["warnings"] = [
-        {"backend": "iga", "formulation": "GPTS 5 x 5", "kind": "window", "message": "3 are lost"}
-    ]
+    runs = [({"scene": "disc_pad", "backend": each}, ()) for each in ("fe", "iga")]
+    lost = {"kind": "window", "message": "three modes are lost", "data": {}}
+    data["warnings"] = merged_warnings([*runs, ({"scene": "disc_pad"}, [lost])], "runs")
     text = Page(write_report(data, [], tmp_path).read_text(encoding="utf-8")).text
-    assert "NURBS, GPTS 5 x 5: 3 are lost." in text
+    assert "Three modes are lost (at 1 of 3 runs: scene = disc_pad)." in text
 
 
 def test_no_saving_is_claimed_that_equal_runs_are_apart(data):
