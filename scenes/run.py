@@ -18,6 +18,7 @@ from cea.system.coupled import CoupledSystem
 from cea.system.held import support_reactions
 from cea.system.steady_sliding import steady_sliding
 from cea.timing import StageTimer
+from cea.warned import ResultWarning
 from scenes.body_meshes import filled_in
 from scenes.build import (
     build_bodies,
@@ -184,7 +185,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
             name: contact_stresses(system, name, x, scene.analysis.samples)
             for name in scene.contacts
         }
-        warnings = scene_warnings(scene, system.contacts) + steady_warnings(scene, system)
+        warnings = _warnings(scene, system)
         reactions = _reactions(scene, system, x)
     return StaticResult(
         scene,
@@ -213,9 +214,7 @@ def result_of_modes(
     result = ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
     with timer("post-processing"):
         found = (
-            *scene_warnings(scene, system.contacts),
-            *system.warnings_at(modes.values),
-            *steady_warnings(scene, system),
+            *_warnings(scene, system, modes.values),
             *kept_state_warnings(system.steady, modes),
             *short_modes(scene, result.bodies, result.mode_shapes, len(modes)),
         )
@@ -224,6 +223,17 @@ def result_of_modes(
             reactions = _reactions(scene, system, system.steady.displacement)
     modes = replace(modes, warnings=(*modes.warnings, *found))
     return replace(result, modes=modes, reactions=reactions)
+
+
+def _warnings(
+    scene: Scene, system: CoupledSystem, values: Mapping[str, float] | None = None
+) -> tuple[ResultWarning, ...]:
+    """What any result must be read with: bodies, contacts, their forms, steady sliding."""
+    return (
+        *scene_warnings(scene, system.contacts),
+        *system.warnings_at(values or {}),
+        *steady_warnings(scene, system),
+    )
 
 
 def _reactions(scene: Scene, system: CoupledSystem, x: Vec) -> dict[str, Floats]:
