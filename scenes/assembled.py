@@ -19,7 +19,14 @@ from scenes.following import FollowingDriver, kept_state_warning
 from scenes.parameter_changes import at_parameters, parameters_changed
 from scenes.read import Scene
 from scenes.results import ModesResult
-from scenes.run import RunOptions, coupled, result_of_modes, run_modes, solved
+from scenes.run import (
+    RunOptions,
+    coupled,
+    result_of_modes,
+    run_modes,
+    solved,
+    system_warnings,
+)
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.swept import parameters_meant
 
@@ -27,9 +34,11 @@ from scenes.swept import parameters_meant
 class AssembledScene:
     """A scene whose matrices are the pieces of a parametric pencil.
 
-    Modes at another E or rho, damping or rate of rotation of a body, at another P or mu, pressure,
-    speed or slope of friction of a contact need no assembly. Other changes build again what they
-    touch: bodies, contact points, or the contact matrices alone.
+    Modes of the scene with fields changed are those of a fresh run. At another E or rho, damping or
+    rate of rotation of a body, at another P or mu, pressure, speed or slope of friction of a
+    contact, that needs no assembly, as far as the state of steady sliding and the forms of contacts
+    stay. Other changes build again what they touch: bodies, contact points, the state of steady
+    sliding, or the contact matrices alone.
 
     Parameters
     ----------
@@ -186,6 +195,11 @@ class AssembledScene:
         known = self._system, self.interfaces, StageTimer()
         return result_of_modes(scene, *known, inside).warnings
 
+    def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
+        """What bodies, contacts and the state must be read with at other parameters; collective."""
+        scene = at_parameters(self.scene, self._driver.pencil, values)
+        return system_warnings(scene, self._system, values)
+
     def threshold(
         self,
         parameter: str,
@@ -226,25 +240,33 @@ class AssembledScene:
         """
         names = parameters_meant(self._driver.pencil, parameter)
         depends = self.depends_on_state(names)
-        if not follow_steady_state:
-            good = self.good_at(*(dict.fromkeys(names, value) for value in (real, flutter)))
-            try:
-                found = self._threshold(good.driver, names, real, flutter, frequency)
-            finally:
-                if good is not self:
-                    good.free()
-            told = (kept_state_warning(parameter),) if depends else ()
-            return replace(found, warnings=(*found.warnings, *told))
-        if not depends:
-            allowed = "left out where no state of steady sliding depends on the parameter"
-            raise InputError("follow_steady_state", True, allowed)
-        driver = FollowingDriver(
-            self._driver.pencil, names, lambda value: self._system_at(names, value)
-        )
+        if follow_steady_state:
+            if not depends:
+                allowed = "left out where no state of steady sliding depends on the parameter"
+                raise InputError("follow_steady_state", True, allowed)
+            return self._followed_threshold(names, real, flutter, frequency)
+        good = self.good_at(*(dict.fromkeys(names, value) for value in (real, flutter)))
         try:
-            return self._threshold(driver, names, real, flutter, frequency)
+            found = self._threshold(good.driver, names, real, flutter, frequency)
+            told = good.warnings_at(dict.fromkeys(names, found.value))
+        finally:
+            if good is not self:
+                good.free()
+        kept = (kept_state_warning(parameter),) if depends else ()
+        return replace(found, warnings=(*found.warnings, *told, *kept))
+
+    def _followed_threshold(
+        self, names: Sequence[str], real: float, flutter: float, frequency: float | None
+    ) -> Threshold:
+        """A threshold with the state of steady sliding sought anew at every value on the way."""
+        pencil = self._driver.pencil
+        driver = FollowingDriver(pencil, names, lambda value: self._system_at(names, value)[1])
+        try:
+            found = self._threshold(driver, names, real, flutter, frequency)
         finally:
             driver.free()
+        told = system_warnings(*self._system_at(names, found.value))
+        return replace(found, warnings=(*found.warnings, *told))
 
     def _threshold(
         self,
@@ -264,12 +286,12 @@ class AssembledScene:
             driver, names, real, flutter, max_frequency=top, frequency=frequency
         )
 
-    def _system_at(self, names: Sequence[str], value: float) -> CoupledSystem:
-        """The system about the state of steady sliding that it has at a value of parameters."""
+    def _system_at(self, names: Sequence[str], value: float) -> tuple[Scene, CoupledSystem]:
+        """The scene at a value of parameters, and its system about its state of steady sliding."""
         pencil = self._driver.pencil
         changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
         options: RunOptions = {"leave_out": False, **self._built}
-        return coupled(changed, **options)[0]
+        return changed, coupled(changed, **options)[0]
 
     def _quadratic(self, names: Sequence[str], *values: float) -> bool:
         """Whether velocities count at some values of parameters."""

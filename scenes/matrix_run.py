@@ -212,10 +212,12 @@ class AssembledMatrices:
         if any(self._driver.quadratic({parameter: value}) for value in (real, flutter)):
             if frequency is not None:
                 raise InputError("frequency", frequency, "left out where velocities count")
-            return growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
-        return flutter_threshold(
-            self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
-        )
+            found = growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
+        else:
+            found = flutter_threshold(
+                self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
+            )
+        return replace(found, warnings=(*found.warnings, *symmetrised_pieces(self.pieces)))
 
     def _check_mass(self, values: Mapping[str, float], timer: StageTimer) -> None:
         """Refuse a mass that is not positive definite, once for equal coefficients."""

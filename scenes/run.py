@@ -185,7 +185,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
             name: contact_stresses(system, name, x, scene.analysis.samples)
             for name in scene.contacts
         }
-        warnings = _warnings(scene, system)
+        warnings = system_warnings(scene, system)
         reactions = _reactions(scene, system, x)
     return StaticResult(
         scene,
@@ -214,7 +214,7 @@ def result_of_modes(
     result = ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
     with timer("post-processing"):
         found = (
-            *_warnings(scene, system, modes.values),
+            *system_warnings(scene, system, modes.values),
             *kept_state_warnings(system.steady, modes),
             *short_modes(scene, result.bodies, result.mode_shapes, len(modes)),
         )
@@ -225,10 +225,20 @@ def result_of_modes(
     return replace(result, modes=modes, reactions=reactions)
 
 
-def _warnings(
+def system_warnings(
     scene: Scene, system: CoupledSystem, values: Mapping[str, float] | None = None
 ) -> tuple[ResultWarning, ...]:
-    """What any result must be read with: bodies, contacts, their forms, steady sliding."""
+    """What bodies, contacts, their forms and steady sliding must be read with; collective.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    system
+        Its system, or that of a scene that has other parameters.
+    values
+        Parameters at which the pencil of the system is that of the scene.
+    """
     return (
         *scene_warnings(scene, system.contacts),
         *system.warnings_at(values or {}),

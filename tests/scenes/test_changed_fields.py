@@ -7,6 +7,8 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import numpy as np
 import pytest
 from changed_scenes import SCENES, scene_of
+from mpi import on_ranks
+from same_numbers import assert_same
 
 from cea.errors import InputError
 from scenes import assemble, run_modes
@@ -347,3 +349,10 @@ def test_rows_change_every_field_of_a_scene():
     assert there - changed == set()
     assert changed <= there
     assert len(there) > 60
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(("ranks", "backends"), [(2, ("fe", "iga")), (3, ("fe",))])
+def test_ranks_find_the_same_changes(ranks, backends):
+    found, expected = (on_ranks(n, "changed_scenes.changed_numbers", *backends) for n in (ranks, 1))
+    assert_same(found, expected, rel=1e-9)

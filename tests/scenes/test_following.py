@@ -102,6 +102,18 @@ def test_what_moves_the_state_is_told_by_the_stiffness(backend):
     assert not known.depends_on_state([rate, rho, "contacts.interface.mu"])
 
 
+@pytest.mark.parametrize(
+    ("backend", "nu", "follow"), [("fe", 0.4991, False), ("fe", 0.4991, True), ("iga", 0.496, True)]
+)
+def test_thresholds_have_the_warnings_of_runs_there(backend, nu, follow):
+    """Of a material that keeps its volume, whether the state is kept or followed."""
+    scene = scene_of(backend).change("bodies.lower.material.nu", nu)
+    found = assemble(scene).threshold(MU, 0.2 if follow else 0.01, 0.4, follow_steady_state=follow)
+    fresh = run_modes(scene.change(MU, found.value))
+    assert "volumetric-locking" in kinds(fresh)
+    assert set(kinds(found)) - {"steady-state-kept"} == set(kinds(fresh)) - {"short-modes"}
+
+
 @pytest.mark.parametrize(("stiff", "kept"), [(30.0, False), (1e12, True)])
 def test_thresholds_lose_no_digits_where_a_contact_becomes_stiff(backend, stiff, kept, monkeypatch):
     """A form left open is good at both ends."""
