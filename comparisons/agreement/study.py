@@ -63,12 +63,12 @@ def compare(progress: Progress) -> tuple[dict[str, Any], Sequence[ModesResult]]:
         data,
         inputs={"scenes": ["patch_test", "disc", "disc_pad"]},
         seconds=perf_counter() - start,
-        warnings=_warnings(data),
+        warnings=warnings_of(data),
     )
     return made, results
 
 
-def _warnings(data: Mapping[str, Any]) -> list[dict[str, Any]]:
+def warnings_of(data: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Warnings of all runs of the record, merged."""
     told: list[Run] = []
     for scene in ("patch_test", "disc_alone", "disc_pad"):

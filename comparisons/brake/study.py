@@ -103,7 +103,7 @@ def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> Iterator[dict
         if coarser is None:
             for again in _with_stiffnesses(result, study.stiffnesses, progress):
                 stiffnesses.append(_described(again))
-                told.append(_told(size, again))
+                told += [] if again is result else [_told(size, again)]
         else:
             progress.stage("matching")
             matches.append(_plain(match_runs(coarser, result)))

@@ -12,6 +12,7 @@ from report_data import EXACT, Page, small_comparison
 from cea.timing import STAGES
 from comparisons.agreement import figures, tables, words
 from comparisons.agreement.page import write_report
+from comparisons.agreement.study import warnings_of
 from comparisons.agreement.time_saved import compared
 from comparisons.kit.numbers import listed, number, per_cent, plain
 from comparisons.kit.run_warnings import merged_warnings
@@ -137,6 +138,20 @@ def test_warnings_of_runs_are_told(data, tmp_path):
     data["warnings"] = merged_warnings([*runs, ({"scene": "disc_pad"}, [lost])], "runs")
     text = Page(write_report(data, [], tmp_path).read_text(encoding="utf-8")).text
     assert "Three modes are lost (at 1 of 3 runs: scene = disc_pad)." in text
+
+
+def test_warnings_of_the_record_are_those_of_all_its_runs(data):
+    crude = {"kind": "point-rule", "message": "too crude", "data": {"contact": "interface"}}
+    parts = ("patch_test", "disc_alone", "disc_pad")
+    for part in parts:
+        for run in data[part]["runs"]:
+            run["warnings"] = [crude] if run["backend"] == "iga" else []
+    (told,) = warnings_of(data)
+    points = [place["point"] for place in told["data"]["places"]]
+    count = sum(run["backend"] == "iga" for part in parts for run in data[part]["runs"])
+    assert len(points) == count
+    assert {point["scene"] for point in points} == set(parts)
+    assert {point["backend"] for point in points} == {"iga"}
 
 
 def test_no_saving_is_claimed_that_equal_runs_are_apart(data):

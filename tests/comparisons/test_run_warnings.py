@@ -1,4 +1,4 @@
-"""Warnings of sweeps: those of the runs at their values, merged, in record, table and on screen."""
+"""Warnings of records of many runs: those of the runs, merged, in tables and on screen."""
 
 import json
 import sys
@@ -7,6 +7,10 @@ import numpy as np
 import pytest
 
 from comparisons.cli.app import main
+from comparisons.converge.page import write_converge
+from comparisons.converge.request import Request
+from comparisons.converge.study import run_converge
+from comparisons.kit.progress import Progress
 from comparisons.kit.run_warnings import kinds_at, merged_warnings
 from comparisons.kit.tables import Table
 from comparisons.sweep.axes import read_axis
@@ -150,3 +154,16 @@ def test_full_solves_of_a_map_warn_as_runs_do(file):
                 if isinstance(number, float) and np.isfinite(number):
                     assert found.data[name] == pytest.approx(number, rel=1e-8)
     scene.driver.free()
+
+
+def test_converge_warns_of_what_its_newest_mesh_warns_of(backend, tmp_path):
+    """In its record and on its page."""
+    file = tmp_path / "overhang.toml"
+    file.write_text(scene_text(overhang(backend)))
+    silent = Progress(step=lambda _: None, stage=lambda _: None)
+    request = Request(str(file), digits=1, backends=(backend,), budget=60.0)
+    data = run_converge(request, silent)
+    (told,) = [each for each in data["warnings"] if each["kind"] == "partly-uncovered"]
+    assert told["data"]["places"][0]["point"] == {"backend": backend}
+    page = write_converge(data, tmp_path / "out").read_text(encoding="utf-8")
+    assert "find nothing on the other side" in page
