@@ -245,13 +245,13 @@ class AssembledScene:
                 allowed = "left out where no state of steady sliding depends on the parameter"
                 raise InputError("follow_steady_state", True, allowed)
             return self._followed_threshold(names, real, flutter, frequency)
-        good = self.good_at(*(dict.fromkeys(names, value) for value in (real, flutter)))
+        other = self.with_forms_at(*(dict.fromkeys(names, value) for value in (real, flutter)))
         try:
-            found = self._threshold(good.driver, names, real, flutter, frequency)
-            told = good.warnings_at(dict.fromkeys(names, found.value))
+            found = self._threshold(other.driver, names, real, flutter, frequency)
+            told = other.warnings_at(dict.fromkeys(names, found.value))
         finally:
-            if good is not self:
-                good.free()
+            if other is not self:
+                other.free()
         kept = (kept_state_warning(parameter),) if depends else ()
         return replace(found, warnings=(*found.warnings, *told, *kept))
 
@@ -319,8 +319,8 @@ class AssembledScene:
         left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
         return [name for name in left_open if not self._system.keeps_forms([name], values)]
 
-    def good_at(self, *points: Mapping[str, float]) -> "AssembledScene":
-        """The scene with contacts whose forms, where left open, are good at some parameters too.
+    def with_forms_at(self, *points: Mapping[str, float]) -> "AssembledScene":
+        """The scene with contacts whose forms, where left open, lose no digits at some parameters.
 
         Parameters
         ----------
@@ -330,7 +330,8 @@ class AssembledScene:
         Returns
         -------
         AssembledScene
-            Itself where the forms that its contacts have are good there too.
+            Itself where its contacts would have the same forms there; else another one in which
+            forces are unknowns of the contacts that would not.
         """
         changing = [name for values in points for name in self._other_forms(values)]
         if not changing:

@@ -6,7 +6,7 @@ scenes makes another pencil, whichever field it is, but for those that each solv
 takes from its own scene.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from math import isclose
 from typing import Any
@@ -42,7 +42,9 @@ def parameters_changed(pencil: Pencil, old: Scene, new: Scene) -> dict[str, floa
         By name; None where scenes differ in anything else.
     """
     values: dict[str, float] = {}
-    for path, before, after in differences(_in_factors(old), _in_factors(new)):
+    for path, before, after in differences(
+        *(_in_factors(each, each.bodies) for each in (old, new))
+    ):
         if path in _OF_EACH_SOLVE:
             continue
         if not (_stands_for(pencil, path, before) and isinstance(after, float)):
@@ -59,12 +61,13 @@ def _stands_for(pencil: Pencil, path: str, value: Any) -> bool:
     return isclose(parameter.value, value, rel_tol=_ROUNDING)
 
 
-def _in_factors(scene: Scene) -> Scene:
-    """A scene whose Rayleigh damping is all given by factors."""
-    bodies = {
-        name: replace(body, damping=body.damping.in_factors) if body.damping else body
-        for name, body in scene.bodies.items()
-    }
+def _in_factors(scene: Scene, names: Iterable[str]) -> Scene:
+    """A scene in which the Rayleigh damping of some bodies is given by factors."""
+    bodies = dict(scene.bodies)
+    for name in names:
+        body = bodies[name]
+        if body.damping is not None:
+            bodies[name] = replace(body, damping=body.damping.in_factors)
     return replace(scene, bodies=bodies)
 
 
@@ -88,7 +91,7 @@ def at_parameters(scene: Scene, pencil: Pencil, values: Mapping[str, float]) -> 
     InputError
         When there is no such parameter.
     """
-    scene = _in_factors(scene)
+    scene = _in_factors(scene, {path.split(".")[1] for path in values if ".damping." in path})
     changes: dict[str, Any] = {}
     for name, value in values.items():
         own, field, of_p = pencil.parameter(name).value, _field(scene, name), f"{name[:-1]}p"

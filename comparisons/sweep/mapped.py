@@ -145,7 +145,7 @@ def mapped(
         for axis, each in zip(axes, names, strict=True)
         for name in each
     }
-    assembled = first.good_at(stiffest)
+    assembled = first.with_forms_at(stiffest)
     if assembled is not first:
         first.free()
     analysis = assembled.scene.analysis
