@@ -42,9 +42,8 @@ def parameters_changed(pencil: Pencil, old: Scene, new: Scene) -> dict[str, floa
         By name; None where scenes differ in anything else.
     """
     values: dict[str, float] = {}
-    for path, before, after in differences(
-        *(_in_factors(each, each.bodies) for each in (old, new))
-    ):
+    old, new = _in_factors(old, old.bodies), _in_factors(new, new.bodies)
+    for path, before, after in differences(old, new):
         if path in _OF_EACH_SOLVE:
             continue
         if not (_stands_for(pencil, path, before) and isinstance(after, float)):
