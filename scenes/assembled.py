@@ -15,11 +15,18 @@ from cea.errors import InputError
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.following import FollowingDriver, kept_state_warning, moves_the_state
-from scenes.parameter_changes import parameters_changed, same_points
+from scenes.following import FollowingDriver, kept_state_warning
+from scenes.parameter_changes import at_parameters, parameters_changed
 from scenes.read import Scene
 from scenes.results import ModesResult
-from scenes.run import RunOptions, coupled, run_modes, skipped_by, with_warnings
+from scenes.run import (
+    RunOptions,
+    coupled,
+    result_of_modes,
+    run_modes,
+    solved,
+    system_warnings,
+)
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.swept import parameters_meant
 
@@ -27,9 +34,11 @@ from scenes.swept import parameters_meant
 class AssembledScene:
     """A scene whose matrices are the pieces of a parametric pencil.
 
-    Modes at another E or rho, damping or rate of rotation of a body, at another P or mu, pressure,
-    speed or slope of friction of a contact need no assembly. Other changes build again what they
-    touch: bodies, contact points, or the contact matrices alone.
+    Modes of the scene with fields changed are those of a fresh run. At another E or rho, damping or
+    rate of rotation of a body, at another P or mu, pressure, speed or slope of friction of a
+    contact, that needs no assembly, as far as the state of steady sliding and the forms of contacts
+    stay. Other changes build again what they touch: bodies, contact points, the state of steady
+    sliding, or the contact matrices alone.
 
     Parameters
     ----------
@@ -84,7 +93,8 @@ class AssembledScene:
 
     def depends_on_state(self, names: Sequence[str]) -> bool:
         """Whether parameters move a state of steady sliding that the pencil is linearised about."""
-        return self.scene.slides_steadily and any(map(moves_the_state, names))
+        moving = self._driver.pencil.stiffness_parameters
+        return self.scene.slides_steadily and not moving.isdisjoint(names)
 
     def modes(
         self,
@@ -120,15 +130,51 @@ class AssembledScene:
             for field, value in of_every_contact.items()
         }
         scene = self.scene.change(every | dict(changes or {}))
-        values = self._parameters_changed(scene)
-        if values is None or not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-            options: RunOptions = {"listener": listener, **self._reusable(scene)}
+        values = parameters_changed(self._driver.pencil, self.scene, scene)
+        return self._modes(scene, values, left=left, listener=listener)
+
+    def modes_at(
+        self,
+        values: Mapping[str, float],
+        *,
+        left: bool = False,
+        listener: Callable[[str], None] | None = None,
+    ) -> ModesResult:
+        """Modes of the scene at parameters of its pencil.
+
+        Parameters
+        ----------
+        values
+            By name, as :meth:`threshold` takes them: of a field that is an expression a factor on
+            it, where :meth:`modes` puts a number in its place.
+        left, listener
+            As of :meth:`modes`.
+
+        Raises
+        ------
+        SceneError
+            When a scene may not have a value.
+        InputError
+            When there is no such parameter.
+        """
+        scene = at_parameters(self.scene, self._driver.pencil, values)
+        return self._modes(scene, values, left=left, listener=listener)
+
+    def _modes(
+        self,
+        scene: Scene,
+        values: Mapping[str, float] | None,
+        *,
+        left: bool,
+        listener: Callable[[str], None] | None,
+    ) -> ModesResult:
+        """Modes of another scene, that of the pencil at some parameters where these are given."""
+        if values is None or not self._holds_at(values):
+            options: RunOptions = {"listener": listener, **self._built}
             return run_modes(scene, left=left, **options)
         timer = StageTimer(listener)
-        top, decay = scene.analysis.max_frequency, scene.analysis.min_growth
-        modes = self._driver.solve(top, values, min_growth=decay, left=left, timer=timer)
-        result = ModesResult(scene, self._system, self.interfaces, timer, skipped_by(scene), modes)
-        return with_warnings(result)
+        known = self._system, self.interfaces, timer
+        return solved(scene, *known, self._driver, values, left=left)
 
     def warnings(
         self, modes: Modes, max_frequency: float, values: Mapping[str, float]
@@ -144,13 +190,15 @@ class AssembledScene:
         values
             Parameters of the pencil that differ from their own values.
         """
-        scene = self.scene.change(_numbers(self.scene, values))
-        inside = np.flatnonzero(modes.frequencies <= max_frequency)
-        result = ModesResult(
-            *(scene, self._system, self.interfaces, StageTimer(), skipped_by(scene)),
-            modes[inside],
-        )
-        return with_warnings(result).warnings
+        scene = at_parameters(self.scene, self._driver.pencil, values)
+        inside = modes[np.flatnonzero(modes.frequencies <= max_frequency)]
+        known = self._system, self.interfaces, StageTimer()
+        return result_of_modes(scene, *known, inside).warnings
+
+    def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
+        """What bodies, contacts and the state must be read with at other parameters; collective."""
+        scene = at_parameters(self.scene, self._driver.pencil, values)
+        return system_warnings(scene, self._system, values)
 
     def threshold(
         self,
@@ -192,20 +240,33 @@ class AssembledScene:
         """
         names = parameters_meant(self._driver.pencil, parameter)
         depends = self.depends_on_state(names)
-        if not follow_steady_state:
-            found = self._threshold(self._driver, names, real, flutter, frequency)
-            told = (kept_state_warning(parameter),) if depends else ()
-            return replace(found, warnings=(*found.warnings, *told))
-        if not depends:
-            allowed = "left out where no state of steady sliding depends on the parameter"
-            raise InputError("follow_steady_state", True, allowed)
-        driver = FollowingDriver(
-            self._driver.pencil, names, lambda value: self._system_at(names, value)
-        )
+        if follow_steady_state:
+            if not depends:
+                allowed = "left out where no state of steady sliding depends on the parameter"
+                raise InputError("follow_steady_state", True, allowed)
+            return self._followed_threshold(names, real, flutter, frequency)
+        other = self.with_forms_at(*(dict.fromkeys(names, value) for value in (real, flutter)))
         try:
-            return self._threshold(driver, names, real, flutter, frequency)
+            found = self._threshold(other.driver, names, real, flutter, frequency)
+            told = other.warnings_at(dict.fromkeys(names, found.value))
+        finally:
+            if other is not self:
+                other.free()
+        kept = (kept_state_warning(parameter),) if depends else ()
+        return replace(found, warnings=(*found.warnings, *told, *kept))
+
+    def _followed_threshold(
+        self, names: Sequence[str], real: float, flutter: float, frequency: float | None
+    ) -> Threshold:
+        """A threshold with the state of steady sliding sought anew at every value on the way."""
+        pencil = self._driver.pencil
+        driver = FollowingDriver(pencil, names, lambda value: self._system_at(names, value)[1])
+        try:
+            found = self._threshold(driver, names, real, flutter, frequency)
         finally:
             driver.free()
+        told = system_warnings(*self._system_at(names, found.value))
+        return replace(found, warnings=(*found.warnings, *told))
 
     def _threshold(
         self,
@@ -225,11 +286,12 @@ class AssembledScene:
             driver, names, real, flutter, max_frequency=top, frequency=frequency
         )
 
-    def _system_at(self, names: Sequence[str], value: float) -> CoupledSystem:
-        """The system about the state of steady sliding that it has at a value of parameters."""
-        changed = self.scene.change(dict.fromkeys(names, value))
-        options: RunOptions = {"leave_out": False, **self._reusable(changed)}
-        return coupled(changed, **options)[0]
+    def _system_at(self, names: Sequence[str], value: float) -> tuple[Scene, CoupledSystem]:
+        """The scene at a value of parameters, and its system about its state of steady sliding."""
+        pencil = self._driver.pencil
+        changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
+        options: RunOptions = {"leave_out": False, **self._built}
+        return changed, coupled(changed, **options)[0]
 
     def _quadratic(self, names: Sequence[str], *values: float) -> bool:
         """Whether velocities count at some values of parameters."""
@@ -237,54 +299,50 @@ class AssembledScene:
             return False
         return any(self._driver.quadratic(dict.fromkeys(names, value)) for value in values)
 
-    def _parameters_changed(self, scene: Scene) -> dict[str, float] | None:
-        """Parameters that make this scene another; None where others differ, or forms would."""
-        values = parameters_changed(self.scene, scene)
-        if scene.slides_steadily and (
-            scene.analysis.load_steps != self.scene.analysis.load_steps
-            or scene.stiffened_by_stress != self.scene.stiffened_by_stress
-            or not all(name.endswith(".rho") for name in values or ())
-        ):
-            return None  # another state of steady sliding
-        if values is not None and self.keeps_forms(scene, values):
-            return values
-        return None
-
-    def keeps_forms(self, scene: Scene, values: Mapping[str, float]) -> bool:
-        """Whether contacts whose form a scene leaves open keep theirs at some parameters."""
-        left_open = [name for name, contact in scene.contacts.items() if contact.form is None]
-        return self._system.keeps_forms(left_open, values)
-
-    def _reusable(self, scene: Scene) -> RunOptions:
-        """What a changed scene shares with this one."""
-        if (scene.bodies, scene.loads) != (self.scene.bodies, self.scene.loads):
-            return {}
-        if not same_points(self.scene, scene):
-            return {"bodies": self.bodies}
+    @property
+    def _built(self) -> RunOptions:
+        """Bodies and contact points, to be used again as far as another scene has the same."""
         return {"bodies": self.bodies, "interfaces": self.interfaces}
+
+    def _holds_at(self, values: Mapping[str, float]) -> bool:
+        """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
+        if self.depends_on_state(list(values)):
+            return False
+        try:
+            self._driver.pencil.check(values)
+        except InputError:
+            return False
+        return not self._other_forms(values)
+
+    def _other_forms(self, values: Mapping[str, float]) -> list[str]:
+        """Contacts whose form is left open and would be another at some parameters."""
+        left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
+        return [name for name in left_open if not self._system.keeps_forms([name], values)]
+
+    def with_forms_at(self, *points: Mapping[str, float]) -> "AssembledScene":
+        """The scene with contacts whose forms, where left open, lose no digits at some parameters.
+
+        Parameters
+        ----------
+        points
+            Parameters of the pencil.
+
+        Returns
+        -------
+        AssembledScene
+            Itself where its contacts would have the same forms there; else another one in which
+            forces are unknowns of the contacts that would not.
+        """
+        changing = [name for values in points for name in self._other_forms(values)]
+        if not changing:
+            return self
+        return AssembledScene(
+            self.scene.change({f"contacts.{name}.form": "saddle" for name in changing})
+        )
 
     def free(self) -> None:
         """Free factors kept between solves."""
         self._driver.free()
-
-
-def _numbers(scene: Scene, values: Mapping[str, float]) -> dict[str, float | None]:
-    """Parameters that are numbers of a scene; those that are factors on expressions are not.
-
-    Where it gives p, uniform, P takes its place.
-    """
-    sections: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "contacts": scene.contacts}
-    found: dict[str, float | None] = {}
-    for path, value in values.items():
-        first, name, *fields = path.split(".")
-        at: Any = sections[first][name]
-        for field in fields:
-            at = getattr(at, field, None)
-        if isinstance(at, float):
-            found[path] = value
-        elif fields == ["P"] and isinstance(sections[first][name].p, float):
-            found |= {path: value, f"{first}.{name}.p": None}
-    return found
 
 
 def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:

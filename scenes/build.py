@@ -18,12 +18,14 @@ from cea.fields import Expression, evaluate
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Force, Pressure
+from cea.surface import Surface
 from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem
 from cea.system.coupling import couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
-from scenes.body_meshes import body_mesh, used_surfaces
+from scenes.body_meshes import body_mesh
+from scenes.made_of import BodyParts, Built, PointParts, body_parts, point_parts
 from scenes.read import Scene
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
@@ -35,18 +37,42 @@ _ROUNDING = 1e-14
 """Friction below this part of the largest counts as zero."""
 
 
-def build_bodies(scene: Scene, timer: StageTimer) -> dict[str, Body]:
-    """Bodies of a scene by name."""
+def reusable_bodies(scene: Scene, given: Mapping[str, Body] | None) -> Mapping[str, Body]:
+    """Bodies of those given that are as a scene makes them; others than built ones are taken all.
+
+    Raises
+    ------
+    InputError
+        When the latter have other names than those of the scene.
+    """
+    if isinstance(given, Built):
+        return given.made_of_the_same(_made_of(scene))
+    if given is not None and list(given) != list(scene.bodies):
+        raise InputError("bodies", list(given), f"those of the scene: {', '.join(scene.bodies)}")
+    return given or {}
+
+
+def _made_of(scene: Scene) -> dict[str, BodyParts]:
+    """What the bodies of a scene are made of."""
+    return {name: body_parts(scene, name) for name in scene.bodies}
+
+
+def build_bodies(
+    scene: Scene, timer: StageTimer, reused: Mapping[str, Body] | None = None
+) -> Mapping[str, Body]:
+    """Bodies of a scene by name, some of which are used again."""
+    reused = reused or {}
+    if list(reused) == list(scene.bodies):
+        return reused
+    made_of = _made_of(scene)
     with timer("meshing"):
-        return {
-            name: build_body(
-                name,
-                spec,
-                [load for load in scene.loads if load.on == name],
-                used_surfaces(scene, name),
-            )
-            for name, spec in scene.bodies.items()
+        bodies = {
+            name: reused[name]
+            if name in reused
+            else build_body(name, parts.spec, parts.loads, parts.surfaces)
+            for name, parts in made_of.items()
         }
+    return Built(bodies, made_of)
 
 
 def build_body(
@@ -125,63 +151,111 @@ class _Half:
     name: str
     pair: str
     spec: ContactSpec
-    a: str
-    b: str
+    points: PointParts
     direction: FrictionDirection | Reversed | None
     share: float
+
+    @property
+    def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Body and surface of side a, and of side b."""
+        (body_a, a), (body_b, b) = self.points.a.split("."), self.points.b.split(".")
+        return (body_a, a), (body_b, b)
+
+    def surfaces(self, bodies: Mapping[str, Body]) -> tuple[Surface, Surface]:
+        """Side a and side b."""
+        (body_a, a), (body_b, b) = self.sides
+        return bodies[body_a].surfaces[a], bodies[body_b].surfaces[b]
 
 
 def _halves(contacts: Mapping[str, ContactSpec]) -> Iterator[_Half]:
     """The one half of each half pass, both halves of each full pass."""
     for name, spec in contacts.items():
         direction, share = spec.friction_direction_on_a, 0.5 if spec.full_pass else 1.0
-        yield _Half(name, name, spec, spec.a, spec.b, direction, share)
+        yield _Half(name, name, spec, point_parts(spec), direction, share)
         if spec.full_pass:
-            opposite = Reversed(direction) if direction is not None else None
-            yield _Half(f"{name}, b on a", name, spec, spec.b, spec.a, opposite, share)
+            reversed_ = Reversed(direction) if direction is not None else None
+            points = point_parts(spec, opposite=True)
+            yield _Half(f"{name}, b on a", name, spec, points, reversed_, share)
 
 
-def build_interfaces(
-    scene: Scene, bodies: Mapping[str, Body], timer: StageTimer
-) -> dict[str, Interface]:
-    """Contact points of a scene, located on their opposite sides, by name of the half pass."""
-    interfaces = {}
-    with timer("search"):
-        for half in _halves(scene.contacts):
-            (body_a, a), (body_b, b) = half.a.split("."), half.b.split(".")
-            side_a, side_b = bodies[body_a].surfaces[a], bodies[body_b].surfaces[b]
-            reach = half.spec.reach or default_reach(side_a, side_b)
-            larger = half.spec.full_pass and side_a.area > side_b.area
-            interfaces[half.name] = pair(
-                side_a,
-                side_b,
-                half.spec.formulation.points_on(side_a, side_b, reach),
-                field=f"contacts.{half.pair}",
-                reach=half.spec.reach,
-                max_missed=1.0 if larger else half.spec.max_missed,
-            )
-    return interfaces
+def reusable_interfaces(
+    scene: Scene, bodies: Mapping[str, Body], given: Mapping[str, Interface] | None
+) -> Mapping[str, Interface]:
+    """Contact points of those given that are as a scene and its bodies make them.
 
-
-def check_interfaces(
-    scene: Scene, bodies: Mapping[str, Body], interfaces: Mapping[str, Interface]
-) -> None:
-    """Refuse interfaces that are not those of a scene and its bodies.
+    Others than built ones are taken all.
 
     Raises
     ------
     InputError
-        When half passes differ, or an interface joins other surfaces.
+        When the latter have other names than half passes of the scene, or join other surfaces.
     """
     halves = {half.name: half for half in _halves(scene.contacts)}
+    if not isinstance(given, Built):
+        if given is not None:
+            _check_interfaces(halves, bodies, given)
+        return given or {}
+    between = {
+        name: half.points
+        for name, half in halves.items()
+        if name in given and not _foreign(given[name], half, bodies)
+    }
+    return given.made_of_the_same(between)
+
+
+def _foreign(interface: Interface, half: _Half, bodies: Mapping[str, Body]) -> dict[str, Surface]:
+    """Surfaces that an interface joins in the place of those of a half pass, by the latter."""
+    pairs = zip((interface.a, interface.b), half.surfaces(bodies), strict=True)
+    places = (half.points.a, half.points.b)
+    return {
+        place: own for place, (own, wanted) in zip(places, pairs, strict=True) if own is not wanted
+    }
+
+
+def _check_interfaces(
+    halves: Mapping[str, _Half], bodies: Mapping[str, Body], interfaces: Mapping[str, Interface]
+) -> None:
     if interfaces.keys() != halves.keys():
         raise InputError("interfaces", list(interfaces), f"those of {', '.join(halves) or 'none'}")
     for name, interface in interfaces.items():
-        half = halves[name]
-        for place, surface in ((half.a, interface.a), (half.b, interface.b)):
-            body, side = place.split(".")
-            if bodies[body].surfaces[side] is not surface:
-                raise InputError(f"interfaces.{name}", surface.name, f"{place} of these bodies")
+        for place, own in _foreign(interface, halves[name], bodies).items():
+            raise InputError(f"interfaces.{name}", own.name, f"{place} of these bodies")
+
+
+def build_interfaces(
+    scene: Scene,
+    bodies: Mapping[str, Body],
+    timer: StageTimer,
+    reused: Mapping[str, Interface] | None = None,
+) -> Mapping[str, Interface]:
+    """Contact points of a scene, located on their opposite sides, by name of the half pass.
+
+    Some of them are used again.
+    """
+    reused, halves = reused or {}, {half.name: half for half in _halves(scene.contacts)}
+    if reused and list(reused) == list(halves):
+        return reused
+    with timer("search"):
+        interfaces = {
+            name: reused[name] if name in reused else _located(half, bodies)
+            for name, half in halves.items()
+        }
+    return Built(interfaces, {name: half.points for name, half in halves.items()})
+
+
+def _located(half: _Half, bodies: Mapping[str, Body]) -> Interface:
+    """Points of a half pass; of the larger side of a full pass those that find nothing go."""
+    parts, (a, b) = half.points, half.surfaces(bodies)
+    points = parts.formulation.points_on(a, b, parts.reach or default_reach(a, b))
+    larger = parts.full_pass and a.area > b.area
+    return pair(
+        a,
+        b,
+        points,
+        field=f"contacts.{half.pair}",
+        reach=parts.reach,
+        max_missed=1.0 if larger else parts.max_missed,
+    )
 
 
 def build_half_passes(scene: Scene, interfaces: Mapping[str, Interface]) -> dict[str, HalfPass]:
@@ -198,8 +272,8 @@ def _half_pass(half: _Half, interface: Interface) -> HalfPass:
         direction = half.direction
         friction = Friction(_friction(spec.mu, x), direction) if direction is not None else None
     return HalfPass(
-        a=half.a.split(".")[0],
-        b=half.b.split(".")[0],
+        a=half.sides[0][0],
+        b=half.sides[1][0],
         interface=interface,
         law=law,
         friction=friction,

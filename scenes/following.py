@@ -9,13 +9,8 @@ from cea.petsc import Mat
 from cea.system.coupled import CoupledSystem
 from cea.warned import ResultWarning
 
-_MOVE = (".mu", ".P", ".material.E")
-"""Ends of the names of parameters that a state of steady sliding depends on."""
-
-
-def moves_the_state(parameter: str) -> bool:
-    """Whether a state of steady sliding depends on a parameter of its pencil."""
-    return parameter.endswith(_MOVE)
+STATE_KEPT = "steady-state-kept"
+"""Kind of the warning that a state is not the one at other parameters."""
 
 
 def kept_state_warning(parameters: str) -> ResultWarning:
@@ -27,7 +22,7 @@ def kept_state_warning(parameters: str) -> ResultWarning:
         In words.
     """
     return ResultWarning(
-        "steady-state-kept",
+        STATE_KEPT,
         f"the state of steady sliding depends on {parameters}, and is kept in derivatives and "
         "thresholds: closed zones and contact stiffness are those of the scene; a threshold with "
         "follow_steady_state seeks it at each value",

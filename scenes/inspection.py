@@ -79,7 +79,7 @@ def inspect_scene(scene: Scene) -> Inspection:
         contact points.
     """
     faults: list[InputError] = []
-    bodies: dict[str, Body] = {}
+    bodies: Mapping[str, Body] = {}
     halves: dict[str, HalfPass] = {}
     try:
         check_memory(scene)

@@ -1,7 +1,7 @@
 """Scenes of matrices from files to modes: one run, or many at other parameters."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Any
 
 from scipy.sparse import csr_array
@@ -46,8 +46,6 @@ class MatrixResult(OfModes):
         Seconds by stage.
     skipped
         What the scene did not need, with the reason.
-    warnings
-        What the result must be read with, warnings of the modes themselves included.
     """
 
     scene: MatrixScene
@@ -55,7 +53,6 @@ class MatrixResult(OfModes):
     pieces: Mapping[str, Piece]
     timer: StageTimer
     skipped: Mapping[str, str]
-    warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
 
     @property
     def dofs(self) -> int:
@@ -63,9 +60,9 @@ class MatrixResult(OfModes):
         return int(self.modes.template.getSize())
 
     @property
-    def told(self) -> tuple[ResultWarning, ...]:
-        """What the result must be read with."""
-        return self.warnings
+    def warnings(self) -> tuple[ResultWarning, ...]:
+        """What the result must be read with: the warnings of its modes are all of them."""
+        return self.modes.warnings
 
     @property
     def comm(self) -> Any:
@@ -177,9 +174,13 @@ class AssembledMatrices:
             left=left,
             timer=timer,
         )
-        warnings = (*modes.warnings, *symmetrised_pieces(self.pieces))
+        modes = replace(modes, warnings=self.warnings(modes))
         skipped = skipped_by(scene, self.pieces)
-        return MatrixResult(scene, modes, self.pieces, timer, skipped, warnings=warnings)
+        return MatrixResult(scene, modes, self.pieces, timer, skipped)
+
+    def warnings(self, modes: Modes) -> tuple[ResultWarning, ...]:
+        """What modes of its pencil must be read with."""
+        return (*modes.warnings, *symmetrised_pieces(self.pieces))
 
     def threshold(
         self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
@@ -211,10 +212,12 @@ class AssembledMatrices:
         if any(self._driver.quadratic({parameter: value}) for value in (real, flutter)):
             if frequency is not None:
                 raise InputError("frequency", frequency, "left out where velocities count")
-            return growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
-        return flutter_threshold(
-            self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
-        )
+            found = growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
+        else:
+            found = flutter_threshold(
+                self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
+            )
+        return replace(found, warnings=(*found.warnings, *symmetrised_pieces(self.pieces)))
 
     def _check_mass(self, values: Mapping[str, float], timer: StageTimer) -> None:
         """Refuse a mass that is not positive definite, once for equal coefficients."""

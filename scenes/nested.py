@@ -12,13 +12,13 @@ from cea.nested.estimate import ErrorEstimate, corrected_eigenvalues, error_esti
 from cea.nested.prolongation import Prolongation, of_system, unchanged
 from cea.nested.start import continued
 from cea.timing import StageTimer
-from scenes.body_meshes import used_surfaces
 from scenes.build import build_bodies
+from scenes.made_of import body_parts
 from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.richer import richer_scene
-from scenes.run import coupled, skipped_by, with_warnings
+from scenes.run import coupled, result_of_modes
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 
 
@@ -156,17 +156,7 @@ def _with_those_of(
 
 def _same(name: str, scene: Scene, other: Scene) -> bool:
     """Whether a body is the same in two scenes, in its loads and the surfaces it shows too."""
-    if name not in other.bodies:
-        return False
-    one, two = (
-        (
-            each.bodies[name],
-            [load for load in each.loads if load.on == name],
-            used_surfaces(each, name),
-        )
-        for each in (scene, other)
-    )
-    return one == two
+    return name in other.bodies and body_parts(scene, name) == body_parts(other, name)
 
 
 def continued_modes(
@@ -213,5 +203,4 @@ def continued_modes(
     top = scene.analysis.max_frequency
     modes = continued(result.modes, pencil, step, top, steps=steps, left=left, timer=timer)
     step.free()
-    found = ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
-    return with_warnings(found)
+    return result_of_modes(scene, system, interfaces, timer, modes)

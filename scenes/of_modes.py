@@ -11,7 +11,6 @@ from cea.arrays import Complexes, Floats
 from cea.eigen.mode_table import SIGNS, ModeTable, html_table
 from cea.eigen.spectrum import Spectrum, Verdict
 from cea.errors import InputError
-from cea.warned import ResultWarning
 from scenes.matrix_scene import MatrixScene
 from scenes.names import backend_name
 from scenes.read import Scene
@@ -29,7 +28,7 @@ class OfModes(ABC):
     scene
         The scene as run.
     modes
-        Its eigenvalues with their errors and the window that was searched.
+        Its eigenvalues with their errors, the window that was searched, and all warnings.
     """
 
     scene: Scene | MatrixScene
@@ -75,11 +74,6 @@ class OfModes(ABC):
     @abstractmethod
     def dofs(self) -> int:
         """Free dofs."""
-
-    @property
-    def told(self) -> tuple[ResultWarning, ...]:
-        """What the result must be read with."""
-        return self.modes.warnings
 
     def steady_lines(self) -> list[str]:
         """What the contacts carry in steady sliding, a line for each half pass."""
@@ -134,7 +128,9 @@ class OfModes(ABC):
 
     def _notes(self) -> Sequence[str]:
         """What stands below the table: dofs, evidence of the window, steady sliding, warnings."""
-        warnings = [f"warning ({warning.kind}): {warning.message}" for warning in self.told]
+        warnings = [
+            f"warning ({warning.kind}): {warning.message}" for warning in self.modes.warnings
+        ]
         evidence = f"window: {self.modes.window.evidence}"
         return [f"{self.dofs} dofs", evidence, *self.steady_lines(), *warnings]
 

@@ -1,108 +1,122 @@
-"""Which changes of a scene are changes of parameters of its pencil, and which leave its points."""
+"""Which changes of a scene are changes of parameters of its pencil, and the scene at parameters.
 
-from collections.abc import Sequence
-from dataclasses import fields, replace
+A field is a parameter of an assembled pencil where that has one by its path, with the value that
+the scene had: all of it that the field reaches is then a coefficient. What else differs between two
+scenes makes another pencil, whichever field it is, but for those that each solve and each record
+takes from its own scene.
+"""
 
-from cea.damping import ModalDamping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from math import isclose
+from typing import Any
+
+from cea.eigen.pencil import Pencil
+from scenes.made_of import differences
 from scenes.read import Scene
-from scenes.spec.body import BodySpec
-from scenes.spec.contact import ContactSpec
+
+_OF_EACH_SOLVE = (
+    *("analysis.max_frequency", "analysis.min_growth", "analysis.growth_threshold"),
+    *("name", "description", "output.pictures", "output.paraview"),
+)
+"""Fields that no piece of a pencil is made of; one that is missing here costs an assembly."""
+_ROUNDING = 1e-12
+"""Of a parameter that is a sum over points, relative to the field it stands for."""
 
 
-def parameters_changed(old: Scene, new: Scene) -> dict[str, float] | None:
-    """Parameters of the pencil that make the one scene the other; None where others differ."""
-    if old.bodies.keys() != new.bodies.keys() or old.contacts.keys() != new.contacts.keys():
-        return None
+def parameters_changed(pencil: Pencil, old: Scene, new: Scene) -> dict[str, float] | None:
+    """Parameters of a pencil at which it is that of another scene.
+
+    Parameters
+    ----------
+    pencil
+        The pencil.
+    old
+        The scene that it is of.
+    new
+        The other scene.
+
+    Returns
+    -------
+    dict or None
+        By name; None where scenes differ in anything else.
+    """
     values: dict[str, float] = {}
-    for name, body in old.bodies.items():
-        found = _of_body(body, new.bodies[name])
-        if found is None:
+    old, new = _in_factors(old, old.bodies), _in_factors(new, new.bodies)
+    for path, before, after in differences(old, new):
+        if path in _OF_EACH_SOLVE:
+            continue
+        if not (_stands_for(pencil, path, before) and isinstance(after, float)):
             return None
-        values |= {f"bodies.{name}.{key}": value for key, value in found.items()}
-    for name, contact in old.contacts.items():
-        found = _of_contact(contact, new.contacts[name])
-        if found is None:
-            return None
-        values |= {f"contacts.{name}.{key}": value for key, value in found.items()}
+        values[path] = after
     return values
 
 
-def _of_body(old: BodySpec, new: BodySpec) -> dict[str, float] | None:
-    """Changes of E, rho, damping and rate of rotation."""
-    before, after = _numbers_of(old), _numbers_of(new)
-    if before.keys() != after.keys() or _without_numbers(old) != _without_numbers(new):
-        return None
-    return {key: value for key, value in after.items() if value != before[key]}
+def _stands_for(pencil: Pencil, path: str, value: Any) -> bool:
+    """Whether a pencil has a parameter for a field, which has this value."""
+    parameter = pencil.parameters.get(path)
+    if parameter is None or not isinstance(value, float):
+        return False
+    return isclose(parameter.value, value, rel_tol=_ROUNDING)
 
 
-def _numbers_of(body: BodySpec) -> dict[str, float]:
-    """Parameters that a body brings to a pencil, by their paths below its own."""
-    numbers = {"material.E": body.material.E}
-    if body.material.rho is not None:
-        numbers["material.rho"] = body.material.rho
-    if body.damping is not None and (damping := body.damping.rayleigh()) is not None:
-        numbers |= {"damping.alpha": damping.alpha, "damping.beta": damping.beta}
-    if (modal := _modal(body)) is not None and modal.ratio is not None:
-        numbers["damping.modal.ratio"] = modal.ratio
-    if body.rotation is not None:
-        numbers["rotation.rate"] = body.rotation.rate
-    return numbers
+def _in_factors(scene: Scene, names: Iterable[str]) -> Scene:
+    """A scene in which the Rayleigh damping of some bodies is given by factors."""
+    bodies = dict(scene.bodies)
+    for name in names:
+        body = bodies[name]
+        if body.damping is not None:
+            bodies[name] = replace(body, damping=body.damping.in_factors)
+    return replace(scene, bodies=bodies)
 
 
-def _without_numbers(body: BodySpec) -> tuple[BodySpec, ModalDamping | None]:
-    """What the matrices of a body depend on beside its parameters."""
-    modal, material = _modal(body), body.material
-    moving = modal is not None and (modal.end is not None or bool(body.springs))
-    if not moving:  # modes that are damped are others where the material is
-        material = replace(material, E=1.0, rho=None)
-    if modal is not None and modal.ratio is not None:
-        modal = replace(modal, ratio=0.0)
-    rotation = replace(body.rotation, rate=0.0) if body.rotation is not None else None
-    return replace(body, material=material, damping=None, rotation=rotation), modal
+def at_parameters(scene: Scene, pencil: Pencil, values: Mapping[str, float]) -> Scene:
+    """The scene whose pencil is that of another one at some parameters.
+
+    Parameters
+    ----------
+    scene
+        The scene of the pencil.
+    pencil
+        The pencil.
+    values
+        Parameters that differ from their own values; those that are factors on fields which are no
+        numbers, or P on p, multiply these.
+
+    Raises
+    ------
+    SceneError
+        When a field may not have the value.
+    InputError
+        When there is no such parameter.
+    """
+    scene = _in_factors(scene, {path.split(".")[1] for path in values if ".damping." in path})
+    changes: dict[str, Any] = {}
+    for name, value in values.items():
+        own, field, of_p = pencil.parameter(name).value, _field(scene, name), f"{name[:-1]}p"
+        if field is not None:
+            changes[name] = _scaled(field, value, own)
+        elif isinstance(p := _field(scene, of_p), float):
+            changes |= {name: value, of_p: None}
+        else:
+            changes[of_p] = _scaled(p, value, own)
+    return scene.change(changes)
 
 
-def _modal(body: BodySpec) -> ModalDamping | None:
-    return body.damping.modal if body.damping is not None else None
+def _scaled(field: Any, value: float, own: float) -> Any:
+    """A field where its parameter has another value than its own."""
+    if own == 0 or isinstance(field, float):
+        return value
+    factor = value / own
+    return (
+        [factor * each for each in field] if isinstance(field, tuple) else f"{factor!r}*({field})"
+    )
 
 
-def _of_contact(old: ContactSpec, new: ContactSpec) -> dict[str, float] | None:
-    """Changes of P, mu and of how it slides; expressions have factors for parameters."""
-    if not _alike(old, new, ("P", "mu", "sliding")) or (old.sliding is None) != (
-        new.sliding is None
-    ):
-        return None
-    fields = [(key, getattr(old, key), getattr(new, key)) for key in ("P", "mu")]
-    if old.sliding is not None and new.sliding is not None:
-        after = new.sliding.fields
-        fields += [
-            (f"sliding.{key}", value, after[key]) for key, value in old.sliding.fields.items()
-        ]
-    found = {}
-    for key, before, value in fields:
-        if before != value:
-            if not (isinstance(before, float) and isinstance(value, float)):
-                return None
-            if key.startswith("sliding.") and not before:
-                return None  # zero everywhere is no parameter
-            found[key] = value
+def _field(scene: Scene, path: str) -> Any:
+    """Value of a field of a body or a contact."""
+    section, name, *fields = path.split(".")
+    found: Any = getattr(scene, section)[name]
+    for field in fields:
+        found = getattr(found, field)
     return found
-
-
-_LAW = (*("P", "p", "c_n", "m_n", "added_gap", "mu", "friction_direction_on_a", "form", "sliding"),)
-"""Fields of a contact on which its points do not depend."""
-
-
-def same_points(old: Scene, new: Scene) -> bool:
-    """Whether the contact points of two scenes with the same bodies are the same."""
-    return old.contacts.keys() == new.contacts.keys() and all(
-        _alike(contact, new.contacts[name], _LAW) for name, contact in old.contacts.items()
-    )
-
-
-def _alike(old: ContactSpec, new: ContactSpec, but: Sequence[str]) -> bool:
-    """Whether all fields but some are equal."""
-    return all(
-        getattr(old, field.name) == getattr(new, field.name)
-        for field in fields(ContactSpec)
-        if field.name not in but
-    )

@@ -47,8 +47,6 @@ class SceneResult:
         Seconds by stage.
     skipped
         What the scene did not need, with the reason.
-    warnings
-        What the result must be read with, warnings of the modes themselves included.
     reactions
         Forces (N) of each support on its body under the loads, by body, shape (supports, dim), in
         the order of the scene; empty where no support prescribes a displacement.
@@ -59,7 +57,6 @@ class SceneResult:
     interfaces: Mapping[str, Interface]
     timer: StageTimer
     skipped: Mapping[str, str]
-    warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
     reactions: Mapping[str, Floats] = field(default_factory=dict, kw_only=True)
 
     @property
@@ -181,9 +178,9 @@ class ModesResult(SceneResult, OfModes):
     __repr__ = OfModes.__repr__
 
     @property
-    def told(self) -> tuple[ResultWarning, ...]:
-        """What the result must be read with."""
-        return self.warnings
+    def warnings(self) -> tuple[ResultWarning, ...]:
+        """What the result must be read with: the warnings of its modes are all of them."""
+        return self.modes.warnings
 
     def _values(self) -> Mapping[str, float]:
         return self.modes.values
@@ -278,10 +275,13 @@ class StaticResult(SceneResult):
         Unknowns, PETSc vector.
     stresses
         Normal stresses by contact, then side "a" or "b".
+    warnings
+        What the result must be read with.
     """
 
     displacement: Any
     stresses: Mapping[str, Mapping[str, SideStress]]
+    warnings: tuple[ResultWarning, ...] = ()
 
     @property
     def analysis(self) -> StaticAnalysis:

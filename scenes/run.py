@@ -8,7 +8,8 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.disc_searches import Solver
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.modes import Modes
 from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.petsc import Vec
@@ -17,8 +18,15 @@ from cea.system.coupled import CoupledSystem
 from cea.system.held import support_reactions
 from cea.system.steady_sliding import steady_sliding
 from cea.timing import StageTimer
+from cea.warned import ResultWarning
 from scenes.body_meshes import filled_in
-from scenes.build import build_bodies, build_interfaces, build_system, check_interfaces
+from scenes.build import (
+    build_bodies,
+    build_interfaces,
+    build_system,
+    reusable_bodies,
+    reusable_interfaces,
+)
 from scenes.factor_storage import factor_storage
 from scenes.memory import check_memory
 from scenes.read import Scene
@@ -35,11 +43,11 @@ class RunOptions(TypedDict, total=False):
     Parameters
     ----------
     bodies
-        Bodies already built for an equal ``bodies`` and ``loads`` section, to be used again with
-        other contacts; their matrices are kept between runs.
+        Bodies of an earlier run: those that the scene makes of the same mesh, material, supports,
+        springs and loads are used again with their matrices, others are built.
     interfaces
-        Contact points already located for contacts of equal sides and formulations, to be used
-        again with another stiffness or friction; their bodies are given too.
+        Contact points of an earlier run: those of the same sides of these bodies, formulation,
+        reach and ``max_missed`` are used again, others are located.
     leave_out
         Whether friction is left out where mu = 0, as it is by default; False measures what that
         saves.
@@ -70,8 +78,8 @@ def run_scene(
     Raises
     ------
     InputError
-        When bodies or interfaces are given that are not those of the scene, or the machine has
-        not the memory it takes.
+        When bodies or interfaces have other names than those of the scene, or the machine has not
+        the memory it takes.
     """
     if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
         return run_modes(scene, solver=solver, **options)
@@ -99,20 +107,60 @@ def run_modes(
     Raises
     ------
     InputError
-        When the analysis is another, or bodies or interfaces are not those of the scene.
+        When the analysis is another, or bodies or interfaces have other names than the scene's.
     """
     if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
         raise InputError("analysis.kind", scene.analysis.kind, "'cea', which gives modes")
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
-    top, decay = scene.analysis.max_frequency, scene.analysis.min_growth
-    storage = factor_storage(scene)
+    with KrylovSchur(pencil, solver=solver) as driver:
+        return solved(scene, system, interfaces, timer, driver, left=left)
+
+
+def solved(
+    scene: Scene,
+    system: CoupledSystem,
+    interfaces: Mapping[str, Interface],
+    timer: StageTimer,
+    driver: KrylovSchur,
+    values: Mapping[str, float] | None = None,
+    *,
+    left: bool = False,
+) -> ModesResult:
+    """Modes of a scene whose system is assembled; collective.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    system, interfaces
+        Its system and its contact points, or those of a scene that has other parameters.
+    timer
+        What the stages are timed with.
+    driver
+        What solves the pencil of the system.
+    values
+        Parameters at which it is that of the scene.
+    left
+        Whether left eigenvectors are wanted too.
+    """
+    analysis, storage = scene.analysis, factor_storage(scene)
+    assert isinstance(analysis, ComplexEigenvalueAnalysis)
     with storage.kept():
-        modes = solve_modes(pencil, top, min_growth=decay, left=left, solver=solver, timer=timer)
-    result = ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
-    result = with_warnings(result)
-    return replace(result, warnings=(*result.warnings, *storage.warnings))
+        try:
+            modes = driver.solve(
+                analysis.max_frequency,
+                values,
+                min_growth=analysis.min_growth,
+                left=left,
+                timer=timer,
+            )
+        finally:
+            if storage.place == "disk":
+                driver.free()
+    modes = replace(modes, warnings=(*modes.warnings, *storage.warnings))
+    return result_of_modes(scene, system, interfaces, timer, modes)
 
 
 def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
@@ -121,7 +169,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
     Raises
     ------
     InputError
-        When the analysis is another, or bodies or interfaces are not those of the scene.
+        When the analysis is another, or bodies or interfaces have other names than the scene's.
     """
     if not isinstance(scene.analysis, StaticAnalysis):
         raise InputError("analysis.kind", scene.analysis.kind, "'static'")
@@ -137,7 +185,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
             name: contact_stresses(system, name, x, scene.analysis.samples)
             for name in scene.contacts
         }
-        warnings = scene_warnings(scene, system.contacts) + steady_warnings(scene, system)
+        warnings = system_warnings(scene, system)
         reactions = _reactions(scene, system, x)
     return StaticResult(
         scene,
@@ -152,17 +200,50 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
     )
 
 
-def with_warnings(result: ModesResult) -> ModesResult:
-    """A result with all that it must be read with; collective."""
-    with result.timer("post-processing"):
-        found = scene_warnings(result.scene, result.system.contacts)
-        found += steady_warnings(result.scene, result.system)
-        found += tuple(kept_state_warnings(result.steady, result.modes))
-        found += short_modes(result.scene, result.bodies, result.mode_shapes, len(result.modes))
+def result_of_modes(
+    scene: Scene,
+    system: CoupledSystem,
+    interfaces: Mapping[str, Interface],
+    timer: StageTimer,
+    modes: Modes,
+) -> ModesResult:
+    """Modes of a scene as a result, with all that they must be read with; collective.
+
+    The parameters are those of :func:`solved`; modes come with what the solver warns of.
+    """
+    result = ModesResult(scene, system, interfaces, timer, skipped_by(scene), modes)
+    with timer("post-processing"):
+        found = (
+            *system_warnings(scene, system, modes.values),
+            *kept_state_warnings(system.steady, modes),
+            *short_modes(scene, result.bodies, result.mode_shapes, len(modes)),
+        )
         reactions = {}
-        if result.steady is not None:
-            reactions = _reactions(result.scene, result.system, result.steady.displacement)
-    return replace(result, warnings=(*result.modes.warnings, *found), reactions=reactions)
+        if system.steady is not None:
+            reactions = _reactions(scene, system, system.steady.displacement)
+    modes = replace(modes, warnings=(*modes.warnings, *found))
+    return replace(result, modes=modes, reactions=reactions)
+
+
+def system_warnings(
+    scene: Scene, system: CoupledSystem, values: Mapping[str, float] | None = None
+) -> tuple[ResultWarning, ...]:
+    """What bodies, contacts, their forms and steady sliding must be read with; collective.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    system
+        Its system, or that of a scene that has other parameters.
+    values
+        Parameters at which the pencil of the system is that of the scene.
+    """
+    return (
+        *scene_warnings(scene, system.contacts),
+        *system.warnings_at(values or {}),
+        *steady_warnings(scene, system),
+    )
 
 
 def _reactions(scene: Scene, system: CoupledSystem, x: Vec) -> dict[str, Floats]:
@@ -189,15 +270,12 @@ def coupled(
     Parameters are those of :class:`RunOptions`.
     """
     timer = StageTimer(listener)
-    if bodies is None:
+    reused = reusable_bodies(scene, bodies)
+    if len(reused) < len(scene.bodies):
         check_memory(scene)
-        bodies = build_bodies(scene, timer)
-    elif list(bodies) != list(scene.bodies):
-        raise InputError("bodies", list(bodies), f"those of the scene: {', '.join(scene.bodies)}")
-    if interfaces is None:
-        interfaces = build_interfaces(scene, bodies, timer)
-    else:
-        check_interfaces(scene, bodies, interfaces)
+    bodies = build_bodies(scene, timer, reused)
+    located = reusable_interfaces(scene, bodies, interfaces)
+    interfaces = build_interfaces(scene, bodies, timer, located)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
     if scene.slides_steadily:
         steps = scene.analysis.load_steps

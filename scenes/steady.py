@@ -13,7 +13,7 @@ from cea.petsc import Vec
 from cea.system.coupled import CoupledSystem
 from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
 from cea.warned import ResultWarning
-from scenes.following import kept_state_warning, moves_the_state
+from scenes.following import kept_state_warning
 from scenes.read import Scene
 
 _LEFT = 1e-6
@@ -100,7 +100,7 @@ def steady_warnings(scene: Scene, system: CoupledSystem) -> tuple[ResultWarning,
 
 def kept_state_warnings(steady: SteadySliding | None, modes: Modes) -> Iterator[ResultWarning]:
     """What sensitivities must be read with: modes with left vectors were asked for them."""
-    moving = [name for name in modes.pencil.parameters if moves_the_state(name)]
+    moving = sorted(modes.pencil.stiffness_parameters)
     if steady is not None and modes.left is not None and moving:
         yield kept_state_warning(", ".join(moving))
 

@@ -241,6 +241,26 @@ class Pencil:
             raise InputError("parameter", name, f"one of {allowed}")
         return self.parameters[name]
 
+    @property
+    def stiffness_parameters(self) -> frozenset[str]:
+        """Parameters that K and the contact forces depend on, and so an equilibrium."""
+        coefficients = [t.coefficient for t in self.terms if t.role == "stiffness"]
+        coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
+        return frozenset(name for c in coefficients for name in c.names)
+
+    def check(self, changes: Mapping[str, float]) -> None:
+        """Refuse parameters at which the pieces would be others.
+
+        Raises
+        ------
+        InputError
+            When there is no such parameter, it may not have the value, or a piece holds at its own
+            values alone: modal damping of modes that move.
+        """
+        values = self.values(changes)
+        for piece in self.low_rank:
+            piece.coefficient.at(values)
+
     def at(self, changes: Mapping[str, float] | None = None) -> Matrices:
         """Matrices at given parameters; those not named keep their values."""
         values = self.values(changes)

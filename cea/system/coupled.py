@@ -115,15 +115,32 @@ class CoupledSystem:
 
     def _digits_at(self, contact: str, values: Mapping[str, float]) -> float:
         """Digits that the penalty form costs at other P and E; infinite where it is not known."""
-        before, half = self._pairs.stiffnesses()[contact], self._pairs.halves(contact)[0]
+        before, halves = self._pairs.stiffnesses()[contact], self._pairs.halves(contact)
         P = values.get(f"contacts.{contact}.P", before)
         if inf in (P, before):
             return inf
-        if half.projection is not None and half.half.law.linear:
+        if halves[0].projection is not None and halves[0].half.law.linear:
             return 0.0
-        moduli = {name: self.bodies[name].material.E for name in (half.half.a, half.half.b)}
-        softer = min(values.get(f"bodies.{name}.material.E", E) / E for name, E in moduli.items())
-        return self.penalty_digits[contact] + log10(P / before / softer)
+        digits = self.penalty_digits
+        if any(_modulus(body) in values for body in (halves[0].half.a, halves[0].half.b)):
+            diagonal = self._stiffness_diagonal_at(values)
+            digits = penalty_digits(halves, diagonal)
+            destroy(diagonal)
+        return digits[contact] + log10(P / before)
+
+    def _stiffness_diagonal_at(self, values: Mapping[str, float]) -> Any:
+        """Diagonal of K of all bodies at other E (N/m), PETSc vector; springs stay as they are."""
+        diagonal = self.stiffness_diagonal.copy()
+        for name, body in self.bodies.items():
+            factor = values.get(_modulus(name), body.material.E) / body.material.E
+            part = diagonal.getSubVector(self.index_sets[name])
+            part.scale(factor)
+            if (springs := body.spring_stiffness()) is not None:
+                own = springs.getDiagonal()
+                part.axpy(1.0 - factor, own)
+                destroy(own)
+            diagonal.restoreSubVector(self.index_sets[name], part)
+        return diagonal
 
     @cached_property
     def _pairs(self) -> ContactPairs:
@@ -317,3 +334,8 @@ class CoupledSystem:
         displacement = gather(full, everywhere=everywhere)
         destroy(full)
         return displacement
+
+
+def _modulus(body: str) -> str:
+    """Parameter that is E of a body."""
+    return f"bodies.{body}.material.E"

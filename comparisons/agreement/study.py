@@ -14,10 +14,11 @@ from cea.contact.formulations import Formulation, GaussPointToSurface, Greville,
 from cea.timing import StageTimer
 from comparisons.agreement.time_saved import time_saved
 from comparisons.kit.progress import Progress
+from comparisons.kit.run_warnings import Run, merged_warnings
 from scenes.build import build_bodies
 from scenes.describe import describe
 from scenes.read import load_scene
-from scenes.results import ModesResult
+from scenes.results import ModesResult, StaticResult
 from scenes.run import run_modes, run_scene
 from scenes.run_matching import match_unstable
 from scenes.spec.body import Backend
@@ -62,13 +63,25 @@ def compare(progress: Progress) -> tuple[dict[str, Any], Sequence[ModesResult]]:
         data,
         inputs={"scenes": ["patch_test", "disc", "disc_pad"]},
         seconds=perf_counter() - start,
-        warnings=[
-            {"backend": run["backend"], "formulation": run["formulation"], **warning}
-            for run in data["disc_pad"]["runs"]
-            for warning in run["warnings"]
-        ],
+        warnings=warnings_of(data),
     )
     return made, results
+
+
+def warnings_of(data: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Warnings of all runs of the record, merged."""
+    told: list[Run] = []
+    for scene in ("patch_test", "disc_alone", "disc_pad"):
+        for run in data[scene]["runs"]:
+            point = {"scene": scene, "backend": run["backend"]}
+            point |= {name: run[name] for name in ("formulation", "P", "mesh") if name in run}
+            told.append((point, run["warnings"]))
+    return merged_warnings(told, "runs")
+
+
+def _described(result: ModesResult | StaticResult) -> dict[str, Any]:
+    """A run as plain data with its warnings."""
+    return describe(result) | {"warnings": [warning.plain() for warning in result.warnings]}
 
 
 def warm_up(progress: Progress) -> None:
@@ -92,7 +105,7 @@ def patch_test(progress: Progress) -> dict[str, Any]:
             for P in (1e6, 1e14):
                 progress.step(f"patch test, {backend}, {formulation.method}, P = {P:g}")
                 variant = with_contact(scene, formulation=formulation, P=P)
-                run = describe(run_scene(variant, bodies=bodies, listener=progress.stage))
+                run = _described(run_scene(variant, bodies=bodies, listener=progress.stage))
                 runs.append(run | _labels(backend, formulation, run) | {"P": P})
     for run in runs:
         sides = run["stresses"]["interface"].values()
@@ -153,7 +166,7 @@ def disc_alone(progress: Progress) -> dict[str, Any]:
         backend: Backend = "fe" if isinstance(mesh, FeMesh) else "iga"
         disc = replace(scene.bodies["disc"], backend=backend, mesh=_mesh_spec(mesh))
         variant = replace(scene, bodies={"disc": disc})
-        result = describe(run_scene(variant, listener=progress.stage))
+        result = _described(run_scene(variant, listener=progress.stage))
         frequencies = np.array([e["im"] for e in result["eigenvalues"]])[:_DISC_MODES] / (2 * np.pi)
         return result | {
             "line": line,
@@ -209,8 +222,7 @@ def disc_pad(progress: Progress) -> tuple[dict[str, Any], Sequence[ModesResult]]
             variant = with_contact(scene, formulation=formulation)
             result = run_modes(variant, bodies=bodies, listener=progress.stage)
             bodies = result.bodies
-            run = describe(result)
-            run["warnings"] = [warning.plain() for warning in result.warnings]
+            run = _described(result)
             runs.append(run | _labels(backend, formulation, run))
             kind = (
                 "collocation"

@@ -187,8 +187,8 @@ def errors_of_modes(data: Data) -> str:
 
 
 def warned(data: Data) -> list[str]:
-    """What runs of the disc and pad warn of."""
-    return [f"{capitalised(_run(warning))}: {warning['message']}." for warning in data["warnings"]]
+    """What runs warn of, each kind once."""
+    return [f"{capitalised(warning['message'])}." for warning in data["warnings"]]
 
 
 def kept_bodies(data: Data) -> str:

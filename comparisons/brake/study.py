@@ -17,6 +17,7 @@ from cea.eigen.mode_matching import ModeMatch
 from cea.errors import InputError
 from cea.petsc import MPI
 from comparisons.kit.progress import Progress
+from comparisons.kit.run_warnings import Run, merged_warnings
 from scenes.memory import estimated_memory
 from scenes.read import Scene, load_scene
 from scenes.results import ModesResult
@@ -89,6 +90,7 @@ def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> Iterator[dict
     """
     begun = perf_counter()
     runs: list[dict[str, Any]] = []
+    told: list[Run] = []
     matches: list[dict[str, Any]] = []
     stiffnesses: list[dict[str, Any]] = []
     coarser: ModesResult | None = None
@@ -97,8 +99,11 @@ def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> Iterator[dict
         progress.step(f"size {size * 1e3:g} mm")
         result = run_modes(scene, listener=progress.stage)
         runs.append({"size": size, **_described(result)})
+        told.append(_told(size, result))
         if coarser is None:
-            stiffnesses = list(_with_stiffnesses(result, study.stiffnesses, progress))
+            for again in _with_stiffnesses(result, study.stiffnesses, progress):
+                stiffnesses.append(_described(again))
+                told += [] if again is result else [_told(size, again)]
         else:
             progress.stage("matching")
             matches.append(_plain(match_runs(coarser, result)))
@@ -110,8 +115,8 @@ def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> Iterator[dict
             "pictures": _draw(result, study.pictures, progress, out) if last else [],
         }
         seconds = perf_counter() - begun
-        told = [warning.plain() for warning in result.warnings]
-        yield record(COMMAND, data, inputs=asdict(study), seconds=seconds, warnings=told)
+        warnings = merged_warnings(told, "runs")
+        yield record(COMMAND, data, inputs=asdict(study), seconds=seconds, warnings=warnings)
         coarser = result
 
 
@@ -139,7 +144,7 @@ def scene_of_size(size: float, overrides: Iterable[str] = ()) -> Scene:
 
 def _with_stiffnesses(
     result: ModesResult, stiffnesses: Iterable[float], progress: Progress
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[ModesResult]:
     """Runs with other contact stiffnesses, on the bodies and contact points of one run."""
     for p in stiffnesses:
         again = result
@@ -151,7 +156,13 @@ def _with_stiffnesses(
                 interfaces=result.interfaces,
                 listener=progress.stage,
             )
-        yield _described(again)
+        yield again
+
+
+def _told(size: float, result: ModesResult) -> Run:
+    """Which run it is, and what it warns of."""
+    point = {"size": size, "p": _stiffness(result.scene)}
+    return point, [warning.plain() for warning in result.warnings]
 
 
 def _stiffness(scene: Scene) -> float | str | None:

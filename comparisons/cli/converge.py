@@ -70,7 +70,7 @@ def converge(
 def _run(request: "Request", out: Path, begun: float) -> None:
     """Refine, print the modes and what they cost, write the page."""
     from cea.petsc import MPI
-    from comparisons.cli.output import console, print_table
+    from comparisons.cli.output import console, print_table, print_warnings
     from comparisons.cli.progress import working
     from comparisons.converge import tables, words
     from comparisons.converge.page import write_converge
@@ -91,6 +91,5 @@ def _run(request: "Request", out: Path, begun: float) -> None:
     print_table(tables.levels_table(data))
     for line in (words.verdict(data), *words.held(data), words.for_sweeps(data)):
         typer.echo(line)
-    for warning in data["warnings"]:
-        typer.echo(f"warning ({warning['kind']}): {warning['message']}")
+    print_warnings(data["warnings"])
     typer.echo(f"The page to open: {page}")

@@ -1,7 +1,7 @@
 """What commands print: progress, tables, results."""
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
@@ -68,10 +68,23 @@ def print_result(
         warnings = result.warnings
     else:
         _print_modes(result, to)
-        warnings = result.told
-    for warning in warnings:
-        _say(to, f"warning ({warning.kind}): {warning.message}", "yellow")
+        warnings = result.modes.warnings
+    print_warnings([warning.plain() for warning in warnings], to)
     _say_left_out(result.skipped, to)
+
+
+def print_warnings(warnings: Iterable[Mapping[str, Any]], to: Console = console) -> None:
+    """Print what a result must be read with.
+
+    Parameters
+    ----------
+    warnings
+        Warnings as a record has them.
+    to
+        Where they are printed.
+    """
+    for warning in warnings:
+        _say(to, f"warning ({warning['kind']}): {warning['message']}", "yellow")
 
 
 def _say_left_out(skipped: Mapping[str, str], to: Console) -> None:

@@ -59,7 +59,7 @@ def sample(
 
 def _run(asked: Any, out: Path) -> None:
     from cea.petsc import MPI
-    from comparisons.cli.output import print_table
+    from comparisons.cli.output import print_table, print_warnings
     from comparisons.cli.progress import working
     from comparisons.sweep.sample_page import FILE, write_samples
     from comparisons.sweep.sample_study import run_samples
@@ -74,8 +74,7 @@ def _run(asked: Any, out: Path) -> None:
     store.discard()
     print_table(samples_summary(data))
     print_table(probability_table(data))
-    for warning in data["warnings"]:
-        typer.echo(f"warning: {warning['message']}")
+    print_warnings(data["warnings"])
     typer.echo(f"Every sample: {out / FILE}")
     typer.echo(f"The page to open: {page}")
 

@@ -128,7 +128,7 @@ def _refuse_beside_samples(*, full: bool, confirm: int) -> None:
 def _map(asked: Any, out: Path) -> None:
     """Make a map and tell of it."""
     from cea.petsc import MPI
-    from comparisons.cli.output import print_table
+    from comparisons.cli.output import print_table, print_warnings
     from comparisons.cli.progress import working
     from comparisons.sweep.map_page import write_result
     from comparisons.sweep.map_study import run_map
@@ -142,8 +142,7 @@ def _map(asked: Any, out: Path) -> None:
     store.discard()
     print_table(summary_table(found))
     print_table(onsets_table(found))
-    for warning in found["warnings"]:
-        typer.echo(f"warning: {warning['message']}")
+    print_warnings(found["warnings"])
     typer.echo(f"Every value: {out / 'sweep.nc'}")
     typer.echo(f"The page to open: {page}")
 
@@ -159,7 +158,7 @@ def _each_in_full(
     """Solve at each value of one field, and tell of it."""
     from cea.errors import InputError
     from cea.petsc import MPI
-    from comparisons.cli.output import print_table
+    from comparisons.cli.output import print_table, print_warnings
     from comparisons.cli.progress import working
     from comparisons.sweep.page import write_sweep
     from comparisons.sweep.study import Sweep, run_sweep
@@ -178,6 +177,7 @@ def _each_in_full(
         picture = new.final(write_sweep(found, new.part))
     print_table(values_table(found))
     print_table(unstable_table(found))
+    print_warnings(found["warnings"])
     typer.echo(f"Solved in full at each value: {why}")
     typer.echo(f"The picture to open: {picture}")
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
+from cea.warned import ResultWarning
 from comparisons.kit.progress import Progress
 from scenes.memory import available_memory, estimated_memory, on_all_machines
 from scenes.read import Scene
@@ -55,6 +56,8 @@ class Level:
         The run; None once it is no longer compared with others.
     corrected
         Whether it is no run but the mesh before corrected in a richer space.
+    warnings
+        What the run must be read with.
     """
 
     backend: Backend
@@ -70,6 +73,7 @@ class Level:
     complete: bool
     result: ModesResult | None = field(repr=False)
     corrected: bool = False
+    warnings: tuple[ResultWarning, ...] = ()
 
     def forgotten(self) -> "Level":
         """The level without its matrices and vectors."""
@@ -183,4 +187,5 @@ def run_level(scene: Scene, backend: Backend, resolution: Resolution, progress: 
         result.modes.rigid,
         result.modes.window.complete,
         result,
+        warnings=result.warnings,
     )

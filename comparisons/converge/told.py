@@ -13,6 +13,8 @@ from comparisons.converge.following import lost
 from comparisons.converge.levels import Level, elements_of
 from comparisons.converge.request import Request, half_unit
 from comparisons.converge.steps import Step
+from comparisons.kit.run_warnings import Run, merged_warnings
+from scenes.following import STATE_KEPT
 from scenes.read import Scene
 from scenes.refinement import moved_to_mortar, refined
 from scenes.scene_toml import scene_text
@@ -179,14 +181,6 @@ def warnings_of(
                     "data": {"backend": course.backend},
                 }
             )
-        if course.sequence.levels and not course.sequence.last.complete:
-            found.append(
-                {
-                    "kind": "window-not-complete",
-                    "message": f"{course.backend}: modes that grow fast are not excluded",
-                    "data": {"backend": course.backend},
-                }
-            )
     if missing := lost_of(courses, scene):
         found.append(
             {
@@ -195,7 +189,17 @@ def warnings_of(
                 "data": {"count": missing},
             }
         )
-    return found
+    return found + _of_newest_meshes(courses)
+
+
+def _of_newest_meshes(courses: Mapping[Backend, Course]) -> list[dict[str, Any]]:
+    """Warnings of the runs on the newest meshes, merged; derivatives are not told."""
+    newest = {b: course.sequence.last for b, course in courses.items() if course.sequence.levels}
+    runs: list[Run] = [
+        ({"backend": backend}, [w.plain() for w in level.warnings if w.kind != STATE_KEPT])
+        for backend, level in newest.items()
+    ]
+    return merged_warnings(runs, "backends, on its newest mesh")
 
 
 def lost_of(courses: Mapping[Backend, Course], scene: Scene) -> int:

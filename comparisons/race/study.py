@@ -100,7 +100,8 @@ def race(
         for name, times in taken.items()
     ]
     data = {"scene": scene.name, "modes": len(first.modes), "entrants": entrants}
-    return record(COMMAND, data, inputs=inputs, seconds=perf_counter() - begun)
+    seconds, warnings = perf_counter() - begun, [w.plain() for w in first.warnings]
+    return record(COMMAND, data, inputs=inputs, seconds=seconds, warnings=warnings)
 
 
 def _common(first: MatrixResult, values: Complexes) -> int:

@@ -18,6 +18,7 @@ import numpy as np
 from cea.contact.formulations import Mortar
 from cea.eigen.mode_matching import GroupMatch
 from comparisons.kit.progress import Progress
+from comparisons.kit.run_warnings import Run, merged_warnings
 from meshes.breaks import graded
 from scenes.read import Scene, load_scene
 from scenes.results import ModesResult
@@ -103,7 +104,7 @@ def compute_reference(
     start = perf_counter()
     finest: dict[Backend, ModesResult] = {}
     changes: dict[Backend, dict[int, tuple[float, float]]] = {}
-    runs = []
+    runs, told = [], list[Run]()
     for backend, pair in levels.items():
         results = []
         for grading in pair:
@@ -112,6 +113,8 @@ def compute_reference(
             progress.step(f"disc and pad, {backend}, degree {grading.degree}, {meshes}")
             results.append(run_modes(scene, listener=progress.stage))
             runs.append(_run(results[-1], backend, grading, meshes))
+            point = {"backend": backend, "degree": grading.degree}
+            told.append((point, [warning.plain() for warning in results[-1].warnings]))
         coarse, finest[backend] = results
         changes[backend] = _changes(coarse, finest[backend])
     match = match_runs(finest["iga"], finest["fe"])
@@ -124,7 +127,8 @@ def compute_reference(
         "runs": runs,
     }
     inputs = {"levels": {b: [asdict(grading) for grading in pair] for b, pair in levels.items()}}
-    return record("reference", data, inputs=inputs, seconds=perf_counter() - start)
+    seconds, warnings = perf_counter() - start, merged_warnings(told, "runs")
+    return record("reference", data, inputs=inputs, seconds=seconds, warnings=warnings)
 
 
 def stored_reference() -> dict[str, Any]:

@@ -2,10 +2,11 @@
 
 A scene, a mesh or a matrix may change under its name while a sweep is interrupted. Norms alone do
 not see that unknowns are numbered otherwise or that friction pulls the other way: each matrix is
-multiplied from both sides by vectors that are the same each time.
+multiplied from both sides by vectors that are the same each time. Warnings hang on the scene too.
 """
 
 from collections.abc import Iterator, Mapping
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from cea.eigen.low_rank import LowRank
 from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Pencil
 from comparisons.sweep.mapped import Mapped
+from scenes.stored import as_json
 
 _PARTS = (0.0, 0.381966, 1.0)
 """Where between the ends of all axes coefficients are looked at."""
@@ -36,6 +38,7 @@ def fingerprint(scene: Mapped) -> list[str]:
         *(f"{each.name} {each.value!r}" for each in pencil.parameters.values()),
         *_pieces(pencil, list(_probed(scene))),
         f"window {window!r}",
+        f"scene {sha256(as_json(scene.scene).encode()).hexdigest()}",
     ]
 
 

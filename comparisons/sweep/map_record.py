@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cea.reduced.greedy import Enrichment
+from comparisons.kit.run_warnings import merged_warnings
 from comparisons.sweep.confirmed import confirmed
 from comparisons.sweep.mapped import Mapped
 from comparisons.sweep.rows import Row
@@ -137,21 +138,8 @@ def warnings_of(data: dict[str, Any], tolerance: float) -> list[dict[str, Any]]:
 
 
 def of_full_solves(snapshots: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Warnings of full solves, one of each kind, with the places where they were given."""
-    given: dict[str, list[dict[str, Any]]] = {}
-    for each in snapshots:
-        for warning in each["warnings"]:
-            place = {"point": each["point"], "message": warning["message"], "data": warning["data"]}
-            given.setdefault(warning["kind"], []).append(place)
-    return [
-        {
-            "kind": kind,
-            "message": f"of {len(places)} of {len(snapshots)} full solves, the first of which says "
-            f"that {places[0]['message']}",
-            "data": {"places": places},
-        }
-        for kind, places in given.items()
-    ]
+    """Warnings of full solves, merged."""
+    return merged_warnings([(each["point"], each["warnings"]) for each in snapshots], "full solves")
 
 
 class Timed:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
@@ -15,9 +15,9 @@ from cea.reduced.norm import shift_of
 from cea.reduced.pieces import check_pencil
 from cea.warned import ResultWarning
 from scenes.assembled import AssembledScene
-from scenes.matrix_pencil import symmetrised_pieces
 from scenes.matrix_run import AssembledMatrices
 from scenes.matrix_scene import is_of_matrices, load_matrices
+from scenes.plain import as_data
 from scenes.read import load_scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.swept import no_two_alike, parameters_meant
@@ -58,6 +58,8 @@ class Mapped:
         The axes.
     names
         Parameters of the pencil that each axis means.
+    scene
+        The scene as plain data, which warnings may hang on too.
     max_frequency
         Upper end of the window (Hz).
     growth_threshold
@@ -71,6 +73,7 @@ class Mapped:
     driver: KrylovSchur
     axes: tuple[Varied, ...]
     names: tuple[tuple[str, ...], ...]
+    scene: Mapping[str, Any]
     max_frequency: float
     growth_threshold: float | None
     min_growth: float | None = None
@@ -121,10 +124,11 @@ def mapped(
             matrices.driver,
             tuple(axes),
             names,
+            as_data(matrices.scene),
             window.max_frequency,
             window.growth_threshold,
             window.min_growth,
-            lambda modes, _: (*modes.warnings, *symmetrised_pieces(matrices.pieces)),
+            lambda modes, _: matrices.warnings(modes),
         )
     if data is not None:
         raise InputError("data", data, "left out: a scene of bodies reads no matrices")
@@ -137,17 +141,13 @@ def mapped(
         allowed = "no parameter that moves a state of steady sliding"
         raise _no_map(InputError("axis", moved[0][0], allowed))
     stiffest = {
-        name: axis.ends[1]
+        name: axis.ends[1 if name.endswith(".P") else 0]
         for axis, each in zip(axes, names, strict=True)
         for name in each
-        if name.endswith(".P")
     }
-    assembled = first
-    if not first.keeps_forms(read, stiffest):
+    assembled = first.with_forms_at(stiffest)
+    if assembled is not first:
         first.free()
-        open_ = [name for name, each in read.contacts.items() if each.form is None]
-        forces = {f"contacts.{name}.form": "saddle" for name in open_ if _of(name) in stiffest}
-        assembled = AssembledScene(read.change(forces))
     analysis = assembled.scene.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
     _check_definite(assembled.driver.pencil, axes, names, analysis.max_frequency)
@@ -155,6 +155,7 @@ def mapped(
         assembled.driver,
         tuple(axes),
         names,
+        as_data(assembled.scene),
         analysis.max_frequency,
         analysis.growth_threshold,
         analysis.min_growth,
@@ -197,7 +198,7 @@ def _check_definite(
     )
     try:
         for each in (least, most):  # modes that are damped one by one may be others there
-            pencil.low_rank_at(pencil.values(each))
+            pencil.check(each)
     except InputError as error:
         raise _no_map(error) from error
     matrices = pencil.at(least)
@@ -209,10 +210,6 @@ def _check_definite(
         told = f"{negative} negative eigenvalues of its symmetric part"
         allowed = "none, for a map, where parameters are least"
         raise _no_map(InputError("stiffness", told, allowed))
-
-
-def _of(contact: str) -> str:
-    return f"contacts.{contact}.P"
 
 
 def _no_map(error: InputError) -> NoMapError:

@@ -11,12 +11,14 @@ import numpy as np
 from cea.arrays import Complexes
 from cea.eigen.eigenvalue_matching import assign
 from cea.errors import ConvergenceError, InputError
+from comparisons.kit.run_warnings import Run, merged_warnings
 from comparisons.kit.tables import Data
 from scenes.assembled import AssembledScene
-from scenes.matrix_run import AssembledMatrices
+from scenes.matrix_run import AssembledMatrices, MatrixResult
 from scenes.matrix_scene import is_of_matrices, load_matrices
-from scenes.of_modes import OfModes
 from scenes.read import load_scene
+from scenes.results import ModesResult
+from scenes.scene_error import SceneError
 from scenes.stored import record
 from scenes.swept import means_several, parameters_meant
 
@@ -29,6 +31,8 @@ _MOST = 1000
 
 Assembled = AssembledScene | AssembledMatrices
 """A scene that is solved at changed fields."""
+Result = ModesResult | MatrixResult
+"""What comes of it."""
 
 
 @dataclass(frozen=True)
@@ -75,15 +79,22 @@ class Sweep:
         return np.linspace(self.start, self.stop, self.count).tolist()
 
     def assembled(self) -> Assembled:
-        """The scene, assembled at the first value."""
-        overrides = list(self.overrides)
-        if not means_several(self.field):
-            overrides.append(f"{self.field}={self.start!r}")
+        """The scene, assembled as it is, or at the first value of a field that is no parameter."""
+        several = means_several(self.field)
+        at_first = [*self.overrides, *([] if several else [f"{self.field}={self.start!r}"])]
         if is_of_matrices(self.scene):
-            return AssembledMatrices(load_matrices(self.scene, overrides, self.data))
+            return AssembledMatrices(load_matrices(self.scene, at_first, self.data))
         if self.data is not None:
             raise InputError("data", self.data, "left out: a scene of bodies reads no matrices")
-        return AssembledScene(load_scene(self.scene, overrides))
+        try:
+            scene = load_scene(self.scene, self.overrides)
+        except SceneError:  # a field may be given by the sweep alone
+            scene = load_scene(self.scene, at_first)
+        assembled = AssembledScene(scene)
+        if several or self.field in assembled.driver.pencil.parameters:
+            return assembled
+        assembled.free()
+        return AssembledScene(scene.change(self.field, self.start))
 
     def paths(self, assembled: Assembled) -> list[str]:
         """Paths of the fields that change together."""
@@ -96,6 +107,16 @@ class Sweep:
         except InputError as error:
             allowed = f"no such field; there are {', '.join(pencil.parameters)}"
             raise InputError(self.field, self.start, allowed) from error
+
+
+def _solve(assembled: Assembled, paths: Sequence[str], value: float) -> Result:
+    """Modes at a value of fields; of parameters as maps take them, factors on expressions."""
+    values = dict.fromkeys(paths, value)
+    if isinstance(assembled, AssembledScene) and set(paths) <= set(
+        assembled.driver.pencil.parameters
+    ):
+        return assembled.modes_at(values)
+    return assembled.modes(values)
 
 
 def run_sweep(
@@ -117,24 +138,24 @@ def run_sweep(
     dict
         The record: ``field``, ``why`` where it was told, ``points`` with ``value``, ``failed`` (the
         reason, or "") and ``modes``, each with ``curve``, a number that modes of one curve share,
-        ``re``, ``im``, ``uncertainty`` and ``verdict``; and the ``window``.
+        ``re``, ``im``, ``uncertainty`` and ``verdict``; ``warnings`` are those of all values,
+        merged (:func:`comparisons.kit.run_warnings.merged_warnings`).
     """
     begun = perf_counter()
     assembled = sweep.assembled()
     paths = sweep.paths(assembled)
     points: list[dict[str, Any]] = []
-    warnings: list[dict[str, Any]] = []
+    runs: list[Run] = []
     curves = Curves()
     for value in sweep.values:
         progress(f"{sweep.field} = {value:g}")
         try:
-            result = assembled.modes(dict.fromkeys(paths, value))
+            result = _solve(assembled, paths, value)
         except ConvergenceError as error:
             points.append({"value": value, "failed": str(error), "modes": [], "verdict": ""})
             curves.interrupt()
             continue
-        told = [warning.plain() for warning in result.modes.warnings]
-        warnings += [warning | {"value": value} for warning in told]
+        runs.append(({sweep.field: value}, [warning.plain() for warning in result.warnings]))
         points.append(_point(value, result, curves.follow(result.eigenvalues)))
     assembled.free()
     inputs = {
@@ -148,10 +169,11 @@ def run_sweep(
     }
     data = {"field": sweep.field, "points": points} | ({"why": why} if why else {})
     seconds = perf_counter() - begun
+    warnings = merged_warnings(runs, f"values of {sweep.field}")
     return record(COMMAND, data, inputs=inputs, seconds=seconds, warnings=warnings)
 
 
-def _point(value: float, result: OfModes, curves: Sequence[int]) -> dict[str, Any]:
+def _point(value: float, result: Result, curves: Sequence[int]) -> dict[str, Any]:
     modes = [
         {
             "curve": curve,

@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 
 from comparisons.kit.numbers import shown
+from comparisons.kit.run_warnings import kinds_at
 from comparisons.kit.tables import Column, Data, Table
 from comparisons.sweep.study import curves_of
 
 
 def values_table(data: Data) -> Table:
-    """A row for each value: how many modes are unstable, and the fastest."""
+    """A row for each value: how many modes are unstable, the fastest, what it warns of."""
     rows: list[tuple[Any, ...]] = []
     for point in data["points"]:
         modes = point["modes"]
@@ -22,6 +23,7 @@ def values_table(data: Data) -> Table:
                 sum(mode["verdict"] == "unstable" for mode in modes),
                 fastest["re"] if fastest else None,
                 fastest["im"] / (2 * np.pi) if fastest else None,
+                ", ".join(kinds_at(data["warnings"], {data["field"]: point["value"]})),
                 point["failed"] or point["verdict"],
             )
         )
@@ -34,6 +36,7 @@ def values_table(data: Data) -> Table:
             Column("unstable", "unstable", shown(3)),
             Column("growth", "fastest growth", shown(4, sign=True), "1/s"),
             Column("frequency", "its frequency", shown(5), "Hz"),
+            Column("warnings", "warnings"),
             Column("verdict", "verdict"),
         ),
         rows,

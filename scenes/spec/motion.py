@@ -52,6 +52,14 @@ class DampingSpec:
         modal = self.modal is not None and self.modal.acts
         return modal or self.rayleigh() not in (None, RayleighDamping())
 
+    @property
+    def in_factors(self) -> "DampingSpec":
+        """The same with factors of Rayleigh damping in the place of ratios, both where one is."""
+        found = self.rayleigh()
+        if found is None:
+            return self
+        return DampingSpec(found.alpha, found.beta, modal=self.modal)
+
     def rayleigh(self) -> RayleighDamping | None:
         """Rayleigh damping as the system takes it; None where there is modal damping alone."""
         if self.ratios is not None and self.frequencies is not None:

@@ -11,7 +11,7 @@ from cea.contact.interface import pair
 from cea.errors import InputError
 from scenes.assembled import assemble as assemble_scene
 from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes.run import run_modes, run_scene
 
 GPTS = {"method": "gpts", "points": 3}
 LUMPED = GPTS | {"lumped": True}
@@ -55,6 +55,37 @@ def test_a_penalty_that_stays_says_how_many_digits_it_costs(backend, fields):
     largest = stiffness.getDiagonal().array / system.stiffness_diagonal.array
     assert warning.data["digits"] == pytest.approx(np.log10(largest.max()), abs=1e-3)
     assert not assemble(contact_of(backend, 1e5, **fields)).warnings
+
+
+@pytest.mark.parametrize(
+    "moduli",
+    [{"upper": 2e-3, "lower": 2e5}, {"upper": 2e5, "lower": 2e4}, {"upper": 3.0}],
+    ids=str,
+)
+def test_digits_at_other_moduli_are_those_of_a_scene_assembled_there(backend, moduli):
+    """Springs do not grow with them, and the stiffer side does not count."""
+    data = contact_of(backend, 1e9, form="penalty")
+    data["bodies"]["upper"]["springs"] = [{"surface": "z_min", "stiffness": [1e3] * 3}]
+    values = {f"bodies.{name}.material.E": E for name, E in moduli.items()}
+    (found,) = assemble(data).warnings_at(values | {"contacts.interface.P": 1e11})
+    for name, E in moduli.items():
+        data["bodies"][name]["material"]["E"] = E
+    data["contacts"]["interface"]["P"] = 1e11
+    (fresh,) = assemble(data).warnings
+    assert found.data["digits"] == pytest.approx(fresh.data["digits"], abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["cea", "static"])
+def test_results_say_how_many_digits_a_penalty_costs(backend, kind):
+    data = contact_of(backend, 1e9, form="penalty")
+    if kind == "static":
+        data |= {"analysis": {"kind": "static", "samples": 3}}
+    told = [w for w in run_scene(read_scene(data)).warnings if w.kind == "penalty-rounding"]
+    assert [dict(w.data) for w in told] == [dict(w.data) for w in assemble(data).warnings]
+    assert len(told) == 1
+    data["contacts"]["interface"]["form"] = "saddle"
+    kinds = [w.kind for w in run_scene(read_scene(data)).warnings]
+    assert "penalty-rounding" not in kinds
 
 
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])

@@ -12,8 +12,10 @@ from report_data import EXACT, Page, small_comparison
 from cea.timing import STAGES
 from comparisons.agreement import figures, tables, words
 from comparisons.agreement.page import write_report
+from comparisons.agreement.study import warnings_of
 from comparisons.agreement.time_saved import compared
 from comparisons.kit.numbers import listed, number, per_cent, plain
+from comparisons.kit.run_warnings import merged_warnings
 
 _KINDS = ("worst", "median")
 
@@ -134,11 +136,25 @@ def test_summary_follows_the_data(data):
 @pytest.mark.slow
 def test_warnings_of_runs_are_told(data, tmp_path):
     assert words.warned(data) == []
-    data["warnings"] = [
-        {"backend": "iga", "formulation": "GPTS 5 x 5", "kind": "window", "message": "3 are lost"}
-    ]
+    runs = [({"scene": "disc_pad", "backend": each}, ()) for each in ("fe", "iga")]
+    lost = {"kind": "window", "message": "three modes are lost", "data": {}}
+    data["warnings"] = merged_warnings([*runs, ({"scene": "disc_pad"}, [lost])], "runs")
     text = Page(write_report(data, [], tmp_path).read_text(encoding="utf-8")).text
-    assert "NURBS, GPTS 5 x 5: 3 are lost." in text
+    assert "Three modes are lost (at 1 of 3 runs: scene = disc_pad)." in text
+
+
+def test_warnings_of_the_record_are_those_of_all_its_runs(data):
+    crude = {"kind": "point-rule", "message": "too crude", "data": {"contact": "interface"}}
+    parts = ("patch_test", "disc_alone", "disc_pad")
+    for part in parts:
+        for run in data[part]["runs"]:
+            run["warnings"] = [crude] if run["backend"] == "iga" else []
+    (told,) = warnings_of(data)
+    points = [place["point"] for place in told["data"]["places"]]
+    count = sum(run["backend"] == "iga" for part in parts for run in data[part]["runs"])
+    assert len(points) == count
+    assert {point["scene"] for point in points} == set(parts)
+    assert {point["backend"] for point in points} == {"iga"}
 
 
 def test_no_saving_is_claimed_that_equal_runs_are_apart(data):

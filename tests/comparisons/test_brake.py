@@ -43,6 +43,17 @@ def result(tmp_path_factory):
     return last
 
 
+def test_every_run_is_in_the_warnings_of_the_record(result):
+    every = [*result["runs"], *({"size": 0.03, **run} for run in result["stiffnesses"])]
+    given = {(run["size"], run["p"], kind) for run in every for kind in run["warnings"]}
+    assert "short-modes" in {kind for _, _, kind in given}
+    assert given == {
+        (place["point"]["size"], place["point"]["p"], warning["kind"])
+        for warning in result["warnings"]
+        for place in warning["data"]["places"]
+    }
+
+
 def test_the_brake_is_what_its_scene_says():
     scene = load_scene(SCENE)
     assert {contact.p for contact in scene.contacts.values()} == {5e13}

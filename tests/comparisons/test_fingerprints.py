@@ -25,6 +25,7 @@ CHANGES = {
     "formulation of the contact": ("contacts.interface.formulation={method='gpts',points=3}",),
     "limit of verdicts": ("analysis.growth_threshold=0.01",),
     "window": ("analysis.max_frequency=0.39",),
+    "loads, of which it warns": ("loads=[{surface='upper.y_max',pressure=1.0}]",),
 }
 N = 12
 

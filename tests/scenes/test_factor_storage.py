@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cea.errors import InputError
-from scenes import factor_storage, memory
+from scenes import assemble, factor_storage, memory
 from scenes.memory import estimated_memory
 from scenes.read import load_scene
 from scenes.run import run_modes
@@ -41,3 +41,17 @@ def test_what_fits_neither_way_is_refused(monkeypatch):
     monkeypatch.setattr(memory, "free_disk", lambda: 100 * estimate.files)
     with pytest.raises(InputError, match="would, the other bodies coarser alike"):
         run_modes(scene)
+
+
+def test_an_assembled_scene_has_its_factors_on_disk_too(backend, monkeypatch):
+    """At every value, and frees them before their files go."""
+    scene = load_scene("blocks", backend=backend)
+    estimate = estimated_memory(scene)
+    with_memory(monkeypatch, 0.5 * (estimate.bytes + estimate.bytes_with_files))
+    assembled = assemble(scene)
+    for mu in (0.2, 0.3, 0.5):
+        result = assembled.modes(mu=mu)
+        assert "factors-on-disk" in [warning.kind for warning in result.warnings]
+        fresh = run_modes(scene.change("contacts.interface.mu", mu))
+        np.testing.assert_allclose(result.eigenvalues, fresh.eigenvalues, rtol=1e-9, atol=1e-9)
+    assembled.free()

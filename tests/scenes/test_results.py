@@ -167,19 +167,49 @@ def test_bodies_and_contact_points_are_used_again(result):
     np.testing.assert_allclose(again.eigenvalues, anew.eigenvalues, rtol=1e-9, atol=1e-9)
 
 
-def test_bodies_and_contact_points_of_another_scene_are_refused(result):
+def test_bodies_and_contact_points_that_are_not_of_the_scene_are_refused(result):
+    """As long as nobody knows what they were made of."""
     scene = result.scene
-    bodies = dict(result.bodies)
+    bodies, interfaces = dict(result.bodies), dict(result.interfaces)
     with pytest.raises(InputError, match=r"bodies = \['upper'\]"):
         run_scene(scene, bodies={"upper": bodies["upper"]})
     with pytest.raises(InputError, match=r"interfaces = \[\]"):
         run_scene(scene, bodies=bodies, interfaces={})
     with pytest.raises(InputError, match=r"interfaces\.interface = .*upper\.z_min of these bodies"):
-        run_scene(scene, interfaces=result.interfaces)
+        run_scene(scene, interfaces=interfaces)
     sides = {"a": "lower.z_max", "b": "upper.z_min"}
     turned = scene.change({f"contacts.interface.{side}": place for side, place in sides.items()})
     with pytest.raises(InputError, match=r"lower\.z_max of these bodies"):
-        run_scene(turned, bodies=bodies, interfaces=result.interfaces)
+        run_scene(turned, bodies=bodies, interfaces=interfaces)
+
+
+@pytest.mark.parametrize(
+    ("change", "reused"),
+    [
+        ({"contacts.interface.P": 5.0}, {"upper", "lower", "interface"}),
+        ({"bodies.upper.damping": {"alpha": 0.1}}, {"upper", "lower", "interface"}),
+        ({"contacts.interface.formulation.points": 4}, {"upper", "lower"}),
+        ({"bodies.upper.material.nu": 0.2}, {"lower"}),
+        ({"bodies.lower.material.E": 3.0}, {"upper"}),
+        ({"bodies.upper.springs": [{"surface": "x_min", "stiffness": [1.0] * 3}]}, {"lower"}),
+    ],
+    ids=lambda value: next(iter(value)) if isinstance(value, dict) else None,
+)
+def test_what_the_scene_makes_of_the_same_is_used_again(result, change, reused):
+    scene = result.scene.change(change)
+    again = run_modes(scene, bodies=result.bodies, interfaces=result.interfaces)
+    assert again.eigenvalues == pytest.approx(run_modes(scene).eigenvalues, rel=1e-9, abs=1e-9)
+    before, after = (dict(r.bodies) | dict(r.interfaces) for r in (result, again))
+    assert {name for name in after if after[name] is before[name]} == reused
+
+
+def test_loads_of_reused_bodies_are_those_of_the_scene():
+    scene = static_scene("iga")
+    pressed = scene.change("loads.0.pressure", 3.0)
+    first = run_static(scene)
+    again, fresh = run_static(pressed, bodies=first.bodies), run_static(pressed)
+    assert again.displacement.norm() == pytest.approx(fresh.displacement.norm(), rel=1e-10)
+    assert abs(first.displacement.norm() / fresh.displacement.norm() - 1) > 0.1
 
 
 PARAMETERS = [

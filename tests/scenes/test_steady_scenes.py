@@ -88,6 +88,17 @@ def test_a_sweep_seeks_each_state_anew(backend):
     assert swept.eigenvalues == pytest.approx(fresh.eigenvalues, rel=1e-8, abs=1e-8)
 
 
+def test_an_assembled_scene_bears_the_load_that_it_is_given(backend):
+    """The normal force is in equilibrium with it; density moves nothing."""
+    assembled = assemble(read_scene(pressed_blocks(backend, GPTS, c_n=1e2, m_n=2.0)))
+    for pressure in (2e-4, 5e-3):
+        for changes in ({}, {"bodies.upper.material.rho": 2.0}):
+            result = assembled.modes({"loads.0.pressure": pressure} | changes)
+            assert result.scene.loads[0].pressure == pressure
+            force = result.steady.contacts["interface"].normal_force
+            assert force == pytest.approx(pressure * AREA, rel=1e-10)
+
+
 @pytest.mark.parametrize(
     ("backend", "rule"), covering(("iga", "fe"), ({"method": "mortar"}, GPTS), strength=1)
 )

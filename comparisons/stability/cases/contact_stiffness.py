@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from math import inf
 
-from comparisons.stability.parts.case import ACCURATE, HONEST, Run, case
+from comparisons.stability.parts.case import ACCURATE, HONEST, MESH_AND_PENALTY, Run, case
 from comparisons.stability.parts.problems import OfScene
 from comparisons.stability.parts.references import dense
 from comparisons.stability.parts.scenes import layers
@@ -25,7 +25,8 @@ def contact_stiffness() -> Iterator[Run]:
                 continue
             may_lose = P > _HARMLESS and way in PENALTY
             data, expected = way.of(layers(P=P)), HONEST if may_lose else ACCURATE
-            yield Run(f"P = {P:.0e} N/m", way, OfScene(data), dense(data), expected)
+            about = f"P = {P:.0e} N/m", way, OfScene(data), dense(data), expected
+            yield Run(*about, warnings=MESH_AND_PENALTY)
     for way in (*SADDLE, *OPEN):
         data = way.of(layers(P=inf))
         yield Run("P infinite", way, OfScene(data), dense(data))

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from comparisons.stability.parts.case import Run, case
+from comparisons.stability.parts.case import MESH_AND_PENALTY, Run, case
 from comparisons.stability.parts.problems import OfScene
 from comparisons.stability.parts.references import formula
 from comparisons.stability.parts.scenes import Scene, body, changed, contact, rectangle, scene
@@ -50,6 +50,7 @@ def patch_test() -> Iterator[Run]:
                 OfScene(way.of(_pressed(P))),
                 true,
                 tolerance=max(_TOLERANCE, lost),
+                warnings=MESH_AND_PENALTY,
             )
     for way in chosen(MORTAR, "mortar, saddle"):
         yield Run("P infinite", way, OfScene(way.of(_pressed(inf))), true, tolerance=_TOLERANCE)

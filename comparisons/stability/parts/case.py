@@ -28,6 +28,8 @@ MESH = (
 )
 """Kinds of warnings that tell how far a mesh or a rule is from the continuum: beside a reference on
 the same mesh they may come, and excuse no error."""
+MESH_AND_PENALTY = (*MESH, "penalty-rounding")
+"""The same with the one of digits that a penalty costs: it may come where they are left over."""
 NONE: tuple[str, ...] = ()
 """No warning may come: where the run must be accurate, it is easy."""
 

@@ -1,0 +1,169 @@
+"""Warnings of records of many runs: those of the runs, merged, in tables and on screen."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+from comparisons.cli.app import main
+from comparisons.converge.page import write_converge
+from comparisons.converge.request import Request
+from comparisons.converge.study import run_converge
+from comparisons.kit.progress import Progress
+from comparisons.kit.run_warnings import kinds_at, merged_warnings
+from comparisons.kit.tables import Table
+from comparisons.sweep.axes import read_axis
+from comparisons.sweep.mapped import mapped
+from comparisons.sweep.study import Sweep, run_sweep
+from comparisons.sweep.tables import values_table
+from scenes import load_scene, run_modes
+from scenes.read import read_scene
+from scenes.scene_toml import scene_text
+
+NU, STIFFNESS = "bodies.pad.material.nu", "contacts.sliding.p"
+
+
+def overhang(backend, **contact):
+    """A pad that reaches beyond the bar it slides on."""
+    mesh = {
+        "fe": {"cell": "quadrilateral", "degree": 2, "elements": [3, 1]},
+        "iga": {"degree": [2, 2], "elements": [3, 1]},
+    }
+    material = {"E": 1e10, "nu": 0.3, "rho": 2500.0}
+    pad = {"shape": "rectangle", "size": [0.04, 0.01], "origin": [0.0, 0.01]}
+    bar = {"shape": "rectangle", "size": [0.125, 0.01], "origin": [-0.1, 0.0]}
+    common = {"backend": backend, "material": material, "mesh": mesh}
+    return read_scene({
+        "name": "overhang",
+        "bodies": {
+            "pad": common | {"geometry": pad},
+            "bar": common | {"geometry": bar, "supports": [{"surface": "y_min"}]},
+        },
+        "contacts": {
+            "sliding": {
+                "a": "pad.y_min",
+                "b": "bar.y_max",
+                "formulation": {"method": "gpts", "points": 5},
+                "p": 1e12,
+                "mu": 0.4,
+                "friction_direction_on_a": {"vector": [1.0, 0.0]},
+                "max_missed": 0.5,
+            } | contact,
+        },
+        "analysis": {"kind": "cea", "max_frequency": 20000.0},
+    })  # fmt: skip
+
+
+@pytest.fixture
+def file(backend, tmp_path):
+    """The scene with points that are too crude where the contact is soft."""
+    method = {"fe": "node_to_surface", "iga": "greville"}[backend]
+    path = tmp_path / "overhang.toml"
+    path.write_text(scene_text(overhang(backend, formulation={"method": method})))
+    return path
+
+
+def kinds(warnings):
+    return [warning.kind for warning in warnings]
+
+
+def test_a_sweep_warns_of_what_its_runs_warn_of(file):
+    """Of a rule too crude where the contact is soft, of what is uncovered everywhere."""
+    data = run_sweep(Sweep(file, STIFFNESS, 1e11, 1e15, 2))
+    scene = load_scene(file)
+    fresh = {v: run_modes(scene.change(STIFFNESS, v)).warnings for v in (1e11, 1e15)}
+    assert set(kinds(fresh[1e11])) != set(kinds(fresh[1e15]))
+    for value, warnings in fresh.items():
+        assert kinds_at(data["warnings"], {STIFFNESS: value}) == kinds(warnings)
+    told = {each["kind"]: each for each in data["warnings"]}
+    assert len(told) == len(data["warnings"])
+    uncovered, crude = told["partly-uncovered"], told["point-rule"]
+    assert uncovered["message"].endswith(f"(at all 2 values of {STIFFNESS})")
+    assert [place["point"] for place in crude["data"]["places"]] == [{STIFFNESS: 1e11}]
+    assert crude["message"].endswith(f"(at 1 of 2 values of {STIFFNESS}: {STIFFNESS} = 1e+11)")
+    given = [dict(w.data) for w in fresh[1e11] if w.kind == "point-rule"]
+    assert [place["data"] for place in crude["data"]["places"]] == given
+
+
+def test_a_parameter_swept_in_full_warns_as_its_runs_do(file):
+    """Values that need no assembly warn of the same as values that do."""
+    data = run_sweep(Sweep(file, "contacts.sliding.mu", 0.2, 0.4, 2))
+    fresh = run_modes(load_scene(file).change("contacts.sliding.mu", 0.2))
+    assert [each["kind"] for each in data["warnings"]] == kinds(fresh.warnings)
+    assert "partly-uncovered" in kinds(fresh.warnings)
+
+
+def test_record_table_and_screen_have_them(file, tmp_path, monkeypatch, capsys):
+    out = tmp_path / "out"
+    words = ["cea", "sweep", str(file), f"{NU}=0.2:0.3:2", "--out", str(out)]
+    monkeypatch.setattr(sys, "argv", words)
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert not ended.value.code
+    screen = " ".join(capsys.readouterr().out.split())
+    data = json.loads((out / "result.json").read_text())
+    assert {"partly-uncovered", "point-rule"} <= {each["kind"] for each in data["warnings"]}
+    for warning in data["warnings"]:
+        assert screen.count(f"warning ({warning['kind']}): {warning['message']}") == 1
+    table = values_table(data)
+    assert isinstance(table, Table)
+    column = [each.name for each in table.columns].index("warnings")
+    for row in table.rows:
+        assert row[column] == ", ".join(each["kind"] for each in data["warnings"])
+    assert "partly-uncovered" in (out / "sweep.csv").read_text()
+
+
+def test_many_warnings_are_few_lines():
+    """One for each kind and what it is about; numbers of the first, and where there are others."""
+
+    def warning(kind, message, **data):
+        return {"kind": kind, "message": message, "data": data}
+
+    runs = []
+    for i in range(100):
+        short = warning("short-modes", f"{i} modes are short", modes=list(range(i)))
+        sides = [warning("open", f"{name} is open", contact=name) for name in ("left", "right")]
+        runs.append(({"mu": i / 100}, [*sides[: 1 + (i < 3)], *([short] if i > 40 else [])]))
+    merged = merged_warnings(runs, "values of mu")
+    assert [each["message"] for each in merged] == [
+        "left is open (at all 100 values of mu)",
+        "right is open (at 3 of 100 values of mu: mu = 0; mu = 0.01; mu = 0.02)",
+        "41 modes are short (so at mu = 0.41, and the like at 59 of 100 values of mu, from 0.41 to "
+        "0.99)",
+    ]
+    assert [len(each["data"]["places"]) for each in merged] == [100, 3, 59]
+    alone = merged_warnings(runs[:1], "values of mu")
+    assert [each["message"] for each in alone] == ["left is open", "right is open"]
+    assert merged_warnings([({}, []), ({}, [])], "runs") == []
+
+
+def test_full_solves_of_a_map_warn_as_runs_do(file):
+    """At the stiffness there, also where p varies over the contact."""
+    p, P = "contacts.sliding.p='1e11*(1 + x)'", "contacts.sliding.P"
+    scene = mapped(file, [read_axis(f"{P}=3e9:6e9:2")], [p], None)
+    own = scene.pencil.parameters[P].value
+    for value in (3e9, 6e9):
+        modes = scene.driver.solve(scene.max_frequency, {P: value})
+        warnings = scene.warnings(modes, {P: value})
+        factor = value / own
+        fresh = run_modes(load_scene(file).change(STIFFNESS, f"{factor}*1e11*(1 + x)"))
+        assert kinds(warnings) == kinds(fresh.warnings)
+        for found, expected in zip(warnings, fresh.warnings, strict=True):
+            for name, number in expected.data.items():
+                if isinstance(number, float) and np.isfinite(number):
+                    assert found.data[name] == pytest.approx(number, rel=1e-8)
+    scene.driver.free()
+
+
+def test_converge_warns_of_what_its_newest_mesh_warns_of(backend, tmp_path):
+    """In its record and on its page."""
+    file = tmp_path / "overhang.toml"
+    file.write_text(scene_text(overhang(backend)))
+    silent = Progress(step=lambda _: None, stage=lambda _: None)
+    request = Request(str(file), digits=1, backends=(backend,), budget=60.0)
+    data = run_converge(request, silent)
+    (told,) = [each for each in data["warnings"] if each["kind"] == "partly-uncovered"]
+    assert told["data"]["places"][0]["point"] == {"backend": backend}
+    page = write_converge(data, tmp_path / "out").read_text(encoding="utf-8")
+    assert "find nothing on the other side" in page

@@ -1,0 +1,149 @@
+"""Small scenes whose every field can be changed: linear, pressed together, damped, rotating."""
+
+import numpy as np
+from damped_numbers import modally_damped_disc
+
+from scenes import assemble
+from scenes.read import read_scene
+
+
+def rectangle(backend, size, origin, elements):
+    """Body section of a rectangle with springs on its sides."""
+    return {
+        "backend": backend,
+        "geometry": {"shape": "rectangle", "size": size, "origin": origin},
+        "material": {"E": 2.0, "nu": 0.3, "rho": 1.5},
+        "mesh": {
+            "fe": {"cell": "quadrilateral", "degree": 2, "elements": elements},
+            "iga": {"degree": [2, 2], "elements": elements},
+        },
+    }
+
+
+def linear(backend):
+    """Two rectangles in contact of a given stiffness, with a load that changes no mode."""
+    upper = rectangle(backend, [0.5, 0.3], [0.2, 0.4], [3, 1])
+    lower = rectangle(backend, [1.0, 0.4], [0.0, 0.0], [4, 1])
+    upper["supports"] = [{"surface": "y_max"}]
+    upper["springs"] = [{"surface": "x_min", "stiffness": [0.3, 0.1]}]
+    lower["supports"] = [{"surface": "y_min", "components": ["x", "y"]}]
+    contact = {
+        "a": "upper.y_min",
+        "b": "lower.y_max",
+        "formulation": {"method": "gpts", "points": 3},
+        "P": 3.0,
+        "mu": 0.3,
+        "friction_direction_on_a": {"vector": [1.0, 0.0]},
+    }
+    return {
+        "name": "linear",
+        "bodies": {"upper": upper, "lower": lower},
+        "contacts": {"interface": contact},
+        "loads": [{"surface": "upper.x_max", "pressure": 1e-3}],
+        "analysis": {"kind": "cea", "max_frequency": 1.3},
+    }
+
+
+def pressed(backend):
+    """The same with a law of its closure, pressed together by loads and by a moved support."""
+    data = linear(backend) | {"name": "pressed"}
+    upper, lower = data["bodies"].values()
+    upper["supports"] = [{"surface": "y_max", "components": ["x"]}]
+    lower["supports"] = [{"surface": "y_min", "components": ["y", "x"], "value": [1e-4, 0.0]}]
+    contact = data["contacts"]["interface"]
+    del contact["P"]
+    contact |= {"c_n": 1e2, "m_n": 2.0, "added_gap": "0.5*(x-0.45)**2", "mu": 0.2}
+    data["loads"] = [
+        {"surface": "upper.y_max", "pressure": 1e-2},
+        {"surface": "upper.x_max", "force": [1e-4, -1e-3]},
+        {"body": "upper", "body_force": [0.0, -1e-3]},
+    ]
+    return data
+
+
+def rotating(backend):
+    """A ring that turns in another, both damped."""
+    outer = {
+        "backend": backend,
+        "geometry": {"shape": "ring", "inner_radius": 0.5, "outer_radius": 0.9},
+        "material": {"E": 2.0, "nu": 0.3, "rho": 1.0},
+        "supports": [{"surface": "outer", "components": ["radial"], "origin": [0.0, 0.0]}],
+        "springs": [{"surface": "outer", "stiffness": [0.2, 0.2]}],
+        "damping": {"ratios": [0.01, 0.02], "frequencies": [0.1, 0.4]},
+        "mesh": {
+            "fe": {"cell": "quadrilateral", "degree": 2, "elements": [1, 8]},
+            "iga": {"degree": [2, 2], "elements": [1, 8]},
+        },
+    }
+    inner = outer | {
+        "geometry": {"shape": "ring", "inner_radius": 0.2, "outer_radius": 0.5},
+        "supports": [],
+        "springs": [{"surface": "inner", "stiffness": [0.3, 0.3]}],
+        "damping": {"alpha": 0.01, "beta": 0.002},
+        "rotation": {"rate": 0.2, "convective_stiffness": True},
+    }
+    contact = {
+        "a": "outer.inner",
+        "b": "inner.outer",
+        "formulation": {"method": "gpts", "points": 2},
+        "p": 3.0,
+        "mu": 0.3,
+        "friction_direction_on_a": {"circumferential_about": [0.0, 0.0, 1.0]},
+        "sliding": {"pressure": 0.02, "mu_slope": -0.1},
+    }
+    return {
+        "name": "rotating",
+        "bodies": {"outer": outer, "inner": inner},
+        "contacts": {"interface": contact},
+        "analysis": {"kind": "cea", "max_frequency": 0.3, "min_growth": -0.3},
+    }
+
+
+def rotating_pressed(backend):
+    """The same rings without damping, pressed together by a pressure around them."""
+    data = rotating(backend) | {"name": "rotating, pressed"}
+    for body in data["bodies"].values():
+        del body["damping"]
+    data["bodies"]["outer"]["supports"] = []
+    contact = data["contacts"]["interface"]
+    del contact["p"], contact["sliding"]
+    contact |= {"c_n": 50.0, "m_n": 2.0, "reach": 0.05}
+    data["loads"] = [{"surface": "outer.outer", "pressure": 0.01}]
+    return data
+
+
+def damped(backend):
+    """A disc under a pad in space, both with modal damping, friction of a sliding speed."""
+    data = modally_damped_disc(backend) | {"name": "damped"}
+    del data["bodies"]["disc"]["rotation"]
+    data["contacts"]["interface"]["sliding"]["speed"] = 0.3
+    return data
+
+
+SCENES = {made.__name__: made for made in (linear, pressed, rotating, rotating_pressed, damped)}
+"""What makes the data of each scene, by its name."""
+
+
+def scene_of(name, backend):
+    """One of the scenes on a backend."""
+    return read_scene(SCENES[name](backend))
+
+
+def changed_numbers(*backends):
+    """Eigenvalues of assembled scenes with fields changed, and digits at other moduli."""
+    found = {}
+    for backend in backends:
+        linear_, pressed_ = (assemble(scene_of(name, backend)) for name in ("linear", "pressed"))
+        stiff = {"contacts.interface.P": 1e9, "bodies.upper.material.E": 0.02}
+        for assembled, changes in (
+            (linear_, stiff),
+            (linear_, {"bodies.lower.material.nu": 0.2}),
+            (pressed_, {"loads.0.pressure": 0.03}),
+            (pressed_, {"bodies.upper.material.rho": 2.0}),
+        ):
+            result = assembled.modes(changes)
+            found[f"{backend} {result.scene.name} {', '.join(changes)}"] = {
+                "sizes": np.abs(result.eigenvalues).tolist(),
+                "warnings": [warning.kind for warning in result.warnings],
+            }
+    return found

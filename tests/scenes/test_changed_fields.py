@@ -1,0 +1,358 @@
+"""Every field of a scene, changed after it was assembled: as in a fresh run, or refused."""
+
+from dataclasses import dataclass, field, fields, is_dataclass
+from math import inf
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+import numpy as np
+import pytest
+from changed_scenes import SCENES, scene_of
+from mpi import on_ranks
+from same_numbers import assert_same
+
+from cea.errors import InputError
+from scenes import assemble, run_modes
+from scenes.paths import parts_of
+from scenes.plain import as_data
+from scenes.scene_error import SceneError
+from scenes.spec.analysis import StaticAnalysis
+from scenes.spec.scene import SceneSpec
+
+UPPER, LOWER, CONTACT = "bodies.upper", "bodies.lower", "contacts.interface"
+OUTER, INNER = "bodies.outer", "bodies.inner"
+PAD, DISC = "bodies.pad", "bodies.disc"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A change of an assembled scene.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    changes
+        What is changed after it was assembled.
+    before
+        What is changed before.
+    backend
+        Of all bodies; left out, rows have them by turns.
+    refused
+        Whether a fresh run is refused too.
+    """
+
+    scene: str
+    changes: dict[str, Any]
+    before: dict[str, Any] = field(default_factory=dict)
+    backend: str | None = None
+    refused: bool = False
+
+
+def of(section, **values):
+    """Fields of a section of a scene by their paths."""
+    return {f"{section}.{name}": value for name, value in values.items()}
+
+
+SECOND = {"surface": "x_max", "components": ["x"]}
+TURN = {"rate": 0.1}
+ROWS = [
+    # the scene, its analysis, what is written of it
+    Row("linear", {"name": "another", "description": "in other words"}),
+    Row("linear", {"output.pictures": 2, "output.paraview": 1}),
+    Row("linear", {"output": {"pictures": 1}}),
+    Row("linear", {"analysis.max_frequency": 0.6}),
+    Row("pressed", {"analysis.growth_threshold": 0.05}),
+    Row("rotating", {"analysis.min_growth": -0.01}),
+    Row("pressed", {"analysis.load_steps": 2}),
+    Row("pressed", {"analysis.load_steps": None}, before={"analysis.load_steps": [0.5, 1.0]}),
+    Row("pressed", {"analysis.geometric_stiffness": True}),
+    Row("linear", {"analysis": {"kind": "cea", "max_frequency": 0.9}}),
+    Row("linear", {"analysis": {"kind": "static"}}, refused=True),
+    Row("linear", {"bodies.third": SCENES["linear"]("fe")["bodies"]["lower"]}, backend="fe"),
+    # materials, alone and as far as stiffness reaches the state of sliding or the forms of contacts
+    Row("linear", {f"{UPPER}.material.E": 5.0, f"{LOWER}.material.rho": 2.5}),
+    Row("pressed", {f"{LOWER}.material.E": 3.0}),
+    Row("pressed", {f"{UPPER}.material.rho": 2.5}),
+    Row("rotating_pressed", {f"{INNER}.material.rho": 1.4}),
+    Row("linear", {f"{UPPER}.material.E": 1e-6, f"{LOWER}.material.E": 1e-7, f"{CONTACT}.P": 1.0}),
+    Row(
+        "linear",
+        {f"{UPPER}.material.E": 2e-3, f"{LOWER}.material.E": 1e5, f"{CONTACT}.P": 1e5},
+        before={f"{UPPER}.springs.0.stiffness": [50.0, 50.0]},
+    ),
+    Row("linear", {f"{LOWER}.material.nu": 0.2}),
+    Row("pressed", {f"{UPPER}.material": {"E": 2.0, "nu": 0.3, "rho": 2.5}}),
+    Row("pressed", {f"{UPPER}.material.nu": 0.4}),
+    Row("damped", {f"{DISC}.material.E": 2.2}, backend="iga"),
+    Row("damped", {f"{PAD}.material.E": 1.2, f"{PAD}.material.rho": 1.1}, backend="fe"),
+    # shapes, places, meshes
+    Row("linear", {f"{UPPER}.backend": "iga"}, backend="fe"),
+    Row("linear", {f"{UPPER}.geometry.size": [0.5, 0.35]}),
+    Row("pressed", {f"{UPPER}.geometry.origin": [0.25, 0.4]}),
+    Row("rotating", of(f"{OUTER}.geometry", inner_radius=0.48) | {
+        f"{INNER}.geometry.outer_radius": 0.48}),
+    Row("rotating", {f"{INNER}.geometry.inner_radius": 0.25}),
+    Row("rotating", {f"{OUTER}.geometry.outer_radius": 0.95}),
+    Row("damped", of(f"{PAD}.geometry", start=12.0, end=65.0, inner_radius=0.62, outer_radius=0.8)),
+    Row("damped", {
+        **of(f"{PAD}.geometry", bottom=0.22, top=0.41),
+        **of(f"{DISC}.geometry", bottom=0.01, top=0.22, inner_radius=0.48, outer_radius=1.02),
+    }, backend="fe"),
+    Row("linear", {f"{LOWER}.geometry": {"shape": "rectangle", "size": [1.1, 0.4]}}),
+    Row("linear", {f"{body}.placement": {"angle": 20.0} for body in (UPPER, LOWER)}),
+    Row("linear", {f"{UPPER}.placement.translation": [0.1, 0.0, 0.0]}),
+    Row("linear", {f"{body}.placement.axis": [0.0, 0.0, -1.0] for body in (UPPER, LOWER)},
+        before={f"{body}.placement.angle": 20.0 for body in (UPPER, LOWER)}),
+    Row("linear", {f"{body}.placement.angle": 30.0 for body in (UPPER, LOWER)},
+        before={f"{body}.placement.angle": 20.0 for body in (UPPER, LOWER)}),
+    Row("linear", {f"{UPPER}.mesh.fe.degree": 1}, backend="fe"),
+    Row("linear", {f"{UPPER}.mesh.fe.elements": [2, 2]}, backend="fe"),
+    Row("linear", {f"{LOWER}.mesh.fe.cell": "triangle"}, backend="fe"),
+    Row("linear", of(f"{LOWER}.mesh.fe", cell="triangle", elements=None, size=0.3), backend="fe"),
+    Row("pressed", {f"{LOWER}.mesh.fe.through": {"x": [0.3]}}, backend="fe"),
+    Row("linear", of(f"{LOWER}.mesh.fe", edges=[{"x": 0.0, "y": 0.0}], layers=1), backend="fe"),
+    Row("rotating", {f"{body}.mesh.fe.geometry_degree": 1 for body in (OUTER, INNER)},
+        before={f"{CONTACT}.reach": 0.1}, backend="fe"),
+    Row("linear", {f"{UPPER}.mesh.fe": None}, backend="iga"),
+    Row("linear", {f"{UPPER}.mesh.iga": None}, backend="fe"),
+    Row("linear", {f"{UPPER}.mesh": {"iga": {"degree": [2, 2], "elements": [2, 2]}}},
+        backend="iga"),
+    Row("linear", {f"{UPPER}.mesh.iga.degree": [3, 3]}, backend="iga"),
+    Row("pressed", {f"{LOWER}.mesh.iga.elements": [5, 1]}, backend="iga"),
+    Row("linear", {f"{LOWER}.mesh.iga.continuity": [0, 0]}, backend="iga"),
+    Row("linear", {f"{LOWER}.mesh.iga.through": {"x": [0.3]}}, backend="iga"),
+    Row("linear", {f"{UPPER}.mesh.degree": 2}, refused=True),
+    # supports, springs, loads
+    Row("linear", {f"{LOWER}.supports": [{"surface": "y_min"}, SECOND]}),
+    Row("linear", {f"{UPPER}.supports.0.surface": "x_max"}),
+    Row("pressed", {f"{UPPER}.supports.0.components": []}),
+    Row("pressed", {f"{LOWER}.supports.0.value": [2e-4, 0.0]}),
+    Row("rotating", {f"{OUTER}.supports.0.components": ["circumferential"]}),
+    Row("rotating", {f"{OUTER}.supports.0.origin": [0.1, 0.0]}),
+    Row("damped", {f"{PAD}.supports.0.axis": [1.0, 0.0, 1.0]}, backend="iga",
+        before=of(f"{PAD}.supports.0", components=["axial"], axis=[0.0, 0.0, 1.0])),
+    Row("pressed", {f"{UPPER}.springs": []}),
+    Row("pressed", {f"{UPPER}.springs.0.stiffness": [1.0, 0.5]}),
+    Row("linear", {f"{UPPER}.springs.0.surface": "x_max"}),
+    Row("linear", {"loads": []}),
+    Row("linear", {"loads.0.pressure": 5e-3}),
+    Row("pressed", {"loads.0.pressure": 3e-2}),
+    Row("pressed", {"loads.0.surface": "upper.x_min"}),
+    Row("pressed", {"loads.1.force": [0.0, -4e-3]}),
+    Row("pressed", {"loads.2.body_force": [1e-3, -2e-2]}),
+    Row("pressed", {"loads.2.body": "lower"}),
+    Row("rotating_pressed", {"loads.0.pressure": 0.03}),
+    # contacts
+    Row("linear", of(CONTACT, a="lower.y_max", b="upper.y_min", max_missed=0.6)),
+    Row("linear", {f"{CONTACT}.formulation.points": 4}),
+    Row("pressed", {f"{CONTACT}.formulation.points": 2}),
+    Row("linear", {f"{CONTACT}.formulation.lumped": True}),
+    Row("linear", {f"{CONTACT}.formulation": {"method": "mortar"}}),
+    Row("linear", {f"{CONTACT}.P": 7.0, f"{CONTACT}.mu": 0.1}),
+    Row("linear", {f"{CONTACT}.P": 1e10}),
+    Row("linear", {f"{CONTACT}.P": inf}),
+    Row("linear", {f"{CONTACT}.P": 5.0}, before={f"{CONTACT}.P": inf}),
+    Row("linear", {f"{CONTACT}.P": 1e4}, before={f"{CONTACT}.form": "penalty"}),
+    Row("linear", of(CONTACT, P=None, p=4.0)),
+    Row("rotating", {f"{CONTACT}.p": 6.0}),
+    Row("linear", {f"{CONTACT}.p": "4 + x"}, before=of(CONTACT, P=None, p="3 + x")),
+    Row("linear", of(CONTACT, P=None, c_n=1e2, reach=0.05) | {"loads.0.surface": "upper.y_max"},
+        before={f"{UPPER}.supports.0.components": ["x"]}),
+    Row("pressed", {f"{CONTACT}.c_n": 2e2}),
+    Row("pressed", {f"{CONTACT}.m_n": 1.5}),
+    Row("pressed", {f"{CONTACT}.added_gap": "0.6*(x-0.45)**2"}),
+    Row("pressed", {f"{CONTACT}.mu": 0.3}),
+    Row("rotating_pressed", {f"{CONTACT}.mu": 0.2}),
+    Row("linear", {f"{CONTACT}.mu": 0.0}),
+    Row("linear", {f"{CONTACT}.mu": 0.4}, before={f"{CONTACT}.mu": 0.0}),
+    Row("linear", {f"{CONTACT}.mu": "0.4*x"}),
+    Row("linear", {f"{CONTACT}.mu": 0.4}, before={f"{CONTACT}.mu": "0.4*x"}),
+    Row("linear", {f"{CONTACT}.friction_direction_on_a.vector": [-1.0, 0.0]}),
+    Row("linear", {f"{CONTACT}.friction_direction_on_a.field": ["1", "0.1*x"]},
+        before={f"{CONTACT}.friction_direction_on_a": {"field": ["-1", "0"]}}),
+    Row("linear", {f"{CONTACT}.friction_direction_on_a": {"vector": [1.0, 0.2]}}),
+    Row("rotating",
+        {f"{CONTACT}.friction_direction_on_a.circumferential_about": [0.0, 0.0, -1.0]}),
+    Row("rotating", {f"{CONTACT}.friction_direction_on_a.origin": [0.1, 0.05, 0.0]}),
+    Row("linear", {f"{CONTACT}.full_pass": True, f"{CONTACT}.max_missed": 0.6}),
+    Row("linear", {f"{CONTACT}.P": 5.0, f"{CONTACT}.mu": 0.2},
+        before={f"{CONTACT}.full_pass": True, f"{CONTACT}.max_missed": 0.6}),
+    Row("linear", {f"{CONTACT}.form": "saddle"}),
+    Row("pressed", {f"{CONTACT}.form": "saddle"}),
+    Row("linear", {f"{CONTACT}.reach": 0.01}),
+    Row("linear", {f"{CONTACT}.reach": None, f"{UPPER}.geometry.origin": [0.2, 0.42]},
+        before={f"{CONTACT}.reach": 0.05}, refused=True),
+    Row("linear", {f"{CONTACT}.max_missed": 0.0}, refused=True,
+        before={f"{CONTACT}.max_missed": 0.5, f"{UPPER}.geometry.origin": [-0.2, 0.4]}),
+    Row("linear", {"contacts": {}}),
+    # damping, rotation, sliding
+    Row("linear", {f"{UPPER}.damping": {"alpha": 0.1}}),
+    Row("rotating", {f"{INNER}.damping": None}),
+    Row("rotating", of(f"{INNER}.damping", alpha=0.05, beta=0.0)),
+    Row("rotating", {f"{OUTER}.damping.ratios": [0.02, 0.02]}),
+    Row("rotating", {f"{OUTER}.damping.frequencies": [0.2, 0.4]}),
+    Row("rotating", of(f"{OUTER}.damping", ratios=None, frequencies=None, alpha=0.05)),
+    Row("damped", {f"{DISC}.damping.modal.ratio": 0.05}, backend="fe"),
+    Row("damped", {f"{DISC}.damping.modal.max_frequency": 0.3}, backend="iga"),
+    Row("damped", {f"{PAD}.damping.modal.ratios": [0.05]}, backend="iga"),
+    Row("damped", {f"{PAD}.damping.modal.frequencies": [0.1, 0.2, 0.3, 0.4, 0.5]}, backend="fe"),
+    Row("damped", {f"{PAD}.damping.modal": None}, backend="fe"),
+    Row("rotating", {f"{INNER}.rotation.rate": 0.3}),
+    Row("rotating", {f"{INNER}.rotation.rate": 0.0}),
+    Row("rotating_pressed", {f"{INNER}.rotation.rate": 0.3}),
+    Row("rotating", {f"{INNER}.rotation.axis": [0.0, 0.0, -1.0]}),
+    Row("rotating", {f"{INNER}.rotation.origin": [0.1, 0.0, 0.0]}, refused=True),
+    Row("rotating", {f"{INNER}.rotation.convective_stiffness": False}),
+    Row("rotating", {f"{INNER}.rotation.coriolis": False}),
+    Row("rotating", {f"{OUTER}.rotation": TURN}),
+    Row("rotating", {f"{CONTACT}.sliding": None}),
+    Row("rotating", {f"{CONTACT}.sliding.pressure": 0.05}),
+    Row("rotating", {f"{CONTACT}.sliding.mu_slope": -0.2}),
+    Row("rotating", {f"{CONTACT}.sliding.mu_slope": -0.2}, before={
+        f"{CONTACT}.sliding.mu_slope": 0.0}),
+    Row("damped", {f"{CONTACT}.sliding.speed": 0.2}, backend="fe"),
+    Row("damped", {f"{CONTACT}.sliding.speed": "0.3*r"}, backend="iga"),
+    Row("pressed", {f"{CONTACT}.sliding": {"mu_slope": -0.2}}),
+    Row("pressed", {f"{CONTACT}.sliding.mu_slope": -0.3, f"{UPPER}.material.rho": 2.0},
+        before={f"{CONTACT}.sliding": {"mu_slope": -0.2}}),
+]  # fmt: skip
+
+
+ASSEMBLED = {}
+
+
+def assembled_scene(row):
+    """The scene of a row before it is changed, assembled once for all rows that have it."""
+    key = row.scene, backend_of(row), repr(row.before)
+    if key not in ASSEMBLED:
+        ASSEMBLED[key] = assemble(scene_before(row))
+    return ASSEMBLED[key]
+
+
+def scene_before(row):
+    return scene_of(row.scene, backend_of(row)).change(row.before)
+
+
+def told(result):
+    """Kinds of warnings, and what they are about."""
+    texts = [[v for v in w.data.values() if isinstance(v, str)] for w in result.warnings]
+    return sorted((w.kind, *about) for w, about in zip(result.warnings, texts, strict=True))
+
+
+def assert_the_same(found, fresh):
+    assert as_data(found.scene) == as_data(fresh.scene)
+    assert found.skipped == fresh.skipped
+    assert told(found) == told(fresh)
+    assert found.verdict == fresh.verdict
+    assert found.modes.window.complete == fresh.modes.window.complete
+    assert len(found.eigenvalues) == len(fresh.eigenvalues)
+    scale = np.abs(fresh.eigenvalues).max(initial=0.0)
+    np.testing.assert_allclose(found.eigenvalues, fresh.eigenvalues, rtol=1e-9, atol=1e-9 * scale)
+    assert found.reactions.keys() == fresh.reactions.keys()
+    for name, forces in fresh.reactions.items():
+        np.testing.assert_allclose(found.reactions[name], forces, rtol=1e-9, atol=1e-12)
+    assert (found.steady is None) == (fresh.steady is None)
+    if fresh.steady is not None:
+        own, other = found.steady, fresh.steady
+        assert [step.factor for step in own.path] == [step.factor for step in other.path]
+        for name, state in other.contacts.items():
+            for kind in ("closure", "pressure", "stiffness", "force_on_a", "closed_area"):
+                expected = getattr(state, kind)
+                size = np.abs(expected).max()
+                np.testing.assert_allclose(
+                    getattr(own.contacts[name], kind), expected, rtol=1e-9, atol=1e-9 * size
+                )
+
+
+def backend_of(row):
+    return row.backend or ("fe", "iga")[ROWS.index(row) % 2]
+
+
+def name_of(row):
+    before = f", before {', '.join(row.before)}" if row.before else ""
+    return f"{row.scene}-{backend_of(row)}: {', '.join(row.changes)}{before}"
+
+
+@pytest.mark.parametrize("row", ROWS, ids=name_of)
+def test_a_changed_field_gives_the_result_of_a_fresh_run(row):
+    before, assembled = scene_before(row), assembled_scene(row)
+    if row.refused:
+        with pytest.raises((SceneError, InputError)):
+            run_modes(before.change(row.changes))
+        with pytest.raises((SceneError, InputError)):
+            assembled.modes(row.changes)
+        return
+    changed = before.change(row.changes)
+    assert as_data(changed) != as_data(before)
+    assert_the_same(assembled.modes(row.changes), run_modes(changed))
+
+
+def dataclasses_of(hint):
+    """Dataclasses that a type may be."""
+    if is_dataclass(hint):
+        yield hint
+    elif get_origin(hint) is not Literal:
+        for part in get_args(hint):
+            yield from dataclasses_of(part)
+
+
+def fields_of_scenes():
+    """Every field that a scene can have, by class and name.
+
+    Of shapes and formulations, which builders are given whole, those of the scenes of this test.
+    """
+    wanted, found = [SceneSpec], {}
+    variants = {type(each) for name in SCENES for each in _variants(scene_of(name, "fe"))}
+    while wanted:
+        owner = wanted.pop()
+        if owner in found or owner is StaticAnalysis:
+            continue
+        hints = get_type_hints(owner, include_extras=False)
+        found[owner] = [f.name for f in fields(owner) if not _names_the_class(hints[f.name])]
+        for name in found[owner]:
+            if name in ("geometry", "formulation"):
+                wanted += variants
+            else:
+                wanted += dataclasses_of(hints[name])
+    return {(owner.__name__, name) for owner, names in found.items() for name in names}
+
+
+def _variants(scene):
+    return [
+        *(body.geometry for body in scene.bodies.values()),
+        *(contact.formulation for contact in scene.contacts.values()),
+    ]
+
+
+def _names_the_class(hint):
+    """Whether a field has one value, by which a class is told from others."""
+    return get_origin(hint) is Literal and len(get_args(hint)) == 1
+
+
+def changed_by(row):
+    """Fields that a row changes, by class and name; entries of tables and lists are of these."""
+    for path in row.changes:
+        owner, owned = scene_before(row), None
+        for part in parts_of(path):
+            if is_dataclass(owner):
+                owned = "SceneSpec" if isinstance(owner, SceneSpec) else type(owner).__name__, part
+                owner = getattr(owner, part)
+            else:
+                owner = owner.get(part) if isinstance(owner, dict) else owner[int(part)]
+        yield owned
+
+
+def test_rows_change_every_field_of_a_scene():
+    """A field that came later needs a row of its own."""
+    changed = {each for row in ROWS for each in changed_by(row)}
+    there = fields_of_scenes()
+    assert there - changed == set()
+    assert changed <= there
+    assert len(there) > 60
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(("ranks", "backends"), [(2, ("fe", "iga")), (3, ("fe",))])
+def test_ranks_find_the_same_changes(ranks, backends):
+    found, expected = (on_ranks(n, "changed_scenes.changed_numbers", *backends) for n in (ranks, 1))
+    assert_same(found, expected, rel=1e-9)
