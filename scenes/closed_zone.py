@@ -14,8 +14,8 @@ n trace functions across, the mean pressure that a unit of force meets was off b
 
 Below 0.6 unstable modes were missed, above it none. In space errors along both directions add up:
 at 0.6 it was off by 22 to 60 %, at 1 by 7 % (crowned boxes on boxes). With laws as
-stiff as p W / E = 1e7, 20 functions across left 1 % with mortar, and 13 % where points lock (115 scenes
-in the plane).
+stiff as p W / E = 1e7, 20 functions across left 1 % with mortar, and 13 % where points lock (115
+scenes in the plane).
 """
 
 from collections.abc import Iterator, Mapping
