@@ -126,6 +126,34 @@ class Location:
         return self.status == Status.MISSED
 
 
+class TrueSurface(Protocol):
+    """The surface of a shape that facets of a mesh interpolate."""
+
+    def distance(self, x: Floats, direction: Floats) -> Floats:
+        """Signed distance (m) along directions from points beside the surface to it, (n,).
+
+        Parameters
+        ----------
+        x
+            Points (m), shape (n, dim).
+        direction
+            Unit directions that do not lie in the surface, shape (n, dim).
+        """
+        ...
+
+    def normal(self, x: Floats, near: Floats) -> Floats:
+        """Unit normals, shape (n, dim), at points beside the surface (m), shape (n, dim).
+
+        Parameters
+        ----------
+        x
+            Points (m), shape (n, dim).
+        near
+            Unit normals of the facets there, which tell the outside, shape (n, dim).
+        """
+        ...
+
+
 class Surface(Protocol):
     """A named surface (curve in 2D) of a body."""
 
@@ -230,6 +258,31 @@ class Surface(Protocol):
 
     def normal(self, at: SurfaceCoordinates) -> Floats:
         """Outward unit normals, shape (n, dim)."""
+        ...
+
+    def offset(self, at: SurfaceCoordinates, direction: Floats) -> Floats:
+        """Signed distance (m) from the surface as meshed to that of the shape, shape (n,).
+
+        Zero where the surface is that of the shape, or no shape is known.
+
+        Parameters
+        ----------
+        at
+            Points of the surface.
+        direction
+            Unit directions along which it is measured, shape (n, dim).
+        """
+        ...
+
+    def normal_error(self, at: SurfaceCoordinates) -> Floats:
+        """Normals as meshed less those of the shape, shape (n, dim).
+
+        Zero where the surface is that of the shape, or no shape is known.
+        """
+        ...
+
+    def geometry_error(self, at: SurfaceCoordinates) -> Floats:
+        """Estimate of how far the true surface lies from where `offset` puts it (m), shape (n,)."""
         ...
 
     def trace(self, at: SurfaceCoordinates) -> csr_array:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
@@ -18,6 +19,7 @@ from cea.rotation import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support, check_boundary
 from cea.supports.constraints import Constraints
 from cea.supports.prescribed import add_prescribed
+from cea.surface import TrueSurface
 from cea.volume import VolumeCells, VolumeSample
 from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute, lasting_communicator
@@ -29,6 +31,8 @@ from fe_cea.restriction import Restriction
 from fe_cea.sampling import cell_jacobians, sample_volume
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
+
+_UNKNOWN: Mapping[str, TrueSurface] = MappingProxyType({})
 
 
 class FEBody:
@@ -56,6 +60,10 @@ class FEBody:
         Degree of the quadrature of the mass; by default that which is exact on affine cells.
         Programs that take fewer points have another mass: 2 is that of the four points of
         quadratic tetrahedra in CalculiX.
+    true_surfaces
+        By name, surfaces that the facets interpolate, the same on every rank: initial gaps of
+        contacts are theirs. Where one is not known, its distance from the facets is estimated from
+        the angles between these, and initial gaps that are not above it count as zero.
 
     Raises
     ------
@@ -78,6 +86,7 @@ class FEBody:
         pressures: Sequence[Pressure] = (),
         forces: Sequence[Force] = (),
         mass_quadrature: int | None = None,
+        true_surfaces: Mapping[str, TrueSurface] = _UNKNOWN,
     ) -> None:
         self._name = name
         self._mesh = mesh
@@ -91,6 +100,7 @@ class FEBody:
         field = f"bodies.{name}"
         check_degrees(degree, mass_quadrature, field)
         self._mass_quadrature = mass_quadrature
+        self._true_surfaces = dict(true_surfaces)
         check_boundary(supports, springs, pressures, forces, surface_tags, self.dim, field)
         check_tags(facet_tags, surface_tags, self.comm, field)
         with agreed(self.comm):
@@ -110,6 +120,7 @@ class FEBody:
         pressures: Sequence[Pressure] = (),
         forces: Sequence[Force] = (),
         mass_quadrature: int | None = None,
+        true_surfaces: Mapping[str, TrueSurface] = _UNKNOWN,
         comm: Any = MPI.COMM_WORLD,
     ) -> Self:
         """Body on a mesh given as plain arrays, whose named surfaces become its surfaces.
@@ -120,7 +131,7 @@ class FEBody:
             The mesh; only that of rank 0 is read, other ranks may give None.
         comm
             Communicator to spread the mesh over.
-        name, degree, material, supports, springs, pressures, forces, mass_quadrature
+        name, degree, material, supports, springs, pressures, forces, mass_quadrature, true_surfaces
             As for :class:`FEBody`.
 
         Raises
@@ -153,6 +164,7 @@ class FEBody:
             pressures=pressures,
             forces=forces,
             mass_quadrature=mass_quadrature,
+            true_surfaces=true_surfaces,
         )
 
     @property
@@ -188,6 +200,7 @@ class FEBody:
                 name,
                 gather_facets(self._space, self._facet_tags.find(tag)),
                 self.num_scalar_dofs,
+                self._true_surfaces.get(name),
             )
             for name, tag in self._surface_tags.items()
         }

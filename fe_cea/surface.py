@@ -12,8 +12,15 @@ from scipy.spatial import cKDTree
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.location import cross, locate_along
-from cea.surface import Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
+from cea.surface import (
+    Location,
+    SurfaceCells,
+    SurfaceCoordinates,
+    SurfacePoints,
+    TrueSurface,
+)
 from fe_cea.facets import FacetLayer
+from fe_cea.sagitta import sagittas
 from fe_cea.search import FacetBounds
 
 _MERGE = 1e-7
@@ -41,12 +48,21 @@ class FESurface:
         Its facets with the cells behind them.
     num_scalar_dofs
         Scalar dofs of the body.
+    true
+        The surface that the facets interpolate; None where it is not known.
     """
 
-    def __init__(self, name: str, layer: FacetLayer, num_scalar_dofs: int) -> None:
+    def __init__(
+        self,
+        name: str,
+        layer: FacetLayer,
+        num_scalar_dofs: int,
+        true: TrueSurface | None = None,
+    ) -> None:
         self._name = name
         self._layer = layer
         self._num_scalar_dofs = num_scalar_dofs
+        self._true = true
         self._facet = layer.geometry.facet.cell_type
         self._is_triangle = self._facet == basix.CellType.triangle
 
@@ -210,6 +226,32 @@ class FESurface:
         _, tangents = self._layer.tangents(self._known(at), at.xi)
         normal = self._layer.orientation[at.element, None] * cross(tangents)
         return normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+    def offset(self, at: SurfaceCoordinates, direction: Floats) -> Floats:
+        """Signed distance (m) from facets to the true surface along unit directions, shape (n,).
+
+        Zero where the true surface is not known.
+        """
+        if self._true is None:
+            return np.zeros(len(at))
+        return self._true.distance(self.position(at), direction)
+
+    def normal_error(self, at: SurfaceCoordinates) -> Floats:
+        """Normals of the facets less those of the true surface, shape (n, dim); zero likewise."""
+        normal = self.normal(at)
+        if self._true is None:
+            return np.zeros_like(normal)
+        return normal - self._true.normal(self.position(at), normal)
+
+    def geometry_error(self, at: SurfaceCoordinates) -> Floats:
+        """Estimated distance (m) of the true surface from facets where it is not known, (n,)."""
+        if self._true is not None:
+            return np.zeros(len(at))
+        return self._sagittas[self._known(at)]
+
+    @cached_property
+    def _sagittas(self) -> Floats:
+        return sagittas(self._layer)
 
     def trace(self, at: SurfaceCoordinates) -> csr_array:
         """Values of the scalar basis functions, shape (n, num_scalar_dofs).

@@ -197,6 +197,18 @@ class NurbsSurface(FaceChart):
         """Outward unit normals, shape (n, dim)."""
         return self._normals(at)[1]
 
+    def offset(self, at: SurfaceCoordinates, direction: Floats) -> Floats:
+        """Zero: the surface is that of the shape, shape (n,)."""
+        return np.zeros(len(at))
+
+    def normal_error(self, at: SurfaceCoordinates) -> Floats:
+        """Zero, shape (n, dim)."""
+        return np.zeros((len(at), self.dim))
+
+    def geometry_error(self, at: SurfaceCoordinates) -> Floats:
+        """Zero, shape (n,)."""
+        return np.zeros(len(at))
+
     def trace(self, at: SurfaceCoordinates) -> csr_array:
         """Values of the scalar basis functions, shape (n, num_scalar_dofs)."""
         starts = self._starts(at, layers=1)

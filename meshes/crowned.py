@@ -150,6 +150,27 @@ class Crowned:
                 total += (chord**2).sum(axis=-1) / (2 * radius)
         return total
 
+    def slope(self, points: Floats) -> Floats:
+        """Gradient of the depth at Cartesian points of the base (m), shape (..., dim)."""
+        total = np.zeros(points.shape)
+        for name, radius in self.radii.items():
+            axis = self.directions.index(name)
+            low, high = self.extent[axis]
+            apex = self.apex.get(name, 0.5 * (low + high))
+            if not isinstance(self.base, Sector):
+                total[..., axis] += (points[..., axis] - apex) / radius
+                continue
+            r = np.hypot(points[..., 0], points[..., 1])[..., None]
+            outwards = points[..., :2] / r
+            if name == "r":
+                total[..., :2] += (r - apex) * outwards / radius
+            else:
+                middle = np.array([np.cos(np.deg2rad(apex)), np.sin(np.deg2rad(apex))])
+                chord = points[..., :2] - r * middle
+                along = (chord @ middle)[..., None] * outwards
+                total[..., :2] += (chord - along) / radius
+        return total
+
     def crown(self, points: Floats) -> Floats:
         """Points of the base (m), shape (..., dim), moved to where they lie in the crowned shape.
 

@@ -24,6 +24,7 @@ from cea.system.coupled import CoupledSystem
 from cea.system.coupling import couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
+from meshes.true_surfaces import true_surfaces
 from scenes.body_meshes import body_mesh
 from scenes.made_of import BodyParts, Built, PointParts, body_parts, point_parts
 from scenes.read import Scene
@@ -121,6 +122,7 @@ def _fe_body(
         springs=spec.springs,
         pressures=_pressures(loads),
         forces=_forces(loads),
+        true_surfaces=true_surfaces(spec.geometry, spec.placement),
     )
 
 

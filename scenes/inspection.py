@@ -131,10 +131,8 @@ def _warnings(scene: Scene, halves: Mapping[str, HalfPass]) -> tuple[ResultWarni
 
 
 def largest_gap(half: HalfPass) -> float:
-    """Largest distance (m) between the sides of a half pass, what is added to it included."""
-    if isinstance(half.added_gap, float):
-        return half.interface.largest_distance + abs(half.added_gap)
-    return half.interface.largest_distance + float(np.abs(half.added_gap).max(initial=0.0))
+    """Largest of the distances (m) between the sides of a half pass; collective."""
+    return float(np.abs(gaps(half)).max(initial=0.0))
 
 
 def gaps(half: HalfPass) -> np.ndarray:
@@ -145,7 +143,7 @@ def gaps(half: HalfPass) -> np.ndarray:
 
 
 def told(inspection: Inspection) -> Iterator[str]:
-    """An inspection in lines."""
+    """An inspection in lines; collective."""
     scene, memory = inspection.scene, inspection.memory
     about = "" if inspection.bodies else "about "
     bodies = ", ".join(

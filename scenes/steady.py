@@ -13,7 +13,9 @@ from cea.petsc import Vec
 from cea.system.coupled import CoupledSystem
 from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
 from cea.warned import ResultWarning
+from scenes.closed_zone import coarse_closed_zone
 from scenes.following import kept_state_warning
+from scenes.geometry_error import geometry_error
 from scenes.read import Scene
 
 _LEFT = 1e-6
@@ -95,6 +97,9 @@ def steady_warnings(scene: Scene, system: CoupledSystem) -> tuple[ResultWarning,
             state = steady.contacts[contact.name]
             found += _open(contact, state)
             found += _undecided(contact, state, _NOISE * steady.uncertainty * largest)
+            found += geometry_error(system, steady, contact, state)
+            halves = sum(each.pair == contact.pair for each in system.contacts)
+            found += coarse_closed_zone(scene.bodies, contact, state, halves)
     return tuple(found)
 
 

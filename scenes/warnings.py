@@ -17,6 +17,7 @@ from cea.contact.sampling import nested, sampling
 from cea.surface import Surface, SurfaceCoordinates
 from cea.warned import ResultWarning
 from scenes.contact_stiffness import relative_stiffness, stiffness_in_the_mesh
+from scenes.geometry_error import gaps_as_zero
 from scenes.motion_warnings import against_rotation, centrifugal_stresses
 from scenes.read import Scene
 from scenes.resolution import unresolved, waves
@@ -84,6 +85,8 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
         halves = [contact for contact in contacts if contact.pair == name]
         if spec.c_n is None:
             found += gap_closed(name, halves)
+        else:
+            found += [warning for contact in halves for warning in gaps_as_zero(contact)]
         found += partly_uncovered(name, spec, halves)
         if halves[0].half.coupling not in ("mortar", "bonded"):
             found += sampled(name, scene, halves)

@@ -76,14 +76,45 @@ def prescribed_closure(bodies: Mapping[str, Body], half: HalfPass) -> Floats | N
 
     None where nothing is prescribed, or nothing of it reaches the contact.
     """
+    closed = _closed_by_supports(bodies, half, half.interface.local_points.normal)
+    if closed is None:
+        return None
+    every = np.concatenate(half.interface.comm.allgather(closed))
+    return every if every.any() else None
+
+
+def approach_along(bodies: Mapping[str, Body], half: HalfPass, direction: Floats, x: Any) -> Floats:
+    """What the bodies approach each other along given directions at all points (m), shape (n,).
+
+    Parameters
+    ----------
+    bodies, half
+        As for :func:`assemble_contact`.
+    direction
+        Vectors at the points of this rank, shape (n_local, dim).
+    x
+        Unknowns of the system (m), PETSc vector; what supports prescribe is added.
+    """
     interface = half.interface
+    parts = dict(zip((half.a, half.b), jump_along(interface, direction), strict=True))
+    jump = system_operator(bodies, parts, len(interface.local_points))
+    approach = jump.createVecLeft()
+    jump.mult(x, approach)
+    values = gather(approach)
+    destroy(jump, approach)
+    closed = _closed_by_supports(bodies, half, direction)
+    return values if closed is None else values + np.concatenate(interface.comm.allgather(closed))
+
+
+def _closed_by_supports(
+    bodies: Mapping[str, Body], half: HalfPass, direction: Floats
+) -> Floats | None:
+    """What prescribed displacements approach along directions at the points of this rank (m)."""
     if all(bodies[name].prescribed is None for name in (half.a, half.b)):
         return None
-    jumps = jump_along(interface, interface.local_points.normal)
-    closed = np.zeros(len(interface.local_points))
-    for name, jump in zip((half.a, half.b), jumps, strict=True):
+    closed = np.zeros(len(direction))
+    for name, jump in zip((half.a, half.b), jump_along(half.interface, direction), strict=True):
         prescribed = bodies[name].prescribed
         if prescribed is not None:
             closed += jump @ gather(prescribed)
-    every = np.concatenate(interface.comm.allgather(closed))
-    return every if every.any() else None
+    return closed

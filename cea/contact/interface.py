@@ -8,6 +8,7 @@ With n the outward unit normal of a and k the direction of the friction traction
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,7 @@ class Interface:
     statuses
         Number of points of each status over all ranks, those missed and left out too.
     largest_distance
-        Largest distance (m) between the sides along the normal over all ranks.
+        Largest distance (m) between the sides as meshed along the normal over all ranks.
     comm
         MPI communicator (mpi4py).
     """
@@ -79,10 +80,27 @@ class Interface:
     largest_distance: float
     comm: Any
 
+    @cached_property
+    def geometry_error(self) -> Floats:
+        """Estimated error (m) of :attr:`true_distance` at the points of this rank."""
+        error_a = self.a.geometry_error(self.local_points.at)
+        return error_a + self.b.geometry_error(self.opposite.at)
+
+    @cached_property
+    def true_distance(self) -> Floats:
+        """Distance (m) from side a to side b along the normal at the points of this rank.
+
+        That of the surfaces that facets interpolate: where curved sides touch, facets do not.
+        """
+        normal = self.local_points.normal
+        offset_a = self.a.offset(self.local_points.at, normal)
+        return self.opposite.distance + self.b.offset(self.opposite.at, normal) - offset_a
+
     @property
     def initial_gap(self) -> Floats:
-        """Distance (m) from side a to side b along the normal at the points of this rank."""
-        return self.opposite.distance
+        """The true distance (m), zero where it is not above the error of the geometry."""
+        distance = self.true_distance
+        return np.where(np.abs(distance) > self.geometry_error, distance, 0.0)
 
     @property
     def local_points(self) -> SurfacePoints:

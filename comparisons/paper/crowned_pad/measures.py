@@ -69,7 +69,8 @@ def closures(result: ModesResult, x: Floats) -> Floats:
         raise InputError("x", f"{len(x)} points", "points between both sides of the contact")
     moved = pad.trace(own.at) @ system.displacement(state, PAD).reshape(-1, 3)
     moved -= disc.trace(opposite.at) @ system.displacement(state, DISC).reshape(-1, 3)
-    return np.einsum("ij,ij->i", normal, moved) - opposite.distance
+    gap = opposite.distance + disc.offset(opposite.at, normal) - pad.offset(own.at, normal)
+    return np.einsum("ij,ij->i", normal, moved) - gap
 
 
 def kept(result: ModesResult) -> Data:

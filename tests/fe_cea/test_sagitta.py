@@ -1,0 +1,99 @@
+"""What is estimated of the distance between facets and a surface that nobody told."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cea.material import IsotropicMaterial
+from fe_cea import FEBody
+from meshes.breaks import breaks_of
+from meshes.crowned import Crowned
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Annulus, Box, Ring
+from meshes.true_surfaces import true_surfaces
+
+MATERIAL = IsotropicMaterial(1.0, 0.3)
+BOX = Box((0.2, 0.2, 0.1))
+
+
+def surface_of(mesh, name, **options):
+    body = FEBody.from_mesh("part", mesh, degree=mesh.order, material=MATERIAL, **options)
+    return body.surfaces[name]
+
+
+def estimate(mesh, name):
+    """Estimated errors in the middle of the facets (m), one for each."""
+    surface = surface_of(mesh, name)
+    return surface.geometry_error(surface.gauss_points(1).at)
+
+
+def meshed(shape, cell, order, elements):
+    return shape_mesh(shape, cell, order, breaks=breaks_of(shape, elements))
+
+
+@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
+@pytest.mark.parametrize("count", [8, 24])
+def test_of_chords_it_is_the_sagitta(cell, count):
+    ring = Ring(0.05, 0.08)
+    for name, radius in (("inner", 0.05), ("outer", 0.08)):
+        sagitta = radius * (1 - np.cos(np.pi / count))
+        found = estimate(meshed(ring, cell, 1, (1, count)), name)
+        np.testing.assert_allclose(found, sagitta, rtol=3 / count**2)
+
+
+@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
+def test_of_a_cylinder_it_does_not_depend_on_the_length_of_its_elements(cell):
+    annulus = Annulus(0.05, 0.08, 0.0, 0.2)
+    found = estimate(meshed(annulus, cell, 1, (1, 24, 2)), "outer")
+    np.testing.assert_allclose(found, 0.08 * (1 - np.cos(np.pi / 24)), rtol=5e-3)
+
+
+def test_of_a_face_that_is_curved_in_two_directions_both_count():
+    """h^2 / 8 (1 / R_1 + 1 / R_2) in the middle of squares."""
+    shape = Crowned(BOX, "z_max", {"x": 2.0, "y": 3.0})
+    found = estimate(meshed(shape, "hexahedron", 1, (8, 8, 1)), "z_max")
+    np.testing.assert_allclose(found, 0.025**2 / 8 * (1 / 2 + 1 / 3), rtol=0.02)
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+def test_of_curved_facets_it_bounds_their_distance(order):
+    ring = Ring(0.05, 0.08)
+    mesh = meshed(ring, "quadrilateral", order, (1, 12))
+    known = surface_of(mesh, "outer", true_surfaces=true_surfaces(ring))
+    points = known.gauss_points(8)
+    distance = np.abs(known.offset(points.at, points.normal)).max()
+    found = estimate(mesh, "outer")
+    assert (distance < found).all()
+    assert (found < {2: 5, 3: 8, 4: 15}[order] * distance).all()
+    assert (known.geometry_error(points.at) == 0).all()
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_it_falls_as_the_distance_does(order):
+    ring = Ring(0.05, 0.08)
+    found = [
+        estimate(meshed(ring, "quadrilateral", order, (1, n)), "outer").max() for n in (16, 32)
+    ]
+    assert np.log2(found[0] / found[1]) == pytest.approx(2 * order, abs=0.1)
+
+
+@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
+@pytest.mark.parametrize("order", [1, 2])
+def test_of_flat_faces_and_at_edges_of_bodies_it_is_zero(cell, order):
+    """Also of a surface that goes round an edge of a box."""
+    mesh = meshed(BOX, cell, order, (3, 3, 2))
+    both = np.concatenate([mesh.surfaces["x_max"], mesh.surfaces["z_max"]])
+    found = estimate(replace(mesh, surfaces={"both": both}), "both")
+    assert found.max() < 1e-15
+
+
+def test_elements_of_unequal_sizes_have_errors_of_their_own():
+    """Of a parabola y = x^2 / 2 R, chords of the length h leave it by h^2 / 8 R."""
+    shape = Crowned(Box((0.2, 0.1, 0.1)), "z_max", {"x": 2.0})
+    lines = np.array([0.0, 0.01, 0.03, 0.06, 0.1, 0.13, 0.15, 0.17, 0.2])
+    breaks = (lines, np.array([0.0, 0.1]), np.array([0.0, 0.1]))
+    surface = surface_of(shape_mesh(shape, "hexahedron", 1, breaks=breaks), "z_max")
+    points = surface.gauss_points(1)
+    h = np.diff(lines)[np.searchsorted(lines, points.x[:, 0]) - 1]
+    np.testing.assert_allclose(surface.geometry_error(points.at), h**2 / 16, rtol=0.02)

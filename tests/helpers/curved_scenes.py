@@ -1,0 +1,167 @@
+"""Round bodies pressed together through a law of the gap, and what theory says of them."""
+
+from pathlib import Path
+
+import gmsh
+import numpy as np
+from gmsh_models import gmsh_model
+
+from meshes.breaks import breaks_of
+from meshes.shape_mesh import shape_mesh
+from scenes.read import read_scene
+from scenes.run import run_static
+
+MORTAR = {"method": "mortar"}
+SEGMENTS = {"method": "segments"}
+E, NU, SPRINGS, PRESSURE = 1e9, 0.3, 1e10, 1e4
+INNER, MIDDLE, OUTER = 0.05, 0.07, 0.1
+"""Radii (m) of the inner ring, of the contact, and of the outer ring."""
+
+
+def body(backend, geometry, elements, degree=2, young=E, **more):
+    """A body of quadrilaterals or quadratic splines."""
+    mesh = {
+        "fe": {"cell": "quadrilateral", "degree": degree, "elements": list(elements)},
+        "iga": {"degree": [2, 2], "elements": list(elements)},
+    }
+    material = {"E": young, "nu": NU}
+    return {"backend": backend, "geometry": geometry, "material": material, "mesh": mesh, **more}
+
+
+def static(bodies, contact, load):
+    return {
+        **{"name": "curved", "bodies": bodies, "contacts": {"s": contact}, "loads": [load]},
+        "analysis": {"kind": "static"},
+    }
+
+
+def rings(
+    degree, elements, backends=("fe", "fe"), *, formulation=MORTAR, c_n=1e12, overlap=0.0, **more
+):
+    """A ring pressed into another by an inner pressure; springs hold both."""
+    radii = {"inner": (INNER, MIDDLE + overlap), "outer": (MIDDLE, OUTER)}
+    bodies = {}
+    for (name, (low, high)), backend, each in zip(radii.items(), backends, elements, strict=True):
+        geometry = {"shape": "ring", "inner_radius": low, "outer_radius": high}
+        springs = [{"surface": name, "stiffness": [SPRINGS, SPRINGS]}]
+        bodies[name] = body(backend, geometry, each, degree, springs=springs)
+    contact = {"a": "inner.outer", "b": "outer.inner", "formulation": formulation, "c_n": c_n}
+    around = {"circumferential_about": [0.0, 0.0, 1.0]}
+    contact |= {"mu": 0.2, "friction_direction_on_a": around, "reach": 4e-3, **more}
+    return static(bodies, contact, {"surface": "inner.inner", "pressure": PRESSURE})
+
+
+def lame(c_n=1e12, overlap=0.0):
+    """Contact pressure (N/m^2) of the rings in closed form.
+
+    u = A r + B / r in each; what the law takes, q / c_n, is the closure u_i - u_o + overlap.
+    """
+    first = E / ((1 + NU) * (1 - 2 * NU))
+
+    def u(r):
+        return np.array([r, 1 / r])
+
+    def sigma(r):
+        return first * np.array([1, -(1 - 2 * NU) / r**2])
+
+    matrix, right = np.zeros((5, 5)), np.zeros(5)
+    matrix[0, :2], right[0] = sigma(INNER) - SPRINGS * u(INNER), -PRESSURE
+    matrix[1, :2] = sigma(MIDDLE)
+    matrix[2, 2:4] = sigma(MIDDLE)
+    matrix[1:3, 4] = 1
+    matrix[3, 2:4] = sigma(OUTER) + SPRINGS * u(OUTER)
+    matrix[4] = [*u(MIDDLE), *-u(MIDDLE), -1 / c_n]
+    right[4] = -overlap
+    return float(np.linalg.solve(matrix, right)[4])
+
+
+def normal_force(pressure):
+    """Force (N/m) of a uniform pressure around the contact of the rings."""
+    return 2 * np.pi * MIDDLE * pressure
+
+
+def shaft(backend, degree, k, clearance=2e-5):
+    """Part of a shaft that is pressed into a bore of a radius larger by a clearance (m)."""
+    inner = {"inner_radius": 0.03, "outer_radius": 0.07 - clearance, "start": 210.0, "end": 330.0}
+    outer = {"inner_radius": 0.07, "outer_radius": 0.1, "start": 195.0, "end": 345.0}
+    sector = {"shape": "ring_sector"}
+    held = {"springs": [{"surface": "inner", "stiffness": [1e6, 1e6]}]}
+    bodies = {
+        "shaft": body(backend, sector | inner, (2 * k, 9 * k), degree, 2e10, **held),
+        "bore": body(
+            backend, sector | outer, (2 * k, 10 * k), degree, 2e10, supports=[{"surface": "outer"}]
+        ),
+    }
+    contact = {"a": "shaft.outer", "b": "bore.inner", "formulation": MORTAR, "c_n": 1e12}
+    return static(bodies, contact | {"mu": 0.0, "reach": 3e-3}, {
+        "surface": "shaft.inner", "force": [0.0, -2e4]
+    })  # fmt: skip
+
+
+def shoe(backend, degree, k):
+    """A brake shoe on a drum, with friction."""
+    ring = {"shape": "ring", "inner_radius": 0.08, "outer_radius": 0.1}
+    sector = {"shape": "ring_sector", "inner_radius": 0.1, "outer_radius": 0.12}
+    ends = [{"surface": name, "stiffness": [1e9, 1e9]} for name in ("start", "end")]
+    bodies = {
+        "shoe": body(
+            *(backend, sector | {"start": 60.0, "end": 120.0}, (2 * k, 6 * k), degree, 5e9),
+            springs=ends,
+        ),
+        "drum": body(backend, ring, (2, 32 * k), degree, 2e11, supports=[{"surface": "inner"}]),
+    }
+    contact = {"a": "shoe.inner", "b": "drum.outer", "formulation": MORTAR, "c_n": 1e15}
+    around = {"circumferential_about": [0.0, 0.0, 1.0]}
+    contact |= {"m_n": 1.5, "mu": 0.3, "friction_direction_on_a": around, "reach": 3e-3}
+    return static(bodies, contact, {"surface": "shoe.outer", "pressure": 1e5})
+
+
+def in_files(data, folder):
+    """The scene with its Lagrange bodies from mesh files that gmsh writes."""
+    for name, each in read_scene(data).bodies.items():
+        if each.backend == "fe":
+            fe, file = each.mesh.fe, Path(folder) / f"{name}.msh"
+            breaks = breaks_of(each.geometry, fe.elements)
+            with gmsh_model(shape_mesh(each.geometry, fe.cell, fe.degree, breaks=breaks)):
+                gmsh.write(str(file))
+            geometry = {"shape": "mesh_file", "file": str(file), "unit": "m"}
+            data["bodies"][name] |= {"geometry": geometry, "mesh": {}}
+    return data
+
+
+def pressed(data):
+    """Result of a static scene, state of its contact, and mean pressure that a force meets."""
+    result = run_static(read_scene(data))
+    (state,) = result.steady.contacts.values()
+    weight = result.interfaces["s"].points.weight
+    mean = float(weight @ state.pressure**2 / (weight @ state.pressure))
+    return result, state, mean
+
+
+def kinds(result):
+    return {warning.kind: warning.data for warning in result.warnings}
+
+
+def on_any_number_of_ranks(folder):
+    """State of the rings, of shapes and of files in a folder, with warnings; collective."""
+    found = {}
+    for name, data in (
+        ("shapes", rings(2, ((1, 12), (1, 8)), formulation=SEGMENTS)),
+        ("mixed", rings(2, ((1, 12), (1, 8)), ("fe", "iga"))),
+        ("files", _from(rings(2, ((1, 12), (1, 8))), folder)),
+    ):
+        result, state, _ = pressed(data)
+        found[name] = {
+            "force": state.normal_force,
+            "pressure": np.sort(state.pressure).tolist(),
+            "warnings": kinds(result),
+        }
+    return found
+
+
+def _from(data, folder):
+    """The scene with bodies from files that were written before."""
+    for name, each in data["bodies"].items():
+        file = str(Path(folder) / f"{name}.msh")
+        each |= {"geometry": {"shape": "mesh_file", "file": file, "unit": "m"}, "mesh": {}}
+    return data

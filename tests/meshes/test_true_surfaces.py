@@ -1,0 +1,142 @@
+"""Surfaces of shapes as they are: nodes of meshes lie on them, chords leave them by a sagitta."""
+
+import numpy as np
+import pytest
+
+from meshes.breaks import breaks_of
+from meshes.crowned import Crowned
+from meshes.placement import Placement
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import (
+    Annulus,
+    Box,
+    Disc,
+    Hub,
+    Rectangle,
+    Ring,
+    RingSector,
+    Sector,
+    VentilatedDisc,
+)
+from meshes.true_surfaces import true_surfaces
+
+BOX = Box((0.3, 0.2, 0.1), (0.05, 0.0, -0.02))
+SECTOR = Sector(0.09, 0.14, 25.0, 65.0, 0.0, 0.02)
+SHAPES = [
+    (BOX, (2, 2, 2)),
+    (Rectangle((0.3, 0.2)), (3, 2)),
+    (Ring(0.05, 0.08), (2, 12)),
+    (RingSector(0.05, 0.08, 20.0, 110.0), (2, 5)),
+    (Annulus(0.05, 0.08, 0.0, 0.02), (2, 12, 2)),
+    (SECTOR, (2, 3, 1)),
+    (Disc(0.1, 0.0, 0.02), (3, 12, 1)),
+    (Hub(0.02, 0.04, 0.1, 0.0, 0.01, -0.01, 0.03), (3, 12, 4)),
+    (Crowned(BOX, "z_max", {"x": 2.0, "y": 3.0}, {"x": 0.1}), (3, 3, 1)),
+    (Crowned(BOX, "x_min", {"y": 1.0}), (1, 3, 3)),
+    (Crowned(Rectangle((0.3, 0.2)), "y_min", {"x": 2.0}), (4, 1)),
+    (Crowned(SECTOR, "bottom", {"theta": 0.5}), (2, 3, 1)),
+    (Crowned(SECTOR, "top", {"r": 0.4, "theta": 0.7}, {"theta": 40.0}), (2, 3, 1)),
+    (VentilatedDisc(), None),
+]
+PLACED = Placement((1.0, -2.0, 0.5), 50.0, (0.3, -0.1, 2.0))
+IN_PLANE = Placement((0.0, 0.0, 1.0), 50.0, (0.3, -0.1, 0.0))
+RNG = np.random.default_rng(7)
+
+
+def straight_mesh(shape, elements, placement):
+    """Mesh of straight facets: all its nodes are nodes of the shape."""
+    if elements is None:
+        return shape_mesh(shape, "tetrahedron", 1, size=0.02, placement=placement)
+    cell = "quadrilateral" if len(shape.directions) == 2 else "hexahedron"
+    return shape_mesh(shape, cell, 1, breaks=breaks_of(shape, elements), placement=placement)
+
+
+def outwards(mesh, facets):
+    """Roughly the normals of facets: away from the middle of their cells, at each facet."""
+    x = mesh.points[facets]
+    if mesh.dim == 2:
+        along = x[:, 1] - x[:, 0]
+        normal = np.column_stack([along[:, 1], -along[:, 0]])
+    else:
+        normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    return normal / np.linalg.norm(normal, axis=1)[:, None]
+
+
+@pytest.mark.parametrize(("shape", "elements"), SHAPES)
+def test_nodes_of_meshes_lie_on_the_surfaces(shape, elements):
+    placement = IN_PLANE if len(shape.directions) == 2 else PLACED
+    mesh = straight_mesh(shape, elements, placement)
+    found = true_surfaces(shape, placement)
+    assert found.keys() == set(shape.surfaces)
+    for name, facets in mesh.surfaces.items():
+        normal = outwards(mesh, facets)
+        for corner in facets.T:
+            distance = found[name].distance(mesh.points[corner], normal)
+            assert np.abs(distance).max() < (1e-9 if elements is None else 1e-14), name
+
+
+@pytest.mark.parametrize(("shape", "elements"), SHAPES)
+def test_lines_from_middles_of_facets_end_on_the_surfaces(shape, elements):
+    """What is found there is on the surface: a second line from there finds no distance."""
+    placement = IN_PLANE if len(shape.directions) == 2 else PLACED
+    mesh = straight_mesh(shape, elements, placement)
+    for name, surface in true_surfaces(shape, placement).items():
+        facets = mesh.surfaces[name]
+        middle, normal = mesh.points[facets].mean(axis=1), outwards(mesh, facets)
+        aim = normal + 0.2 * RNG.normal(size=normal.shape) / np.sqrt(mesh.dim)
+        aim /= np.linalg.norm(aim, axis=1)[:, None]
+        distance = surface.distance(middle, aim)
+        reached = middle + distance[:, None] * aim
+        if np.abs(distance).max() > 0:  # round: the line did not end at once
+            again = surface.distance(reached, normal)
+            assert np.abs(again).max() < 1e-14, name
+
+
+def test_chords_of_a_circle_leave_it_by_their_sagitta():
+    ring = Ring(0.05, 0.08)
+    mesh = shape_mesh(ring, "quadrilateral", 1, breaks=breaks_of(ring, (1, 20)))
+    for name, radius in (("inner", 0.05), ("outer", 0.08)):
+        x = mesh.points[mesh.surfaces[name]].mean(axis=1)
+        out = x / np.linalg.norm(x, axis=1)[:, None]
+        sagitta = radius * (1 - np.cos(np.pi / 20))
+        surface = true_surfaces(ring)[name]
+        np.testing.assert_allclose(surface.distance(x, out), sagitta, rtol=1e-12)
+        np.testing.assert_allclose(surface.distance(x, -out), -sagitta, rtol=1e-12)
+        np.testing.assert_allclose(surface.normal(x, -out), -out, atol=1e-15)
+
+
+def test_a_hole_is_the_nearest_one():
+    disc = VentilatedDisc()
+    middle = np.array([*disc.hole_centres[2], 0.07])
+    out = np.array([[0.6, 0.8, 0.0]])
+    surface = true_surfaces(disc)["holes"]
+    assert surface.distance(middle + 0.009 * out, out)[0] == pytest.approx(0.001)
+
+
+@pytest.mark.parametrize(("shape", "elements"), [each for each in SHAPES if each[1]])
+def test_normals_are_the_gradients_of_distances(shape, elements):
+    """Along a direction n, the distance s of x obeys ds = - v.dx / v.n with the normal v."""
+    placement = IN_PLANE if len(shape.directions) == 2 else PLACED
+    mesh = straight_mesh(shape, elements, placement)
+    for name, surface in true_surfaces(shape, placement).items():
+        facets = mesh.surfaces[name]
+        x, n = mesh.points[facets[:, 0]], outwards(mesh, facets)
+        v = surface.normal(x, n)
+        np.testing.assert_allclose(np.linalg.norm(v, axis=1), 1, rtol=1e-14)
+        assert (np.einsum("ij,ij->i", v, n) > 0).all()
+        if np.abs(surface.distance(x + 1e-3 * n, n)).max() == 0:
+            continue  # flat: facets lie on it, and their normals are its own
+        for step in 1e-6 * np.eye(mesh.dim):
+            change = surface.distance(x + step, n) - surface.distance(x - step, n)
+            expected = -2 * (v @ step) / np.einsum("ij,ij->i", v, n)
+            np.testing.assert_allclose(change, expected, atol=1e-11)
+
+
+@pytest.mark.parametrize("shape", [shape for shape, _ in SHAPES if isinstance(shape, Crowned)])
+def test_slopes_of_crowns_are_the_gradients_of_their_depths(shape):
+    dim = len(shape.directions)
+    points = np.array([0.08, 0.07, 0.01])[:dim] + 0.02 * RNG.normal(size=(20, dim))
+    slope = shape.slope(points)
+    for axis, step in enumerate(1e-6 * np.eye(dim)):
+        change = (shape.depth(points + step) - shape.depth(points - step)) / 2e-6
+        np.testing.assert_allclose(slope[:, axis], change, atol=1e-8)
