@@ -16,16 +16,19 @@ from cea.body import Body
 from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.operators import Contact
 from cea.contact.sliding import Sliding, SlidingDamping, damping_of
+from cea.eigen.circulatory import CirculatoryTerm
 from cea.eigen.low_rank import LowRankTerm
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
-from cea.matrices import block_diagonal, destroy, empty, gather, local_part
+from cea.matrices import block_diagonal, destroy, gather, local_part
 from cea.nodes import Nodes, joined, places
 from cea.petsc import MPI
 from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
 from cea.system.contact_terms import ContactPairs
-from cea.system.modal_damping import modal_terms
+from cea.system.embedding import Embedding
+from cea.system.modal_damping import DampedModes, damped_modes, modal_term
 from cea.system.near_contact import PARTED_FROM, ContactPieces, near_contact
+from cea.system.rotating_damping import RotatingDamping
 from cea.system.sliding_state import SteadySliding
 from cea.system.sliding_terms import sliding_parameters, sliding_terms
 from cea.warned import ResultWarning
@@ -163,11 +166,13 @@ class CoupledSystem:
             tuple(self._pairs.terms(keeping)),
             tuple(self._pairs.forces(keeping, self.stiffness_diagonal)),
         )
+        rotating, circulatory = self._rotating_damping
         return Pencil(
-            [*self._body_terms(), *contacts.terms, *self._sliding_terms()],
+            [*self._body_terms(), *rotating, *contacts.terms, *self._sliding_terms()],
             self._parameters(),
             contacts.forces,
-            self._modal_terms,
+            self._modal_terms(),
+            circulatory,
             leave_out=leave_out,
             nodes=self._nodes,
             near_contact=partial(
@@ -187,7 +192,7 @@ class CoupledSystem:
             contacts,
             self._parameters(),
             self.template,
-            self._embedded,
+            lambda name, matrix: self._among[name].square(matrix),
             leave_out=leave_out,
             parted_from=parted_from,
         )
@@ -245,22 +250,51 @@ class CoupledSystem:
     def _body_terms(self) -> Iterator[Term]:
         """K, M, C and Y of each body, and what its prestress makes, whatever the parameters."""
         for name, body in self.bodies.items():
-            path, motion = f"bodies.{name}", self.motions.get(name, STILL)
-            embedded = partial(self._embedded, name)
+            path, motion, embedded = f"bodies.{name}", self._motion(name), self._among[name].square
             yield from body_terms(path, body, motion, embedded, with_mass=self.with_mass)
             if name in self.prestress:
                 yield Term("stiffness", embedded(self.prestress[name]), Coefficient.of({}))
 
+    def _motion(self, body: str) -> Motion:
+        """What acts on the velocities of a body."""
+        return self.motions.get(body, STILL)
+
     @cached_property
-    def _modal_terms(self) -> tuple[LowRankTerm, ...]:
+    def _among(self) -> dict[str, Embedding]:
+        """The unknowns of each body among those of all."""
+        sizes = tuple(body.expansion.getSizes()[1] for body in self.bodies.values())
+        comm = self.template.comm
+        return {name: Embedding(sizes, number, comm) for number, name in enumerate(self.bodies)}
+
+    @cached_property
+    def _damped_modes(self) -> dict[str, DampedModes]:
+        """Modes that are damped one by one, of each body that has any."""
+        return {
+            name: damped_modes(f"bodies.{name}", body, modal)
+            for name, body in self.bodies.items()
+            if (modal := self._motion(name).modal) is not None
+        }
+
+    def _modal_terms(self) -> Iterator[LowRankTerm]:
         """Modal damping of each body."""
-        first, terms = 0, list[LowRankTerm]()
+        for name, modes in self._damped_modes.items() if self.with_mass else ():
+            modal, first = self._motion(name).modal, self._among[name].first
+            assert modal is not None
+            yield modal_term(f"bodies.{name}", self.bodies[name], modal, modes, first)
+
+    @cached_property
+    def _rotating_damping(self) -> tuple[tuple[Term, ...], tuple[CirculatoryTerm, ...]]:
+        """What damping that rotates with its body makes of displacements."""
+        terms, full = list[Term](), list[CirculatoryTerm]()
         for name, body in self.bodies.items():
-            modal = self.motions.get(name, STILL).modal
-            if modal is not None:
-                terms += modal_terms(f"bodies.{name}", body, modal, first)
-            first += body.expansion.getLocalSize()[1]
-        return tuple(terms)
+            motion = self._motion(name)
+            if motion.circulates:
+                modes, among = self._damped_modes.get(name), self._among[name]
+                damping = RotatingDamping(f"bodies.{name}", body, motion, modes, among)
+                found = damping.pieces()
+                terms += found[0]
+                full += found[1]
+        return tuple(terms), tuple(full)
 
     def _sliding_terms(self) -> Iterator[Term]:
         """Damping of contacts that slide."""
@@ -277,22 +311,10 @@ class CoupledSystem:
 
     def _parameters(self) -> Iterator[Parameter]:
         for name, body in self.bodies.items():
-            motion = self.motions.get(name, STILL)
-            yield from body_parameters(f"bodies.{name}", body, motion, with_mass=self.with_mass)
+            path, motion = f"bodies.{name}", self._motion(name)
+            yield from body_parameters(path, body, motion, with_mass=self.with_mass)
         yield from self._pairs.parameters()
         yield from sliding_parameters(self._sliding_damping)
-
-    def _embedded(self, body: str, matrix: Any) -> Any:
-        """Matrix of one body among the unknowns of all."""
-        if len(self.bodies) == 1:
-            return matrix
-        blocks = []
-        for name, other in self.bodies.items():
-            size = other.expansion.getSizes()[1]
-            blocks.append(matrix if name == body else empty(size, self.template.comm))
-        whole = block_diagonal(blocks).convert("aij")
-        destroy(*(block for block in blocks if block is not matrix))
-        return whole
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
         """Full displacement (m) of one body under loads, shape (dim * num_scalar_dofs,).
