@@ -84,7 +84,8 @@ class AssembledScene:
 
     def depends_on_state(self, names: Sequence[str]) -> bool:
         """Whether parameters move a state of steady sliding that the pencil is linearised about."""
-        return self.scene.slides_steadily and any(map(moves_the_state, names))
+        pencil = self._driver.pencil
+        return self.scene.slides_steadily and any(moves_the_state(pencil, name) for name in names)
 
     def modes(
         self,
@@ -243,7 +244,7 @@ class AssembledScene:
         if scene.slides_steadily and (
             scene.analysis.load_steps != self.scene.analysis.load_steps
             or scene.stiffened_by_stress != self.scene.stiffened_by_stress
-            or not all(name.endswith(".rho") for name in values or ())
+            or self.depends_on_state(list(values or ()))
         ):
             return None  # another state of steady sliding
         if values is not None and self.keeps_forms(scene, values):

@@ -11,7 +11,7 @@ from meshes.singular_edges import check_edges, check_room
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.contact_checks import contact_checks, fault_of, unknown_surface
 from scenes.limits import MAX_ELEMENTS, limit_checks
-from scenes.rotation_checks import in_equilibrium, rotation_checks
+from scenes.rotation_checks import rotation_checks
 from scenes.sizes import size_checks
 from scenes.spec.body import BodySpec
 from scenes.spec.load import LoadSpec
@@ -27,7 +27,7 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
         yield InputError("bodies", {}, "at least one body")
     for name, body in scene.bodies.items():
         yield from _body_checks(f"bodies.{name}", body)
-        if scene.analysis.kind == "cea" or in_equilibrium(body):
+        if scene.analysis.kind == "cea" or body.rotates_in_equilibrium:
             yield from fault_of(check_density, body.material, f"bodies.{name}.material")
     known = sorted(f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces)
     yield from contact_checks(scene, known)

@@ -9,13 +9,18 @@ from cea.petsc import Mat
 from cea.system.coupled import CoupledSystem
 from cea.warned import ResultWarning
 
-_MOVE = (".mu", ".P", ".material.E")
-"""Ends of the names of parameters that a state of steady sliding depends on."""
 
+def moves_the_state(pencil: Pencil, parameter: str) -> bool:
+    """Whether a state of steady sliding depends on a parameter: the stiffness of its pencil does.
 
-def moves_the_state(parameter: str) -> bool:
-    """Whether a state of steady sliding depends on a parameter of its pencil."""
-    return parameter.endswith(_MOVE)
+    Parameters
+    ----------
+    pencil
+        The pencil that is linearised about the state.
+    parameter
+        Name of one of its parameters.
+    """
+    return parameter in pencil.at_rest().names
 
 
 def kept_state_warning(parameters: str) -> ResultWarning:

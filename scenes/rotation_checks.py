@@ -43,16 +43,10 @@ def rotation_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     if not _is_on_axis(body, rotation.origin):
         allowed = f"a point of the axis of the body, as {list(body.placement.translation)}"
         yield InputError(f"{place}.rotation.origin", rotation.origin, allowed)
-    if in_equilibrium(body):
+    if body.rotates_in_equilibrium:
         yield from _value_checks(place, body)
     if body.damping is not None:
         yield from _damping_checks(place, body, rotation)
-
-
-def in_equilibrium(body: BodySpec) -> bool:
-    """Whether forces of a rotation act on displacements that are at rest in space."""
-    rotation = body.rotation
-    return rotation is not None and (rotation.convective_stiffness or body.damping is not None)
 
 
 def _value_checks(place: str, body: BodySpec) -> Iterable[InputError]:

@@ -11,13 +11,12 @@ from cea.eigen.modes import Modes
 from cea.matrices import destroy
 from cea.petsc import Vec
 from cea.system.coupled import CoupledSystem
+from cea.system.equilibrium import LEFT_OVER
 from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
 from cea.warned import ResultWarning
 from scenes.following import kept_state_warning, moves_the_state
 from scenes.read import Scene
 
-_LEFT = 1e-6
-"""Part of the forces that rounding may leave over before it is told."""
 _NOISE = 4.0
 """Closures, in parts of what rounding makes of displacements, that are neither open nor closed."""
 
@@ -100,7 +99,7 @@ def steady_warnings(scene: Scene, system: CoupledSystem) -> tuple[ResultWarning,
 
 def kept_state_warnings(steady: SteadySliding | None, modes: Modes) -> Iterator[ResultWarning]:
     """What sensitivities must be read with: modes with left vectors were asked for them."""
-    moving = [name for name in modes.pencil.parameters if moves_the_state(name)]
+    moving = [name for name in modes.pencil.parameters if moves_the_state(modes.pencil, name)]
     if steady is not None and modes.left is not None and moving:
         yield kept_state_warning(", ".join(moving))
 
@@ -127,10 +126,10 @@ def _largest(x: Vec) -> float:
 
 def _residual(steady: SteadySliding) -> Iterator[ResultWarning]:
     """Forces that rounding leaves over, where the contact is very stiff."""
-    if steady.residual > _LEFT:
+    if steady.residual > LEFT_OVER:
         yield ResultWarning(
             "equilibrium-rounding",
-            f"rounding leaves {steady.residual:.1e} of the forces of steady sliding over: contact "
+            f"rounding leaves {steady.residual:.1e} of the load of steady sliding over: contact "
             "pressures have no more digits",
             {"residual": steady.residual},
         )

@@ -178,7 +178,7 @@ def _quotients(factors: Mumps, matrices: Matrices, depth: float) -> tuple[float,
         try:
             forces = EliminatedForces(matrices.multipliers)
         except ConvergenceError:  # what shows nothing must not end a run
-            return np.inf, np.inf
+            return np.inf, 0.0 if matrices.circulatory is None else np.inf
         of_bodies = hermitian_part(matrices, depth)
     skew = None
     if matrices.unsymmetric is not None:

@@ -176,11 +176,11 @@ class Pencil:
         self.low_rank = tuple(low_rank)
         self.circulatory = tuple(circulatory)
         self._all_forces = AllForces(self.forces) if self.forces else None
-        coefficients = [t.coefficient for t in self.terms]
-        coefficients += [t.coefficient for t in self.low_rank]
-        coefficients += [t.coefficient for t in self.circulatory]
-        coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
-        unknown = {name for c in coefficients for name in c.names} - set(self.parameters)
+        self._coefficients: list[Dependence] = [t.coefficient for t in self.terms]
+        self._coefficients += [t.coefficient for t in self.low_rank]
+        self._coefficients += [t.coefficient for t in self.circulatory]
+        self._coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
+        unknown = self.names - set(self.parameters)
         if unknown:
             raise InputError("parameters", sorted(self.parameters), f"with {sorted(unknown)}")
 
@@ -222,6 +222,21 @@ class Pencil:
         coefficient = Coefficient.of({FRICTION: (1.0, 1.0)}, factor=-1.0)
         terms.append(Term("stiffness", friction, coefficient, symmetric=False))
         return cls(terms, [Parameter(FRICTION, 1.0)], near_contact=lambda: near_contact)
+
+    def at_rest(self) -> "Pencil":
+        """Its stiffness alone: what an equilibrium obeys."""
+        return Pencil(
+            [term for term in self.terms if term.role == "stiffness"],
+            self.parameters.values(),
+            self.forces,
+            circulatory=self.circulatory,
+            leave_out=self.leave_out,
+        )
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters that its pieces depend on."""
+        return frozenset(name for each in self._coefficients for name in each.names)
 
     @property
     def damped(self) -> bool:

@@ -16,19 +16,14 @@ from cea.body import Body
 from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.operators import Contact
 from cea.contact.sliding import Sliding, SlidingDamping, damping_of
-from cea.eigen.circulatory import CirculatoryTerm
-from cea.eigen.low_rank import LowRankTerm
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import block_diagonal, destroy, gather, local_part
 from cea.nodes import Nodes, joined, places
 from cea.petsc import MPI
-from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
+from cea.system.body_pieces import BodyPieces
 from cea.system.contact_terms import ContactPairs
-from cea.system.embedding import Embedding
-from cea.system.modal_damping import DampedModes, damped_modes, modal_term
 from cea.system.near_contact import PARTED_FROM, ContactPieces, near_contact
-from cea.system.rotating_damping import RotatingDamping
 from cea.system.sliding_state import SteadySliding
 from cea.system.sliding_terms import sliding_parameters, sliding_terms
 from cea.warned import ResultWarning
@@ -48,16 +43,14 @@ class CoupledSystem:
         PETSc vector of the layout of the unknowns.
     index_sets
         Unknowns of each body, PETSc index sets by name.
-    with_mass
-        Whether the bodies have mass; not in static scenes.
     load
         Forces (N), PETSc vector, None where none were asked for.
     stiffness_diagonal
         Diagonal of K of all bodies (N/m), PETSc vector.
     penalty_digits
         Digits that the penalty form costs, or would cost, by contact.
-    motions
-        Damping and rotation of bodies that have any, by name; none in static scenes.
+    pieces
+        Pieces of a pencil that bodies bring, with their damping and rotation.
     sliding
         How half passes slide, by name, where that damps; none in static scenes.
     steady
@@ -71,11 +64,10 @@ class CoupledSystem:
     contacts: tuple[Contact, ...]
     template: Any
     index_sets: Mapping[str, Any]
-    with_mass: bool
     load: Any | None
     stiffness_diagonal: Any
     penalty_digits: Mapping[str, float]
-    motions: Mapping[str, Motion]
+    pieces: BodyPieces
     sliding: Mapping[str, Sliding]
     steady: SteadySliding | None = None
     prestress: Mapping[str, Any] = field(default_factory=dict)
@@ -93,7 +85,7 @@ class CoupledSystem:
     @cached_property
     def mass(self) -> Any | None:
         """M of all bodies, PETSc AIJ (kg), None in static scenes."""
-        return self._diagonal(lambda body: body.mass()) if self.with_mass else None
+        return self._diagonal(lambda body: body.mass()) if self.pieces.with_mass else None
 
     def _diagonal(self, matrix_of: Callable[[Body], Any]) -> Any:
         return block_diagonal([matrix_of(body) for body in self.bodies.values()]).convert("aij")
@@ -166,13 +158,16 @@ class CoupledSystem:
             tuple(self._pairs.terms(keeping)),
             tuple(self._pairs.forces(keeping, self.stiffness_diagonal)),
         )
-        rotating, circulatory = self._rotating_damping
+        stressed = [
+            Term("stiffness", self.pieces.square(name, matrix), Coefficient.of({}))
+            for name, matrix in self.prestress.items()
+        ]
         return Pencil(
-            [*self._body_terms(), *rotating, *contacts.terms, *self._sliding_terms()],
+            [*self.pieces.terms, *stressed, *contacts.terms, *self._sliding_terms()],
             self._parameters(),
             contacts.forces,
-            self._modal_terms(),
-            circulatory,
+            self.pieces.modal_terms,
+            self.pieces.circulatory,
             leave_out=leave_out,
             nodes=self._nodes,
             near_contact=partial(
@@ -184,15 +179,14 @@ class CoupledSystem:
         self, contacts: ContactPieces, *, leave_out: bool, parted_from: int
     ) -> Pencil | None:
         """Pencil of what lies near the contacts, where bodies have mass and are but elastic."""
-        rotates = any(motion.rotation is not None for motion in self.motions.values())
-        if not self.with_mass or self.prestress or rotates:
+        if not self.pieces.with_mass or self.prestress or self.pieces.rotates:
             return None
         return near_contact(
             self.bodies,
             contacts,
             self._parameters(),
             self.template,
-            lambda name, matrix: self._among[name].square(matrix),
+            self.pieces.square,
             leave_out=leave_out,
             parted_from=parted_from,
         )
@@ -247,55 +241,6 @@ class CoupledSystem:
         every = self.template.comm.tompi4py().allreduce(len(known) == len(found), MPI.LAND)
         return joined(known, functions, dim) if every else None
 
-    def _body_terms(self) -> Iterator[Term]:
-        """K, M, C and Y of each body, and what its prestress makes, whatever the parameters."""
-        for name, body in self.bodies.items():
-            path, motion, embedded = f"bodies.{name}", self._motion(name), self._among[name].square
-            yield from body_terms(path, body, motion, embedded, with_mass=self.with_mass)
-            if name in self.prestress:
-                yield Term("stiffness", embedded(self.prestress[name]), Coefficient.of({}))
-
-    def _motion(self, body: str) -> Motion:
-        """What acts on the velocities of a body."""
-        return self.motions.get(body, STILL)
-
-    @cached_property
-    def _among(self) -> dict[str, Embedding]:
-        """The unknowns of each body among those of all."""
-        sizes = tuple(body.expansion.getSizes()[1] for body in self.bodies.values())
-        comm = self.template.comm
-        return {name: Embedding(sizes, number, comm) for number, name in enumerate(self.bodies)}
-
-    @cached_property
-    def _damped_modes(self) -> dict[str, DampedModes]:
-        """Modes that are damped one by one, of each body that has any."""
-        return {
-            name: damped_modes(f"bodies.{name}", body, modal)
-            for name, body in self.bodies.items()
-            if (modal := self._motion(name).modal) is not None
-        }
-
-    def _modal_terms(self) -> Iterator[LowRankTerm]:
-        """Modal damping of each body."""
-        for name, modes in self._damped_modes.items() if self.with_mass else ():
-            modal, first = self._motion(name).modal, self._among[name].first
-            assert modal is not None
-            yield modal_term(f"bodies.{name}", self.bodies[name], modal, modes, first)
-
-    @cached_property
-    def _rotating_damping(self) -> tuple[tuple[Term, ...], tuple[CirculatoryTerm, ...]]:
-        """What damping that rotates with its body makes of displacements."""
-        terms, full = list[Term](), list[CirculatoryTerm]()
-        for name, body in self.bodies.items():
-            motion = self._motion(name)
-            if motion.circulates:
-                modes, among = self._damped_modes.get(name), self._among[name]
-                damping = RotatingDamping(f"bodies.{name}", body, motion, modes, among)
-                found = damping.pieces()
-                terms += found[0]
-                full += found[1]
-        return tuple(terms), tuple(full)
-
     def _sliding_terms(self) -> Iterator[Term]:
         """Damping of contacts that slide."""
         halves = [
@@ -310,9 +255,7 @@ class CoupledSystem:
         return damping_of(self.bodies, self.contacts, self.sliding)
 
     def _parameters(self) -> Iterator[Parameter]:
-        for name, body in self.bodies.items():
-            path, motion = f"bodies.{name}", self._motion(name)
-            yield from body_parameters(path, body, motion, with_mass=self.with_mass)
+        yield from self.pieces.parameters()
         yield from self._pairs.parameters()
         yield from sliding_parameters(self._sliding_damping)
 
