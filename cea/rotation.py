@@ -31,8 +31,8 @@ Damping of the material acts on the velocity that the material sees,
     d u / d t + Omega R u,     R u = (a x r) . grad u - a x u,
 
 whatever the Coriolis forces: the strain rate is eps(u_t + Omega R u). Beside C u_t stands the
-circulatory stiffness Omega C R, without which waves that run backwards would be fed (Genta, sec.
-3.3). On the space of the body R u is its L2 projection, R = M^-1 B with B = int rho v . R u, skew:
+circulatory stiffness Omega C R, without which waves that run backwards would be fed. On the space
+of the body R u is its L2 projection, R = M^-1 B with B = int rho v . R u, skew:
 
     Rayleigh damping alpha M + beta K      alpha Omega B + beta Omega K M^-1 B
     modal damping                          Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T

@@ -3,6 +3,7 @@
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +14,9 @@ from cea.arrays import Floats
 from cea.matrices import block_diagonal, destroy, distributed, one_below_the_other, zeros
 from cea.petsc import Mat, PETSc
 from cea.ranks import local_rows
+
+type Size = tuple[int, int]
+"""Rows or columns of this rank and of all ranks."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +33,7 @@ class Embedding:
         Communicator (petsc4py).
     """
 
-    sizes: tuple[tuple[int, int], ...]
+    sizes: tuple[Size, ...]
     number: int
     comm: Any
 
@@ -40,39 +44,36 @@ class Embedding:
 
     def rows(self, matrix: Mat) -> Mat:
         """A matrix of the body as one whose columns are all unknowns; itself without others."""
-        if len(self.sizes) == 1:
-            return matrix
         own: Any = matrix.getSizes()[0]
-        blocks = [
-            matrix if number == self.number else zeros(own, size, self.comm)
-            for number, size in enumerate(self.sizes)
-        ]
-        whole = PETSc.Mat().createNest([blocks]).convert("aij")
-        destroy(*(block for block in blocks if block is not matrix))
-        return whole
+        return self._joined(matrix, lambda size: (own, size), lambda blocks: _nest([blocks]))
 
     def columns(self, matrix: Mat) -> Mat:
         """A matrix of the body as one whose rows are all unknowns; itself without other bodies."""
-        if len(self.sizes) == 1:
-            return matrix
         own: Any = matrix.getSizes()[1]
-        blocks = [
-            matrix if number == self.number else zeros(size, own, self.comm)
-            for number, size in enumerate(self.sizes)
-        ]
-        whole = one_below_the_other(blocks)
-        destroy(*(block for block in blocks if block is not matrix))
-        return whole
+        return self._joined(matrix, lambda size: (size, own), one_below_the_other)
 
     def square(self, matrix: Mat) -> Mat:
         """A matrix of the body as one of all unknowns; itself where there is no other body."""
+        return self._joined(
+            matrix,
+            lambda size: (size, size),
+            lambda blocks: block_diagonal(blocks).convert("aij"),
+        )
+
+    def _joined(
+        self,
+        matrix: Mat,
+        shape: Callable[[Size], tuple[Size, Size]],
+        join: Callable[[list[Mat]], Mat],
+    ) -> Mat:
+        """A matrix of the body in its place among zeros of the other bodies."""
         if len(self.sizes) == 1:
             return matrix
         blocks = [
-            matrix if number == self.number else zeros(size, size, self.comm)
+            matrix if number == self.number else zeros(*shape(size), self.comm)
             for number, size in enumerate(self.sizes)
         ]
-        whole = block_diagonal(blocks).convert("aij")
+        whole = join(blocks)
         destroy(*(block for block in blocks if block is not matrix))
         return whole
 
@@ -83,3 +84,7 @@ class Embedding:
         every = np.zeros((sum(local for local, _ in self.sizes), count))
         every[self.first : self.first + len(columns)] = columns
         return distributed(csr_array(every), (stop - start, count), self.comm)
+
+
+def _nest(blocks: list[list[Mat]]) -> Mat:
+    return PETSc.Mat().createNest(blocks).convert("aij")

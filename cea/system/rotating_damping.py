@@ -76,7 +76,7 @@ class RotatingDamping:
     def _modal(self, B: Mat) -> Iterator[CirculatoryTerm]:
         """The piece Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T."""
         modes, damping = self.modes, self.motion.modal
-        if modes is None or damping is None:
+        if modes is None or damping is None or not len(modes.weights):
             return
         left = self.among.upright(modes.images * modes.weights)
         turned = self.among.upright(-image_of(B, modes.vectors))
