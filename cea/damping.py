@@ -17,7 +17,8 @@ class RayleighDamping:
     """Rayleigh damping C = alpha M + beta K, K with the springs of the body.
 
     A mode of the body alone with the angular frequency omega has the damping ratio
-    alpha / (2 omega) + beta omega / 2 (Bathe, Finite Element Procedures, sec. 9.3.3).
+    alpha / (2 omega) + beta omega / 2 (Bathe, Finite Element Procedures, sec. 9.3.3). Of a body
+    that rotates all but its springs is carried along with the material (:mod:`cea.rotation`).
 
     Parameters
     ----------
@@ -84,6 +85,7 @@ class ModalDamping:
 
     so that lambda_j = omega_j (-zeta_j +- i sqrt(1 - zeta_j^2)) of the body alone (Clough, Penzien,
     Dynamics of Structures, sec. 12.5). Rigid motions have none, nor have modes beyond those named.
+    Of a body that rotates it is carried along with the material (:mod:`cea.rotation`).
 
     Parameters
     ----------

@@ -191,9 +191,9 @@ def block_diagonal(blocks: Sequence[Any]) -> Any:
     return PETSc.Mat().createNest(rows)
 
 
-def empty(columns: tuple[int, int], comm: Any) -> Any:
-    """Square matrix of zeros, PETSc AIJ, with columns of this rank and of all."""
-    matrix = PETSc.Mat().createAIJ((columns, columns), nnz=0, comm=comm)
+def zeros(rows: tuple[int, int], columns: tuple[int, int], comm: Any) -> Any:
+    """Matrix of zeros, PETSc AIJ, with rows and columns of this rank and of all."""
+    matrix = PETSc.Mat().createAIJ((rows, columns), nnz=0, comm=comm)
     matrix.setUp()
     matrix.assemble()
     return matrix

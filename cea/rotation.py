@@ -25,9 +25,26 @@ nodal diameters, as far as Z is there (Genta, Dynamics of Rotating Systems, 2005
 
 Stresses of the centrifugal forces, whose geometric stiffness is of the order of Z too, are not
 part of either.
+
+Damping of the material acts on the velocity that the material sees,
+
+    d u / d t + Omega R u,     R u = (a x r) . grad u - a x u,
+
+whatever the Coriolis forces: the strain rate is eps(u_t + Omega R u). Beside C u_t stands the
+circulatory stiffness Omega C R, without which waves that run backwards would be fed. On the space
+of the body R u is its L2 projection, R = M^-1 B with B = int rho v . R u, skew:
+
+    Rayleigh damping alpha M + beta K      alpha Omega B + beta Omega K M^-1 B
+    modal damping                          Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T
+
+so that of a mode x of the body x^H K M^-1 B x = omega^2 x^H B x: there is no energy in it but by
+damping, and decay does not depend on the frame. Both R and K keep to what supports leave free where
+these are alike all round the axis. M^-1 is full: the products are never formed
+(:mod:`cea.eigen.circulatory`). Springs and friction stay where they are in space; no rotation
+enters their damping.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +102,11 @@ class Rotation:
             raise InputError(f"{field}.axis", self.axis, "an axis along z in the plane")
         if dim == 2 and self.origin[2]:
             raise InputError(f"{field}.origin", self.origin, "z = 0 in the plane")
+
+    @property
+    def of_material(self) -> "Rotation":
+        """The same, displacements being carried along with their directions."""
+        return replace(self, coriolis=False)
 
     def spin(self, dim: int) -> NDArray[np.float64]:
         """W with W v = a x v, skew, shape (dim, dim)."""

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes
 from cea.matrices import destroy, gather, scaled_total
 from cea.ranks import local_rows
 from cea.system.coupled import CoupledSystem
@@ -147,15 +147,15 @@ def gathered_sums(
     return {name: csr_array(vstack(parts, format="csr")) for name, parts in sums.items()}
 
 
-def gathered_rows(name: str, rows: Floats, comm: Any) -> dict[str, csr_array]:
-    """An array of which each rank has its rows, as a scipy matrix under a name; collective.
+def gathered_rows(name: str, rows: csr_array, comm: Any) -> dict[str, csr_array]:
+    """A matrix of which each rank has its rows, whole under a name; collective.
 
     Parameters
     ----------
     name
         The name.
     rows
-        The rows of this rank, shape (n_local, columns).
+        The rows of this rank.
     comm
         Communicator (mpi4py).
 
@@ -164,5 +164,5 @@ def gathered_rows(name: str, rows: Floats, comm: Any) -> dict[str, csr_array]:
     dict
         On rank 0; empty on other ranks.
     """
-    parts = comm.gather(csr_array(rows))
+    parts = comm.gather(rows)
     return {name: csr_array(vstack(parts, format="csr"))} if parts is not None else {}

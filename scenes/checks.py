@@ -2,12 +2,8 @@
 
 from collections.abc import Iterable, Sequence
 
-import numpy as np
-
-from cea.arrays import of_size_one
 from cea.checks import check_density
 from cea.errors import InputError
-from cea.rotation import Rotation
 from cea.suggestions import did_you_mean
 from meshes.breaks import breaks_of, check_breaks
 from meshes.mesh_file import MeshFile
@@ -15,6 +11,7 @@ from meshes.singular_edges import check_edges, check_room
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.contact_checks import contact_checks, fault_of, unknown_surface
 from scenes.limits import MAX_ELEMENTS, limit_checks
+from scenes.rotation_checks import rotation_checks
 from scenes.sizes import size_checks
 from scenes.spec.body import BodySpec
 from scenes.spec.load import LoadSpec
@@ -30,7 +27,7 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
         yield InputError("bodies", {}, "at least one body")
     for name, body in scene.bodies.items():
         yield from _body_checks(f"bodies.{name}", body)
-        if scene.analysis.kind == "cea":
+        if scene.analysis.kind == "cea" or body.rotates_in_equilibrium:
             yield from fault_of(check_density, body.material, f"bodies.{name}.material")
     known = sorted(f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces)
     yield from contact_checks(scene, known)
@@ -146,8 +143,7 @@ def _space_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     yield from fault_of(body.placement.check, dim, f"{place}.placement")
     for i, support in enumerate(body.supports):
         yield from fault_of(support.support().check, dim, f"{place}.supports.{i}")
-    if body.rotation is not None:
-        yield from _rotation_checks(place, body, body.rotation)
+    yield from rotation_checks(place, body)
     for i, spring in enumerate(body.springs):
         if len(spring.stiffness) != dim:
             allowed = f"{dim} values (N/m^3), one for each component"
@@ -156,31 +152,6 @@ def _space_checks(place: str, body: BodySpec) -> Iterable[InputError]:
         if not high - low > _THIN * max(abs(low), abs(high)):
             allowed = "a range that is not lost in the rounding of its ends"
             yield InputError(f"{place}.geometry", f"{name} from {low} to {high}", allowed)
-
-
-_AXISYMMETRIC = ("annulus", "hub", "disc", "ring")
-"""Shapes that a rotation about their own axis leaves as they are."""
-_ASIDE = 1e-9
-"""Distance of an axis from that of a shape, relative to its radius, and sine of their angle."""
-
-
-def _rotation_checks(place: str, body: BodySpec, rotation: Rotation) -> Iterable[InputError]:
-    """Rotations that do not leave the body as it is."""
-    shape, dim = body.geometry.shape, len(body.geometry.directions)
-    yield from fault_of(rotation.check, dim, f"{place}.rotation")
-    if shape not in _AXISYMMETRIC:
-        yield InputError(f"{place}.geometry.shape", shape, f"{', '.join(_AXISYMMETRIC)} to rotate")
-        return
-    axis = body.placement.rotation[:, 2]
-    given = of_size_one(rotation.axis)
-    given /= np.linalg.norm(given)
-    if np.linalg.norm(np.cross(axis, given)) > _ASIDE:
-        yield InputError(f"{place}.rotation.axis", rotation.axis, f"along {axis.tolist()}")
-    arm = np.subtract(rotation.origin, body.placement.translation)
-    radius = body.geometry.extent[0][1]
-    if np.linalg.norm(np.cross(axis, arm)) > _ASIDE * radius:
-        allowed = f"a point of the axis of the body, as {list(body.placement.translation)}"
-        yield InputError(f"{place}.rotation.origin", rotation.origin, allowed)
 
 
 def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:

@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
-from cea.matrices import destroy, distributed, empty
+from cea.matrices import destroy, distributed, zeros
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows, made_on_first
 from cea.warned import ResultWarning
@@ -149,7 +149,8 @@ def matrix_pencil(scene: MatrixScene, pieces: Mapping[str, Piece]) -> Pencil:
     ]
     if not any(term.role == "stiffness" and term.symmetric for term in terms):
         some: Any = terms[0].matrix
-        terms.append(Term("stiffness", empty(some.getSizes()[1], some.comm)))
+        rows, columns = some.getSizes()
+        terms.append(Term("stiffness", zeros(rows, columns, some.comm)))
     return Pencil(terms, scene.of_pencil())
 
 

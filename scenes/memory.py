@@ -122,10 +122,11 @@ def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
     dofs = nonzeros = entries = modes = damped = modal = 0.0
     for body in scene.bodies.values():
         dim, before = len(body.geometry.directions), dofs
+        beside = 2 if _circulates(body) else 1  # matrices of what damping makes of displacements
         for grid in node_grids(body, scale):
             n = prod(grid.counts)
             dofs += dim * n
-            nonzeros += dim**2 * n * prod(grid.couplings)
+            nonzeros += beside * dim**2 * n * prod(grid.couplings)
             entries += dim**2 * _dissected(grid)
         if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
             modes += _modes_below(scene.analysis.max_frequency, body)
@@ -310,6 +311,13 @@ def _modes_below(frequency: float, body: BodySpec) -> float:
         count * ball * prod(2 * frequency * length / sqrt(square) / 2 for length in lengths)
         for square, count in kinds
     )
+
+
+def _circulates(body: BodySpec) -> bool:
+    """Whether damping in proportion to the stiffness rotates with a body."""
+    rayleigh = body.damping.rayleigh() if body.damping else None
+    turns = body.rotation is not None and body.rotation.rate != 0
+    return turns and rayleigh is not None and rayleigh.beta != 0
 
 
 def _damped_modes(body: BodySpec) -> float:

@@ -11,7 +11,10 @@ from cea.arrays import Complexes, Floats, Ints
 from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.modes import Modes
+from cea.eigen.multipliers import with_circulatory
 from cea.errors import InputError
+from cea.matrices import destroy, local_part
+from cea.petsc import PETSc
 from cea.surface import SurfaceCoordinates
 from cea.system.contact_stresses import SideStress
 from cea.system.coupled import CoupledSystem
@@ -90,7 +93,9 @@ class SceneResult:
         Their rows are the free dofs of all ranks. K_f is zero without friction, M is left out of
         static analyses. C is there where something damps, Y where a body rotates; convective and
         geometric stiffness are part of K. Modal damping would be full: W is there where modes of a
-        body are damped, a column for each, and the damping is C + W W^T.
+        body are damped, a column for each, and the damping is C + W W^T. Damping that rotates with
+        its body makes K_c of displacements, and what would be full: with J, N and L, which are
+        there, K_c + L N^-1 J (:mod:`cea.rotation`).
 
         Returns
         -------
@@ -116,17 +121,26 @@ class SceneResult:
             elif term.role == "damping":
                 name = "C" if term.symmetric else "Y"
                 pieces.setdefault(name, []).append((factor, term.matrix))
-            elif not term.symmetric:
-                pieces["K_f"].append((-factor, term.matrix))
+            elif term.contact:
+                name, sign = ("K_n", 1) if term.symmetric else ("K_f", -1)
+                pieces[name].append((sign * factor, term.matrix))
             else:
-                of_contact = any(term.matrix is c.stiffness for c in self.system.contacts)
-                pieces["K_n" if of_contact else "K"].append((factor, term.matrix))
+                name = "K" if term.symmetric else "K_c"
+                pieces.setdefault(name, []).append((factor, term.matrix))
         if not pieces["M"]:
             del pieces["M"]
         sums = gathered_sums(pieces, self.system.template)
         low_rank = pencil.low_rank_at(values)
         if low_rank is not None:
-            sums |= gathered_rows("W", low_rank.root(), self.comm)
+            sums |= gathered_rows("W", csr_array(low_rank.root()), self.comm)
+        circulatory = pencil.circulatory_at(values)
+        if circulatory is not None:
+            full = with_circulatory(None, circulatory)
+            left = full.reaction.transpose(PETSc.Mat())
+            for name, matrix in (("L", left), ("N", full.compliance), ("J", full.closure)):
+                sums |= gathered_rows(name, local_part(matrix), self.comm)
+            full.free()
+            destroy(left)
         return sums
 
     def _values(self) -> Mapping[str, float]:

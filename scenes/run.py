@@ -307,11 +307,12 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     if not scene.contacts:
         skipped["search"] = "no contacts"
     if scene.analysis.kind == "static":
-        skipped["mass"] = "static analysis"
+        bodies = scene.bodies.values()
+        used = {"damping": any(body.circulates for body in bodies), "gyroscopic": False}
+        used["mass"] = any(body.rotates_in_equilibrium for body in bodies)
         skipped["eigenvalues"] = "static analysis"
-        skipped.pop("convective stiffness", None)
-        for name in ("damping", "gyroscopic"):
-            if skipped.pop(name, None) is None:
+        for name, acts in used.items():
+            if skipped.pop(name, None) is None and not acts:
                 skipped[name] = "static analysis"
     elif not scene.loads:
         skipped["loads"] = "no loads"

@@ -11,6 +11,7 @@ from cea.eigen.modes import Modes
 from cea.matrices import destroy
 from cea.petsc import Vec
 from cea.system.coupled import CoupledSystem
+from cea.system.equilibrium import LEFT_OVER
 from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
 from cea.warned import ResultWarning
 from scenes.closed_zone import coarse_closed_zone
@@ -18,8 +19,6 @@ from scenes.following import kept_state_warning
 from scenes.geometry_error import geometry_error
 from scenes.read import Scene
 
-_LEFT = 1e-6
-"""Part of the forces that rounding may leave over before it is told."""
 _NOISE = 4.0
 """Closures, in parts of what rounding makes of displacements, that are neither open nor closed."""
 
@@ -132,10 +131,10 @@ def _largest(x: Vec) -> float:
 
 def _residual(steady: SteadySliding) -> Iterator[ResultWarning]:
     """Forces that rounding leaves over, where the contact is very stiff."""
-    if steady.residual > _LEFT:
+    if steady.residual > LEFT_OVER:
         yield ResultWarning(
             "equilibrium-rounding",
-            f"rounding leaves {steady.residual:.1e} of the forces of steady sliding over: contact "
+            f"rounding leaves {steady.residual:.1e} of the load of steady sliding over: contact "
             "pressures have no more digits",
             {"residual": steady.residual},
         )

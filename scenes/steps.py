@@ -32,6 +32,7 @@ def needed_by(scene: Scene) -> dict[str, str]:
             steps["geometric stiffness"] = f"K_geo of {', '.join(bodies)}: asked for"
     if scene.analysis.kind == "cea":
         steps |= _of_velocities(scene)
+    steps |= _of_rotation(scene)
     steps |= _solve(scene)
     for name, count in (("pictures", scene.output.pictures), ("paraview", scene.output.paraview)):
         if count:
@@ -81,8 +82,16 @@ def _of_velocities(scene: Scene) -> dict[str, str]:
     rotations = {n: b.rotation for n, b in scene.bodies.items() if b.rotation is not None}
     if rotations:
         steps["gyroscopic"] = f"Y of {', '.join(rotations)}"
+    return steps
+
+
+def _of_rotation(scene: Scene) -> dict[str, str]:
+    """What rotation makes of displacements that are at rest in space."""
+    steps, rotations = {}, {n: b.rotation for n, b in scene.bodies.items() if b.rotation}
     if convective := [n for n, r in rotations.items() if r.convective_stiffness]:
         steps["convective stiffness"] = f"of {', '.join(convective)}: asked for"
+    if carried := [n for n, body in scene.bodies.items() if body.circulates]:
+        steps["circulatory stiffness"] = f"of {', '.join(carried)}: damping rotates with them"
     return steps
 
 

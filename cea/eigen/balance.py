@@ -52,8 +52,8 @@ class Balance:
 def balance_of(matrices: Matrices, end: float, *, local: bool = False) -> Balance | None:
     """Balance of a pencil at given parameters; None where it is not graded; collective.
 
-    Pencils that it would make unsymmetric are left as they are, and so are those with pieces of
-    low rank and contact forces that are unknowns.
+    Pencils that it would make unsymmetric are left as they are, and so are those with pieces that
+    are never formed and contact forces that are unknowns.
 
     Parameters
     ----------
@@ -66,7 +66,8 @@ def balance_of(matrices: Matrices, end: float, *, local: bool = False) -> Balanc
         a grading beside much larger entries, and also where stiff contacts join bodies of unlike
         masses, which are solved as well without.
     """
-    if matrices.multipliers is not None or matrices.low_rank is not None:
+    beside = (matrices.multipliers, matrices.low_rank, matrices.circulatory)
+    if any(each is not None for each in beside):
         return None
     scale = _mass_scale(matrices.mass)
     if not local and not _stands_out(matrices, end, scale):

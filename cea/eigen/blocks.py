@@ -43,7 +43,7 @@ def _few(rows: int) -> int:
 
 def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
     """Matrix times a block of vectors, real and imaginary parts side by side."""
-    if matrix.getSize()[0] != matrix.getSize()[1]:
+    if matrix.getSize()[0] != matrix.getSize()[1] and matrix.comm.size > 1:
         x, y = matrix.createVecRight(), matrix.createVecLeft()
         return _one_by_one(matrix.mult, x, y, vectors)
     if not np.iscomplexobj(vectors):
@@ -52,19 +52,20 @@ def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
     parts = np.empty((rows, 2 * n), order="F")
     parts[:, :n], parts[:, n:] = vectors.real, vectors.imag
     result = image_of(matrix, parts)
-    image = np.empty((rows, n), dtype=complex, order="F")
+    image = np.empty((len(result), n), dtype=complex, order="F")
     image.real, image.imag = result[:, :n], result[:, n:]
     return image
 
 
 def image_of(matrix: Any, vectors: Floats) -> Floats:
-    """Square matrix times a block of real vectors, in Fortran order."""
-    image = np.empty(vectors.shape, order="F")
-    at_once, layout = _few(matrix.getSize()[0]), matrix.getSizes()[1]
+    """Matrix times a block of real vectors, in Fortran order; a square one on several ranks."""
+    rows, layout = matrix.getSizes()
+    image = np.empty((rows[0], vectors.shape[1]), order="F")
+    at_once = _few(max(*matrix.getSize(), 1))
     for start in range(0, vectors.shape[1], at_once):
         columns = slice(start, start + at_once)
         block = dense(vectors[:, columns], layout, matrix.comm)
-        product = dense(image[:, columns], layout, matrix.comm)
+        product = dense(image[:, columns], rows, matrix.comm)
         matrix.matMult(block, product)  # into the memory of the image
         destroy(product, block)
     return image

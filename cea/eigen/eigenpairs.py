@@ -209,6 +209,8 @@ def internal_forces(
     force = times(matrices.stiffness, x)
     if matrices.unsymmetric is not None:
         force += (transposed_times if transposed else times)(matrices.unsymmetric, x)
+    if matrices.circulatory is not None:
+        force += matrices.circulatory.times(x, transposed=transposed)
     if (forces := matrices.multipliers) is not None:
         force += transposed_times(forces.closure if transposed else forces.reaction, f)
     return force

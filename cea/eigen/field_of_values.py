@@ -10,7 +10,6 @@ for every x, kappa lies in the cone
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from cea.arrays import Floats
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.dense_products import combined, subtract
 from cea.eigen.eliminated_forces import EliminatedForces, mean_and_half
+from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import balanced, count_below, force_scale, nested
@@ -32,7 +32,7 @@ from cea.matrices import (
     scaled_total,
     symmetrised,
 )
-from cea.petsc import MPI, Mat, PETSc
+from cea.petsc import MPI, PETSc
 
 type Operation = Callable[[Floats], Floats]
 """What takes the rows of this rank of a block of vectors to those of another."""
@@ -77,6 +77,10 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     those that its closures leave open have rows of their own, and a negative eigenvalue. N has
     M^T C^-1 D - D^T C^-1 M of them (:mod:`cea.eigen.eliminated_forces`).
 
+    Circulatory pieces are not in the factors. Their skew part is in N; with the part s < 1 of
+    H + X M that a mesh makes of their symmetric one, H + X M is no less than 1 - s of what it is
+    without, and the slope is greater by 1 / (1 - s).
+
     Parameters
     ----------
     matrices
@@ -84,8 +88,8 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     depth
         X (1/s^2).
     cone
-        Whether the slope is wanted too; it stays infinite where forces are tied, or depend on each
-        other.
+        Whether the slope is wanted too, without which there is no bound with circulatory pieces; it
+        stays infinite where forces are tied, or depend on each other.
 
     Raises
     ------
@@ -95,13 +99,15 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     if matrices.symmetric:
         return FieldOfValues(depth, count_below(matrices, -depth) == 0, 0.0)
     factors, bounded = factorised_hermitian(hermitian_part(matrices, depth), matrices)
-    slope = np.inf
+    slope, share = np.inf, 0.0 if matrices.circulatory is None else np.inf
     if factors is None:
         return FieldOfValues(depth, bounded=False)
     if cone and bounded and has_cone(matrices) and not factors.null_pivots():
-        slope = SAFETY * _slope(factors, matrices, depth)
+        slope, share = (SAFETY * each for each in _quotients(factors, matrices, depth))
     factors.free()
-    return FieldOfValues(depth, bounded, slope)
+    if not share < 1:
+        return FieldOfValues(depth, bounded=False)
+    return FieldOfValues(depth, bounded, slope / (1 - share))
 
 
 def has_cone(matrices: Matrices) -> bool:
@@ -110,7 +116,9 @@ def has_cone(matrices: Matrices) -> bool:
     return forces is None or EliminatedForces.possible(forces)
 
 
-def factorised_hermitian(hermitian: Any, matrices: Matrices) -> tuple[Mumps | None, bool]:
+def factorised_hermitian(
+    hermitian: Any, matrices: Matrices, *, circulatory: bool = False
+) -> tuple[Mumps | None, bool]:
     """A matrix in the place of H + X M, with the contact forces, factorised.
 
     Parameters
@@ -119,6 +127,8 @@ def factorised_hermitian(hermitian: Any, matrices: Matrices) -> tuple[Mumps | No
         Symmetric, PETSc AIJ, on the displacements; it is freed, or with the factors.
     matrices
         The pencil, whose contact forces are taken.
+    circulatory
+        Whether its circulatory pieces are taken too, as such forces.
 
     Returns
     -------
@@ -130,14 +140,19 @@ def factorised_hermitian(hermitian: Any, matrices: Matrices) -> tuple[Mumps | No
     ConvergenceError
         When the factorisation fails.
     """
-    expected = 0
-    if matrices.multipliers is not None:
-        bordered = _with_forces(hermitian, matrices)
+    expected, forces = 0, matrices.multipliers
+    if circulatory and matrices.circulatory is not None:
+        forces = with_circulatory(matrices.multipliers, matrices.circulatory)
+    if forces is not None:
+        bordered = _with_forces(hermitian, forces)
         destroy(hermitian)
+        expected = forces.size + forces.dependent
+        if forces is not matrices.multipliers:
+            forces.free()
         if bordered is None:
             return None, False
-        hermitian, expected = bordered, matrices.multipliers.size + matrices.multipliers.dependent
-    single = matrices.multipliers is None and matrices.size >= _LARGE
+        hermitian = bordered
+    single = forces is None and matrices.size >= _LARGE
     factors = Mumps(hermitian, symmetric=True, inertia=True, single=single)
     if factors.single and not _surely_positive(factors):
         factors.in_double()
@@ -150,50 +165,57 @@ def _surely_positive(factors: Mumps) -> bool:
     return not bad and shares_inertia(factors)
 
 
-def _slope(factors: Mumps, matrices: Matrices, depth: float) -> float:
-    """Estimate from below of max abs(x^H N x) / x^H (H + X M) x, of factors of H + X M."""
+def _quotients(factors: Mumps, matrices: Matrices, depth: float) -> tuple[float, float]:
+    """Estimates from below of the largest abs(x^H N x) / x^H (H + X M) x and of another quotient.
+
+    That is the same with the symmetric part of circulatory pieces, which H is without, in the
+    place of N. The factors are those of H + X M.
+    """
     rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
+    forces: EliminatedForces | None = None
+    of_bodies = factors.matrix
+    if matrices.multipliers is not None:
+        try:
+            forces = EliminatedForces(matrices.multipliers)
+        except ConvergenceError:  # what shows nothing must not end a run
+            return np.inf, 0.0 if matrices.circulatory is None else np.inf
+        of_bodies = hermitian_part(matrices, depth)
     skew = None
     if matrices.unsymmetric is not None:
         skew = antisymmetrised(matrices.unsymmetric.copy())
-    if matrices.multipliers is None:
-        image, turned = partial(image_of, factors.matrix), partial(image_of, skew)
-        slope = largest_quotient(factors.solve_block, image, turned, rows, comm)
-    else:
-        slope = _slope_with_forces(factors, matrices, depth, skew)
-    if skew is not None:
-        destroy(skew)
-    return slope
-
-
-def _slope_with_forces(factors: Mumps, matrices: Matrices, depth: float, skew: Mat | None) -> float:
-    """The same where contact forces are unknowns of the factors, beside those in H and N."""
-    assert matrices.multipliers is not None
-    rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
-    try:
-        forces = EliminatedForces(matrices.multipliers)
-    except ConvergenceError:  # what shows nothing must not end a run
-        return np.inf
-    of_bodies = hermitian_part(matrices, depth)
+    circulatory = matrices.circulatory
     every = factors.matrix.getLocalSize()[0]
 
     def solve(b: Floats) -> Floats:
+        if forces is None:
+            return factors.solve_block(b)
         whole = np.zeros((every, b.shape[1]), order="F")
         whole[:rows] = b
         return factors.solve_block(whole)[:rows]
 
     def image(x: Floats) -> Floats:
-        return np.asfortranarray(image_of(of_bodies, x) + forces.symmetric(x))
+        own = image_of(of_bodies, x)
+        return own if forces is None else np.asfortranarray(own + forces.symmetric(x))
 
     def turned(x: Floats) -> Floats:
-        part = forces.skew(x)
-        return np.asfortranarray(part if skew is None else part + image_of(skew, x))
+        parts = [] if skew is None else [image_of(skew, x)]
+        if forces is not None:
+            parts.append(forces.skew(x))
+        if circulatory is not None:
+            parts.append(circulatory.skew(x))
+        return np.asfortranarray(sum(parts[1:], parts[0]))
 
     try:
-        return largest_quotient(solve, image, turned, rows, comm)
+        slope = largest_quotient(solve, image, turned, rows, comm)
+        if circulatory is None:
+            return slope, 0.0
+        return slope, largest_quotient(solve, image, circulatory.symmetric, rows, comm)
     finally:
-        forces.free()
-        destroy(of_bodies)
+        if forces is not None:
+            forces.free()
+            destroy(of_bodies)
+        if skew is not None:
+            destroy(skew)
 
 
 def largest_quotient(
@@ -204,9 +226,9 @@ def largest_quotient(
     comm: Any,
     steps: int = _STEPS,
 ) -> float:
-    """Estimate from below of max abs(x^H N x) / x^H H x, N skew, by block Krylov.
+    """Estimate from below of max abs(x^H N x) / x^H H x, N skew or symmetric, by block Krylov.
 
-    Orthonormal in H, with which H^-1 N is skew.
+    Orthonormal in H, with which H^-1 N is skew, or symmetric.
 
     Parameters
     ----------
@@ -252,10 +274,8 @@ def hermitian_part(matrices: Matrices, depth: float) -> Any:
     return total
 
 
-def _with_forces(hermitian: Any, matrices: Matrices) -> Any | None:
+def _with_forces(hermitian: Any, forces: Multipliers) -> Any | None:
     """H with the forces of contacts as two sets of unknowns; None where there is no bound."""
-    forces = matrices.multipliers
-    assert forces is not None
     mean, half = mean_and_half(forces)
     scale = force_scale(hermitian, forces)
     mean.diagonalScale(L=scale)

@@ -28,15 +28,19 @@ _UNSOLVED = 1e-2
 """Relative error of a known solution beyond which the sum counts as singular."""
 
 
-class Blocks(Protocol):
+class Solver(Protocol):
+    """A matrix A that systems are solved with."""
+
+    def solve(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
+        """A^-1 b, or A^-T b, for every column: the rows of this rank, shape (n_local, columns)."""
+        ...
+
+
+class Blocks(Solver, Protocol):
     """A matrix A that is multiplied with blocks, and with its inverse."""
 
     def times(self, x: NDArray[Any], *, transposed: bool) -> NDArray[Any]:
-        """A x, or A^T x, for every column: the rows of this rank, shape (n_local, columns)."""
-        ...
-
-    def solve(self, b: NDArray[Any], *, transposed: bool) -> NDArray[Any]:
-        """A^-1 b, or A^-T b, for every column."""
+        """A x, or A^T x, for every column."""
         ...
 
 

@@ -7,15 +7,21 @@
 with J the closures that forces work on, R what friction adds to their reactions, c_f proportional
 to mu and c_c = 1/P. Multipliers carry no mass. Where closures depend on each other, Z tells forces
 from those that only their friction would feel (:mod:`cea.eigen.dependence`); e is then zero.
+
+Circulatory pieces of the stiffness, c L N^-1 J, may follow as unknowns of the same form,
+w = N^-1 J x (:mod:`cea.eigen.circulatory`).
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import sqrt
+from typing import Any
 
+from cea.eigen.circulatory import CirculatorySum
 from cea.eigen.dependence import Dependence
 from cea.eigen.parameters import Coefficient
-from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total
-from cea.petsc import Mat
+from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total, zeros
+from cea.petsc import Mat, PETSc
 
 _YIELDING = 1e-3
 """Least compliance, relative to that of the bodies, at which dependent closures do no harm."""
@@ -182,3 +188,41 @@ class AllForces:
             rows = [part.closure.getLocalSize()[0] for part in self.parts]
             self._dependences[tolerance] = Dependence.of(closure, rows, tolerance)
         return self._dependences[tolerance]
+
+
+def with_circulatory(contacts: Multipliers | None, circulatory: CirculatorySum) -> Multipliers:
+    """Contact forces and below them, as new matrices, the unknowns of circulatory pieces.
+
+    L and J of a piece share its factor so that both are of one size.
+
+    Parameters
+    ----------
+    contacts
+        The contact forces; None without.
+    circulatory
+        The pieces.
+    """
+    closures, reactions, compliances = [], [], []
+    if contacts is not None:
+        closures, reactions = [contacts.closure], [contacts.reaction]
+        compliances = [contacts.compliance]
+    own = []
+    for factor, piece in circulatory.parts:
+        of_right = sqrt(factor * piece.balance)
+        closures.append(scaled_total([(of_right, piece.right)]))
+        reactions.append(piece.left.transpose(PETSc.Mat()))
+        reactions[-1].scale(factor / of_right)
+        compliances.append(piece.middle)
+        own += [closures[-1], reactions[-1]]
+    closure, reaction = one_below_the_other(closures), one_below_the_other(reactions)
+    compliance = block_diagonal(compliances).convert("aij")
+    destroy(*own)
+    border = None
+    if contacts is not None and contacts.border is not None:
+        rows = sum(piece.middle.getLocalSize()[0] for _, piece in circulatory.parts)
+        columns: Any = contacts.border.getSizes()[1]
+        below = zeros((rows, PETSc.DETERMINE), columns, closure.comm)
+        border = one_below_the_other([contacts.border, below])
+        destroy(below)
+    tied = 0 if contacts is None else contacts.tied
+    return Multipliers(closure, reaction, compliance, border, tied, stacked=True)

@@ -4,8 +4,9 @@
 
 with coefficients c_j in named parameters t. K of a body scales with its E, M with its rho, K_n and
 K_f of a contact with P and mu P; C holds damping and gyroscopic pieces alike. Contact
-forces may be unknowns beside the displacements (:mod:`cea.eigen.multipliers`). One object
-serves a single run, a sweep, a threshold, a derivative.
+forces may be unknowns beside the displacements (:mod:`cea.eigen.multipliers`); circulatory pieces
+of K are never formed (:mod:`cea.eigen.circulatory`). One object serves a single run, a sweep, a
+threshold, a derivative.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
+from cea.eigen.circulatory import CirculatorySum, CirculatoryTerm, circulatory_sum
 from cea.eigen.low_rank import LowRankSum, LowRankTerm, sum_of
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Parameter
@@ -42,7 +44,7 @@ class Term:
     symmetric
         Whether A is symmetric, to the last bit.
     contact
-        Whether A is the stiffness K_n of a contact, normal to it.
+        Whether A is the stiffness of a contact: K_n, normal to it, or what friction makes.
     """
 
     role: Role
@@ -61,7 +63,8 @@ class Matrices:
     stiffness
         Symmetric part S of K, PETSc AIJ (N/m).
     unsymmetric
-        The rest of K, which friction makes, PETSc AIJ (N/m); None without.
+        The rest of K, which friction makes, and damping of bodies that rotate, PETSc AIJ (N/m);
+        None without.
     mass
         M, PETSc AIJ (kg), symmetric positive definite; None in statics.
     multipliers
@@ -73,6 +76,8 @@ class Matrices:
     low_rank
         Pieces of C of low rank, symmetric and positive semidefinite (N s/m), which are beside
         ``damping``; None without.
+    circulatory
+        Circulatory pieces of K (N/m), which are beside ``unsymmetric``; None without.
     contacts
         Pieces K_n of the stiffness with their coefficients (N/m).
     nodes
@@ -86,13 +91,15 @@ class Matrices:
     damping: Mat | None = None
     gyroscopic: Mat | None = None
     low_rank: LowRankSum | None = None
+    circulatory: CirculatorySum | None = None
     contacts: tuple[tuple[float, Mat], ...] = ()
     nodes: Nodes | None = None
 
     @property
     def symmetric(self) -> bool:
-        """True without friction: S and the multipliers are symmetric."""
-        return self.unsymmetric is None and (self.multipliers is None or self.multipliers.symmetric)
+        """True without friction and circulatory pieces: S and the multipliers are symmetric."""
+        unsymmetric = self.unsymmetric is not None or self.circulatory is not None
+        return not unsymmetric and (self.multipliers is None or self.multipliers.symmetric)
 
     @property
     def quadratic(self) -> bool:
@@ -132,6 +139,8 @@ class Pencil:
         Contact forces that are unknowns, by contact.
     low_rank
         Pieces of the damping of low rank.
+    circulatory
+        Circulatory pieces of the stiffness.
     leave_out
         Whether pieces whose coefficient is zero are left out: without friction the problem is then
         symmetric.
@@ -153,6 +162,7 @@ class Pencil:
         parameters: Iterable[Parameter] = (),
         forces: Sequence[ForcesOfContact] = (),
         low_rank: Iterable[LowRankTerm] = (),
+        circulatory: Iterable[CirculatoryTerm] = (),
         *,
         leave_out: bool = True,
         nodes: Nodes | None = None,
@@ -164,11 +174,13 @@ class Pencil:
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
         self.low_rank = tuple(low_rank)
+        self.circulatory = tuple(circulatory)
         self._all_forces = AllForces(self.forces) if self.forces else None
-        coefficients = [t.coefficient for t in self.terms]
-        coefficients += [t.coefficient for t in self.low_rank]
-        coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
-        unknown = {name for c in coefficients for name in c.names} - set(self.parameters)
+        self._coefficients: list[Dependence] = [t.coefficient for t in self.terms]
+        self._coefficients += [t.coefficient for t in self.low_rank]
+        self._coefficients += [t.coefficient for t in self.circulatory]
+        self._coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
+        unknown = self.names - set(self.parameters)
         if unknown:
             raise InputError("parameters", sorted(self.parameters), f"with {sorted(unknown)}")
 
@@ -211,6 +223,21 @@ class Pencil:
         terms.append(Term("stiffness", friction, coefficient, symmetric=False))
         return cls(terms, [Parameter(FRICTION, 1.0)], near_contact=lambda: near_contact)
 
+    def at_rest(self) -> "Pencil":
+        """Its stiffness alone: what an equilibrium obeys."""
+        return Pencil(
+            [term for term in self.terms if term.role == "stiffness"],
+            self.parameters.values(),
+            self.forces,
+            circulatory=self.circulatory,
+            leave_out=self.leave_out,
+        )
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters that its pieces depend on."""
+        return frozenset(name for each in self._coefficients for name in each.names)
+
     @property
     def damped(self) -> bool:
         """Whether anything acts on velocities at some parameters."""
@@ -243,10 +270,8 @@ class Pencil:
 
     @property
     def stiffness_parameters(self) -> frozenset[str]:
-        """Parameters that K and the contact forces depend on, and so an equilibrium."""
-        coefficients = [t.coefficient for t in self.terms if t.role == "stiffness"]
-        coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
-        return frozenset(name for c in coefficients for name in c.names)
+        """Parameters that its stiffness depends on, and so an equilibrium."""
+        return self.at_rest().names
 
     def check(self, changes: Mapping[str, float]) -> None:
         """Refuse parameters at which the pieces would be others.
@@ -302,12 +327,21 @@ class Pencil:
             damping=C,
             gyroscopic=self._sum("damping", values, symmetric=False),
             low_rank=self.low_rank_at(values),
+            circulatory=self.circulatory_at(values),
             multipliers=(
                 self._all_forces.at(values, leave_out=self.leave_out) if self._all_forces else None
             ),
-            contacts=tuple((t.coefficient.at(values), t.matrix) for t in self.terms if t.contact),
+            contacts=tuple(
+                (t.coefficient.at(values), t.matrix)
+                for t in self.terms
+                if t.contact and t.symmetric
+            ),
             nodes=self.nodes,
         )
+
+    def circulatory_at(self, values: Mapping[str, float]) -> CirculatorySum | None:
+        """Circulatory pieces at given values of all parameters; None where all vanish."""
+        return circulatory_sum((t.coefficient.at(values), t.piece) for t in self.circulatory)
 
     def low_rank_at(self, values: Mapping[str, float]) -> LowRankSum | None:
         """Pieces of low rank at given values of all parameters; None where all vanish."""

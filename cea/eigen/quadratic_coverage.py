@@ -12,8 +12,8 @@ where H + (g^2 - omega^2) M + g C - omega diag(y) has no negative eigenvalue, no
 
     g <= max(t omega + 2 d, sqrt(2 X)).
 
-Rotation does not enter it. H and C are symmetric parts, Y the skew one. Pieces of C of low rank are
-positive semidefinite: both hold for the sum where they hold without them.
+The gyroscopic matrix does not enter it. H and C are symmetric parts, Y the skew one. Pieces of C of
+low rank are positive semidefinite: both hold for the sum where they hold without them.
 """
 
 from typing import Any
@@ -112,7 +112,7 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
         sums = _skew_row_sums(matrices.gyroscopic)
         hermitian.axpy(-end, sums, structure=_DIFFERENT)
         destroy(sums)
-    factors, bounded = factorised_hermitian(hermitian, matrices)
+    factors, bounded = factorised_hermitian(hermitian, matrices, circulatory=True)
     if factors is not None:
         factors.free()
     return bounded

@@ -25,10 +25,9 @@ from cea.eigen.blocks import (
     image_of,
     norms,
     times,
-    transposed_times,
 )
 from cea.eigen.clusters import cluster_bounds
-from cea.eigen.eigenpairs import LUMPED, SMALL
+from cea.eigen.eigenpairs import LUMPED, SMALL, internal_forces
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
 from cea.eigen.quadratic_search import MARGIN
@@ -224,7 +223,7 @@ def _residuals(
         value, part = values[block], x[:, block]
         inertia = times(mass, part)
         drag = damping.times(part)
-        defect = _elastic(matrices, part, f[:, block]) + inertia * value**2 + drag * value
+        defect = internal_forces(matrices, part, f[:, block]) + inertia * value**2 + drag * value
         forces = sizes.forces(value, part, f[:, block])
         works = comm.tompi4py().allreduce(np.einsum("ij,ij->j", np.abs(part), forces))
         rounding = np.finfo(float).eps * works
@@ -246,16 +245,6 @@ def _residuals(
     return residuals, errors, least
 
 
-def _elastic(matrices: Matrices, x: Complexes, f: Complexes) -> Complexes:
-    """K x + L^T f."""
-    force = times(matrices.stiffness, x)
-    if matrices.unsymmetric is not None:
-        force += times(matrices.unsymmetric, x)
-    if matrices.multipliers is not None:
-        force += transposed_times(matrices.multipliers.reaction, f)
-    return force
-
-
 class QuadraticSizes:
     """Absolute values of all matrices of a quadratic pencil."""
 
@@ -263,6 +252,7 @@ class QuadraticSizes:
         self._stiffness = Sizes(matrices)
         self._mass = absolute(matrices.mass)
         self._damping = damping
+        self._circulatory = matrices.circulatory
 
     def forces(self, values: Complexes, x: Complexes, f: Complexes) -> Floats:
         """What the parts of P(lambda) x come to, the rows of this rank.
@@ -272,6 +262,8 @@ class QuadraticSizes:
         size, speed = np.abs(x), np.abs(values)
         forces = image_of(self._mass, size) * speed**2
         forces += self._damping.sizes(size) * speed
+        if self._circulatory is not None:
+            forces += self._circulatory.sizes(x)
         return forces + self._stiffness.forces(size, 2 * np.abs(f))
 
     def free(self) -> None:

@@ -9,7 +9,9 @@ real and imaginary part of an unknown one after the other, so that the order of 
 of P. There are four times the factors of a real shift, and a solve takes twice the time. Factors of
 Re P with steps of GMRES instead take some thirty steps a solve and are slower by far. Contact
 forces that are unknowns stand beside the displacements (:mod:`cea.eigen.shifted`). Pieces of C of
-low rank stay out of the factors (:mod:`cea.eigen.low_rank_update`).
+low rank stay out of the factors (:mod:`cea.eigen.low_rank_update`), and so do circulatory pieces of
+K at a complex shift where they are small (:mod:`cea.eigen.neumann`); otherwise they are unknowns
+beside the forces.
 """
 
 from collections.abc import Callable
@@ -21,9 +23,11 @@ from scipy.sparse import csr_array, kron
 
 from cea.arrays import Floats
 from cea.eigen.blocks import image_of, transposed_times
-from cea.eigen.low_rank import LowRankSum
-from cea.eigen.low_rank_update import LowRankUpdate
+from cea.eigen.circulatory import CirculatorySum
+from cea.eigen.low_rank_update import LowRankUpdate, Solver
+from cea.eigen.multipliers import with_circulatory
 from cea.eigen.mumps import Mumps
+from cea.eigen.neumann import NeumannSeries
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import bordered, force_scale
 from cea.errors import ConvergenceError
@@ -52,25 +56,47 @@ class QuadraticShifted:
     def __init__(self, matrices: Matrices, shift: complex) -> None:
         self.matrices, self.shift = matrices, shift
         self._local = matrices.stiffness.getLocalSize()[0]
-        is_complex = isinstance(shift, complex) and shift.imag != 0
-        self._symmetric = matrices.symmetric and matrices.gyroscopic is None and not is_complex
+        self._complex = isinstance(shift, complex) and shift.imag != 0
+        symmetric = matrices.symmetric and matrices.gyroscopic is None
+        self._symmetric = symmetric and not self._complex
         self._forces = matrices.multipliers
         self._scale: Any | None = None
+        self._factors: _Factors | None = None
+        self._update: LowRankUpdate | None = None
+        circulatory = matrices.circulatory
+        if circulatory is None or not (self._complex and self._is_small(circulatory)):
+            if circulatory is not None:
+                self._forces = with_circulatory(matrices.multipliers, circulatory)
+            self._solver: Solver = self._factorised()
+
+    def _is_small(self, circulatory: CirculatorySum) -> bool:
+        """Whether circulatory pieces are small beside the rest, whose factors serve then."""
+        try:
+            self._solver = NeumannSeries(
+                self._factorised(),
+                circulatory,
+                rows=self._rows,
+                local=self._local,
+                comm=self.matrices.stiffness.comm,
+            )
+        except ConvergenceError:
+            self._free_factors()
+            return False
+        return True
+
+    def _factorised(self) -> Solver:
+        """Factors with the forces, and what solves with the pieces of low rank too."""
         operator = self._operator()
         self._rows = operator.getLocalSize()[0]
-        if is_complex:
+        if self._complex:
             operator = self._doubled(operator)
-        self._factors = _Factors(operator, self._rows, symmetric=self._symmetric)
-        self._update: LowRankUpdate | None = None
-        if matrices.low_rank is not None:
-            self._update = self._updated(matrices.low_rank)
-
-    def _updated(self, low_rank: LowRankSum) -> LowRankUpdate:
-        """What solves with the pieces of low rank too."""
+        factors = self._factors = _Factors(operator, self._rows, symmetric=self._symmetric)
+        if self.matrices.low_rank is None:
+            return factors
         try:
-            return LowRankUpdate(
-                self._factors,
-                low_rank.root(),
+            self._update = LowRankUpdate(
+                factors,
+                self.matrices.low_rank.root(),
                 self.shift,
                 rows=self._rows,
                 symmetric=self.matrices.symmetric and self.matrices.gyroscopic is None,
@@ -79,6 +105,7 @@ class QuadraticShifted:
         except ConvergenceError:
             self.free()
             raise
+        return self._update
 
     def _operator(self) -> Any:
         """Re P(s), with the contact forces."""
@@ -122,12 +149,11 @@ class QuadraticShifted:
         if self._rows > self._local:
             whole = np.zeros((self._rows, b.shape[1]), dtype=b.dtype, order="F")
             whole[: self._local] = b
-        solver = self._factors if self._update is None else self._update
-        solution = solver.solve(whole, transposed=transposed)
-        end = self._local
-        if self._scale is None:
-            return solution, solution[end:]
-        scale = self._scale.array_r[:, None]
+        solution = self._solver.solve(whole, transposed=transposed)
+        end, forces = self._local, self.matrices.multipliers
+        if self._scale is None or forces is None:
+            return solution[:end], solution[end:end]
+        scale = self._scale.array_r[: forces.compliance.getLocalSize()[0], None]
         return solution[:end], solution[end : end + len(scale)] * scale
 
     def parity(self) -> int | None:
@@ -144,14 +170,22 @@ class QuadraticShifted:
             if self._forces.tied:
                 return None
             count = self._forces.size
+        assert self._factors is not None
         sign = self._factors.sign() * (1 if self._update is None else self._update.sign())
         return int(sign != (-1) ** count)
 
     def free(self) -> None:
         """Free the factors."""
-        self._factors.free()
+        self._free_factors()
+        if self._forces is not None and self._forces is not self.matrices.multipliers:
+            self._forces.free()
+
+    def _free_factors(self) -> None:
+        if self._factors is not None:
+            self._factors.free()
         if self._scale is not None:
             destroy(self._scale)
+        self._factors = self._update = self._scale = None
 
 
 class _Factors:

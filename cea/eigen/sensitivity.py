@@ -166,6 +166,10 @@ def derivatives(
             power = eigenvalues ** POWERS[term.role]
             change += slope * power * _projected(term.matrix, left.vectors, vectors)
     comm, first = pencil.comm, 0
+    for circulatory in pencil.circulatory:
+        slope = circulatory.coefficient.derivative(name, values)
+        if slope:
+            change += slope * all_inner(left.vectors, circulatory.piece.times(vectors), comm)
     for piece in pencil.low_rank:
         slope = piece.coefficient.derivative(name, values)
         if slope:

@@ -7,7 +7,8 @@ With forces f as unknowns (:mod:`cea.eigen.multipliers`) the matrix at kappa = -
                [               Z^T     ]
 
 and the displacement part of A(kappa)^-1 [r; 0] is what drivers iterate with: multipliers carry no
-mass, and Krylov spaces stay ones of displacements.
+mass, and Krylov spaces stay ones of displacements. Circulatory pieces of K are unknowns beside the
+forces.
 """
 
 from dataclasses import replace
@@ -18,7 +19,7 @@ from scipy.sparse import csr_array, diags_array
 
 from cea.arrays import Floats
 from cea.eigen.factorisation import Refined
-from cea.eigen.multipliers import Multipliers
+from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.matrices import destroy, distributed, identity, largest_row, local_part
@@ -53,7 +54,9 @@ class Shifted:
     ) -> None:
         self.kappa = self._first = kappa
         self.matrices = matrices
-        self._multipliers = matrices.multipliers
+        self._multipliers, circulatory = matrices.multipliers, matrices.circulatory
+        if circulatory is not None:
+            self._multipliers = with_circulatory(matrices.multipliers, circulatory)
         self._local = matrices.stiffness.getLocalSize()[0]
         self._scale: Any | None = None
         self._own_scale = near is None
@@ -83,9 +86,8 @@ class Shifted:
     @property
     def multipliers(self) -> int:
         """Number of contact forces on this rank that are unknowns."""
-        return (
-            0 if self._multipliers is None else int(self._multipliers.compliance.getLocalSize()[0])
-        )
+        forces = self.matrices.multipliers
+        return 0 if forces is None else int(forces.compliance.getLocalSize()[0])
 
     def move(self, kappa: float) -> None:
         """Factorise at another shift instead.
@@ -140,7 +142,7 @@ class Shifted:
         solution = self._factors.solve_block(whole, transposed=transposed)
         if self._scale is None:
             return solution, solution[self._local :]
-        scale = self._scale.array_r[:, None]
+        scale = self._scale.array_r[: self.multipliers, None]
         end = self._local + len(scale)
         return solution[: self._local], solution[self._local : end] * scale
 
@@ -173,6 +175,8 @@ class Shifted:
         """Free the factors."""
         self._factors.free()
         destroy(*(v for v in (self._x, self._b) if v is not None))
+        if self._multipliers is not None and self._multipliers is not self.matrices.multipliers:
+            self._multipliers.free()
         if self._scale is not None and self._own_scale:
             destroy(self._scale)
 

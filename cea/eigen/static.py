@@ -101,8 +101,11 @@ def rounding_uncertainty(matrices: Matrices, factors: Shifted, x: Floats, f: Flo
     """
     comm = matrices.stiffness.comm.tompi4py()
     sizes = Sizes(matrices)
-    rounding = np.finfo(float).eps * sizes.forces(np.abs(x), np.abs(f))
+    forces = sizes.forces(np.abs(x), np.abs(f))
     sizes.free()
+    if matrices.circulatory is not None:
+        forces += matrices.circulatory.sizes(x)
+    rounding = np.finfo(float).eps * forces
     signs = np.random.default_rng(comm.rank).choice([-1.0, 1.0], size=(len(x), _PROBES))
     moved = factors.solve_block(rounding * signs)
     largest = np.array([np.abs(moved).max(initial=0.0), np.abs(x).max(initial=0.0)])

@@ -12,6 +12,7 @@ Forces of sides that are tied stay constraints, J x = 0, of all vectors.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -82,6 +83,7 @@ class Pieces:
         self.all = (
             *self._of_terms(pencil),
             *self._of_low_rank(pencil),
+            *self._of_circulatory(pencil),
             *self._of_forces(pencil),
         )
 
@@ -123,6 +125,12 @@ class Pieces:
         for term in pencil.low_rank:
             times = _low_rank_product(term.piece, pencil.comm)
             yield Piece("damping", term.coefficient, times, times)
+
+    def _of_circulatory(self, pencil: Pencil) -> Iterator[Piece]:
+        """What damping that rotates with a body makes of displacements."""
+        for term in pencil.circulatory:
+            transposed = partial(term.piece.times, transposed=True)
+            yield Piece("stiffness", term.coefficient, term.piece.times, transposed)
 
     def _of_forces(self, pencil: Pencil) -> Iterator[Piece]:
         """What forces of contacts come to once they are eliminated."""

@@ -37,6 +37,18 @@ class Motion:
     rotation: Rotation | None = None
     modal: ModalDamping | None = None
 
+    @property
+    def circulates(self) -> bool:
+        """Whether damping is carried along by a rotation."""
+        damped = self.damping is not None or self.modal is not None
+        return damped and self.rotation is not None
+
+    @property
+    def in_equilibrium(self) -> bool:
+        """Whether it acts on displacements that are at rest in space."""
+        convective = self.rotation is not None and self.rotation.convective_stiffness
+        return self.circulates or convective
+
 
 STILL = Motion()
 """Neither damped nor rotating."""
@@ -46,6 +58,9 @@ def body_terms(
     path: str, body: Body, motion: Motion, embedded: Callable[[Mat], Mat], *, with_mass: bool
 ) -> Iterator[Term]:
     """K and M of a body, and what damping and rotation make of it.
+
+    Modal damping and what a rotation carries along of damping come from
+    :mod:`cea.system.modal_damping` and :mod:`cea.system.rotating_damping`.
 
     Parameters
     ----------
@@ -58,15 +73,18 @@ def body_terms(
     embedded
         Takes a matrix of the body to one of all unknowns.
     with_mass
-        Whether there is mass.
+        Whether there is mass, and velocities count; otherwise only the stiffness is made.
     """
     for role, matrix, coefficient in _pieces(path, body, embedded, with_mass):
         yield Term(role, matrix, coefficient)
-        if motion.damping is not None:
+        if with_mass and motion.damping is not None:
             factor = {"mass": "alpha", "stiffness": "beta"}[role]
             yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
     if motion.rotation is not None:
-        yield from _rotation_terms(path, body, motion.rotation, embedded)
+        if with_mass:
+            yield _gyroscopic_term(path, body, motion.rotation, embedded)
+        if motion.rotation.convective_stiffness:
+            yield _convective_term(path, body, motion.rotation, embedded)
 
 
 def part_terms(
@@ -82,41 +100,47 @@ def part_terms(
         Which scalar dofs of this rank all its cells are among, shape (n_local,).
     """
     stiffness, mass = body.part(nodes)
-    yield Term("stiffness", embedded(stiffness), _of_stiffness(path, body))
-    yield Term("mass", embedded(mass), _of_mass(path, body))
+    yield Term("stiffness", embedded(stiffness), of_stiffness(path, body))
+    yield Term("mass", embedded(mass), of_mass(path, body))
 
 
 def _pieces(
     path: str, body: Body, embedded: Callable[[Mat], Mat], with_mass: bool
 ) -> Iterator[tuple[Role, Mat, Coefficient]]:
     """K and M of a body; springs do not grow with E."""
-    yield "stiffness", embedded(body.stiffness()), _of_stiffness(path, body)
+    yield "stiffness", embedded(body.stiffness()), of_stiffness(path, body)
     if (springs := body.spring_stiffness()) is not None:
         E = {f"{path}.material.E": (body.material.E, 1.0)}
         rest = Coefficient((Monomial(), Monomial(-1.0, E)))
         yield "stiffness", embedded(springs), rest
     if with_mass:
-        yield "mass", embedded(body.mass()), _of_mass(path, body)
+        yield "mass", embedded(body.mass()), of_mass(path, body)
 
 
-def _of_stiffness(path: str, body: Body) -> Coefficient:
+def of_stiffness(path: str, body: Body) -> Coefficient:
+    """Young's modulus of a body, relative to its own."""
     return Coefficient.of({f"{path}.material.E": (body.material.E, 1.0)})
 
 
-def _of_mass(path: str, body: Body) -> Coefficient:
+def of_mass(path: str, body: Body) -> Coefficient:
+    """Density of a body, relative to its own."""
     return Coefficient.of({f"{path}.material.rho": (float(body.material.rho or 0), 1.0)})
 
 
-def _rotation_terms(
+def _gyroscopic_term(
     path: str, body: Body, rotation: Rotation, embedded: Callable[[Mat], Mat]
-) -> Iterator[Term]:
-    """Omega Y and, where asked for, - Omega^2 Z of a body."""
-    mass, rate = _of_mass(path, body), f"{path}.rotation.rate"
-    gyroscopic = embedded(body.gyroscopic(rotation))
-    yield Term("damping", gyroscopic, mass.times(rate), symmetric=False)
-    if rotation.convective_stiffness:
-        matrix = embedded(body.convective_stiffness(rotation))
-        yield Term("stiffness", matrix, mass.times(rate, 2.0, factor=-1.0))
+) -> Term:
+    """Omega Y of a body."""
+    coefficient = of_mass(path, body).times(f"{path}.rotation.rate")
+    return Term("damping", embedded(body.gyroscopic(rotation)), coefficient, symmetric=False)
+
+
+def _convective_term(
+    path: str, body: Body, rotation: Rotation, embedded: Callable[[Mat], Mat]
+) -> Term:
+    """- Omega^2 Z of a body."""
+    coefficient = of_mass(path, body).times(f"{path}.rotation.rate", 2.0, factor=-1.0)
+    return Term("stiffness", embedded(body.convective_stiffness(rotation)), coefficient)
 
 
 def body_parameters(
@@ -124,7 +148,7 @@ def body_parameters(
 ) -> Iterator[Parameter]:
     """Parameters of a body; path, body, motion and mass as for :func:`body_terms`."""
     yield Parameter(f"{path}.material.E", body.material.E, "N/m^2", positive=True)
-    if with_mass:
+    if with_mass or motion.in_equilibrium:
         rho = float(body.material.rho or 0)
         yield Parameter(f"{path}.material.rho", rho, "kg/m^3", positive=True)
     if motion.damping is not None:

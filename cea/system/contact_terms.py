@@ -37,7 +37,8 @@ class ContactPairs:
             if contact.friction is not None and self.rubs(contact):
                 mu = {f"contacts.{contact.pair}.mu": (references[contact.pair], 1.0)}
                 coefficient = Coefficient.of(P | mu, factor=-1.0)
-                yield Term("stiffness", contact.friction, coefficient, symmetric=False)
+                rubbing = contact.friction
+                yield Term("stiffness", rubbing, coefficient, symmetric=False, contact=True)
 
     def forces(
         self, keeping: Sequence[Contact], stiffness_diagonal: Any

@@ -16,15 +16,13 @@ from cea.body import Body
 from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.operators import Contact
 from cea.contact.sliding import Sliding, SlidingDamping, damping_of
-from cea.eigen.low_rank import LowRankTerm
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
-from cea.matrices import block_diagonal, destroy, empty, gather, local_part
+from cea.matrices import block_diagonal, destroy, gather, local_part
 from cea.nodes import Nodes, joined, places
 from cea.petsc import MPI
-from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
+from cea.system.body_pieces import BodyPieces
 from cea.system.contact_terms import ContactPairs
-from cea.system.modal_damping import modal_terms
 from cea.system.near_contact import PARTED_FROM, ContactPieces, near_contact
 from cea.system.sliding_state import SteadySliding
 from cea.system.sliding_terms import sliding_parameters, sliding_terms
@@ -45,16 +43,14 @@ class CoupledSystem:
         PETSc vector of the layout of the unknowns.
     index_sets
         Unknowns of each body, PETSc index sets by name.
-    with_mass
-        Whether the bodies have mass; not in static scenes.
     load
         Forces (N), PETSc vector, None where none were asked for.
     stiffness_diagonal
         Diagonal of K of all bodies (N/m), PETSc vector.
     penalty_digits
         Digits that the penalty form costs, or would cost, by contact.
-    motions
-        Damping and rotation of bodies that have any, by name; none in static scenes.
+    pieces
+        Pieces of a pencil that bodies bring, with their damping and rotation.
     sliding
         How half passes slide, by name, where that damps; none in static scenes.
     steady
@@ -68,11 +64,10 @@ class CoupledSystem:
     contacts: tuple[Contact, ...]
     template: Any
     index_sets: Mapping[str, Any]
-    with_mass: bool
     load: Any | None
     stiffness_diagonal: Any
     penalty_digits: Mapping[str, float]
-    motions: Mapping[str, Motion]
+    pieces: BodyPieces
     sliding: Mapping[str, Sliding]
     steady: SteadySliding | None = None
     prestress: Mapping[str, Any] = field(default_factory=dict)
@@ -90,7 +85,7 @@ class CoupledSystem:
     @cached_property
     def mass(self) -> Any | None:
         """M of all bodies, PETSc AIJ (kg), None in static scenes."""
-        return self._diagonal(lambda body: body.mass()) if self.with_mass else None
+        return self._diagonal(lambda body: body.mass()) if self.pieces.with_mass else None
 
     def _diagonal(self, matrix_of: Callable[[Body], Any]) -> Any:
         return block_diagonal([matrix_of(body) for body in self.bodies.values()]).convert("aij")
@@ -180,11 +175,16 @@ class CoupledSystem:
             tuple(self._pairs.terms(keeping)),
             tuple(self._pairs.forces(keeping, self.stiffness_diagonal)),
         )
+        stressed = [
+            Term("stiffness", self.pieces.square(name, matrix), Coefficient.of({}))
+            for name, matrix in self.prestress.items()
+        ]
         return Pencil(
-            [*self._body_terms(), *contacts.terms, *self._sliding_terms()],
+            [*self.pieces.terms, *stressed, *contacts.terms, *self._sliding_terms()],
             self._parameters(),
             contacts.forces,
-            self._modal_terms,
+            self.pieces.modal_terms,
+            self.pieces.circulatory,
             leave_out=leave_out,
             nodes=self._nodes,
             near_contact=partial(
@@ -196,15 +196,14 @@ class CoupledSystem:
         self, contacts: ContactPieces, *, leave_out: bool, parted_from: int
     ) -> Pencil | None:
         """Pencil of what lies near the contacts, where bodies have mass and are but elastic."""
-        rotates = any(motion.rotation is not None for motion in self.motions.values())
-        if not self.with_mass or self.prestress or rotates:
+        if not self.pieces.with_mass or self.prestress or self.pieces.rotates:
             return None
         return near_contact(
             self.bodies,
             contacts,
             self._parameters(),
             self.template,
-            self._embedded,
+            self.pieces.square,
             leave_out=leave_out,
             parted_from=parted_from,
         )
@@ -259,26 +258,6 @@ class CoupledSystem:
         every = self.template.comm.tompi4py().allreduce(len(known) == len(found), MPI.LAND)
         return joined(known, functions, dim) if every else None
 
-    def _body_terms(self) -> Iterator[Term]:
-        """K, M, C and Y of each body, and what its prestress makes, whatever the parameters."""
-        for name, body in self.bodies.items():
-            path, motion = f"bodies.{name}", self.motions.get(name, STILL)
-            embedded = partial(self._embedded, name)
-            yield from body_terms(path, body, motion, embedded, with_mass=self.with_mass)
-            if name in self.prestress:
-                yield Term("stiffness", embedded(self.prestress[name]), Coefficient.of({}))
-
-    @cached_property
-    def _modal_terms(self) -> tuple[LowRankTerm, ...]:
-        """Modal damping of each body."""
-        first, terms = 0, list[LowRankTerm]()
-        for name, body in self.bodies.items():
-            modal = self.motions.get(name, STILL).modal
-            if modal is not None:
-                terms += modal_terms(f"bodies.{name}", body, modal, first)
-            first += body.expansion.getLocalSize()[1]
-        return tuple(terms)
-
     def _sliding_terms(self) -> Iterator[Term]:
         """Damping of contacts that slide."""
         halves = [
@@ -293,23 +272,9 @@ class CoupledSystem:
         return damping_of(self.bodies, self.contacts, self.sliding)
 
     def _parameters(self) -> Iterator[Parameter]:
-        for name, body in self.bodies.items():
-            motion = self.motions.get(name, STILL)
-            yield from body_parameters(f"bodies.{name}", body, motion, with_mass=self.with_mass)
+        yield from self.pieces.parameters()
         yield from self._pairs.parameters()
         yield from sliding_parameters(self._sliding_damping)
-
-    def _embedded(self, body: str, matrix: Any) -> Any:
-        """Matrix of one body among the unknowns of all."""
-        if len(self.bodies) == 1:
-            return matrix
-        blocks = []
-        for name, other in self.bodies.items():
-            size = other.expansion.getSizes()[1]
-            blocks.append(matrix if name == body else empty(size, self.template.comm))
-        whole = block_diagonal(blocks).convert("aij")
-        destroy(*(block for block in blocks if block is not matrix))
-        return whole
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
         """Full displacement (m) of one body under loads, shape (dim * num_scalar_dofs,).

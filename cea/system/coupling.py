@@ -14,6 +14,7 @@ from cea.contact.prescribed import force_of_prescribed
 from cea.contact.sliding import Sliding
 from cea.matrices import block_diagonal, destroy
 from cea.petsc import PETSc
+from cea.system.body_pieces import BodyPieces
 from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem
 
@@ -43,7 +44,8 @@ def couple(
     leave_out
         Whether slip operators and K_f are left out where mu = 0.
     motions
-        Damping and rotation of bodies that have any, by name; they need the mass.
+        Damping and rotation of bodies that have any, by name. Without mass they act on
+        displacements at rest in space alone.
     sliding
         How half passes slide, by name, where that damps; it needs the mass.
     """
@@ -63,11 +65,10 @@ def couple(
         contacts=with_forms(made, digits),
         template=template,
         index_sets=index_sets,
-        with_mass=with_mass,
         load=load,
         stiffness_diagonal=diagonal,
         penalty_digits=digits,
-        motions=motions or {} if with_mass else {},
+        pieces=BodyPieces(bodies, motions or {}, with_mass, template.comm),
         sliding=sliding or {} if with_mass else {},
     )
 

@@ -42,9 +42,13 @@ def support_reactions(
     -------
     dict
         Shape (supports, dim) each, in their order. Bodies whose contacts are tied, bonded or
-        lumped are left out: the forces of these are not known at points.
+        lumped are left out: the forces of these are not known at points. So are bodies whose
+        rotation puts forces on displacements at rest in space, which are not known at held dofs.
     """
     forces = _contact_forces(system, x)
+    for name, motion in system.pieces.motions.items():
+        if motion.in_equilibrium:
+            forces.pop(name, None)
     return {
         name: _shared(body, supports[name], _residual(system, name, x) - forces[name])
         for name, body in system.bodies.items()

@@ -1,4 +1,4 @@
-"""Modal damping as a piece of a pencil: the modes of a body alone, and what damps them.
+"""Modal damping as pieces of a pencil: the modes of a body alone, and what damps them.
 
 By the path of the body in a scene, ``bodies.<name>``, the parameter is ``.damping.modal.ratio``, or
 ``.damping.modal.ratios``, a factor on these.
@@ -67,8 +67,25 @@ def _changed(name: str, value: float, found_at: float) -> InputError:
     return InputError(name, value, allowed)
 
 
-def modal_terms(path: str, body: Body, damping: ModalDamping, first: int) -> Iterator[LowRankTerm]:
-    """Modal damping of a body, sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T; none of rigid motions.
+@dataclass(frozen=True)
+class DampedModes:
+    """Modes of a body that are damped.
+
+    Parameters
+    ----------
+    vectors, images
+        phi with phi^T M phi = 1, and M phi, the rows of this rank, shape (n_local, n).
+    weights
+        2 zeta omega (1/s) at a parameter of 1, shape (n,).
+    """
+
+    vectors: Floats
+    images: Floats
+    weights: Floats
+
+
+def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
+    """Modes of a body that modal damping damps; rigid motions are none of them.
 
     Parameters
     ----------
@@ -78,8 +95,6 @@ def modal_terms(path: str, body: Body, damping: ModalDamping, first: int) -> Ite
         The body.
     damping
         What damps it.
-    first
-        Number of its first row among the unknowns of this rank.
 
     Raises
     ------
@@ -96,21 +111,39 @@ def modal_terms(path: str, body: Body, damping: ModalDamping, first: int) -> Ite
         raise InputError(f"{path}.damping.modal.ratios", f"{len(counted)} ratios", allowed)
     factors = _factors(path, damping, modes.frequencies, _groups(modes))
     damped = factors > 0
+    vectors = modes.vectors[:, damped]
     weights = (4 * np.pi * factors * modes.frequencies)[damped]
-    piece = LowRank(image_of(body.mass(), modes.vectors[:, damped]), weights, first)
-    yield LowRankTerm(piece, _coefficient(path, body, damping))
+    return DampedModes(vectors, image_of(body.mass(), vectors), weights)
+
+
+def modal_term(
+    path: str, body: Body, damping: ModalDamping, modes: DampedModes, first: int
+) -> LowRankTerm:
+    """Modal damping of a body, sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T.
+
+    Parameters
+    ----------
+    path, body, damping
+        As for :func:`damped_modes`, whose result the modes are.
+    modes
+        The modes.
+    first
+        Number of its first row among the unknowns of this rank.
+    """
+    piece = LowRank(modes.images, modes.weights, first)
+    return LowRankTerm(piece, modal_coefficient(path, body, damping))
 
 
 def modal_parameters(path: str, damping: ModalDamping) -> Iterator[Parameter]:
-    """The parameter of modal damping; path and damping as for :func:`modal_terms`."""
+    """The parameter of modal damping; path and damping as for :func:`damped_modes`."""
     if damping.ratio is not None:
         yield Parameter(f"{path}.damping.modal.ratio", damping.ratio)
     else:
         yield Parameter(f"{path}.damping.modal.ratios", 1.0, "a factor on the ratios")
 
 
-def _coefficient(path: str, body: Body, damping: ModalDamping) -> Dependence:
-    """How it depends on the ratio and on E and rho.
+def modal_coefficient(path: str, body: Body, damping: ModalDamping, *others: str) -> Dependence:
+    """How it depends on the ratio, on E and rho, and on other parameters as they are.
 
     Modes that are counted stay the same where E and rho change a body without springs, and
     2 omega_j (M phi_j) (M phi_j)^T goes with the root of E rho.
@@ -119,7 +152,8 @@ def _coefficient(path: str, body: Body, damping: ModalDamping) -> Dependence:
         f"{path}.material.E": body.material.E,
         f"{path}.material.rho": float(body.material.rho or 0),
     }
-    powers = {parameter.name: (1.0, 1.0) for parameter in modal_parameters(path, damping)}
+    names = (*(parameter.name for parameter in modal_parameters(path, damping)), *others)
+    powers = dict.fromkeys(names, (1.0, 1.0))
     if damping.end is None and body.spring_stiffness() is None:
         return Coefficient.of(powers | {name: (value, 0.5) for name, value in material.items()})
     return _OfTheseModes(Coefficient.of(powers), material)

@@ -18,6 +18,7 @@ from cea.eigen.shifted import Shifted
 from cea.eigen.static import rounding_uncertainty
 from cea.errors import ConvergenceError
 from cea.system.sliding_problem import SlidingProblem, State, free_tangent
+from cea.system.uniqueness import parity_beside
 from cea.timing import StageTimer
 
 _MOST = 60
@@ -144,7 +145,10 @@ class SlidingNewton:
             except ConvergenceError:
                 free_tangent(tangent)
                 continue
-            run.parity = factors.parity() if part == 0 else None
+            run.parity = None
+            if part == 0:
+                unstable = self._problem.unstable
+                run.parity = parity_beside(tangent, factors, unstable=unstable)
             with self._timer("factorisation"):
                 found = self._searched(factors, state, factor)
             factors.free()

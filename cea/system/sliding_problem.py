@@ -1,7 +1,8 @@
 """Forces on sliding bodies at any state, and the tangent there: what Newton's method works on.
 
-With K and K_f of what is linear (bodies, contacts of known stiffness, their forces f where these
-are unknowns), the load F and the contacts whose pressure obeys a law of their closure,
+With K and K_f of what is linear (bodies with all that their rotation makes of displacements at rest
+in space, contacts of known stiffness, their forces f where these are unknowns), the load F and the
+contacts whose pressure obeys a law of their closure,
 
     R(x) = K x + L^T f + sum (G - mu T)^T w sigma(g) - t F,     g = G x - g_n
 
@@ -10,6 +11,7 @@ vanishes in steady sliding at the load factor t (Mohanasundaram et al., 2023, eq
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,7 +19,9 @@ import numpy as np
 from cea.arrays import Floats
 from cea.contact.laws import NormalCompliance
 from cea.contact.operators import Contact
+from cea.eigen.eigenpairs import internal_forces
 from cea.eigen.pencil import Matrices, release
+from cea.eigen.shifted import count_below
 from cea.matrices import destroy, scaled_total
 from cea.petsc import MPI, Vec
 from cea.system.coupled import CoupledSystem
@@ -87,8 +91,7 @@ class SlidingProblem:
         )
         self.frictional = tuple(friction and _rubs(contact) for contact in self.contacts)
         linear = tuple(contact for contact in system.contacts if contact.half.law.linear)
-        at_rest = replace(system, contacts=linear, with_mass=False, motions={}, sliding={})
-        self.matrices = at_rest.pencil().at()
+        self.matrices = replace(system, contacts=linear, sliding={}).pencil().at_rest().at()
         assert system.load is not None
         self._load = system.load
         self._gaps = tuple(contact.reactions.met(initial_gap(contact)) for contact in self.contacts)
@@ -97,7 +100,15 @@ class SlidingProblem:
             for contact in self.contacts
         )
         self._x = system.vector()
-        self._y = system.vector()
+
+    @cached_property
+    def unstable(self) -> bool:
+        """Whether the stiffness of bodies as they rotate, without these contacts, is indefinite.
+
+        That is so where the rate of a rotation with convective stiffness is beyond a critical
+        one; without friction there may then be several equilibria or none.
+        """
+        return self.system.pieces.softens and count_below(self.matrices, 0.0) > 0
 
     @property
     def areas(self) -> tuple[float, ...]:
@@ -155,16 +166,11 @@ class SlidingProblem:
             The part of the load.
         """
         self._x.array[:] = x
-        elastic = self._linear_forces(f)
+        elastic = internal_forces(self.matrices, x[:, None], f[:, None])[:, 0]
         approaches = [each.reactions.approach(self._x) for each in self.contacts]
         gaps = self.gaps_at(factor)
         closures = tuple(u - gap for u, gap in zip(approaches, gaps, strict=True))
-        contact = self._reactions(
-            [
-                each.half.law.pressure(closure) / self.softness
-                for each, closure in zip(self.contacts, closures, strict=True)
-            ]
-        )
+        contact = self.contact_forces(closures)
         rounding = self._reactions(
             [
                 slope * np.finfo(float).eps * np.maximum(np.abs(u), np.abs(gap))
@@ -176,6 +182,11 @@ class SlidingProblem:
         norm, noise, *sizes = self.norms(residual, rounding, load, contact, elastic)
         return State(x, f, closures, residual, float(norm), float(max(sizes)), float(noise))
 
+    def contact_forces(self, closures: Sequence[Floats]) -> Floats:
+        """Forces of the contacts with a law at some closures (N), the rows of this rank."""
+        pairs = zip(self.contacts, closures, strict=True)
+        return self._reactions([c.half.law.pressure(g) / self.softness for c, g in pairs])
+
     def _reactions(self, pressures: Sequence[Floats]) -> Floats:
         """Forces of pressures at all points of each contact, the rows of this rank."""
         total = np.zeros(self.rows)
@@ -184,19 +195,6 @@ class SlidingProblem:
             total += force.array_r
             destroy(force)
         return total
-
-    def _linear_forces(self, f: Floats) -> Floats:
-        """K x + L^T f of what is linear, the rows of this rank; x is in its place."""
-        matrices = self.matrices
-        matrices.stiffness.mult(self._x, self._y)
-        if matrices.unsymmetric is not None:
-            matrices.unsymmetric.multAdd(self._x, self._y, self._y)
-        if matrices.multipliers is not None:
-            forces = matrices.multipliers.reaction.createVecLeft()
-            forces.array[:] = f
-            matrices.multipliers.reaction.multTransposeAdd(forces, self._y, self._y)
-            destroy(forces)
-        return np.array(self._y.array_r)
 
     def norms(self, *vectors: Floats) -> Floats:
         """Norms over all ranks of vectors given by the rows of this rank."""
@@ -272,7 +270,7 @@ class SlidingProblem:
     def free(self) -> None:
         """Free what was made for the equations."""
         release(self.matrices)
-        destroy(self._x, self._y)
+        destroy(self._x)
 
 
 def free_tangent(tangent: Matrices) -> None:

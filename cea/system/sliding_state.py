@@ -168,7 +168,7 @@ class SteadySliding:
     uncertainty
         What rounding the tangent makes of them, relative to the largest.
     residual
-        Forces left over, relative to those that hold each other.
+        Forces left over by the pencil that is linearised about it, relative to the load.
     contacts
         State of each half pass with a law, by its name.
     path

@@ -12,6 +12,7 @@ from cea.arrays import Floats
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
 from cea.system.coupled import CoupledSystem
+from cea.system.equilibrium import checked_residual
 from cea.system.sliding_newton import (
     Iteration,
     SlidingNewton,
@@ -219,14 +220,19 @@ class _Path:
         problem = self._problem
         tangent = problem.tangent(problem.slopes(state.closures))
         with self._timer("factorisation"):
-            uniqueness, uncertainty = uniqueness_at(tangent, state.x, state.f, path_parities(path))
-        free_tangent(tangent)
-        if uncertainty is None:
-            raise ConvergenceError(LEAVE_FREE, best=state)
+            uniqueness, uncertainty = uniqueness_at(
+                *(tangent, state.x, state.f, path_parities(path)), unstable=problem.unstable
+            )
+        try:
+            if uncertainty is None:
+                raise ConvergenceError(LEAVE_FREE, best=state)
+            residual = checked_residual(problem, state, tangent)
+        finally:
+            free_tangent(tangent)
         return SteadySliding(
             displacement=problem.vector(state.x),
             uncertainty=uncertainty,
-            residual=state.relative,
+            residual=residual,
             contacts=self._contact_states(state),
             path=tuple(path),
             uniqueness=uniqueness,
@@ -241,7 +247,8 @@ class _Path:
         problem = self._problem
         tangent = problem.tangent(problem.slopes(state.closures))
         with self._timer("factorisation"):
-            uniqueness, _ = uniqueness_at(tangent, state.x, state.f, {})
+            unstable = problem.unstable
+            uniqueness, _ = uniqueness_at(tangent, state.x, state.f, {}, unstable=unstable)
         free_tangent(tangent)
         margin = uniqueness.margin if uniqueness is not None else None
         return StepState(problem.vector(state.x), self._contact_states(state), margin)
@@ -254,6 +261,12 @@ class _Path:
 
     def _reason(self, run: Iteration, factor: float) -> str:
         """Why there is no equilibrium."""
+        if self._problem.unstable:
+            return (
+                f"no state of steady sliding was found at {factor:.3g} of the load: bodies rotate "
+                "beyond a critical rate, at which their convective stiffness exceeds their own; "
+                "there need not be any"
+            )
         if not closed_points(run.state) or self._pulls(factor):
             return OPENS
         reason = (
@@ -272,8 +285,13 @@ class _Path:
         return reason
 
     def _pulls(self, factor: float) -> bool:
-        """Whether springs that hold the sides together are in tension, taken together."""
+        """Whether springs that hold the sides together are in tension, taken together.
+
+        Where bodies are not stable without contacts that says nothing of other states.
+        """
         problem = self._problem
+        if problem.unstable:
+            return False
         x = problem.vector(self._start(factor)[0])
         force = sum(
             float(contact.interface.points.weight @ (slope * contact.reactions.approach(x)))

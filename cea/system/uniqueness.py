@@ -3,6 +3,8 @@
 The law of the pressure is monotone: without friction the tangent is symmetric positive definite and
 there is one equilibrium. With friction it may become singular, where branches of equilibria meet,
 and beyond it an odd number of its real eigenvalues is negative: the sign of its determinant tells.
+Where bodies rotate beyond a critical rate the symmetric part has negative eigenvalues of its own:
+it is those beyond them that count.
 """
 
 from collections.abc import Mapping
@@ -12,7 +14,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.pencil import Matrices
-from cea.eigen.shifted import Shifted
+from cea.eigen.shifted import Shifted, count_below
 from cea.eigen.static import rounding_uncertainty
 from cea.errors import ConvergenceError
 from cea.matrices import destroy
@@ -25,7 +27,12 @@ _LOST = 0.1
 
 
 def uniqueness_at(
-    tangent: Matrices, x: Floats, f: Floats, parities: Mapping[float, int | None]
+    tangent: Matrices,
+    x: Floats,
+    f: Floats,
+    parities: Mapping[float, int | None],
+    *,
+    unstable: bool,
 ) -> tuple[Uniqueness | None, float | None]:
     """What a tangent says of other equilibria, and what rounding makes of the displacements.
 
@@ -37,6 +44,8 @@ def uniqueness_at(
         Displacements and contact forces that are unknowns there, the rows of this rank.
     parities
         Parity of negative eigenvalues on the way, by part of the load.
+    unstable
+        Whether the bodies are not stable without contacts.
 
     Returns
     -------
@@ -50,9 +59,28 @@ def uniqueness_at(
     uncertainty = rounding_uncertainty(tangent, factors, x[:, None], f[:, None])
     found = None
     if not tangent.symmetric:
-        found = Uniqueness(factors.parity(), parities, _margin(tangent, factors))
+        parity = parity_beside(tangent, factors, unstable=unstable)
+        found = Uniqueness(parity, parities, _margin(tangent, factors))
     factors.free()
     return found, uncertainty if uncertainty < _LOST else None
+
+
+def parity_beside(tangent: Matrices, factors: Shifted, *, unstable: bool) -> int | None:
+    """Whether a tangent has an odd (1) or even (0) number of negative real eigenvalues.
+
+    More than its symmetric part has, where that may have some; None where it is not known.
+
+    Parameters
+    ----------
+    tangent, factors
+        The tangent, and factorised.
+    unstable
+        Whether the bodies are not stable without contacts.
+    """
+    parity = factors.parity()
+    if parity is None or not unstable:
+        return parity
+    return (parity + count_below(tangent, 0.0)) % 2
 
 
 def _margin(tangent: Matrices, factors: Shifted) -> float:

@@ -62,6 +62,10 @@ def _pieces(pencil: Pencil, probed: list[Mapping[str, float]]) -> Iterator[str]:
         parts = (forces.closure, forces.slip, forces.compliance)
         told = " ".join(_of_matrix(each) for each in parts if each is not None)
         yield f"forces {told} {of(forces.inverse_stiffness, forces.friction)}"
+    for circulatory in pencil.circulatory:
+        piece = circulatory.piece
+        told = " ".join(_of_matrix(each) for each in (piece.left, piece.middle, piece.right))
+        yield f"circulatory {told} {of(circulatory.coefficient)}"
     comm = pencil.comm.tompi4py()
     for low_rank in pencil.low_rank:
         yield f"low rank {_of_low_rank(low_rank.piece, comm)} {of(low_rank.coefficient)}"

@@ -55,6 +55,17 @@ class BodySpec:
     rotation: Rotation | None = None
 
     @property
+    def circulates(self) -> bool:
+        """Whether damping is carried along by a rotation."""
+        return self.rotation is not None and self.damping is not None
+
+    @property
+    def rotates_in_equilibrium(self) -> bool:
+        """Whether forces of a rotation act on displacements that are at rest in space."""
+        convective = self.rotation is not None and self.rotation.convective_stiffness
+        return convective or self.circulates
+
+    @property
     def fe_degree(self) -> int | None:
         """Degree of its Lagrange elements; None where it has none."""
         if isinstance(self.geometry, MeshFile):

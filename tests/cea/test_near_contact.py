@@ -166,7 +166,8 @@ def test_where_nothing_is_told_apart():
     everywhere["bodies"]["lower"]["mesh"]["fe"]["elements"] = [3, 3, 1]
     assert assemble(everywhere).pencil(parted_from=0).near_contact is None
     motion = Motion(rotation=Rotation(1.0, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)))
-    turning = replace(assemble(on_a_bar()), motions={"lower": motion})
+    system = assemble(on_a_bar())
+    turning = replace(system, pieces=replace(system.pieces, motions={"lower": motion}))
     assert turning.pencil(parted_from=0).near_contact is None
     assert assemble(on_a_bar()).pencil().near_contact is None
 

@@ -151,10 +151,11 @@ def test_sensitivities_are_differences(assembled, with_left_vectors, name):
 
 def test_matrices_are_named(assembled):
     matrices = assembled.modes().matrices()
-    assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y"]
-    C, Y = matrices["C"].toarray(), matrices["Y"].toarray()
+    assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y", "K_c", "L", "N", "J"]
+    C, Y, K_c = (matrices[name].toarray() for name in ("C", "Y", "K_c"))
     assert (C == C.T).all()
     assert (Y == -Y.T).all()
+    assert (K_c == -K_c.T).all()
 
 
 def test_results_are_stored_and_opened(tmp_path, assembled):

@@ -7,6 +7,7 @@ from damped_numbers import modally_damped_disc
 from dense_damped_modes import assert_modes_are_dense
 from mpi import on_ranks
 from scene_mutations import mutations
+from scipy.sparse.linalg import spsolve
 
 from cea.errors import InputError
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
@@ -120,13 +121,15 @@ def test_sensitivities_are_differences(assembled, name):
 def test_matrices_hold_all_of_the_damping(assembled):
     result = assembled.modes({RATIO: 0.1})
     matrices = result.matrices()
-    assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y", "W"]
+    assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y", "W", "L", "N", "J"]
     x, value = result.modes.vectors[:, 3], result.eigenvalues[3]
     M, W = matrices["M"], matrices["W"]
     D, K = matrices["C"] + matrices["Y"], matrices["K"] + matrices["K_n"] - matrices["K_f"]
     drag = D @ x + W @ (W.T @ x)
-    defect = value**2 * (M @ x) + value * drag + K @ x
+    carried = matrices["L"] @ spsolve(matrices["N"].tocsc(), matrices["J"] @ x)
+    defect = value**2 * (M @ x) + value * drag + K @ x + carried
     assert np.linalg.norm(defect) < 1e-10 * np.linalg.norm(K @ x)
+    assert np.linalg.norm(carried) > 1e-6 * np.linalg.norm(K @ x)
     assert np.linalg.norm(value * (W @ (W.T @ x))) > 1e-6 * np.linalg.norm(K @ x)
 
 

@@ -1,13 +1,16 @@
 """Dense eigenvalues of a scene with damping or rotation (scipy), contact forces eliminated.
 
-    lambda^2 M + lambda D + K,    D = sum alpha M_b + beta K_b + Omega Y_b + contacts that slide,
+    lambda^2 M + lambda D + K,    D = sum C_b + Omega Y_b + contacts that slide,
 
-and, where modes of bodies are damped, sum 2 zeta omega (M_b phi) (M_b phi)^T of all their modes,
-put together once more from bodies' matrices, contact points and what the scene says, and solved as
-a generalised problem of twice the size in which lambda is relative to its typical size.
+with C_b = alpha M_b + beta K_b and, where modes of bodies are damped, the sum of
+2 zeta omega (M_b phi) (M_b phi)^T of all their modes. Of bodies that rotate, Omega C_b M_b^-1 B_b
+is part of K, but for springs (:mod:`cea.rotation`). All are put together once more from bodies'
+matrices, contact points and what the scene says, and solved as a generalised problem of twice the
+size in which lambda is relative to its typical size.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -49,10 +52,16 @@ def damped_eigenvalues(data: Mapping[str, Any]) -> Complexes:
         own = slice(start, start + body.stiffness().getSize()[0])
         start = own.stop
         spec = scene.bodies[name]
+        M, of_material = array(body.mass()), np.zeros_like(mass[own, own])
         if spec.damping is not None:
-            damping[own, own] += _of_body(spec.damping, array(body.mass()), array(body.stiffness()))
+            springs = body.spring_stiffness()
+            of_springs = np.zeros_like(M) if springs is None else array(springs)
+            of_material = _of_body(spec.damping, M, array(body.stiffness()), of_springs)
+            damping[own, own] += of_material + _beta(spec.damping) * of_springs
         if spec.rotation is not None:
             rate = spec.rotation.rate
+            transport = 0.5 * array(body.gyroscopic(replace(spec.rotation, coriolis=False)))
+            stiffness[own, own] += rate * of_material @ np.linalg.solve(M, transport)
             damping[own, own] += rate * array(body.gyroscopic(spec.rotation))
             if spec.rotation.convective_stiffness:
                 stiffness[own, own] -= rate**2 * array(body.convective_stiffness(spec.rotation))
@@ -69,12 +78,17 @@ def _eigenvalues(K: Floats, D: Floats, M: Floats) -> Complexes:
     return kept[np.lexsort((kept.real, kept.imag))]
 
 
-def _of_body(spec: DampingSpec, M: Floats, K: Floats) -> Floats:
-    """Rayleigh damping of a body, and modal damping by all of its modes, as a full matrix."""
+def _beta(spec: DampingSpec) -> float:
+    rayleigh = spec.rayleigh()
+    return 0.0 if rayleigh is None else rayleigh.beta
+
+
+def _of_body(spec: DampingSpec, M: Floats, K: Floats, springs: Floats) -> Floats:
+    """Rayleigh damping without springs, and modal damping by all modes, as a full matrix."""
     damping = np.zeros_like(M)
     rayleigh, modal = spec.rayleigh(), spec.modal
     if rayleigh is not None:
-        damping += rayleigh.alpha * M + rayleigh.beta * K
+        damping += rayleigh.alpha * M + rayleigh.beta * (K - springs)
     if modal is not None:
         kappa, vectors = eigh(K, M)
         elastic = kappa > _RIGID * kappa[-1]

@@ -1,0 +1,118 @@
+"""Pieces of a pencil that all bodies of a system bring, each made once."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from cea.body import Body
+from cea.eigen.circulatory import CirculatoryTerm
+from cea.eigen.low_rank import LowRankTerm
+from cea.eigen.parameters import Parameter
+from cea.eigen.pencil import Term
+from cea.petsc import Mat
+from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
+from cea.system.embedding import Embedding
+from cea.system.modal_damping import DampedModes, damped_modes, modal_term
+from cea.system.rotating_damping import RotatingDamping
+
+
+@dataclass(frozen=True)
+class BodyPieces:
+    """Bodies, and what acts on their velocities.
+
+    Parameters
+    ----------
+    bodies
+        Bodies by name, in the order of the unknowns.
+    motions
+        Damping and rotation of bodies that have any, by name.
+    with_mass
+        Whether they have mass, and velocities count.
+    comm
+        Communicator (petsc4py).
+    """
+
+    bodies: Mapping[str, Body]
+    motions: Mapping[str, Motion]
+    with_mass: bool
+    comm: Any
+
+    @property
+    def rotates(self) -> bool:
+        """Whether a body rotates."""
+        return any(motion.rotation is not None for motion in self.motions.values())
+
+    @property
+    def softens(self) -> bool:
+        """Whether a rotation softens a body that is at rest in space."""
+        rotations = (motion.rotation for motion in self.motions.values())
+        return any(each is not None and each.convective_stiffness for each in rotations)
+
+    @cached_property
+    def among(self) -> dict[str, Embedding]:
+        """The unknowns of each body among those of all."""
+        sizes = tuple(body.expansion.getSizes()[1] for body in self.bodies.values())
+        return {name: Embedding(sizes, i, self.comm) for i, name in enumerate(self.bodies)}
+
+    def square(self, body: str, matrix: Mat) -> Mat:
+        """A matrix of one body as one of all unknowns."""
+        return self.among[body].square(matrix)
+
+    @cached_property
+    def terms(self) -> tuple[Term, ...]:
+        """K of each body, M, C and Y, and the sparse part of what rotates with it."""
+        return (*self._of_each(), *self._rotating[0])
+
+    def _of_each(self) -> Iterator[Term]:
+        for name, body in self.bodies.items():
+            path, motion, square = f"bodies.{name}", self._motion(name), self.among[name].square
+            yield from body_terms(path, body, motion, square, with_mass=self.with_mass)
+
+    @property
+    def circulatory(self) -> tuple[CirculatoryTerm, ...]:
+        """What damping that rotates with its body makes of displacements, but for sparse terms."""
+        return self._rotating[1]
+
+    @cached_property
+    def modal_terms(self) -> tuple[LowRankTerm, ...]:
+        """Modal damping of each body."""
+        return tuple(self._of_modes()) if self.with_mass else ()
+
+    def _of_modes(self) -> Iterator[LowRankTerm]:
+        for name, modes in self._damped_modes.items():
+            modal, first = self._motion(name).modal, self.among[name].first
+            assert modal is not None
+            yield modal_term(f"bodies.{name}", self.bodies[name], modal, modes, first)
+
+    def parameters(self) -> Iterator[Parameter]:
+        """Parameters of each body."""
+        for name, body in self.bodies.items():
+            motion = self._motion(name)
+            yield from body_parameters(f"bodies.{name}", body, motion, with_mass=self.with_mass)
+
+    def _motion(self, body: str) -> Motion:
+        return self.motions.get(body, STILL)
+
+    @cached_property
+    def _damped_modes(self) -> dict[str, DampedModes]:
+        """Modes that are damped one by one, of each body that has any."""
+        return {
+            name: damped_modes(f"bodies.{name}", body, modal)
+            for name, body in self.bodies.items()
+            if (modal := self._motion(name).modal) is not None
+        }
+
+    @cached_property
+    def _rotating(self) -> tuple[tuple[Term, ...], tuple[CirculatoryTerm, ...]]:
+        """What damping that rotates with its body makes of displacements, sparse and full."""
+        terms, full = list[Term](), list[CirculatoryTerm]()
+        for name, body in self.bodies.items():
+            motion = self._motion(name)
+            if motion.circulates:
+                modes = self._damped_modes[name] if motion.modal is not None else None
+                damping = RotatingDamping(f"bodies.{name}", body, motion, modes, self.among[name])
+                found = damping.pieces()
+                terms += found[0]
+                full += found[1]
+        return tuple(terms), tuple(full)

@@ -1,0 +1,138 @@
+"""Scenes with damping that rotates with its body: modes, maps, estimated errors, refusals."""
+
+import numpy as np
+import pytest
+from damped_numbers import damped_disc, modally_damped_disc
+from dense_damped_modes import assert_modes_are_dense
+from reduced_cases import enrichment
+
+from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.krylov_schur import KrylovSchur
+from scenes.assembled import AssembledScene
+from scenes.nested import estimate_errors
+from scenes.read import read_scene
+from scenes.richer import richer_scene
+from scenes.run import run_modes
+from scenes.scene_error import SceneError
+
+
+def steel_ring(backend, rate, degree=3, **damping):
+    """A free ring of steel that is damped by its material and rotates."""
+    ring = {
+        "backend": backend,
+        "geometry": {"shape": "ring", "inner_radius": 0.09, "outer_radius": 0.1},
+        "material": {"E": 2e11, "nu": 0.3, "rho": 7800.0},
+        "damping": damping or {"beta": 1e-5},
+        "rotation": {"rate": rate, "convective_stiffness": True, "coriolis": False},
+        "mesh": {
+            "fe": {"cell": "quadrilateral", "degree": degree, "elements": [1, 24]},
+            "iga": {"degree": [degree] * 2, "elements": [1, 24]},
+        },
+    }
+    window = {"kind": "cea", "max_frequency": 2500.0, "min_growth": -20000.0}
+    return {"name": "ring", "bodies": {"ring": ring}, "contacts": {}, "analysis": window}
+
+
+@pytest.mark.parametrize("rate", [300.0, 3000.0])
+def test_waves_of_a_ring_keep_their_decay(backend, rate):
+    """Waves of two and three diameters are seen at omega +- m Omega; none grows."""
+    rest = run_modes(read_scene(steel_ring(backend, 0.0)))
+    result = run_modes(read_scene(steel_ring(backend, rate)))
+    for m, at in ((2, -102.667 + 4530.2j), (3, -806.53 + 12675.0j)):
+        own = rest.eigenvalues[np.abs(rest.eigenvalues - at).argmin()]
+        assert own.real == pytest.approx(at.real, rel=3e-3)
+        for seen in (own.imag - m * rate, own.imag + m * rate):
+            if abs(seen) < 2 * np.pi * 2500.0:
+                expected = complex(own.real, abs(seen))
+                found = result.eigenvalues[np.abs(result.eigenvalues - expected).argmin()]
+                assert found.real == pytest.approx(own.real, rel=1e-4)
+    assert not result.unstable.any()
+
+
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+@pytest.mark.parametrize("made", [damped_disc, modally_damped_disc])
+def test_modes_with_springs_and_stiff_contact_are_dense_ones(backend, made, form):
+    data = made(backend, form=form)
+    data["bodies"]["disc"]["supports"] = [
+        {"surface": "inner", "components": ["radial"], "axis": [0.0, 0.0, 2.0]}
+    ]
+    data["bodies"]["disc"]["springs"] = [{"surface": "bottom", "stiffness": [0.2, 0.2, 0.5]}]
+    assert_modes_are_dense(data)
+
+
+BOX = {
+    "bodies.disc.rotation.rate": (0.0, 0.4),
+    "bodies.disc.damping.beta": (0.0, 0.05),
+    "contacts.interface.mu": (0.0, 0.5),
+}
+
+
+def test_a_map_over_rate_and_damping_is_that_of_full_solves():
+    assembled = AssembledScene(read_scene(damped_disc("iga")))
+    pencil = assembled.driver.pencil
+    built = enrichment(pencil, BOX, 0.3)
+    corners = [(0.0, 0.0, 0.0), (0.4, 0.05, 0.5), (0.2, 0.02, 0.3), (0.4, 0.0, 0.5)]
+    built.cover([dict(zip(BOX, each, strict=True)) for each in corners])
+    full = KrylovSchur(pencil)
+    for each in ((0.3, 0.03, 0.2), (0.1, 0.05, 0.45)):
+        point = dict(zip(BOX, each, strict=True))
+        found = built.at(point).window
+        modes = full.solve(0.35, point, min_growth=-built.model.small.settings.reach)
+        rows, columns = assign(np.abs(found.eigenvalues[:, None] - modes.eigenvalues))
+        assert len(rows) == len(found) > 5
+        distances = np.abs(found.eigenvalues[rows] - modes.eigenvalues[columns])
+        assert (distances <= found.uncertainties + 1e-12).all()
+        assert distances.max() < 1e-6
+    full.free()
+    assembled.free()
+
+
+def test_estimated_errors_see_all_of_the_damping():
+    """In a richer space decay comes near that of its own modes, where waves stand still too."""
+    result = run_modes(read_scene(steel_ring("fe", 2265.0, degree=2)), left=True)
+    estimate = estimate_errors(result)
+    fine = run_modes(richer_scene(result.scene)).eigenvalues
+    waves = np.flatnonzero(result.eigenvalues.real < -1.0)
+    assert len(waves) > 3
+    for coarse, corrected in zip(result.eigenvalues[waves], estimate.corrected[waves], strict=True):
+        exact = fine[np.abs(fine - corrected).argmin()]
+        assert abs(corrected.real - exact.real) < 0.15 * abs(coarse.real - exact.real)
+
+
+HALF = [{"surface": "inner", "components": ["x"]}]
+ASIDE = [
+    {
+        "surface": "inner",
+        "components": ["radial"],
+        "axis": [0.0, 0.0, 1.0],
+        "origin": [0.1, 0.0, 0.0],
+    }
+]
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"bodies.disc.supports": HALF}, r"bodies\.disc\.supports\.0 = .*all round the axis"),
+        ({"bodies.disc.supports": ASIDE}, r"bodies\.disc\.supports\.0 = .*all round the axis"),
+        (
+            {"bodies.disc.springs": [{"surface": "bottom", "stiffness": [0.1, 0.2, 0.0]}]},
+            r"bodies\.disc\.springs\.0\.stiffness = .*all round the axis",
+        ),
+    ],
+)
+def test_damping_that_cannot_rotate_is_refused(change, named):
+    """Supports that differ round the axis do not rotate with the body; without damping they may."""
+    scene = read_scene(modally_damped_disc("iga"))
+    with pytest.raises(SceneError, match=named):
+        scene.change(change)
+    scene.change(change | {"bodies.disc.damping": None})
+    scene.change(change | {"bodies.disc.rotation": None})
+
+
+def test_supports_that_go_round_are_not_refused():
+    scene = read_scene(modally_damped_disc("iga"))
+    for components in (["z"], ["x", "y"], ["x", "y", "z"], ["normal"]):
+        scene.change({"bodies.disc.supports": [{"surface": "inner", "components": components}]})
+    both = ASIDE[0] | {"components": ["radial", "circumferential"]}
+    scene.change({"bodies.disc.supports": [both]})
