@@ -6,15 +6,28 @@ from functools import cached_property
 import basix
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
+from cea.corners import (
+    equal_shares,
+    pairs_of_equal,
+    smooth_groups,
+    smooth_parts,
+    split_functions,
+)
 from cea.errors import InputError
 from cea.location import cross, locate_along
 from cea.surface import Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
 from fe_cea.facets import FacetLayer
 from fe_cea.search import FacetBounds
+
+CREASE = np.cos(np.deg2rad(40.0))
+"""Facets whose normals at a node differ by more are faces that meet at a corner of the body.
+
+Straight facets of a smooth curve turn by 360/n degrees from one to the next where n of them go
+round: from nine on, facets are taken for a curve.
+"""
 
 _MERGE = 1e-7
 """Grid points nearer than this, relative to the spacing of the smallest facet, are one."""
@@ -31,7 +44,8 @@ class FESurface:
     """Surface of a Lagrange body; also the chart that point location works on.
 
     Where facets meet at an angle, a point on their common edge has the normal of the facet whose
-    coordinates it bears; of points that several facets share, the first facet's.
+    coordinates it bears. Of points that several facets of a smooth part share there is one, on the
+    first facet; at a corner each smooth part has its own.
 
     Parameters
     ----------
@@ -134,16 +148,16 @@ class FESurface:
         return SurfacePoints(at, x, normal / jacobian[:, None], weight)
 
     def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
-        """Interpolation nodes of the trace space, each once.
+        """Interpolation nodes of the trace space, at a corner once for each smooth part.
 
         Parameters
         ----------
         kind
             ``nodes``.
         weights
-            ``equal``: area/n. ``tributary``: each facet's area shared among its nodes in
-            proportion to int N_i^2 (as Hinton, Rock & Zienkiewicz 1976 lump a mass), positive
-            where integrals of N_i are not, and added up to the area.
+            ``equal``: even shares of the area of each smooth part. ``tributary``: each facet's
+            area shared among its nodes in proportion to int N_i^2 (as Hinton, Rock & Zienkiewicz
+            1976 lump a mass), positive where integrals of N_i are not, and added up to the area.
 
         Raises
         ------
@@ -154,14 +168,31 @@ class FESurface:
             raise InputError("abscissae", kind, f"one of {', '.join(self.abscissa_kinds)}")
         if weights not in self.abscissa_weights:
             raise InputError("weights", weights, f"one of {', '.join(self.abscissa_weights)}")
-        at = self._on_every_facet(self._layer.trace.facet.points)
-        dofs, first = np.unique(self._layer.facet_dofs.ravel(), return_index=True)
-        order = np.argsort(first)
-        points = self._equal_weights(at[first[order]])
+        functions = self._functions.ravel()
+        first = np.sort(np.unique(functions, return_index=True)[1])
+        points = self._equal_weights(self._nodes[first])
         if weights == "equal":
             return points
-        shares = np.bincount(self._layer.facet_dofs.ravel(), weights=self._shares.ravel())
-        return replace(points, weight=shares[dofs[order]])
+        shares = np.bincount(functions, weights=self._shares.ravel())
+        return replace(points, weight=shares[functions[first]])
+
+    @property
+    def _nodes(self) -> SurfaceCoordinates:
+        """Interpolation nodes of every facet, facet by facet."""
+        return self._on_every_facet(self._layer.trace.facet.points)
+
+    @cached_property
+    def _functions(self) -> Ints:
+        """Numbers of the trace functions split at corners, of each facet, (n_facets, n_nodes)."""
+        dofs = self._layer.facet_dofs
+        groups = smooth_groups(pairs_of_equal(dofs.ravel()), self.normal(self._nodes), CREASE)
+        return split_functions(dofs.ravel(), groups, self._num_scalar_dofs).reshape(dofs.shape)
+
+    @cached_property
+    def _parts(self) -> Ints:
+        """Smooth part of each facet, (n_facets,)."""
+        facets = np.repeat(np.arange(len(self._layer)), self._functions.shape[1])
+        return smooth_parts(facets, self._functions.ravel(), len(self._layer))
 
     @property
     def _shares(self) -> Floats:
@@ -174,7 +205,9 @@ class FESurface:
         return shares * (measure.sum(axis=1) / shares.sum(axis=1))[:, None]
 
     def grid(self, n: int) -> SurfacePoints:
-        """Equally spaced points, n per side of each facet, shared ones once, weights area/n_points.
+        """Equally spaced points, n per side of each facet, shared ones once in a smooth part.
+
+        The area of each smooth part is shared evenly among its points.
 
         Raises
         ------
@@ -187,10 +220,8 @@ class FESurface:
         at = self._on_every_facet(lattice)
         tree = cKDTree(self.position(at))
         twins = tree.query_pairs(_MERGE * self._sizes.min() / (n - 1), output_type="ndarray")
-        links = csr_array((np.ones(len(twins)), (twins[:, 0], twins[:, 1])), (len(at), len(at)))
-        _, label = connected_components(links, directed=False)
-        _, first = np.unique(label, return_index=True)
-        return self._equal_weights(at[np.sort(first)])
+        groups = smooth_groups(twins, self.normal(at), CREASE)
+        return self._equal_weights(at[np.sort(np.unique(groups, return_index=True)[1])])
 
     def _on_every_facet(self, xi: Floats) -> SurfaceCoordinates:
         """The same facet coordinates on every facet, facet by facet."""
@@ -198,7 +229,9 @@ class FESurface:
         return SurfaceCoordinates(np.repeat(np.arange(n), len(xi)), np.tile(xi, (n, 1)))
 
     def _equal_weights(self, at: SurfaceCoordinates) -> SurfacePoints:
-        weight = np.full(len(at), self.area / len(at))
+        area = self._area_points
+        areas = np.bincount(self._parts[area.at.element], weights=area.weight)
+        weight = equal_shares(self._parts[at.element], areas, self.area)
         return SurfacePoints(at, self.position(at), self.normal(at), weight)
 
     def position(self, at: SurfaceCoordinates) -> Floats:
@@ -216,27 +249,34 @@ class FESurface:
 
         A row holds the functions of the nodes of its facet; all others vanish there.
         """
-        dofs, order = self._rising
-        element = self._known(at)
-        values = np.take_along_axis(self._layer.trace_values(at.xi), order[element], axis=1)
-        return self._rows(values, dofs[element])
+        return self._values(at, self._rising, self._num_scalar_dofs)
 
     @cached_property
     def _rising(self) -> tuple[Ints, Ints]:
-        """Scalar dofs of each facet, rising, and their places in it, (n_facets, n_nodes)."""
-        order = np.argsort(self._layer.facet_dofs, axis=1)
-        return np.take_along_axis(self._layer.facet_dofs, order, axis=1), order
+        return _in_order(self._layer.facet_dofs)
+
+    def split_trace(self, at: SurfaceCoordinates) -> csr_array:
+        """The same of the functions split at corners, shape (n, num_scalar_dofs + further)."""
+        count = max(self._num_scalar_dofs, int(self._functions.max(initial=0)) + 1)
+        return self._values(at, _in_order(self._functions), count)
+
+    def _values(self, at: SurfaceCoordinates, columns: tuple[Ints, Ints], count: int) -> csr_array:
+        """Values of the functions of the nodes of facets, in their columns."""
+        numbers, order = columns
+        element = self._known(at)
+        values = np.take_along_axis(self._layer.trace_values(at.xi), order[element], axis=1)
+        return self._rows(values, numbers[element], count)
 
     def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
         """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
         columns = self._layer.dofs[self._known(at)]
-        return tuple(self._rows(g, columns) for g in self._layer.gradients(at.element, at.xi))
+        gradients = self._layer.gradients(at.element, at.xi)
+        return tuple(self._rows(g, columns, self._num_scalar_dofs) for g in gradients)
 
-    def _rows(self, values: Floats, columns: Ints) -> csr_array:
+    def _rows(self, values: Floats, columns: Ints, count: int) -> csr_array:
         n, per_row = values.shape
         starts = np.arange(0, n * per_row + 1, per_row)
-        shape = (n, self._num_scalar_dofs)
-        return csr_array((values.ravel(), columns.ravel(), starts), shape=shape)
+        return csr_array((values.ravel(), columns.ravel(), starts), shape=(n, count))
 
     def _known(self, at: SurfaceCoordinates) -> Ints:
         """Facets of points, once checked that each has one."""
@@ -292,3 +332,9 @@ class FESurface:
     def size(self, element: Ints) -> Floats:
         """Diameter (m) of each facet, (n,)."""
         return self._sizes[element]
+
+
+def _in_order(numbers: Ints) -> tuple[Ints, Ints]:
+    """Numbers of the functions of each facet, rising, and their places in it."""
+    order = np.argsort(numbers, axis=1)
+    return np.take_along_axis(numbers, order, axis=1), order
