@@ -12,6 +12,12 @@ from scipy.sparse.csgraph import connected_components
 
 from cea.arrays import Floats, Ints
 
+TANGENT = np.cos(np.deg2rad(1.0))
+"""Least cosine between normals of faces that join smoothly.
+
+Programs that draw faces take them for tangent within about a degree.
+"""
+
 
 def pairs_of_equal(numbers: Ints) -> Ints:
     """All pairs of entries that have the same number, shape (pairs, 2)."""
@@ -26,34 +32,10 @@ def pairs_of_equal(numbers: Ints) -> Ints:
     return np.concatenate(pairs)
 
 
-def smooth_groups(pairs: Ints, normals: Floats, cosine: float, element: Ints | None = None) -> Ints:
-    """Group of each entry: paired entries are in one where their normals agree.
-
-    Facets round a node of a curved surface are one group, as long as each turns little from the
-    next, however much they turn together.
-
-    Parameters
-    ----------
-    pairs
-        Entries that lie at one place, shape (pairs, 2).
-    normals
-        Unit normals of all entries, shape (n, dim).
-    cosine
-        Least cosine between normals that agree.
-    element
-        Element of each entry, shape (n,): an element is smooth, and the limits of its normal at a
-        point to which an edge has collapsed agree. None where entries have none.
-
-    Returns
-    -------
-    ndarray
-        Numbers of the groups, 0, 1, ..., shape (n,).
-    """
-    one, other = pairs.T
-    agree = np.einsum("ij,ij->i", normals[one], normals[other]) >= cosine
-    if element is not None:
-        agree |= element[one] == element[other]
-    return _components(one[agree], other[agree], len(normals))
+def connected(pairs: Ints, count: int) -> Ints:
+    """Group of each of ``count`` entries: paired entries are in one, numbers from 0."""
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def split_functions(dofs: Ints, groups: Ints, count: int) -> Ints:
@@ -98,7 +80,8 @@ def smooth_parts(element: Ints, functions: Ints, num_elements: int) -> Ints:
         Numbers of the parts, 0, 1, ..., shape (num_elements,).
     """
     count = num_elements + int(functions.max(initial=0)) + 1
-    return _components(element, num_elements + functions, count)[:num_elements]
+    pairs = np.column_stack([element, num_elements + functions])
+    return connected(pairs, count)[:num_elements]
 
 
 def equal_shares(part: Ints, areas: Floats, area: float) -> Floats:
@@ -115,9 +98,3 @@ def equal_shares(part: Ints, areas: Floats, area: float) -> Floats:
     """
     number = np.maximum(np.bincount(part, minlength=len(areas)), 1)
     return (area * (areas / areas.sum()) / number)[part]
-
-
-def _components(one: Ints, other: Ints, count: int) -> Ints:
-    """Connected component of each of ``count`` vertices of a graph."""
-    graph = coo_array((np.ones(len(one)), (one, other)), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)

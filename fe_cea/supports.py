@@ -14,7 +14,10 @@ from cea.supports.elimination import constrain
 from cea.supports.frames import SurfaceNormal
 from cea.surface import SurfaceCoordinates
 from fe_cea.facets import FacetBasis
-from fe_cea.surface import CREASE, FESurface
+from fe_cea.surface import FESurface
+
+_CREASE = np.cos(np.deg2rad(40.0))
+"""Facets whose normals at a node differ by more are faces that meet at an edge of the body."""
 
 
 def nodal_constraints(
@@ -84,7 +87,7 @@ def _mean_normals(normals: Directions, field: str) -> Directions:
     InputError
         When faces that join smoothly are held at different values.
     """
-    label = merged(normals, CREASE)
+    label = merged(normals, _CREASE)
     count = label.max(initial=-1) + 1
     mean = np.zeros((count, normals.direction.shape[1]))
     np.add.at(mean, label, normals.direction)

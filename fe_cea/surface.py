@@ -5,29 +5,18 @@ from functools import cached_property
 
 import basix
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
-from cea.corners import (
-    equal_shares,
-    pairs_of_equal,
-    smooth_groups,
-    smooth_parts,
-    split_functions,
-)
+from cea.corners import connected, equal_shares, pairs_of_equal, smooth_parts, split_functions
 from cea.errors import InputError
 from cea.location import cross, locate_along
 from cea.surface import Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
+from fe_cea.corners import smooth_pairs
 from fe_cea.facets import FacetLayer
 from fe_cea.search import FacetBounds
-
-CREASE = np.cos(np.deg2rad(40.0))
-"""Facets whose normals at a node differ by more are faces that meet at a corner of the body.
-
-Straight facets of a smooth curve turn by 360/n degrees from one to the next where n of them go
-round: from nine on, facets are taken for a curve.
-"""
 
 _MERGE = 1e-7
 """Grid points nearer than this, relative to the spacing of the smallest facet, are one."""
@@ -185,8 +174,23 @@ class FESurface:
     def _functions(self) -> Ints:
         """Numbers of the trace functions split at corners, of each facet, (n_facets, n_nodes)."""
         dofs = self._layer.facet_dofs
-        groups = smooth_groups(pairs_of_equal(dofs.ravel()), self.normal(self._nodes), CREASE)
+        pairs = pairs_of_equal(dofs.ravel())
+        groups = connected(pairs[self._join(pairs // dofs.shape[1])], dofs.size)
         return split_functions(dofs.ravel(), groups, self._num_scalar_dofs).reshape(dofs.shape)
+
+    def _join(self, facets: Ints) -> NDArray[np.bool_]:
+        """Whether pairs of facets, (n, 2), join smoothly."""
+        n = len(self._layer)
+        one, other = np.sort(facets, axis=1).T
+        return np.isin(one * n + other, self._smooth_pairs @ np.array([n, 1]))
+
+    @cached_property
+    def _smooth_pairs(self) -> Ints:
+        """Pairs of facets that join smoothly, (n, 2)."""
+        dofs = self._layer.facet_dofs
+        normals = self.normal(self._nodes).reshape(*dofs.shape, self.dim)
+        on_side = 1 if self.dim == 2 else self._layer.trace.cell.degree + 1
+        return smooth_pairs(dofs, normals, on_side)
 
     @cached_property
     def _parts(self) -> Ints:
@@ -220,7 +224,7 @@ class FESurface:
         at = self._on_every_facet(lattice)
         tree = cKDTree(self.position(at))
         twins = tree.query_pairs(_MERGE * self._sizes.min() / (n - 1), output_type="ndarray")
-        groups = smooth_groups(twins, self.normal(at), CREASE)
+        groups = connected(twins[self._join(at.element[twins])], len(at))
         return self._equal_weights(at[np.sort(np.unique(groups, return_index=True)[1])])
 
     def _on_every_facet(self, xi: Floats) -> SurfaceCoordinates:

@@ -10,16 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from cea.arrays import Floats
+from cea.corners import TANGENT
 from iga_cea.face import PatchFace
 from iga_cea.face_shape import FaceShape
 from iga_cea.grids import grid_points
 from iga_cea.patch import subdivided
-
-SMOOTH = np.cos(np.deg2rad(1.0))
-"""Least cosine between normals at a joint or a repeated knot at which the surface is smooth.
-
-Splines have no error of facets. Programs that draw them join faces smoothly to about a degree.
-"""
 
 
 def smooth_pieces(face: PatchFace) -> list[PatchFace]:
@@ -44,7 +39,7 @@ def _is_kink(face: PatchFace, axis: int, knot: float) -> bool:
     parameters[axis] = np.array([knot])
     xi = grid_points(tuple(parameters))
     one, other = (piece.normals(xi)[1] for piece in _cut(face, axis, knot))
-    return bool(np.einsum("ij,ij->i", one, other).min() < SMOOTH)
+    return bool(np.einsum("ij,ij->i", one, other).min() < TANGENT)
 
 
 def _cut_at(face: PatchFace, axis: int, knots: Sequence[float]) -> Iterator[PatchFace]:

@@ -7,14 +7,16 @@ from math import prod
 from operator import attrgetter
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats, Ints
 from cea.corners import (
+    TANGENT,
+    connected,
     equal_shares,
     pairs_of_equal,
-    smooth_groups,
     smooth_parts,
     split_functions,
 )
@@ -25,7 +27,7 @@ from iga_cea.chart import FaceChart
 from iga_cea.chunks import chunks
 from iga_cea.face import PatchFace
 from iga_cea.grids import grid_points
-from iga_cea.kinks import SMOOTH, smooth_pieces
+from iga_cea.kinks import smooth_pieces
 from iga_cea.splines import gauss_rule
 
 _AREA_POINTS = 12
@@ -192,11 +194,17 @@ class NurbsSurface(FaceChart):
         every, ends = np.concatenate(dofs), np.cumsum([len(part) for part in dofs])
         at = _on_faces([face.greville for face in self.faces])
         pairs = pairs_of_equal(every)
-        normal = np.zeros((len(every), self.dim))
-        shared = np.unique(pairs)
-        normal[shared] = self.normal(at[shared])
-        groups = smooth_groups(pairs, normal, SMOOTH, at.element)
+        groups = connected(pairs[self._join(at, pairs)], len(every))
         return np.split(split_functions(every, groups, self.num_scalar_dofs), ends[:-1])
+
+    def _join(self, at: SurfaceCoordinates, pairs: Ints) -> NDArray[np.bool_]:
+        """Whether faces join smoothly at pairs of points that lie at one place.
+
+        A face is smooth: limits of its normal where an edge has collapsed are one.
+        """
+        one, other = pairs.T
+        cosine = np.einsum("ij,ij->i", self.normal(at[one]), self.normal(at[other]))
+        return (cosine >= TANGENT) | (at.element[one] == at.element[other])
 
     @cached_property
     def _parts(self) -> Ints:
@@ -218,7 +226,7 @@ class NurbsSurface(FaceChart):
         pairs = KDTree(self.position(at)).query_pairs(
             _SAME_POINT * self.mesh_size, output_type="ndarray"
         )
-        groups = smooth_groups(pairs, self.normal(at), SMOOTH, at.element)
+        groups = connected(pairs[self._join(at, pairs)], len(at))
         return self._even(at[np.sort(np.unique(groups, return_index=True)[1])])
 
     def locate(self, x: Floats, direction: Floats, reach: float) -> Location:

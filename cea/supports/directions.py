@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Floats, Ints
-from cea.corners import pairs_of_equal, smooth_groups
 
 _INDEPENDENT = 1e-3
 """Sine of the angle from which a direction counts as independent of those already held."""
@@ -67,9 +66,21 @@ def merged(entries: Directions, cosine: float) -> Ints:
     Returns
     -------
     ndarray
-        Labels 0, 1, ..., shape (n,).
+        Labels 0, 1, ..., shape (n,). Each group of a dof is gathered about its first entry.
     """
-    return smooth_groups(pairs_of_equal(entries.dof), entries.direction, cosine)
+    label = np.full(len(entries), -1)
+    waiting = np.arange(len(entries))
+    count = 0
+    while len(waiting):
+        _, leader, group = np.unique(entries.dof[waiting], return_index=True, return_inverse=True)
+        led = entries.direction[waiting[leader][group]]
+        near = np.einsum("ij,ij->i", led, entries.direction[waiting]) >= cosine
+        # A leader is near itself, whatever rounding says: each pass ends with fewer waiting.
+        near[leader] = True
+        label[waiting[near]] = count + group[near]
+        count += len(leader)
+        waiting = waiting[~near]
+    return np.unique(label, return_inverse=True)[1]
 
 
 def orthonormal(owner: Ints, direction: Floats, count: int) -> tuple[Floats, Ints, Ints]:

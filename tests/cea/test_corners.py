@@ -8,10 +8,11 @@ from motions import dense, product, unknowns
 
 from cea.contact.formulations import Mortar, NodeToSurface
 from cea.contact.sampling import sampling
-from cea.corners import pairs_of_equal, smooth_groups, smooth_parts, split_functions
+from cea.corners import connected, pairs_of_equal, smooth_parts, split_functions
 from cea.matrices import gather
 from cea.supports.boundary import Pressure, Support
 from fe_cea.body import FEBody
+from fe_cea.corners import smooth_pairs
 from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
@@ -51,10 +52,24 @@ def test_one_contact_over_a_corner_is_one_for_each_face(kind, dim, reverse):
             system(kind, dim, rule, together=together, reverse=reverse)
             for together in (True, False)
         )
-        assert one.contacts[0].P == pytest.approx(sum(c.P for c in several.contacts), rel=1e-13)
+        P = one.contacts[0].P
+        assert sum(contact.P for contact in several.contacts) == pytest.approx(P, rel=1e-13)
         for found, expected in zip(matrices(one), matrices(several), strict=True):
             error = np.abs(found - expected).max() / np.abs(expected).max()
             assert error <= 1e-12, name
+
+
+@pytest.mark.parametrize("angle", [50.0, 160.0, 175.0])
+def test_one_contact_over_an_oblique_corner_is_two(backend, angle):
+    """Facets that are straight on both sides meet at a corner, however little they turn there."""
+    kind = OF[backend]
+    for name, rule in rules(kind).items():
+        one, two = (
+            matrices(system(kind, 2, rule, together=together, angle=angle))
+            for together in (True, False)
+        )
+        for found, expected in zip(one, two, strict=True):
+            assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max(), name
 
 
 @pytest.mark.parametrize("p", [30.0, float("inf")])
@@ -132,14 +147,76 @@ def test_a_rule_of_one_point_for_each_function_counts_as_many_over_a_corner(back
     assert counts.points == counts.functions_a
 
 
+def facets_of(x):
+    """Nodes and normals of straight facets from point to point."""
+    along = np.diff(x, axis=0) / np.linalg.norm(np.diff(x, axis=0), axis=1, keepdims=True)
+    normals = np.column_stack([along[:, 1], -along[:, 0]])
+    number = np.arange(len(x) - 1)
+    return np.column_stack([number, number + 1]), np.repeat(normals[:, None], 2, axis=1)
+
+
+def corners_of(x):
+    """Points of a polyline where it has a corner."""
+    smooth = smooth_pairs(*facets_of(x), 1)
+    return sorted(set(range(1, len(x) - 1)) - set(smooth[:, 1]))
+
+
+def corners_round(x):
+    """Points of a closed polyline where it has a corner."""
+    dofs, normals = facets_of(np.vstack([x, x[:1]]))
+    smooth = smooth_pairs(dofs % len(x), normals, 1)
+    last = smooth[:, 1] - smooth[:, 0] > 1
+    return sorted(set(range(len(x))) - set(np.where(last, 0, smooth[:, 1])))
+
+
+def on_circle(degrees):
+    """Points of the unit circle."""
+    turn = np.deg2rad(degrees)
+    return np.column_stack([np.cos(turn), np.sin(turn)])
+
+
+def test_facets_of_any_lengths_on_a_circle_are_one_smooth_part():
+    """All round: at the ends of an arc nothing tells what lies beyond."""
+    rng = np.random.default_rng(4)
+    for _ in range(50):
+        shares = rng.uniform(1.0, 20.0, 30)
+        assert corners_round(on_circle(360 * np.cumsum(shares) / shares.sum())) == []
+
+
+@pytest.mark.parametrize("turn", [2.0, 20.0, 60.0, 90.0])
+def test_straight_sides_have_a_corner_and_rounded_ones_none(turn):
+    end = np.deg2rad(turn)
+    side = np.linspace(1.0, 0.0, 4)[:, None] * [-1.0, 0.0]
+    other = np.linspace(0.0, 1.0, 4)[1:, None] * [np.cos(end), np.sin(end)]
+    assert corners_of(np.vstack([side, other])) == [3]
+    arc = end * np.linspace(0.0, 1.0, 4)
+    rounded = 0.2 * np.column_stack([np.sin(arc), 1 - np.cos(arc)])
+    assert corners_of(np.vstack([side, rounded[1:], rounded[-1] + other])) == []
+
+
+def test_a_square_of_one_facet_a_side_has_corners_and_an_octagon_none():
+    for sides, expected in ((4, 4), (6, 6), (8, 0)):
+        assert len(corners_round(on_circle(360 * np.arange(sides) / sides))) == expected
+
+
+@pytest.mark.parametrize(("elements", "uneven"), [(8, []), (12, [20.0, 160.0]), (20, [80.0])])
 @pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
-def test_straight_facets_of_a_circle_are_one_smooth_part(cell):
-    """12 of them, from one to the next 30 degrees."""
-    mesh = shape_mesh(Ring(0.5, 1.0), cell, 1, breaks=breaks_of(Ring(0.5, 1.0), (1, 12)))
+def test_straight_facets_of_a_ring_are_one_smooth_part(cell, elements, uneven):
+    breaks = breaks_of(Ring(0.5, 1.0), (1, elements), {"theta": uneven})
+    mesh = shape_mesh(Ring(0.5, 1.0), cell, 1, breaks=breaks)
     for surface in FEBody.from_mesh("ring", mesh, degree=2, material=MATERIAL).surfaces.values():
         nodes = surface.abscissae("nodes")
-        assert len(nodes) == 24
-        assert nodes.weight == pytest.approx(np.full(24, surface.area / 24), rel=1e-14)
+        assert len(nodes) == 2 * elements
+        assert nodes.weight == pytest.approx(surface.area / len(nodes), rel=1e-14)
+        at = surface.gauss_points(2).at
+        assert (surface.split_trace(at) != surface.trace(at)).nnz == 0
+
+
+@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
+def test_straight_facets_of_a_cylinder_are_one_smooth_part(cell):
+    shape = Annulus(0.5, 1.0, 0.0, 0.6)
+    mesh = shape_mesh(shape, cell, 1, breaks=breaks_of(shape, (1, 8, 2)))
+    for surface in FEBody.from_mesh("part", mesh, degree=2, material=MATERIAL).surfaces.values():
         at = surface.gauss_points(2).at
         assert (surface.split_trace(at) != surface.trace(at)).nnz == 0
 
@@ -195,23 +272,15 @@ def test_points_at_a_corner_are_found_on_the_face_that_faces_them(order):
     assert surface.normal(found.at) == pytest.approx(np.eye(2), abs=1e-12)
 
 
-def test_a_cone_is_one_smooth_part_however_far_it_turns():
-    """Normals of facets round its tip: each near the next, first and last far apart."""
-    turn = np.linspace(0.0, 2.0, 9)
-    normals = np.column_stack([np.cos(turn), np.sin(turn)])
-    pairs = pairs_of_equal(np.zeros(9, dtype=int))
-    assert len(pairs) == 36
-    assert len(set(smooth_groups(pairs, normals, np.cos(0.3)))) == 1
-    assert len(set(smooth_groups(pairs, normals, np.cos(0.2)))) == 9
-
-
 def test_functions_are_split_where_a_crease_begins_and_whole_where_it_ends():
     """Two rows of two elements: the normal jumps between them in the first row alone."""
     dofs = np.array([0, 1, 3, 4, 1, 2, 4, 5, 3, 4, 6, 7, 4, 5, 7, 8])
     element = np.repeat(np.arange(4), 4)
     normals = np.tile([0.0, 1.0], (16, 1))
     normals[4:6] = [1.0, 0.0]  # the second element, at its nodes in the first row
-    groups = smooth_groups(pairs_of_equal(dofs), normals, 0.9)
+    pairs = pairs_of_equal(dofs)
+    joined = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1) > 0.9
+    groups = connected(pairs[joined], 16)
     functions = split_functions(dofs, groups, 9)
     assert sorted(set(functions)) == list(range(10))
     assert functions[1] != functions[4]
