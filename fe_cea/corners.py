@@ -45,10 +45,13 @@ def smooth_pairs(dofs: Ints, normals: Floats, on_side: int) -> Ints:
     at_node = np.zeros(dofs.size)
     np.maximum.at(at_node, entries.ravel(), np.repeat(np.where(turn > crease, 0.0, turn), 2))
 
-    facets = np.sort(entries // dofs.shape[1], axis=1)
-    pairs, pair, common = np.unique(facets, axis=0, return_inverse=True, return_counts=True)
+    low, high = np.sort(entries // dofs.shape[1], axis=1).T
+    number, pair, common = np.unique(
+        low * len(dofs) + high, return_inverse=True, return_counts=True
+    )
+    pairs = np.column_stack(np.divmod(number, len(dofs)))
     between = np.zeros(len(pairs))
-    np.maximum.at(between, pair.ravel(), turn)
+    np.maximum.at(between, pair, turn)
     smooth = between <= np.arccos(TANGENT)
     curved = np.flatnonzero(~smooth & (common >= on_side) & (between <= crease))
     elsewhere = [

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 from corners import KINDS, MATERIAL, block, rules, seat, system
 from motions import dense, product, unknowns
+from mpi import on_ranks
 
 from cea.contact.formulations import Mortar, NodeToSurface
+from cea.contact.laws import NormalCompliance
 from cea.contact.sampling import sampling
 from cea.corners import connected, pairs_of_equal, smooth_parts, split_functions
 from cea.matrices import gather
@@ -79,6 +81,54 @@ def test_modes_of_one_contact_over_a_corner_are_those_of_two(backend, p):
     assert len(one) > 6
     assert np.abs(one.real).max() > 1e-3
     assert one == pytest.approx(two, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["mortar", "segments"])
+def test_a_law_of_the_gap_over_a_corner(backend, name):
+    """Normal compliance, linearised about the same penetration of both faces."""
+    kind = OF[backend]
+    one, two = (
+        matrices(
+            system(
+                kind,
+                2,
+                rules(kind)[name],
+                together=together,
+                p=NormalCompliance(c=30.0, m=2.0),
+                penetration=0.1,
+            )
+        )
+        for together in (True, False)
+    )
+    for found, expected in zip(one, two, strict=True):
+        assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
+
+
+def test_a_corner_of_which_parts_have_lifted_off(backend):
+    """Open parts cut traces; another stiffness on each face."""
+
+    def stiffness(x, normal):
+        floor = normal[:, 1] < -0.5
+        return np.where(floor, 3.0, 8.0) * (x.max(axis=1) < np.where(floor, 0.5, 0.8))
+
+    one, two = (
+        matrices(system(OF[backend], 2, Mortar(), together=together, p=stiffness))
+        for together in (True, False)
+    )
+    for found, expected in zip(one, two, strict=True):
+        assert np.abs(found - expected).max() <= 1e-10 * np.abs(expected).max()
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(("ranks", "kind"), [(2, "nurbs"), (2, "triangle"), (3, "triangle")])
+def test_numbers_of_a_corner_do_not_depend_on_the_ranks(ranks, kind):
+    alone, together = (on_ranks(n, "corners.numbers", kind) for n in (1, ranks))
+    assert len(alone) == 2
+    for case, expected in alone.items():
+        assert len(expected["frequencies"]) >= 4
+        assert together[case]["rows"] == expected["rows"]
+        for quantity in ("frequencies", "norms"):
+            assert together[case][quantity] == pytest.approx(expected[quantity], rel=1e-9)
 
 
 @pytest.mark.parametrize(("kind", "dim"), EVERY)

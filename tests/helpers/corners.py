@@ -189,7 +189,7 @@ def system(kind, dim, rule, *, together=True, reverse=False, held=False, angle=9
     angle
         Angle of the corner in the plane (degrees).
     options
-        p and mu of the contact.
+        Those of :func:`coupled`.
     """
     supports = {"supports": [Support("back")]} if held else {}
     bodies = {
@@ -200,24 +200,46 @@ def system(kind, dim, rule, *, together=True, reverse=False, held=False, angle=9
     return coupled(bodies, rule, a=a, b=b, **options)
 
 
-def coupled(bodies, rule, *, a="block", b="seat", p=STIFFNESS, mu=MU, **options):
-    """Bodies in contact on their surfaces of the same names, by a rule on body a."""
+def coupled(bodies, rule, *, a="block", b="seat", p=STIFFNESS, mu=MU, penetration=None, **options):
+    """Bodies in contact on their surfaces of the same names, by a rule on body a.
+
+    Parameters
+    ----------
+    bodies, rule
+        Bodies by name, formulation.
+    a, b
+        Names of the sides.
+    p
+        Contact stiffness: a number, a function of positions and normals, or a law that is not
+        linear.
+    mu
+        Friction coefficient.
+    penetration
+        What such a law is linearised about.
+    options
+        Those of couple.
+    """
     contacts = {}
     names = [name for name in bodies[a].surfaces if name.startswith(("corner", "face"))]
     for name in names:
         sides = bodies[a].surfaces[name], bodies[b].surfaces[name]
         points = rule.points_on(*sides, default_reach(*sides))
         interface = pair(*sides, points, max_missed=0.8)
+        points, form, law = interface.points, None, p
+        if callable(p):
+            law = LinearLaw(p(points.x, points.normal))
+        elif isinstance(p, float):
+            law, form = LinearLaw(np.full(len(points), p)), "saddle" if p == np.inf else None
         push = (1.0 if a == "block" else -1.0,) * bodies[a].dim
-        form = {} if np.isfinite(p) else {"form": "saddle"}
         contacts[name] = HalfPass(
             a,
             b,
             interface,
-            LinearLaw(np.full(len(interface.points), p)),
+            law,
             Friction(mu, AlongVector(push)),
             coupling=rule.coupling,
-            **form,
+            form=form,
+            penetration=None if penetration is None else np.full(len(points), penetration),
         )
     return couple(bodies, contacts, **options)
 
@@ -260,3 +282,17 @@ def rigid_stiffness(dim, p=STIFFNESS, mu=MU):
             normal += p * weight * np.outer(m @ n, m @ n)
             friction += mu * p * weight * np.outer(m @ k, m @ n)
     return normal, friction
+
+
+def numbers(kind):
+    """Frequencies, stiffnesses and numbers of multipliers that must not depend on ranks."""
+    found = {}
+    for rule in (Mortar(), next(iter(rules(kind).values()))):
+        assembled = system(kind, 2, rule, held=True, p=30.0)
+        (contact,) = assembled.contacts
+        found[rule.method] = {
+            "frequencies": solve_modes(assembled.pencil(), 0.3).frequencies.tolist(),
+            "norms": [contact.stiffness.norm(), contact.friction.norm()],
+            "rows": contact.gap.getSize()[0],
+        }
+    return found
