@@ -16,7 +16,8 @@ class Greville(Formulation):
     ----------
     weights
         ``equal``: each point carries the stiffness P / n_points of its smooth part
-        (Mohanasundaram et al. 2023, section 3). ``area``: the integral of its trace function (Matzen & Bischoff 2016).
+        (Mohanasundaram et al. 2023, section 3). ``area``: the integral of its trace function
+        (Matzen & Bischoff 2016).
     """
 
     name: ClassVar[str] = "Greville"

@@ -15,9 +15,9 @@ class NodeToSurface(Formulation):
     Parameters
     ----------
     weights
-        ``equal``: each node bears the same share of the area of its smooth part. ``tributary``: each facet's area
-        shared among its nodes in proportion to int N_i^2. Integrals of N_i are no weights: they
-        vanish at corners of quadratic triangles.
+        ``equal``: each node bears the same share of the area of its smooth part. ``tributary``:
+        each facet's area shared among its nodes in proportion to int N_i^2. Integrals of N_i are
+        no weights: they vanish at corners of quadratic triangles.
     """
 
     name: ClassVar[str] = "node-to-surface"
