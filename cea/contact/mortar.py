@@ -1,17 +1,15 @@
 """Mortar contact: the gap projected on the trace space of side a.
 
 With psi_i the traces of side a, split at corners where its normal jumps (:mod:`cea.corners`), and g
-the gap, the multiplier lambda_h = sum_i l_i psi_i obeys
-M l = B x, where
+the gap, the multiplier lambda_h = sum_i l_i psi_i obeys M l = B x, where
 
     B_i = int psi_i g,   M_ij = int psi_i psi_j / p,   (B_k)_i = int mu psi_i [[u]].k,
 
 and K_n = B^T M^-1 B, K_f = B_k^T M^-1 B. B and M are sparse, K_n and K_f full on the whole
 interface: what is solved keeps l as unknowns (:mod:`cea.contact.saddle`). Bonded sides close the
 jump along fixed axes, which is continuous over a corner: their traces stay whole. Where p is zero
-the sides
-have lifted off: the integrals go over the rest of the interface, and traces that vanish there bear
-no multiplier.
+the sides have lifted off: the integrals go over the rest of the interface, and traces that vanish
+there bear no multiplier.
 """
 
 from dataclasses import dataclass

@@ -76,11 +76,24 @@ def test_one_contact_over_an_oblique_corner_is_two(backend, angle):
 
 @pytest.mark.parametrize("p", [30.0, float("inf")])
 def test_modes_of_one_contact_over_a_corner_are_those_of_two(backend, p):
-    kind = OF[backend]
-    one, two = (corners.modes(kind, Mortar(), together=together, p=p) for together in (True, False))
+    one, two = (
+        corners.modes(OF[backend], Mortar(), 1.0, together=together, p=p)
+        for together in (True, False)
+    )
     assert len(one) > 6
     assert np.abs(one.real).max() > 1e-3
     assert one == pytest.approx(two, rel=1e-9)
+
+
+def test_three_faces_may_be_tied_at_once(backend):
+    """At their common corner there are as many multipliers as displacements."""
+    kind = KINDS[3][{"fe": 1, "iga": 0}[backend]]
+    one, three = (
+        corners.modes(kind, Mortar(), 0.25, together=together, p=float("inf"), dim=3)
+        for together in (True, False)
+    )
+    assert len(one) > 6
+    assert one == pytest.approx(three, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["mortar", "segments"])

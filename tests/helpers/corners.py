@@ -244,11 +244,10 @@ def coupled(bodies, rule, *, a="block", b="seat", p=STIFFNESS, mu=MU, penetratio
     return couple(bodies, contacts, **options)
 
 
-def modes(kind, rule, *, together, p):
-    """Lowest eigenvalues in the plane with the seat held, sorted."""
-    found = solve_modes(system(kind, 2, rule, together=together, p=p, held=True).pencil(), 1.0)
-    values = np.concatenate([found.eigenvalues, found.eigenvalues.conj()])
-    return np.sort_complex(np.round(values, 12))
+def modes(kind, rule, top, *, together, p, dim=2):
+    """Eigenvalues up to a frequency (Hz), the seat held, sorted."""
+    assembled = system(kind, dim, rule, together=together, p=p, held=True)
+    return np.sort_complex(np.round(solve_modes(assembled.pencil(), top).eigenvalues, 12))
 
 
 def rigid_motions(dim):
