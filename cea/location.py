@@ -86,8 +86,9 @@ def locate_along(
     Returns
     -------
     Location
-        One entry per point. Of several hits the nearest along the direction wins, then the lowest
-        element; of several misses the smallest.
+        One entry per point. Of several hits the nearest along the direction wins, then that of the
+        steepest incidence, as at a corner of the surface, then the lowest element; of several
+        misses the smallest.
     """
     x = np.ascontiguousarray(x, dtype=float)
     direction = np.ascontiguousarray(direction, dtype=float)
@@ -134,7 +135,8 @@ def _locate(
 
     # Hits before misses; hits by distance, rounded so that one edge seen from two elements ties.
     rank = np.where(hit, np.round(np.abs(distance) / reach, 10), relative)
-    best = _first_of_each(point, element, rank, hit)
+    flat = _incidence(chart, point, element, xi, aim[point], hit)
+    best = _first_of_each(point, element, rank, flat, hit)
     found = points[point[best]]
     out.at.element[found] = element[best]
     out.at.xi[found] = xi[best]
@@ -146,13 +148,29 @@ def _locate(
     )
 
 
+def _incidence(
+    chart: Chart, point: Ints, element: Ints, xi: Floats, aim: Floats, hit: NDArray[np.bool_]
+) -> Floats:
+    """Angle between the line and the normal, 1 - cosine, where a point hits several elements."""
+    flat = np.zeros(len(point))
+    several = np.flatnonzero(hit)
+    several = several[np.bincount(point[several])[point[several]] > 1]
+    normal = cross(chart.tangents(element[several], xi[several])[1])
+    length = np.linalg.norm(normal, axis=1)
+    along = np.abs(np.einsum("ni,ni->n", normal, aim[several]))
+    # Rounded so that elements that meet smoothly tie.
+    flat[several] = np.round(1 - along / np.where(length > 0, length, 1.0), 6)
+    return flat
+
+
 def _first_of_each(
-    point: Ints, element: Ints, rank: Floats, hit: NDArray[np.bool_]
+    point: Ints, element: Ints, rank: Floats, flat: Floats, hit: NDArray[np.bool_]
 ) -> NDArray[np.intp]:
     """The best pair of each point that has any."""
     rivals = np.bincount(point)[point] > 1
     alone, several = np.flatnonzero(~rivals), np.flatnonzero(rivals)
-    order = several[np.lexsort((element[several], rank[several], ~hit[several], point[several]))]
+    keys = (element, flat, rank, ~hit, point)
+    order = several[np.lexsort(tuple(key[several] for key in keys))]
     first = np.ones(len(order), dtype=bool)
     first[1:] = point[order[1:]] != point[order[:-1]]
     return np.concatenate([alone, order[first]])

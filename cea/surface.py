@@ -2,6 +2,10 @@
 
 A contact surface is small beside its volume. Every rank holds the whole of it, geometry and global
 scalar dof numbers of one layer of cells, so that points, location and trace need no messages.
+
+Where its normal jumps the surface has a corner. Corners divide it into smooth parts: a point at a
+corner has the normal of the element whose coordinates it bears, and rules have one point there for
+each part (:mod:`cea.corners`).
 """
 
 from dataclasses import dataclass
@@ -206,15 +210,16 @@ class Surface(Protocol):
         ...
 
     def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
-        """Abscissae of the trace space, each once.
+        """Abscissae of the split trace space, each once: at a corner once for each smooth part.
 
         Parameters
         ----------
         kind
             One of ``abscissa_kinds``.
         weights
-            One of ``abscissa_weights``: ``equal`` gives each area/n; the others positive shares
-            of the area by the trace functions, added up to the area.
+            One of ``abscissa_weights``: ``equal`` shares the area of each smooth part evenly among
+            its points; the others give positive shares of the area by the split trace functions,
+            added up to the area.
 
         Raises
         ------
@@ -224,10 +229,11 @@ class Surface(Protocol):
         ...
 
     def grid(self, n: int) -> SurfacePoints:
-        """Equally spaced points, weights area/n_points, shared points once.
+        """Equally spaced points, shared ones once: at a corner once for each smooth part.
 
         n per direction over each face of a NURBS patch (in its parameters), or n per side of each
-        facet of a mesh; both include the boundary.
+        facet of a mesh; both include the boundary. The area of each smooth part is shared evenly
+        among its points.
         """
         ...
 
@@ -287,6 +293,14 @@ class Surface(Protocol):
 
     def trace(self, at: SurfaceCoordinates) -> csr_array:
         """Values of the scalar basis functions, shape (n, num_scalar_dofs)."""
+        ...
+
+    def split_trace(self, at: SurfaceCoordinates) -> csr_array:
+        """Values of the trace functions split at corners, shape (n, num_scalar_dofs + further).
+
+        A function that reaches over a corner is one function for each smooth part: one in its own
+        column, the others in further columns. Without corners it is the trace.
+        """
         ...
 
     def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:

@@ -5,11 +5,12 @@ from functools import cached_property
 
 import basix
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
+from cea.corners import connected, equal_shares, pairs_of_equal, smooth_parts, split_functions
 from cea.errors import InputError
 from cea.location import cross, locate_along
 from cea.surface import (
@@ -19,6 +20,7 @@ from cea.surface import (
     SurfacePoints,
     TrueSurface,
 )
+from fe_cea.corners import smooth_pairs
 from fe_cea.facets import FacetLayer
 from fe_cea.sagitta import sagittas
 from fe_cea.search import FacetBounds
@@ -38,7 +40,8 @@ class FESurface:
     """Surface of a Lagrange body; also the chart that point location works on.
 
     Where facets meet at an angle, a point on their common edge has the normal of the facet whose
-    coordinates it bears; of points that several facets share, the first facet's.
+    coordinates it bears. Of points that several facets of a smooth part share there is one, on the
+    first facet; at a corner each smooth part has its own.
 
     Parameters
     ----------
@@ -150,16 +153,16 @@ class FESurface:
         return SurfacePoints(at, x, normal / jacobian[:, None], weight)
 
     def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
-        """Interpolation nodes of the trace space, each once.
+        """Interpolation nodes of the trace space, at a corner once for each smooth part.
 
         Parameters
         ----------
         kind
             ``nodes``.
         weights
-            ``equal``: area/n. ``tributary``: each facet's area shared among its nodes in
-            proportion to int N_i^2 (as Hinton, Rock & Zienkiewicz 1976 lump a mass), positive
-            where integrals of N_i are not, and added up to the area.
+            ``equal``: even shares of the area of each smooth part. ``tributary``: each facet's
+            area shared among its nodes in proportion to int N_i^2 (as Hinton, Rock & Zienkiewicz
+            1976 lump a mass), positive where integrals of N_i are not, and added up to the area.
 
         Raises
         ------
@@ -170,14 +173,46 @@ class FESurface:
             raise InputError("abscissae", kind, f"one of {', '.join(self.abscissa_kinds)}")
         if weights not in self.abscissa_weights:
             raise InputError("weights", weights, f"one of {', '.join(self.abscissa_weights)}")
-        at = self._on_every_facet(self._layer.trace.facet.points)
-        dofs, first = np.unique(self._layer.facet_dofs.ravel(), return_index=True)
-        order = np.argsort(first)
-        points = self._equal_weights(at[first[order]])
+        functions = self._functions.ravel()
+        first = np.sort(np.unique(functions, return_index=True)[1])
+        points = self._equal_weights(self._nodes[first])
         if weights == "equal":
             return points
-        shares = np.bincount(self._layer.facet_dofs.ravel(), weights=self._shares.ravel())
-        return replace(points, weight=shares[dofs[order]])
+        shares = np.bincount(functions, weights=self._shares.ravel())
+        return replace(points, weight=shares[functions[first]])
+
+    @property
+    def _nodes(self) -> SurfaceCoordinates:
+        """Interpolation nodes of every facet, facet by facet."""
+        return self._on_every_facet(self._layer.trace.facet.points)
+
+    @cached_property
+    def _functions(self) -> Ints:
+        """Numbers of the trace functions split at corners, of each facet, (n_facets, n_nodes)."""
+        dofs = self._layer.facet_dofs
+        pairs = pairs_of_equal(dofs.ravel())
+        groups = connected(pairs[self._join(pairs // dofs.shape[1])], dofs.size)
+        return split_functions(dofs.ravel(), groups, self._num_scalar_dofs).reshape(dofs.shape)
+
+    def _join(self, facets: Ints) -> NDArray[np.bool_]:
+        """Whether pairs of facets, (n, 2), join smoothly."""
+        n = len(self._layer)
+        one, other = np.sort(facets, axis=1).T
+        return np.isin(one * n + other, self._smooth_pairs @ np.array([n, 1]))
+
+    @cached_property
+    def _smooth_pairs(self) -> Ints:
+        """Pairs of facets that join smoothly, (n, 2)."""
+        dofs = self._layer.facet_dofs
+        normals = self.normal(self._nodes).reshape(*dofs.shape, self.dim)
+        on_side = 1 if self.dim == 2 else self._layer.trace.cell.degree + 1
+        return smooth_pairs(dofs, normals, on_side)
+
+    @cached_property
+    def _parts(self) -> Ints:
+        """Smooth part of each facet, (n_facets,)."""
+        facets = np.repeat(np.arange(len(self._layer)), self._functions.shape[1])
+        return smooth_parts(facets, self._functions.ravel(), len(self._layer))
 
     @property
     def _shares(self) -> Floats:
@@ -190,7 +225,9 @@ class FESurface:
         return shares * (measure.sum(axis=1) / shares.sum(axis=1))[:, None]
 
     def grid(self, n: int) -> SurfacePoints:
-        """Equally spaced points, n per side of each facet, shared ones once, weights area/n_points.
+        """Equally spaced points, n per side of each facet, shared ones once in a smooth part.
+
+        The area of each smooth part is shared evenly among its points.
 
         Raises
         ------
@@ -203,10 +240,8 @@ class FESurface:
         at = self._on_every_facet(lattice)
         tree = cKDTree(self.position(at))
         twins = tree.query_pairs(_MERGE * self._sizes.min() / (n - 1), output_type="ndarray")
-        links = csr_array((np.ones(len(twins)), (twins[:, 0], twins[:, 1])), (len(at), len(at)))
-        _, label = connected_components(links, directed=False)
-        _, first = np.unique(label, return_index=True)
-        return self._equal_weights(at[np.sort(first)])
+        groups = connected(twins[self._join(at.element[twins])], len(at))
+        return self._equal_weights(at[np.sort(np.unique(groups, return_index=True)[1])])
 
     def _on_every_facet(self, xi: Floats) -> SurfaceCoordinates:
         """The same facet coordinates on every facet, facet by facet."""
@@ -214,7 +249,9 @@ class FESurface:
         return SurfaceCoordinates(np.repeat(np.arange(n), len(xi)), np.tile(xi, (n, 1)))
 
     def _equal_weights(self, at: SurfaceCoordinates) -> SurfacePoints:
-        weight = np.full(len(at), self.area / len(at))
+        area = self._area_points
+        areas = np.bincount(self._parts[area.at.element], weights=area.weight)
+        weight = equal_shares(self._parts[at.element], areas, self.area)
         return SurfacePoints(at, self.position(at), self.normal(at), weight)
 
     def position(self, at: SurfaceCoordinates) -> Floats:
@@ -258,27 +295,34 @@ class FESurface:
 
         A row holds the functions of the nodes of its facet; all others vanish there.
         """
-        dofs, order = self._rising
-        element = self._known(at)
-        values = np.take_along_axis(self._layer.trace_values(at.xi), order[element], axis=1)
-        return self._rows(values, dofs[element])
+        return self._values(at, self._rising, self._num_scalar_dofs)
 
     @cached_property
     def _rising(self) -> tuple[Ints, Ints]:
-        """Scalar dofs of each facet, rising, and their places in it, (n_facets, n_nodes)."""
-        order = np.argsort(self._layer.facet_dofs, axis=1)
-        return np.take_along_axis(self._layer.facet_dofs, order, axis=1), order
+        return _in_order(self._layer.facet_dofs)
+
+    def split_trace(self, at: SurfaceCoordinates) -> csr_array:
+        """The same of the functions split at corners, shape (n, num_scalar_dofs + further)."""
+        count = max(self._num_scalar_dofs, int(self._functions.max(initial=0)) + 1)
+        return self._values(at, _in_order(self._functions), count)
+
+    def _values(self, at: SurfaceCoordinates, columns: tuple[Ints, Ints], count: int) -> csr_array:
+        """Values of the functions of the nodes of facets, in their columns."""
+        numbers, order = columns
+        element = self._known(at)
+        values = np.take_along_axis(self._layer.trace_values(at.xi), order[element], axis=1)
+        return self._rows(values, numbers[element], count)
 
     def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
         """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
         columns = self._layer.dofs[self._known(at)]
-        return tuple(self._rows(g, columns) for g in self._layer.gradients(at.element, at.xi))
+        gradients = self._layer.gradients(at.element, at.xi)
+        return tuple(self._rows(g, columns, self._num_scalar_dofs) for g in gradients)
 
-    def _rows(self, values: Floats, columns: Ints) -> csr_array:
+    def _rows(self, values: Floats, columns: Ints, count: int) -> csr_array:
         n, per_row = values.shape
         starts = np.arange(0, n * per_row + 1, per_row)
-        shape = (n, self._num_scalar_dofs)
-        return csr_array((values.ravel(), columns.ravel(), starts), shape=shape)
+        return csr_array((values.ravel(), columns.ravel(), starts), shape=(n, count))
 
     def _known(self, at: SurfaceCoordinates) -> Ints:
         """Facets of points, once checked that each has one."""
@@ -334,3 +378,9 @@ class FESurface:
     def size(self, element: Ints) -> Floats:
         """Diameter (m) of each facet, (n,)."""
         return self._sizes[element]
+
+
+def _in_order(numbers: Ints) -> tuple[Ints, Ints]:
+    """Numbers of the functions of each facet, rising, and their places in it."""
+    order = np.argsort(numbers, axis=1)
+    return np.take_along_axis(numbers, order, axis=1), order

@@ -140,11 +140,11 @@ class PatchFace:
         return float(self.span_diameters.max())
 
     def trace(self, xi: Floats) -> tuple[Ints, Floats]:
-        """Functions with a value on the face: their dofs and values, both (n, functions)."""
+        """Functions with a value on the face: flat numbers and values, both (n, functions)."""
         at, splines, _ = self._splines(xi, derivatives=False)
         weighted = splines * self._outer_weights[at]
         weighted /= weighted.sum(axis=1, keepdims=True)
-        return self._outer_dofs[at], weighted
+        return at, weighted
 
     @cached_property
     def affine(self) -> tuple[Floats, Floats] | None:
@@ -279,7 +279,8 @@ class PatchFace:
         return self._weights[:, 0].copy()
 
     @cached_property
-    def _outer_dofs(self) -> Ints:
+    def outer_dofs(self) -> Ints:
+        """Scalar dofs of the functions with a value on the face, flat."""
         return self._dofs[:, 0].copy()
 
     @cached_property

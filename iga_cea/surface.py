@@ -7,10 +7,19 @@ from math import prod
 from operator import attrgetter
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats, Ints
+from cea.corners import (
+    TANGENT,
+    connected,
+    equal_shares,
+    pairs_of_equal,
+    smooth_parts,
+    split_functions,
+)
 from cea.errors import InputError
 from cea.location import locate_along
 from cea.surface import Location, SurfaceCells, SurfaceCoordinates, SurfacePoints
@@ -18,6 +27,7 @@ from iga_cea.chart import FaceChart
 from iga_cea.chunks import chunks
 from iga_cea.face import PatchFace
 from iga_cea.grids import grid_points
+from iga_cea.kinks import smooth_pieces
 from iga_cea.splines import gauss_rule
 
 _AREA_POINTS = 12
@@ -39,6 +49,8 @@ _SAME_POINT = 1e-8
 class NurbsSurface(FaceChart):
     """Faces of patches under one name; its elements are these faces, 0 to n - 1 in their order.
 
+    A face with a kink is cut there, and counts as several.
+
     Parameters
     ----------
     name
@@ -50,7 +62,7 @@ class NurbsSurface(FaceChart):
     """
 
     def __init__(self, name: str, faces: Sequence[PatchFace], num_scalar_dofs: int) -> None:
-        super().__init__(faces)
+        super().__init__([piece for face in faces for piece in smooth_pieces(face)])
         self.name = name
         self.num_scalar_dofs = num_scalar_dofs
 
@@ -62,15 +74,20 @@ class NurbsSurface(FaceChart):
     @cached_property
     def area(self) -> float:
         """Area (m^2; length in 2D), by Gauss quadrature, of no more points than it takes."""
-        few, more = (self._area_by(n) for n in _TRIED_POINTS)
-        return more if abs(few - more) <= _SAME_AREA * more else self._area_by(_AREA_POINTS)
+        return float(self._face_areas.sum())
 
-    def _area_by(self, n: int) -> float:
-        """Area by n points per span and direction, some spans at a time."""
-        total = 0.0
-        for face in self.faces:
+    @cached_property
+    def _face_areas(self) -> Floats:
+        few, more = (self._areas_by(n) for n in _TRIED_POINTS)
+        same = abs(few.sum() - more.sum()) <= _SAME_AREA * more.sum()
+        return more if same else self._areas_by(_AREA_POINTS)
+
+    def _areas_by(self, n: int) -> Floats:
+        """Areas of the faces by n points per span and direction, some spans at a time."""
+        areas = np.zeros(len(self.faces))
+        for number, face in enumerate(self.faces):
             if face.affine is not None:
-                total += face.flat_area
+                areas[number] = face.flat_area
                 continue
             rules = [gauss_rule(breaks, n) for breaks in face.breaks]
             (t, weight), others = rules[0], [(x.ravel(), w.ravel()) for x, w in rules[1:]]
@@ -78,8 +95,8 @@ class NurbsSurface(FaceChart):
             for part in chunks(len(t), 8 * per_span * 4 * self.dim**2):
                 _, _, area = face.normals_on((t[part].ravel(), *(x for x, _ in others)))
                 measure = grid_points((weight[part].ravel(), *(w for _, w in others)))
-                total += float(measure.prod(axis=1) @ area)
-        return total
+                areas[number] += float(measure.prod(axis=1) @ area)
+        return areas
 
     @cached_property
     def mesh_size(self) -> float:
@@ -134,7 +151,7 @@ class NurbsSurface(FaceChart):
         return SurfacePoints(at, x, normal, reference * area)
 
     def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
-        """One point of the trace space for each of its functions, joined patches' points once.
+        """One point for each function of the split trace space, joined patches' points once.
 
         Parameters
         ----------
@@ -142,9 +159,9 @@ class NurbsSurface(FaceChart):
             ``greville``: tensor Greville abscissae. ``botella``: the maxima of the tensor
             B-splines; of the rational functions they are not quite the maxima.
         weights
-            ``equal``: area/n. ``area``: integrals of the trace functions, which are positive and
-            add up to the area (Matzen & Bischoff, A weighted point-based formulation for
-            isogeometric contact, CMAME 308 (2016)).
+            ``equal``: even shares of the area of each smooth part. ``area``: integrals of the split
+            trace functions, which are positive and add up to the area (Matzen & Bischoff, A
+            weighted point-based formulation for isogeometric contact, CMAME 308 (2016)).
 
         Raises
         ------
@@ -156,22 +173,50 @@ class NurbsSurface(FaceChart):
         if weights not in self.abscissa_weights:
             raise InputError("weights", weights, f"one of {', '.join(self.abscissa_weights)}")
         at = _on_faces([_ABSCISSAE[kind](face) for face in self.faces])
-        # Each abscissa belongs to a control point, and joined control points are one dof.
-        dofs = np.concatenate([face.dofs[..., 0].ravel() for face in self.faces])
-        first = np.sort(np.unique(dofs, return_index=True)[1])
+        # Each abscissa belongs to a control point, and joined control points are one function.
+        functions = np.concatenate(self._functions)
+        first = np.sort(np.unique(functions, return_index=True)[1])
         points = self._even(at[first])
-        return points if weights == "equal" else replace(points, weight=self._shares[dofs[first]])
+        if weights == "equal":
+            return points
+        return replace(points, weight=self._shares[functions[first]])
 
     @cached_property
     def _shares(self) -> Floats:
-        """Integrals over the surface of all scalar basis functions (m^2), (num_scalar_dofs,)."""
+        """Integrals over the surface of the split trace functions (m^2), (functions,)."""
         points = self.gauss_points(_AREA_POINTS)
-        return np.asarray(self.trace(points.at).T @ points.weight)
+        return np.asarray(self.split_trace(points.at).T @ points.weight)
+
+    @cached_property
+    def _functions(self) -> list[Ints]:
+        """Numbers of the trace functions split at corners, of each face, flat."""
+        dofs = [face.outer_dofs for face in self.faces]
+        every, ends = np.concatenate(dofs), np.cumsum([len(part) for part in dofs])
+        at = _on_faces([face.greville for face in self.faces])
+        pairs = pairs_of_equal(every)
+        groups = connected(pairs[self._join(at, pairs)], len(every))
+        return np.split(split_functions(every, groups, self.num_scalar_dofs), ends[:-1])
+
+    def _join(self, at: SurfaceCoordinates, pairs: Ints) -> NDArray[np.bool_]:
+        """Whether faces join smoothly at pairs of points that lie at one place.
+
+        A face is smooth: limits of its normal where an edge has collapsed are one.
+        """
+        one, other = pairs.T
+        cosine = np.einsum("ij,ij->i", self.normal(at[one]), self.normal(at[other]))
+        return (cosine >= TANGENT) | (at.element[one] == at.element[other])
+
+    @cached_property
+    def _parts(self) -> Ints:
+        """Smooth part of each face, (faces,)."""
+        element = np.repeat(np.arange(len(self.faces)), [len(part) for part in self._functions])
+        return smooth_parts(element, np.concatenate(self._functions), len(self.faces))
 
     def grid(self, n: int) -> SurfacePoints:
         """Equally spaced parameters, n per direction over each face with its boundary.
 
-        Points shared by joined faces count once; weights area/n_points.
+        Points shared by joined faces count once in a smooth part, whose area is shared evenly among
+        its points.
         """
         if n < 2:
             raise InputError("grid", n, "at least two points per direction")
@@ -181,9 +226,8 @@ class NurbsSurface(FaceChart):
         pairs = KDTree(self.position(at)).query_pairs(
             _SAME_POINT * self.mesh_size, output_type="ndarray"
         )
-        again = np.zeros(len(at), dtype=bool)
-        again[pairs.max(axis=1)] = True
-        return self._even(at[~again])
+        groups = connected(pairs[self._join(at, pairs)], len(at))
+        return self._even(at[np.sort(np.unique(groups, return_index=True)[1])])
 
     def locate(self, x: Floats, direction: Floats, reach: float) -> Location:
         """Find points on the surface along unit directions, within ``reach`` (m) either way."""
@@ -211,12 +255,22 @@ class NurbsSurface(FaceChart):
 
     def trace(self, at: SurfaceCoordinates) -> csr_array:
         """Values of the scalar basis functions, shape (n, num_scalar_dofs)."""
+        return self._values(at, [face.outer_dofs for face in self.faces], self.num_scalar_dofs)
+
+    def split_trace(self, at: SurfaceCoordinates) -> csr_array:
+        """The same of the functions split at corners, shape (n, num_scalar_dofs + further)."""
+        last = max(int(part.max()) for part in self._functions)
+        return self._values(at, self._functions, max(self.num_scalar_dofs, last + 1))
+
+    def _values(self, at: SurfaceCoordinates, numbers: Sequence[Ints], count: int) -> csr_array:
+        """Values of the functions of all faces, in the columns of their numbers."""
         starts = self._starts(at, layers=1)
         columns, values = np.empty(starts[-1], dtype=np.int64), np.empty(starts[-1])
         for face, points in self.pieces(at.element):
             entries = starts[points][:, None] + np.arange(face.functions)
-            columns[entries], values[entries] = face.trace(at.xi[points])
-        return self._operator(starts, columns, values)
+            functions, values[entries] = face.trace(at.xi[points])
+            columns[entries] = numbers[at.element[points[0]]][functions]
+        return self._operator(starts, columns, values, count)
 
     def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
         """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
@@ -226,17 +280,17 @@ class NurbsSurface(FaceChart):
             entries = starts[points][:, None] + np.arange(2 * face.functions)
             columns[entries], gradient = face.gradient(at.xi[points])
             values[:, entries] = np.moveaxis(gradient, 2, 0)
-        return tuple(self._operator(starts, columns, part) for part in values)
+        count = self.num_scalar_dofs
+        return tuple(self._operator(starts, columns, part, count) for part in values)
 
     def _starts(self, at: SurfaceCoordinates, layers: int) -> Ints:
         """Where the entries of each point begin, and where they end, (n + 1,)."""
         functions = np.array([layers * face.functions for face in self.faces])
         return np.concatenate([[0], np.cumsum(functions[at.element])])
 
-    def _operator(self, starts: Ints, columns: Ints, values: Floats) -> csr_array:
+    def _operator(self, starts: Ints, columns: Ints, values: Floats, count: int) -> csr_array:
         """Rows of points; where control points have collapsed to one their functions are added."""
-        shape = (len(starts) - 1, self.num_scalar_dofs)
-        operator = csr_array((values, columns, starts), shape=shape, copy=True)
+        operator = csr_array((values, columns, starts), shape=(len(starts) - 1, count), copy=True)
         operator.sum_duplicates()  # in place, and other operators are made of the same arrays
         return operator
 
@@ -248,9 +302,11 @@ class NurbsSurface(FaceChart):
         return x, normal, area
 
     def _even(self, at: SurfaceCoordinates) -> SurfacePoints:
-        """Points of equal weight."""
+        """Points that share the area of their smooth part evenly."""
         x, normal, _ = self._normals(at)
-        return SurfacePoints(at, x, normal, np.full(len(at), self.area / len(at)))
+        areas = np.bincount(self._parts, weights=self._face_areas)
+        weight = equal_shares(self._parts[at.element], areas, self.area)
+        return SurfacePoints(at, x, normal, weight)
 
 
 def _on_faces(parameters: Sequence[tuple[Floats, ...]]) -> SurfaceCoordinates:

@@ -39,7 +39,10 @@ def assemble_contact(
     if half.projected:
         # Of a linear law, open points have no part in the projection: their compliance is infinite.
         bearing = half.stiffness > 0 if half.law.linear else None
-        projection = MortarProjection.of(interface, bearing)
+        # Bonded sides close the jump along fixed axes: no normal splits their traces.
+        bonded = half.coupling == "bonded"
+        traces = interface.trace_a if bonded else interface.a.split_trace(points.at)
+        projection = MortarProjection.of(interface, traces, bearing)
 
     def operator(direction: Floats) -> Any:
         parts = dict(zip(sides, jump_along(interface, direction), strict=True))

@@ -1,14 +1,15 @@
 """Mortar contact: the gap projected on the trace space of side a.
 
-With psi_i the traces of side a and g the gap, the multiplier lambda_h = sum_i l_i psi_i obeys
-M l = B x, where
+With psi_i the traces of side a, split at corners where its normal jumps (:mod:`cea.corners`), and g
+the gap, the multiplier lambda_h = sum_i l_i psi_i obeys M l = B x, where
 
     B_i = int psi_i g,   M_ij = int psi_i psi_j / p,   (B_k)_i = int mu psi_i [[u]].k,
 
 and K_n = B^T M^-1 B, K_f = B_k^T M^-1 B. B and M are sparse, K_n and K_f full on the whole
-interface: what is solved keeps l as unknowns (:mod:`cea.contact.saddle`). Where p is zero the sides
-have lifted off: the integrals go over the rest of the interface, and traces that vanish there bear
-no multiplier.
+interface: what is solved keeps l as unknowns (:mod:`cea.contact.saddle`). Bonded sides close the
+jump along fixed axes, which is continuous over a corner: their traces stay whole. Where p is zero
+the sides have lifted off: the integrals go over the rest of the interface, and traces that vanish
+there bear no multiplier.
 """
 
 from dataclasses import dataclass
@@ -46,7 +47,7 @@ class MortarProjection:
     Parameters
     ----------
     interface
-        Segment points and traces.
+        Segment points.
     traces
         psi at the points, PETSc AIJ (points x m); zero at points that are left out.
     """
@@ -56,22 +57,24 @@ class MortarProjection:
 
     @classmethod
     def of(
-        cls, interface: Interface, closed: NDArray[np.bool_] | None = None
+        cls, interface: Interface, traces: csr_array, closed: NDArray[np.bool_] | None = None
     ) -> "MortarProjection":
         """The projection on all traces that some point sees.
 
         Parameters
         ----------
         interface
-            Segment points and traces.
+            Segment points.
+        traces
+            psi at the points of this rank, whole or split at corners.
         closed
             Which of all points count, shape (n,); None takes every one.
         """
         if closed is None or closed.all():
-            seen = interface.trace_a.copy()
+            seen = traces.copy()
             seen.eliminate_zeros()
             return cls(interface, _columns(seen, _seen_by_any(seen, interface.comm), interface))
-        seen, beyond = (_at(interface, points) for points in (closed, ~closed))
+        seen, beyond = (_at(interface, traces, points) for points in (closed, ~closed))
         touched = _seen_by_any(seen, interface.comm)
         every = cls(interface, _columns(seen, touched, interface))
         cut = np.isin(touched, _seen_by_any(beyond, interface.comm))
@@ -125,9 +128,9 @@ class MortarProjection:
         return vector
 
 
-def _at(interface: Interface, points: NDArray[np.bool_]) -> csr_array:
+def _at(interface: Interface, traces: csr_array, points: NDArray[np.bool_]) -> csr_array:
     """Traces of this rank at some of all points, none at the others."""
-    seen = interface.trace_a.copy()
+    seen = traces.copy()
     seen.data = seen.data * np.repeat(points[interface.rows], np.diff(seen.indptr))
     seen.eliminate_zeros()
     return seen

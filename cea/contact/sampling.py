@@ -2,7 +2,8 @@
 
 A rule with fewer points than a side has trace functions leaves gaps that nothing resists. One with
 more points than either side has, on meshes of which neither holds the other's traces, asks for a
-closed gap more often than the traces can give, and locks as the stiffness grows.
+closed gap more often than the traces can give, and locks as the stiffness grows. Traces are counted
+split at corners, for there is a gap along the normal of each smooth part.
 """
 
 from dataclasses import dataclass
@@ -45,7 +46,7 @@ def sampling(interface: Interface) -> Sampling:
     """Count points and trace functions; collective."""
     covered = min(1.0, float(interface.points.weight.sum()) / interface.a.area)
     functions = round(covered * _functions(interface.a), 6)
-    a, b = (len(_touched(interface, trace)) for trace in (interface.trace_a, interface.trace_b))
+    a, b = (len(_touched(interface, trace)) for trace in _traces(interface))
     return Sampling(len(interface.points), max(a, int(functions)), b)
 
 
@@ -54,7 +55,7 @@ def _functions(surface: Surface) -> int:
     cells = surface.cells()
     share = 1.0 + 0.3 * np.arange(cells.corners.shape[1])  # where no function has a zero
     xi = np.einsum("j,ijk->ik", share / share.sum(), cells.corners)
-    trace = surface.trace(SurfaceCoordinates(cells.element, xi))
+    trace = surface.split_trace(SurfaceCoordinates(cells.element, xi))
     return len(np.unique(trace.indices[trace.data != 0]))
 
 
@@ -66,11 +67,17 @@ def nested(interface: Interface) -> bool:
     comm = interface.comm
     traces = [
         csr_array(vstack(comm.allgather(csr_array(trace[:, _touched(interface, trace)]))))
-        for trace in (interface.trace_a, interface.trace_b)
+        for trace in _traces(interface)
     ]
     a, b = traces
     weight = interface.points.weight
     return _holds(a, b, weight) or _holds(b, a, weight)
+
+
+def _traces(interface: Interface) -> tuple[csr_array, csr_array]:
+    """Trace functions of both sides, split at corners, at the points of this rank."""
+    points, opposite = interface.local_points.at, interface.opposite.at
+    return interface.a.split_trace(points), interface.b.split_trace(opposite)
 
 
 def _touched(interface: Interface, trace: csr_array) -> np.ndarray:

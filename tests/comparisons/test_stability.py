@@ -55,6 +55,14 @@ def test_the_catalogue_covers_both_backends_and_every_way():
     assert all(run.easy for run in runs_of("everyday"))
 
 
+def test_rigid_bodies_meet_at_a_corner_as_the_closed_form_says(backend):
+    """From a mesh file, and as NURBS patches."""
+    runs = [run for run in runs_of("contact_corner") if run.way.backend == backend]
+    runs = [run for run in runs if run.row == "rigid bodies" and "saddle" in run.way.name]
+    assert {run.way.name.split(",")[0] for run in runs} == {"GPTS", "segments", "mortar"}
+    assert [run.way.name for run in runs if not judged(run)["met"]] == []
+
+
 def test_quick_takes_both_backends_of_a_row_in_turn():
     runs, numbers = runs_of("units"), numbers_of("units", quick=True)
     taken = [(runs[i].way.backend, runs[i].way.name) for i in numbers]

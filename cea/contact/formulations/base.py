@@ -33,7 +33,7 @@ class Formulation(ABC):
 
     @abstractmethod
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
-        """Points and weights on side a.
+        """Points and weights on side a; at a corner a point with its own normal for each face.
 
         Parameters
         ----------

@@ -15,8 +15,8 @@ class Botella(Formulation):
     Parameters
     ----------
     weights
-        ``equal``: each point bears the same share of the area. ``area``: the integral of its
-        trace function (Matzen & Bischoff 2016).
+        ``equal``: each point bears the same share of the area of its smooth part. ``area``: the
+        integral of its trace function (Matzen & Bischoff 2016).
     """
 
     name: ClassVar[str] = "Botella"

@@ -10,13 +10,14 @@ from cea.surface import Surface, SurfacePoints
 @register
 @dataclass(frozen=True)
 class Greville(Formulation):
-    """Contact collocated at the Greville abscissae of side a.
+    """Contact collocated at the Greville abscissae of side a, at a corner once for each face.
 
     Parameters
     ----------
     weights
-        ``equal``: each point carries the stiffness P / n_points (Mohanasundaram et al. 2023,
-        section 3). ``area``: the integral of its trace function (Matzen & Bischoff 2016).
+        ``equal``: each point carries the stiffness P / n_points of its smooth part
+        (Mohanasundaram et al. 2023, section 3). ``area``: the integral of its trace function
+        (Matzen & Bischoff 2016).
     """
 
     name: ClassVar[str] = "Greville"

@@ -10,7 +10,9 @@ from cea.surface import Surface, SurfacePoints
 @register
 @dataclass(frozen=True)
 class Grid(Formulation):
-    """Contact collocated at equally spaced points of side a, each with the same share of the area.
+    """Contact collocated at equally spaced points of side a.
+
+    Each has the same share of the area of its smooth part.
 
     Parameters
     ----------

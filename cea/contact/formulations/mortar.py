@@ -14,6 +14,7 @@ class Mortar(OnSegments):
     """Gap projected on the traces of side a, segments as quadrature (:mod:`cea.contact.mortar`).
 
     The yardstick of contact: it enforces the gap as often as side a has dofs, at any stiffness.
+    Traces that reach over a corner of side a are split into one for each face.
 
     Parameters
     ----------

@@ -10,14 +10,14 @@ from cea.surface import Surface, SurfacePoints
 @register
 @dataclass(frozen=True)
 class NodeToSurface(Formulation):
-    """Contact at the interpolation nodes of side a.
+    """Contact at the interpolation nodes of side a, at a corner once for each face.
 
     Parameters
     ----------
     weights
-        ``equal``: each node bears the same share of the area. ``tributary``: each facet's area
-        shared among its nodes in proportion to int N_i^2. Integrals of N_i are no weights: they
-        vanish at corners of quadratic triangles.
+        ``equal``: each node bears the same share of the area of its smooth part. ``tributary``:
+        each facet's area shared among its nodes in proportion to int N_i^2. Integrals of N_i are
+        no weights: they vanish at corners of quadratic triangles.
     """
 
     name: ClassVar[str] = "node-to-surface"

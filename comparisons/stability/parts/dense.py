@@ -161,7 +161,8 @@ def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
         mu = np.broadcast_to(half.friction.mu, len(points))
         slip = mu[:, None] * jump(system, contact, half.friction.direction.at(points.x, normal))
     if half.coupling in ("mortar", "bonded"):
-        trace = half.interface.trace_a
+        a = half.interface.a
+        trace = (a.trace if half.coupling == "bonded" else a.split_trace)(points.at)
         if not closed.all():
             return _projected(points.weight, compliance, trace.toarray(), gap, slip)
         psi = trace[:, np.unique(trace.indices)].toarray()
