@@ -4,14 +4,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TypedDict, Unpack
 
-from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.disc_searches import Solver
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.static import solve_static
 from cea.errors import InputError
-from cea.petsc import Vec
 from cea.system.contact_stresses import contact_stresses
 from cea.system.coupled import CoupledSystem
 from cea.system.held import support_reactions
@@ -127,18 +125,20 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
         raise InputError("analysis.kind", scene.analysis.kind, "'static'")
     system, interfaces, timer = coupled(scene, **options)
     if system.steady is not None:
-        x = system.steady.displacement
+        x, reactions = system.steady.displacement, system.steady.reactions
     else:
         with timer("assembly"):
             pencil = system.pencil(leave_out=options.get("leave_out", True))
-        x = solve_static(pencil, system.load, timer).displacement
+        equilibrium = solve_static(pencil, system.load, timer)
+        x = equilibrium.displacement
+        with timer("post-processing"):
+            reactions = support_reactions(system, x, equilibrium.forces)
     with timer("post-processing"):
         stresses = {
             name: contact_stresses(system, name, x, scene.analysis.samples)
             for name in scene.contacts
         }
         warnings = scene_warnings(scene, system.contacts) + steady_warnings(scene, system)
-        reactions = _reactions(scene, system, x)
     return StaticResult(
         scene,
         system,
@@ -159,21 +159,8 @@ def with_warnings(result: ModesResult) -> ModesResult:
         found += steady_warnings(result.scene, result.system)
         found += tuple(kept_state_warnings(result.steady, result.modes))
         found += short_modes(result.scene, result.bodies, result.mode_shapes, len(result.modes))
-        reactions = {}
-        if result.steady is not None:
-            reactions = _reactions(result.scene, result.system, result.steady.displacement)
-    return replace(result, warnings=(*result.modes.warnings, *found), reactions=reactions)
-
-
-def _reactions(scene: Scene, system: CoupledSystem, x: Vec) -> dict[str, Floats]:
-    """What supports bear under the loads, where one of them prescribes a displacement."""
-    if not scene.prescribes:
-        return {}
-    supports = {
-        name: [support.support() for support in body.supports]
-        for name, body in scene.bodies.items()
-    }
-    return support_reactions(system, supports, x)
+        borne = {} if result.steady is None else result.steady.reactions
+    return replace(result, warnings=(*result.modes.warnings, *found), reactions=borne)
 
 
 def coupled(
@@ -205,6 +192,9 @@ def coupled(
         with timer("assembly"):
             stiffens = scene.stiffened_by_stress
             system = system.linearised(steady, geometric_stiffness=stiffens)
+        with timer("post-processing"):
+            reactions = support_reactions(system, steady.displacement, steady.forces)
+            system = replace(system, steady=replace(steady, reactions=reactions))
     return system, interfaces, timer
 
 

@@ -225,6 +225,7 @@ class _Path:
             raise ConvergenceError(LEAVE_FREE, best=state)
         return SteadySliding(
             displacement=problem.vector(state.x),
+            forces=state.f,
             uncertainty=uncertainty,
             residual=state.relative,
             contacts=self._contact_states(state),
