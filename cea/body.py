@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Floats
+from cea.arrays import Floats, Ints
 from cea.material import IsotropicMaterial
 from cea.rotation import Rotation
 from cea.surface import Surface
@@ -75,6 +75,14 @@ class Body(Protocol):
         ...
 
     @property
+    def dof_positions(self) -> Floats | None:
+        """Coefficients of the position x in the trial space (m), on every rank; collective.
+
+        Shape (num_scalar_dofs, dim); None where x does not lie in it, so that a rotation does not.
+        """
+        ...
+
+    @property
     def node_positions(self) -> Floats | None:
         """Where the scalar dofs of this rank lie (m), shape (n_local, dim).
 
@@ -132,6 +140,27 @@ class Body(Protocol):
         """Elastic stiffness with springs of all dofs, held ones too, PETSc AIJ (full x full), N/m.
 
         Made anew at each call.
+        """
+        ...
+
+    def full_spring_stiffness(self) -> Any | None:
+        """What springs are of that, PETSc AIJ (full x full), N/m; None without any."""
+        ...
+
+    def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
+        """Forces of each support, along the directions that it holds and no other.
+
+        Parameters
+        ----------
+        force
+            The sum of all of them on all dofs (N), shape (num_scalar_dofs, dim).
+
+        Returns
+        -------
+        tuple
+            The scalar dofs that supports hold, shape (m,), and the forces of each support on the
+            body there (N), shape (supports, m, dim); their sum is the given one at these dofs where
+            the free dofs are in equilibrium.
         """
         ...
 

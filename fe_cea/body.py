@@ -9,7 +9,7 @@ import numpy as np
 from dolfinx.fem import functionspace
 from numpy.typing import NDArray
 
-from cea.arrays import Floats
+from cea.arrays import Floats, Ints
 from cea.checks import check_jacobians
 from cea.material import IsotropicMaterial
 from cea.mesh import Mesh
@@ -262,6 +262,16 @@ class FEBody:
         )
 
     @property
+    def dof_positions(self) -> Floats | None:
+        """Nodes (m) on every rank, shape (num_scalar_dofs, dim); None where cells are curved more.
+
+        Of a geometry of higher degree than the space, x is no function of the space.
+        """
+        if self._mesh.geometry.cmaps[0].degree > self._space.ufl_element().degree:
+            return None
+        return np.concatenate(self.comm.allgather(self.node_positions))
+
+    @property
     def node_positions(self) -> Floats:
         """Nodes of this rank (m), shape (n_local, dim)."""
         first, last = self._space.dofmap.index_map.local_range
@@ -292,6 +302,14 @@ class FEBody:
     def full_stiffness(self) -> Any:
         """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
         return self._elasticity.full_stiffness()
+
+    def full_spring_stiffness(self) -> Any | None:
+        """What springs are of that, PETSc AIJ (full x full), N/m; None without any."""
+        return self._elasticity.full_springs()
+
+    def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
+        """Forces of each support at the dofs that they hold (N), from their sum on all dofs."""
+        return self._constraints.support_forces(force, len(self._supports))
 
     def load(self) -> Any:
         """Forces of loads and of prescribed displacements, PETSc vector (free), N."""

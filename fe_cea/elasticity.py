@@ -101,14 +101,19 @@ class Elasticity:
 
     def full_stiffness(self) -> Any:
         """Elastic stiffness with springs of all dofs (full x full), N/m."""
-        stiffness = self._assembly.stiffness(self._material.lame)
+        stiffness, springs = self._assembly.stiffness(self._material.lame), self.full_springs()
+        _with_springs(stiffness, springs)
+        if springs is not None:
+            destroy(springs)
+        return stiffness
+
+    def full_springs(self) -> Any | None:
+        """What springs are of that (full x full), N/m, or None without any; made anew."""
         if not self._springs:
-            return stiffness
+            return None
         springs = assemble_matrix(self._spring_form)
         springs.assemble()
-        _with_springs(stiffness, springs)
-        destroy(springs)
-        return stiffness
+        return springs
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""

@@ -51,18 +51,19 @@ def nodal_constraints(
     dim = V.mesh.geometry.dim
     points = FacetBasis(V.ufl_element().basix_element).facet.points
     held, rollers = [], []
-    for support in supports:
+    for number, support in enumerate(supports):
         dofs, x, normal = _nodes(surfaces[support.surface], points)
         values = [np.full(len(dofs), value) for value in support.values(dim)]
         if isinstance(support.frame, SurfaceNormal):
-            rollers.append(Directions(dofs, normal, values[0] if support.prescribes else None))
+            along = values[0] if support.prescribes else None
+            rollers.append(Directions(dofs, normal, along, np.full(len(dofs), number)))
             continue
         nodes, first = np.unique(dofs, return_index=True)
         for direction, value in zip(
             support.directions(x[first], normal[first]), values, strict=True
         ):
             along = value[first] if support.prescribes else None
-            held.append(Directions(nodes, direction, along))
+            held.append(Directions(nodes, direction, along, np.full(len(nodes), number)))
     if rollers:
         held.append(_mean_normals(Directions.joined(rollers, dim), field))
     return constrain(num_scalar_dofs, Directions.joined(held, dim), field=field)
@@ -80,7 +81,7 @@ def _nodes(surface: FESurface, points: Floats) -> tuple[Ints, Floats, Floats]:
 
 
 def _mean_normals(normals: Directions, field: str) -> Directions:
-    """One direction for all normals that are near at a node.
+    """One direction for all normals that are near at a node, held by each of their supports.
 
     Raises
     ------
@@ -94,12 +95,13 @@ def _mean_normals(normals: Directions, field: str) -> Directions:
     dofs = np.zeros(count, dtype=np.int64)
     dofs[label] = normals.dof
     directions = mean / np.linalg.norm(mean, axis=1, keepdims=True)
-    if normals.value is None:
-        return Directions(dofs, directions)
-    value = np.zeros(count)
-    value[label] = normals.value
-    wrong = normals.value[value[label] != normals.value]
-    if len(wrong):
-        allowed = "the same along normals of faces that join smoothly"
-        raise InputError(f"{field}.value", float(wrong[0]), allowed)
-    return Directions(dofs, directions, value)
+    value = None
+    if normals.value is not None:
+        value = np.zeros(count)
+        value[label] = normals.value
+        wrong = normals.value[value[label] != normals.value]
+        if len(wrong):
+            allowed = "the same along normals of faces that join smoothly"
+            raise InputError(f"{field}.value", float(wrong[0]), allowed)
+    own, support = np.unique(np.column_stack([label, normals.supports]), axis=0).T
+    return Directions(dofs[own], directions[own], None if value is None else value[own], support)

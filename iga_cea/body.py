@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Floats
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import destroy
@@ -153,6 +153,11 @@ class NurbsBody:
         return self._elasticity.mass
 
     @property
+    def dof_positions(self) -> Floats:
+        """Control points (m): the trial space is rational with the weights of the geometry."""
+        return self.control_points
+
+    @property
     def node_positions(self) -> None:
         """None: functions reach over many knot spans, and no part is assembled alone."""
         return None
@@ -182,6 +187,14 @@ class NurbsBody:
     def full_stiffness(self) -> Any:
         """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
         return self._elasticity.full_stiffness()
+
+    def full_spring_stiffness(self) -> Any | None:
+        """What springs are of that, PETSc AIJ (full x full), N/m; None without any."""
+        return self._elasticity.full_springs()
+
+    def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
+        """Forces of each support at the dofs that they hold (N), from their sum on all dofs."""
+        return self._constraints.support_forces(force, len(self._supports))
 
     def load(self) -> Any:
         """Forces of loads and of prescribed displacements, PETSc vector (free), N."""

@@ -72,11 +72,9 @@ class Elasticity:
     @cached_property
     def springs(self) -> Any | None:
         """What springs are of the stiffness (N/m), or None without any."""
-        if not self._springs:
+        whole = self.full_springs()
+        if whole is None:
             return None
-        foundations = [self._foundation(spring) for spring in self._springs]
-        whole = total(foundations)
-        destroy(*foundations)
         if self._kept is None:
             return self._restricted(whole)
         return self._cut(whole)
@@ -93,6 +91,15 @@ class Elasticity:
     def full_stiffness(self) -> Any:
         """Elastic stiffness with springs of all dofs (full x full), N/m; made anew."""
         return self._elastic(None)
+
+    def full_springs(self) -> Any | None:
+        """What springs are of that (full x full), N/m, or None without any; made anew."""
+        if not self._springs:
+            return None
+        foundations = [self._foundation(spring) for spring in self._springs]
+        whole = total(foundations)
+        destroy(*foundations)
+        return whole
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""

@@ -71,20 +71,22 @@ def face_constraints(
     """
     held: list[Directions] = []
     turning: list[_TurningFace] = []
-    for support in supports:
+    for order, support in enumerate(supports):
         surface = surfaces[support.surface]
         points = surface.gauss_points(gauss)
         fields = support.directions(points.x, points.normal)
         for number, face in enumerate(surface.faces):
             here = points.at.element == number
             dofs = face.dofs[..., 0].ravel()
+            own = np.full(len(dofs), order)
             for k, direction in enumerate(fields[:, here]):
                 value = np.full(len(dofs), support.values(dim)[k]) if support.prescribes else None
                 if np.abs(direction - direction[0]).max() <= _SAME:
                     along_face = np.broadcast_to(direction[0], (len(dofs), dim))
-                    held.append(Directions(dofs, along_face, value))
+                    held.append(Directions(dofs, along_face, value, own))
                     continue
-                anchor = Directions(dofs, _at_greville(surface, number, support)[k], value)
+                at_greville = _at_greville(surface, number, support)[k]
+                anchor = Directions(dofs, at_greville, value, own)
                 trace = surface.trace(points.at[here])
                 turning.append(_TurningFace(anchor, trace, points.weight[here], direction))
     projected = _projected(turning, dim) if turning else None
@@ -126,17 +128,20 @@ def _projected(faces: Sequence[_TurningFace], dim: int) -> ProjectedConstraints:
     anchors = Directions.joined([face.anchor for face in faces], dim)
     label = merged(anchors, _SMOOTH)
     count = int(label.max()) + 1
-    rows = csr_array((count, dim * faces[0].trace.shape[1]))
+    nothing = csr_array((count, dim * faces[0].trace.shape[1]))
+    shares: dict[int, csr_array] = {}
     right = np.zeros(count)
     ends = np.cumsum([len(face.anchor) for face in faces])
     for face, labels in zip(faces, np.split(label, ends[:-1]), strict=True):
         test = _tests(face, labels, count)
-        rows = csr_array(rows + test @ along(face.trace, face.direction))
+        support = int(face.anchor.supports[0])
+        before = shares.get(support, nothing)
+        shares[support] = csr_array(before + test @ along(face.trace, face.direction))
         right += face.anchor.values[0] * test.sum(axis=1)
     first = np.unique(label, return_index=True)[1]
     values = None if anchors.value is None else anchors.value[first]
     anchor = Directions(anchors.dof[first], anchors.direction[first], values)
-    return ProjectedConstraints(anchor, rows, right)
+    return ProjectedConstraints(anchor, shares, right)
 
 
 def _tests(face: _TurningFace, labels: Ints, count: int) -> csr_array:

@@ -51,8 +51,8 @@ class SceneResult:
     skipped
         What the scene did not need, with the reason.
     reactions
-        Forces (N) of each support on its body under the loads, by body, shape (supports, dim), in
-        the order of the scene; empty where no support prescribes a displacement.
+        Forces (N) of each support on its body in equilibrium with the loads, by body, shape
+        (supports, dim), in the order of the scene; empty where no equilibrium is sought.
     """
 
     scene: Scene
@@ -78,8 +78,10 @@ class SceneResult:
         return self.system.steady
 
     def steady_lines(self) -> list[str]:
-        """What the contacts carry in steady sliding, and supports that prescribe, in lines."""
+        """What contacts carry in steady sliding; where supports prescribe, what they bear too."""
         contacts = [] if self.steady is None else steady_lines(steady_data(self.steady))
+        if not self.scene.prescribes:
+            return contacts
         return contacts + [
             f"{name}, {self.scene.bodies[name].supports[number].surface}: support bears "
             f"{', '.join(f'{part:.6g}' for part in force)} N"

@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TypedDict, Unpack
 
-from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.disc_searches import Solver
@@ -12,7 +11,6 @@ from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
 from cea.eigen.static import solve_static
 from cea.errors import InputError
-from cea.petsc import Vec
 from cea.system.contact_stresses import contact_stresses
 from cea.system.coupled import CoupledSystem
 from cea.system.held import support_reactions
@@ -175,18 +173,20 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
         raise InputError("analysis.kind", scene.analysis.kind, "'static'")
     system, interfaces, timer = coupled(scene, **options)
     if system.steady is not None:
-        x = system.steady.displacement
+        x, reactions = system.steady.displacement, system.steady.reactions
     else:
         with timer("assembly"):
             pencil = system.pencil(leave_out=options.get("leave_out", True))
-        x = solve_static(pencil, system.load, timer).displacement
+        equilibrium = solve_static(pencil, system.load, timer)
+        x = equilibrium.displacement
+        with timer("post-processing"):
+            reactions = support_reactions(system, x, equilibrium.forces)
     with timer("post-processing"):
         stresses = {
             name: contact_stresses(system, name, x, scene.analysis.samples)
             for name in scene.contacts
         }
         warnings = system_warnings(scene, system)
-        reactions = _reactions(scene, system, x)
     return StaticResult(
         scene,
         system,
@@ -218,10 +218,8 @@ def result_of_modes(
             *kept_state_warnings(system.steady, modes),
             *short_modes(scene, result.bodies, result.mode_shapes, len(modes)),
         )
-        reactions = {}
-        if system.steady is not None:
-            reactions = _reactions(scene, system, system.steady.displacement)
     modes = replace(modes, warnings=(*modes.warnings, *found))
+    reactions = {} if system.steady is None else system.steady.reactions
     return replace(result, modes=modes, reactions=reactions)
 
 
@@ -244,17 +242,6 @@ def system_warnings(
         *system.warnings_at(values or {}),
         *steady_warnings(scene, system),
     )
-
-
-def _reactions(scene: Scene, system: CoupledSystem, x: Vec) -> dict[str, Floats]:
-    """What supports bear under the loads, where one of them prescribes a displacement."""
-    if not scene.prescribes:
-        return {}
-    supports = {
-        name: [support.support() for support in body.supports]
-        for name, body in scene.bodies.items()
-    }
-    return support_reactions(system, supports, x)
 
 
 def coupled(
@@ -283,6 +270,9 @@ def coupled(
         with timer("assembly"):
             stiffens = scene.stiffened_by_stress
             system = system.linearised(steady, geometric_stiffness=stiffens)
+        with timer("post-processing"):
+            reactions = support_reactions(system, steady.displacement, steady.forces)
+            system = replace(system, steady=replace(steady, reactions=reactions))
     return system, interfaces, timer
 
 

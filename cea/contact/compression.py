@@ -72,7 +72,7 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[c
     Parameters
     ----------
     gap, slip
-        G and T at the points of this rank, shape (n_local, columns).
+        G and T at the points of this rank, shape (n_local, columns of each).
     x
         Positions of the points, shape (n_local, dim): near ones are worked on together.
     comm
@@ -81,13 +81,13 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[c
     Returns
     -------
     tuple
-        J and R, shape (rows, columns) each.
+        J and R, shape (rows, columns of G and T).
     """
     gap = _without(gap, _rounding(gap, comm))
     squares = np.bincount(gap.indices, gap.data**2, gap.shape[1])
     size = np.sqrt(comm.allreduce(squares, MPI.SUM))
     touching = np.bincount(gap.indices, minlength=gap.shape[1])
-    slip = _without(slip, np.zeros(len(size), dtype=bool))
+    slip = _without(slip, np.zeros(slip.shape[1], dtype=bool))
     squares = np.bincount(slip.indices, slip.data**2, slip.shape[1])
     least = _FADED * np.sqrt(comm.allreduce(squares, MPI.SUM))
     compression = _Compression(gap, slip, size, comm.allreduce(touching, MPI.SUM), least)
@@ -98,7 +98,7 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[c
             compression.finish(_joined(parts))
     return (
         _assembled(compression.finished.closure, gap.shape[1]),
-        _assembled(compression.finished.slip, gap.shape[1]),
+        _assembled(compression.finished.slip, slip.shape[1]),
     )
 
 

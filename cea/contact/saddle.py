@@ -86,12 +86,20 @@ def contact_forces(contacts: Sequence[Contact]) -> dict[str, ContactForces]:
 
     The halves of a full pass go together: one P is shared among them.
     """
+    return {
+        name: (_projected if halves[0].projection is not None else _at_points)(halves)
+        for name, halves in keeping_forces(contacts).items()
+    }
+
+
+def keeping_forces(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
+    """Half passes by contact whose forces are unknowns, in the order of these."""
     pairs: dict[str, list[Contact]] = {}
     for contact in contacts:
         if contact.keeps_forces:
             pairs.setdefault(contact.pair, []).append(contact)
     return {
-        name: (_projected if halves[0].projection is not None else _at_points)(halves)
+        name: halves
         for name, halves in pairs.items()
         if any(half.gap.norm() > 0 for half in halves)
     }
@@ -105,6 +113,29 @@ def _relative_stiffness(halves: Sequence[Contact]) -> list[Floats]:
         return [np.full(len(w), 1 / (len(halves) * w.sum())) for w in weights]
     P = sum(half.P for half in halves)
     return [p / P for p in stiffness]
+
+
+def few_forces(halves: Sequence[Contact], carried: Sequence[csr_array]) -> tuple[csr_array, ...]:
+    """J, and Q^T sqrt(W p^) of further rows at the points, the rows that this rank is left with.
+
+    Parameters
+    ----------
+    halves
+        The half passes of a contact.
+    carried
+        Further rows at the points of this rank of each.
+    """
+    gaps, others, places = [], [], []
+    for half, share, rows in zip(halves, _relative_stiffness(halves), carried, strict=True):
+        weight = half.weight(share)
+        closed = np.flatnonzero(weight.array_r)  # points that have lifted off bear no force
+        root = diags_array(np.sqrt(weight.array_r[closed]))
+        destroy(weight)
+        gaps.append(csr_array(root @ local_part(half.gap)[closed]))
+        others.append(csr_array(root @ rows[closed]))
+        places.append(half.interface.local_points.x[closed])
+    gap, other = (csr_array(vstack(parts)) for parts in (gaps, others))
+    return compressed(gap, other, np.concatenate(places), halves[0].interface.comm)
 
 
 def _projected(halves: Sequence[Contact]) -> ContactForces:
@@ -133,22 +164,12 @@ def _slip(half: Contact) -> Any:
 
 def _at_points(halves: Sequence[Contact]) -> ContactForces:
     """Forces at points, as few as there are independent gaps."""
-    gaps, slips, places = [], [], []
-    for half, share in zip(halves, _relative_stiffness(halves), strict=True):
-        weight = half.weight(share)
-        closed = np.flatnonzero(weight.array_r)  # points that have lifted off bear no force
-        root = diags_array(np.sqrt(weight.array_r[closed]))
-        destroy(weight)
-        gap = local_part(half.gap)
-        gaps.append(csr_array(root @ gap[closed]))
-        slip = local_part(half.slip) if half.slip is not None else csr_array(gap.shape)
-        slips.append(csr_array(root @ slip[closed]))
-        places.append(half.interface.local_points.x[closed])
-    x = np.concatenate(places)
     template = halves[0].gap
-    comm = halves[0].interface.comm
-    gap, slip = (csr_array(vstack(parts)) for parts in (gaps, slips))
-    closure, reaction = compressed(gap, slip, x, comm)
+    slips = [
+        local_part(half.slip) if half.slip is not None else csr_array(local_part(half.gap).shape)
+        for half in halves
+    ]
+    closure, reaction = few_forces(halves, slips)
     columns = template.getSizes()[1]
     frictional = any(half.slip is not None for half in halves)
     return ContactForces(

@@ -27,11 +27,14 @@ class Equilibrium:
     ----------
     displacement
         Free displacements (m), PETSc vector.
+    forces
+        Contact forces that are unknowns (N), the rows of this rank.
     uncertainty
-        What rounding the entries of K makes of them, relative to the largest.
+        What rounding the entries of K makes of the displacements, relative to the largest.
     """
 
     displacement: Vec
+    forces: Floats
     uncertainty: float
 
 
@@ -79,7 +82,7 @@ def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = No
             "displacements",
             best=x,
         )
-    return Equilibrium(x, uncertainty)
+    return Equilibrium(x, forces[:, 0], uncertainty)
 
 
 def rounding_uncertainty(matrices: Matrices, factors: Shifted, x: Floats, f: Floats) -> float:

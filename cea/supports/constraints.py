@@ -25,6 +25,7 @@ from scipy.sparse import coo_array, csr_array
 from cea.arrays import Floats, Ints
 from cea.matrices import distributed
 from cea.petsc import PETSc
+from cea.supports.constraint_forces import ConstraintForces
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,8 @@ class Constraints:
         Their displacement components from the free unknowns, shape (dim * m, free unknowns).
     frame
         The same without what dependent dofs add: B at each of them.
+    forces
+        How the forces of the constraints are divided among the supports.
     prescribed
         Displacement components of theirs that are prescribed (m), shape (dim * m,); None where all
         is held at zero.
@@ -56,6 +59,7 @@ class Constraints:
     removed: Ints
     rows: csr_array
     frame: csr_array
+    forces: ConstraintForces
     prescribed: Floats | None = None
 
     @property
@@ -180,6 +184,10 @@ class Constraints:
         part = self.prescribed[self.dim * held.start : self.dim * held.stop]
         vector.array[components(self.dofs[held] - first, self.dim)] = part
         return vector
+
+    def support_forces(self, force: Floats, supports: int) -> tuple[Ints, Floats]:
+        """As :meth:`cea.body.Body.support_forces`, of so many supports."""
+        return self.dofs, self.forces.split(force[self.dofs], supports)
 
     def restrict(self, matrix: Any, expansion: Any) -> Any:
         """Z^T A Z of a symmetric matrix, symmetric as far as rounding goes.

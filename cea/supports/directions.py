@@ -26,11 +26,14 @@ class Directions:
         Unit directions there, shape (n, dim).
     value
         Displacement along each (m), shape (n,); None of zero.
+    support
+        Number of the support that holds each, shape (n,); None where all belong to the first.
     """
 
     dof: Ints
     direction: Floats
     value: Floats | None = None
+    support: Ints | None = None
 
     def __len__(self) -> int:
         return len(self.dof)
@@ -41,16 +44,23 @@ class Directions:
         values = None
         if any(part.value is not None for part in parts):
             values = np.concatenate([part.values for part in parts])
+        none = np.zeros(0, dtype=np.int64)
         return cls(
-            np.concatenate([np.zeros(0, dtype=np.int64), *(part.dof for part in parts)]),
+            np.concatenate([none, *(part.dof for part in parts)]),
             np.concatenate([np.zeros((0, dim)), *(part.direction for part in parts)]),
             values,
+            np.concatenate([none, *(part.supports for part in parts)]),
         )
 
     @property
     def values(self) -> Floats:
         """Displacement along each (m), shape (n,)."""
         return np.zeros(len(self)) if self.value is None else self.value
+
+    @property
+    def supports(self) -> Ints:
+        """Number of the support that holds each, shape (n,)."""
+        return np.zeros(len(self), dtype=np.int64) if self.support is None else self.support
 
 
 def merged(entries: Directions, cosine: float) -> Ints:

@@ -1,5 +1,6 @@
 """Elimination of the constraints of a body: what supports hold becomes :class:`Constraints`."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
+from cea.supports.constraint_forces import ConstraintForces, RowForces
 from cea.supports.constraints import Constraints, components, first_free_at
 from cea.supports.directions import Directions, complement, orthonormal
 from cea.supports.prescribed import held_displacement
@@ -29,14 +31,15 @@ class ProjectedConstraints:
     ----------
     anchor
         One dof and direction for each row. A row whose direction is held there already is dropped.
-    rows
-        Coefficients, shape (rows, dim * num_scalar_dofs); they touch anchored dofs only.
+    shares
+        Coefficients by the number of the support that they are of, shape (rows,
+        dim * num_scalar_dofs) each, which add up to C; they touch anchored dofs only.
     right
         c of C u = c, shape (rows,), where anchors have values; None of zero.
     """
 
     anchor: Directions
-    rows: csr_array
+    shares: Mapping[int, csr_array]
     right: Floats | None = None
 
 
@@ -75,14 +78,21 @@ def constrain(
     total = dim * num_scalar_dofs - int(removed.sum())
     free = frame = _free_rows(complement(taken), removed, first, total)
     values = None
+    place = slice(len(held))
     if held.value is not None:
-        place = slice(len(held))
         values = held_displacement(held, owner[place], taken, slot[place], field).ravel()
     solved = np.flatnonzero(slot[len(held) :] >= 0)
+    rows = None
     if projected and len(solved):
         at, row = owner[len(held) :][solved], slot[len(held) :][solved]
         dependent = _dependent_columns(taken[at, row], at, len(dofs))
-        C = projected.rows[solved][:, components(dofs, dim)]
+        columns = components(dofs, dim)
+        shares = {
+            support: csr_array(share[solved][:, columns])
+            for support, share in projected.shares.items()
+        }
+        rows = RowForces(dependent, shares)
+        C = rows.matrix
         free = csr_array(free + dependent @ _elimination(C @ dependent, C @ free, field))
         if every.value is not None:
             values = np.zeros(dim * len(dofs)) if values is None else values
@@ -93,7 +103,8 @@ def constrain(
             values = values + size * (dependent @ amounts).toarray()[:, 0]
     free.data[np.abs(free.data) < _NEGLIGIBLE] = 0.0
     free.eliminate_zeros()
-    return Constraints(dim, num_scalar_dofs, dofs, removed, free, frame, values)
+    forces = ConstraintForces.of(held, owner[place], taken, slot[place], rows)
+    return Constraints(dim, num_scalar_dofs, dofs, removed, free, frame, forces, values)
 
 
 def _free_rows(frame: Floats, removed: Ints, first: Ints, total: int) -> csr_array:

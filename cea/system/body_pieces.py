@@ -66,7 +66,7 @@ class BodyPieces:
 
     def _of_each(self) -> Iterator[Term]:
         for name, body in self.bodies.items():
-            path, motion, square = f"bodies.{name}", self._motion(name), self.among[name].square
+            path, motion, square = f"bodies.{name}", self.motion(name), self.among[name].square
             yield from body_terms(path, body, motion, square, with_mass=self.with_mass)
 
     @property
@@ -81,17 +81,18 @@ class BodyPieces:
 
     def _of_modes(self) -> Iterator[LowRankTerm]:
         for name, modes in self._damped_modes.items():
-            modal, first = self._motion(name).modal, self.among[name].first
+            modal, first = self.motion(name).modal, self.among[name].first
             assert modal is not None
             yield modal_term(f"bodies.{name}", self.bodies[name], modal, modes, first)
 
     def parameters(self) -> Iterator[Parameter]:
         """Parameters of each body."""
         for name, body in self.bodies.items():
-            motion = self._motion(name)
+            motion = self.motion(name)
             yield from body_parameters(f"bodies.{name}", body, motion, with_mass=self.with_mass)
 
-    def _motion(self, body: str) -> Motion:
+    def motion(self, body: str) -> Motion:
+        """Damping and rotation of a body; of none where it is still."""
         return self.motions.get(body, STILL)
 
     @cached_property
@@ -100,7 +101,7 @@ class BodyPieces:
         return {
             name: damped_modes(f"bodies.{name}", body, modal)
             for name, body in self.bodies.items()
-            if (modal := self._motion(name).modal) is not None
+            if (modal := self.motion(name).modal) is not None
         }
 
     @cached_property
@@ -108,7 +109,7 @@ class BodyPieces:
         """What damping that rotates with its body makes of displacements, sparse and full."""
         terms, full = list[Term](), list[CirculatoryTerm]()
         for name, body in self.bodies.items():
-            motion = self._motion(name)
+            motion = self.motion(name)
             if motion.circulates:
                 modes = self._damped_modes[name] if motion.modal is not None else None
                 damping = RotatingDamping(f"bodies.{name}", body, motion, modes, self.among[name])

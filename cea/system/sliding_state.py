@@ -1,7 +1,7 @@
 """States of steady sliding: what contacts carry, how they were found, whether they are alone."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cea.arrays import Floats
 from cea.contact.operators import Contact
@@ -165,6 +165,8 @@ class SteadySliding:
     ----------
     displacement
         Free displacements (m), PETSc vector.
+    forces
+        Forces of contacts of a linear law that are unknowns (N), the rows of this rank.
     uncertainty
         What rounding the tangent makes of them, relative to the largest.
     residual
@@ -175,14 +177,18 @@ class SteadySliding:
         Parts of the load on the way.
     uniqueness
         Whether another equilibrium may be near; None where the tangent is symmetric.
+    reactions
+        Forces (N) of each support on its body, by body, shape (supports, dim).
     """
 
     displacement: Vec
+    forces: Floats
     uncertainty: float
     residual: float
     contacts: Mapping[str, ContactState]
     path: tuple[LoadStep, ...]
     uniqueness: Uniqueness | None
+    reactions: Mapping[str, Floats] = field(default_factory=dict)
 
     @property
     def iterations(self) -> int:

@@ -231,6 +231,7 @@ class _Path:
             free_tangent(tangent)
         return SteadySliding(
             displacement=problem.vector(state.x),
+            forces=state.f,
             uncertainty=uncertainty,
             residual=residual,
             contacts=self._contact_states(state),

@@ -36,7 +36,7 @@ def test_free_space_is_the_null_space_of_all_constraints():
         rows[k, [1, 2, 3, 5, 7]] = 0.1 * rng.random((5, 3))
         rows[k, dof] += direction
     rows = rows.reshape(6, -1)
-    constraints = constrain(n, points, ProjectedConstraints(anchors, csr_array(rows)))
+    constraints = constrain(n, points, ProjectedConstraints(anchors, {0: csr_array(rows)}))
 
     dense = np.zeros((len(points), n, 3))
     dense[np.arange(len(points)), points.dof] = points.direction
@@ -68,7 +68,7 @@ def test_prescribed_values_are_met_by_all_constraints(size):
         rows[k, [1, 3, 4]] = 0.1 * rng.random((3, 3))
         rows[k, dof] += direction
     matrix, right = csr_array(rows.reshape(3, -1)), size * rng.normal(size=3)
-    constraints = constrain(n, held, ProjectedConstraints(anchors, matrix, right))
+    constraints = constrain(n, held, ProjectedConstraints(anchors, {0: matrix}, right))
     Z = constraints.expansion(0, n, MPI.COMM_SELF)
     u = constraints.prescribed_displacement(0, n, Z).array.reshape(n, 3)
     assert np.einsum("ij,ij->i", directions, u[dofs]) == pytest.approx(values, abs=1e-13 * size)
@@ -86,7 +86,9 @@ def test_rows_that_cannot_be_solved_for_their_anchors_are_refused():
     for last in ([1.0, 0, 0, 1.0, 0, 0], [1.0, 0, 0, 1.0 + 1e-9, 0.5, 0]):
         rows = csr_array(np.array([[1.0, 0, 0, 1.0, 0, 0], last]))
         with pytest.raises(InputError, match="supports of the pad"):
-            constrain(2, nothing, ProjectedConstraints(anchors, rows), field="supports of the pad")
+            constrain(
+                2, nothing, ProjectedConstraints(anchors, {0: rows}), field="supports of the pad"
+            )
 
 
 def test_entries_of_one_dof_merge_by_direction():
