@@ -346,7 +346,11 @@ def build_system(
             with_mass=not static,
             with_load=static or scene.slides_steadily,
             leave_out=leave_out,
-            motions={name: _motion(body) for name, body in scene.bodies.items()},
+            motions={
+                name: _motion(body)
+                for name, body in scene.bodies.items()
+                if not static or body.rotation is not None  # at rest nothing else moves
+            },
             sliding={
                 half.name: _sliding(half, half.spec.sliding, interfaces[half.name])
                 for half in _halves(scene.contacts)

@@ -184,7 +184,8 @@ def _on_body(name: str, body: Body, u: Floats, sides: Sequence[SideForces]) -> B
 
 def _of_contact(name: str, sides: Sequence[SideForces]) -> Balance:
     forces = tuple(_applied(f"on {side.body}", side.forces, None) for side in sides)
-    rounding = np.finfo(float).eps * sum(float(np.abs(side.forces).sum()) for side in sides)
+    size = sum(float(np.abs(side.forces).sum() + side.sizes.sum()) for side in sides)
+    rounding = np.finfo(float).eps * size
     return Balance(f"contact {name}", forces, 0, (rounding, 0.0), 0.0)
 
 
