@@ -2,7 +2,7 @@
 
 import pytest
 from blocks import FORMULATIONS, PLACEMENTS, ROTATED
-from grids import mark_slow_cases
+from covering import mark_slow_cases
 
 import cea.petsc  # noqa: F401  (ahead of anything that imports PETSc, MPI or dolfinx)
 

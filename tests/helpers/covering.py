@@ -1,5 +1,10 @@
-"""Grids of cases, of which the quick tests run a part that meets every pair of values."""
+"""Grids of cases, of which the quick tests run a covering array and the slow tests all.
 
+A covering array holds every value of each parameter at least once, or every combination of the
+values of any two.
+"""
+
+from collections import defaultdict
 from itertools import combinations, product
 
 import pytest
@@ -8,26 +13,47 @@ import pytest
 def covering(*axes, strength=2):
     """Rows of a grid for `pytest.mark.parametrize`; those outside a covering array are slow.
 
-    The covering array holds every combination of the values of any two axes (``strength`` axes)
-    at least once. It is chosen greedily, in the order of the grid, and is the same every time.
+    The array holds every combination of the values of any two axes (``strength`` axes).
     """
     rows = list(product(*(range(len(axis)) for axis in axes)))
-    wanted = {meets for row in rows for meets in _combinations(row, strength)}
-    quick = set()
-    while wanted:
-        best = max(rows, key=lambda row: len(wanted.intersection(_combinations(row, strength))))
-        quick.add(best)
-        wanted.difference_update(_combinations(best, strength))
+    quick = _covering_array(rows, strength)
     return [
         pytest.param(
             *(axis[i] for axis, i in zip(axes, row, strict=True)),
-            marks=() if row in quick else pytest.mark.slow,
+            marks=() if number in quick else pytest.mark.slow,
         )
-        for row in rows
+        for number, row in enumerate(rows)
     ]
 
 
-def _combinations(row, strength):
-    """Values of every so many axes that a row meets, by the numbers of the axes."""
-    chosen = combinations(enumerate(row), min(strength, len(row)))
-    return [tuple(pairs) for pairs in chosen]
+def mark_slow_cases(items):
+    """Mark as slow what the quick tests leave out of tests marked ``grid``.
+
+    ``@pytest.mark.grid`` keeps cases that hold every value of each parameter, fixtures among them;
+    ``@pytest.mark.grid(quick=n)`` keeps n cases, spread evenly over the grid.
+    """
+    grids = defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("grid") and not item.get_closest_marker("slow"):
+            grids[item.nodeid.partition("[")[0]].append(item)
+    for cases in grids.values():
+        count = cases[0].get_closest_marker("grid").kwargs.get("quick")
+        if count is None:
+            rows = [tuple(map(repr, item.callspec.params.values())) for item in cases]
+            quick = _covering_array(rows, 1)
+        else:
+            quick = {number * len(cases) // count for number in range(count)}
+        for number, item in enumerate(cases):
+            if number not in quick:
+                item.add_marker(pytest.mark.slow)
+
+
+def _covering_array(rows, strength):
+    """Numbers of rows, chosen greedily in their order, the same every time."""
+    held = [set(combinations(enumerate(row), min(strength, len(row)))) for row in rows]
+    chosen, missing = set(), set().union(*held)
+    while missing:
+        best = max(range(len(rows)), key=lambda number: len(missing & held[number]))
+        chosen.add(best)
+        missing -= held[best]
+    return chosen
