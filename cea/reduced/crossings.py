@@ -244,8 +244,10 @@ class Crossings:
         z, slopes, errors = sample.z[modes], sample.slopes[modes], sample.errors[modes]
         if of == "coalescence":
             half = (z[0] - z[1]) / 2
-            together = bool(sample.clusters[modes[0]] == sample.clusters[modes[1]])
-            doubt = float(error_of_half(abs(half), errors.max(), together=together))
+            together = sample.clusters[modes[:1]] == sample.clusters[modes[1:]]
+            doubt = float(
+                error_of_half(np.abs([half]), errors.max(keepdims=True), together=together)[0]
+            )
             root = complex(self.window.roots(np.array([z.mean().real + 0j]))[0])
             return (half**2).real, (half * (slopes[0] - slopes[1])).real, doubt, root
         roots = self.window.roots(z)

@@ -34,6 +34,9 @@ BEYOND = 1.03
 _FAR = 1.075
 """Frequency, relative to the end of the window, beyond which modes are not looked at."""
 _CONJUGATES = 1e-14
+"""Relative distance up to which two eigenvalues are conjugates."""
+_ROUNDING = 64 * float(np.finfo(float).eps)
+"""Rounding of the mean of two modes, relative."""
 
 
 class UnresolvedError(Exception):
@@ -163,7 +166,8 @@ class Hermite:
         a, c, b = self.places
         low = _cubic((at - a) / (c - a), c - a, *self._ends(0, 1))
         high = _cubic((at - c) / (b - c), b - c, *self._ends(1, 2))
-        return np.where(at <= c, low, high)
+        values: Floats | Complexes = np.where(at <= c, low, high)
+        return values
 
     def error(self, at: Floats) -> Floats:
         """Bounds on the errors there, shape (n,)."""
@@ -180,8 +184,7 @@ def _cubic(u: Floats, h: float, f0: complex, d0: complex, f1: complex, d1: compl
     """The cubic through values and slopes at both ends of an interval of width h, u in 0..1."""
     low = (f0 * (1 + 2 * u) + h * d0 * u) * (1 - u) ** 2
     high = (f1 * (3 - 2 * u) + h * d1 * (u - 1)) * u * u
-    both: Complexes = low + high
-    return both
+    return np.asarray(low + high)
 
 
 @dataclass(frozen=True)
@@ -319,7 +322,7 @@ def _partners(window: Window, places: Floats, z: Complexes, slopes: Complexes) -
         for u in np.linspace(0, 1, GRID)[1:-1]:
             ends = (square[i], slope[i], square[i + 1], slope[i + 1])
             with np.errstate(invalid="ignore"):
-                between = np.abs(_cubic(u, h, *ends))  # type: ignore[arg-type]
+                between = np.abs(_cubic(u, h, *ends))
             low, high = np.fmin(low, between), np.fmax(high, between)
     near = low <= _PARTNERS**2 * high
     if not window.damped:
@@ -343,24 +346,22 @@ def _unit(
         for name in ("errors", "means", "clusters")
     )
     if len(chains) == 1:
-        mode = z[:, 0], slopes[:, 0]
-        if not window.damped and not z.imag.any():
-            mode = z[:, 0].real, slopes[:, 0].real
-        return Unit(window, _hermite(places, *mode, errors.max()), None, 1)
+        real = not window.damped and not z.imag.any()
+        mode = [each.real if real else each for each in (z[:, 0], slopes[:, 0])]
+        return Unit(window, _hermite(places, mode, errors.max()), None, 1)
     together = numbers[:, 0] == numbers[:, 1]
     half, error = (z[:, 0] - z[:, 1]) / 2, errors.max(axis=1)
     with np.errstate(invalid="ignore"):
         parts = [z.mean(axis=1), slopes.mean(axis=1), half**2, half * (slopes[:, 0] - slopes[:, 1])]
-    if not window.damped:
-        parts = [part.real for part in parts]
-    rounding = 64 * np.finfo(float).eps * np.abs(z).max(axis=1)
+    told = parts if window.damped else [part.real for part in parts]
+    rounding = _ROUNDING * np.abs(z).max(axis=1)
     of_mean = np.where(together, means.max(axis=1), rounding).max()
     of_half = error_of_half(np.abs(half), error, together=together).max()
-    mean, square = _hermite(places, *parts[:2], of_mean), _hermite(places, *parts[2:], of_half)
+    mean, square = _hermite(places, told[:2], of_mean), _hermite(places, told[2:], of_half)
     return Unit(window, mean, square, 1)
 
 
-def error_of_half(distance: Floats, error: Floats, *, together: bool | Floats) -> Floats:
+def error_of_half(distance: Floats, error: Floats, *, together: NDArray[np.bool_]) -> Floats:
     """Error of s of a pair from those of its members.
 
     Where both are judged together Elsner's bound of a member is the root of that of s.
@@ -377,9 +378,9 @@ def error_of_half(distance: Floats, error: Floats, *, together: bool | Floats) -
     return np.where(together, error**2, (2 * distance + error) * error)
 
 
-def _hermite(
-    places: Floats, values: Complexes | Floats, slopes: Complexes | Floats, noise: float
-) -> Hermite:
+def _hermite(places: Floats, told: Sequence[Floats | Complexes], noise: float) -> Hermite:
+    """An interpolant of values and slopes."""
+    values, slopes = told
     if not np.isfinite(slopes).all():
         raise UnresolvedError
     return Hermite(places, values, slopes, float(noise))

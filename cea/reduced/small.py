@@ -116,7 +116,19 @@ class SmallPencil:
     ) -> Complexes:
         """Derivatives of eigenvalues lambda in parameters that change together, shape (n,).
 
-        - y^H (lambda^2 dM + lambda dD + dK) x / y^H (2 lambda M + D) x; infinite at a coalescence.
+        Infinite at a coalescence; parameters as of :meth:`slopes`.
+        """
+        slopes = self.slopes(found, values, names)
+        if self.damped:
+            return slopes
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -slopes / (2 * found.eigenvalues)
+
+    def slopes(self, found: ReducedSpectrum, values: Values, names: Sequence[str]) -> Complexes:
+        """Derivatives of kappa, with damping of lambda, shape (n,); infinite at a coalescence.
+
+        y^H (dK - kappa dM) x / y^H M x, with damping
+        - y^H (lambda^2 dM + lambda dD + dK) x / y^H (2 lambda M + D) x.
 
         Parameters
         ----------
@@ -129,20 +141,24 @@ class SmallPencil:
         """
         x, y = self.coordinates(found.right), self.coordinates(found.left).conj()
         eigenvalues = found.eigenvalues
+        one: Complexes = np.ones(len(found), dtype=complex)
+        speeds = {"mass": -2 * eigenvalues, "damping": -one} if self.damped else {"mass": one}
         change: Complexes = np.zeros(len(found), dtype=complex)
         turned: Complexes = np.zeros(len(found), dtype=complex)
         for piece in self.pieces:
             slope = sum(piece.coefficient.derivative(name, values) for name in names)
-            factor = piece.coefficient.at(values) if piece.role != "stiffness" else 0.0
+            factor = piece.coefficient.at(values) if piece.role in speeds else 0.0
             if not (slope or factor):
                 continue
             projected = np.einsum("ij,ij->j", y, real_times(piece.square, x))
-            change += slope * eigenvalues ** POWERS[piece.role] * projected
+            if self.damped or piece.role == "stiffness":
+                change += slope * eigenvalues ** POWERS[piece.role] * projected
+            else:
+                change -= slope * found.kappa * projected
             if factor:
-                speeds = 2 * eigenvalues if piece.role == "mass" else 1.0
-                turned += factor * speeds * projected
+                turned += factor * speeds[piece.role] * projected
         with np.errstate(divide="ignore", invalid="ignore"):
-            moved: Complexes = -change / turned
+            moved: Complexes = change / turned
         return moved
 
     def coordinates[T: (Floats, Complexes)](self, vectors: T) -> T:

@@ -41,6 +41,11 @@ class Varied(Protocol):
         """Least and greatest value."""
         ...
 
+    @property
+    def logarithmic(self) -> bool:
+        """Whether values are evenly spaced in their logarithm."""
+        ...
+
 
 class NoMapError(InputError):
     """A scene that has no reduced model over some axes; it may be solved in full at each value."""

@@ -30,6 +30,7 @@ class DenseLine:
 
     @property
     def window(self) -> Window:
+        """What is looked at."""
         return Window(self.end, self.damping is not None, self.level)
 
     def matrices(self, t: float) -> tuple[Floats, Floats]:
@@ -48,6 +49,7 @@ class DenseLine:
         return A, np.vstack([np.zeros((n, 2 * n)), -inverse @ moved])
 
     def at(self, value: float) -> Sample:
+        """The spectrum at a value."""
         self.made += 1
         A, dA = self.matrices(value)
         z, left, right = eig(A, left=True, right=True)
@@ -100,7 +102,7 @@ def random_line(
     stiffness, mass = linear((K + K.T) / 2, A), constant((M + M.T) / 2)
     if nonlinear:
         Z = generator.standard_normal((n, n))
-        wave = lambda t: np.sin(5 * t), lambda t: 5 * np.cos(5 * t)  # noqa: E731
+        wave = lambda t: np.sin(5 * t), lambda t: 5 * np.cos(5 * t)
         stiffness = [*stiffness, (*wave, 0.5 * L @ Z @ L.T)]
         mass = [*mass, (lambda t: t * t, lambda t: 2 * t, 0.3 * M)]
     damped = constant(damping * (C + C.T) / 2) if damping is not None else None
