@@ -22,7 +22,7 @@ from comparisons.cli.app import main
 from comparisons.sweep.axes import Axis, read_axis
 from comparisons.sweep.map_page import write_result
 from comparisons.sweep.map_study import AskedMap, run_map
-from comparisons.sweep.map_tables import modes_table, onsets_table, summary_table, values_table
+from comparisons.sweep.map_tables import modes_table, summary_table, thresholds_table, values_table
 from comparisons.sweep.mapped import NoMapError, mapped
 from comparisons.sweep.netcdf import read_map
 from comparisons.sweep.sensitivities import sensitivities_table
@@ -100,15 +100,18 @@ def test_values_of_a_map_are_those_of_full_solves(made, backend):
 def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     wanted, data, rows, _ = made(backend)
     scene = mapped(wanted.scene, wanted.axes, wanted.overrides, None)
-    onsets = [each for each in data["onsets"] if each["begins"]]
-    assert onsets
-    assert len(onsets_table(data).rows) == sum(len(row.onsets) for row in rows)
+    begun = [
+        each for each in data["thresholds"] if each["kind"] == "flutter" and each["change"] > 0
+    ]
+    assert begun
+    assert len(thresholds_table(data).rows) == sum(len(row.thresholds) for row in rows)
+    assert not data["unresolved"]
     confirmed = [
-        each["full_solve_differs"] for each in data["onsets"] if "full_solve_differs" in each
+        each["full_solve_differs"] for each in data["thresholds"] if "full_solve_differs" in each
     ]
     assert confirmed
     assert np.abs(confirmed).max() < 1e-8
-    chosen = onsets[len(onsets) // 2]
+    chosen = begun[len(begun) // 2]
     pencil = scene.pencil
     parameters = [
         replace(each, value=chosen["P"]) if each.name == P else each
@@ -117,7 +120,7 @@ def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     driver = KrylovSchur(Pencil(pencil.terms, parameters, pencil.forces, leave_out=False))
     near = (0.999 * chosen["value"], 1.001 * chosen["value"])
     expected = flutter_threshold(
-        driver, MU, *near, max_frequency=0.4, frequency=chosen["frequency"]
+        driver, MU, *near, max_frequency=0.4, frequency=chosen["im"] / (2 * np.pi)
     )
     assert chosen["value"] == pytest.approx(expected.value, rel=1e-8)
     assert abs(chosen["value"] - expected.value) <= chosen["error"] + 1e-11
@@ -171,7 +174,7 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, mon
         width = other.growth.shape[1]
         np.testing.assert_array_equal(one.growth[:, :width], other.growth)
         np.testing.assert_array_equal(one.branch[:, :width], other.branch)
-        assert [each.value for each in one.onsets] == [each.value for each in other.onsets]
+        assert one.thresholds == other.thresholds
     (folder / "map.png").unlink()
     axes = ["mu=0:2:21", "P=0.5:500:log:4"]
     command = ["cea", "sweep", "blocks", *axes, "--redraw", "--out", str(folder)]
@@ -232,7 +235,7 @@ def test_the_command_threshold_confirms_what_it_finds(tmp_path, monkeypatch, cap
     with pytest.raises(SystemExit) as end:
         main()
     assert not end.value.code, capsys.readouterr().err
-    found = json.loads((tmp_path / "out" / "result.json").read_text())["onsets"]
+    found = json.loads((tmp_path / "out" / "result.json").read_text())["thresholds"]
     assert found
     assert all(abs(each["full_solve_differs"]) < 1e-8 for each in found)
 
@@ -321,11 +324,11 @@ def test_doublets_begin_to_flutter_with_friction_itself(tmp_path):
         "drum", (read_axis("mu=0:0.5:3"),), (*coarse, "analysis.max_frequency=0.3"), confirm=9
     )
     data, _, _ = run_map(wanted, tmp_path / "out")
-    assert data["thresholds_lost"] == 0
-    at_once = [each for each in data["onsets"] if each["value"] == 0]
+    assert not data["unresolved"]
+    at_once = [each for each in data["thresholds"] if each["value"] == 0]
     assert at_once
     for each in at_once:
-        assert each["begins"]
+        assert each["change"] > 0
         assert 0 < each["error"] < 1e-6
         assert abs(each["full_solve_differs"]) < each["error"]
 

@@ -1,5 +1,7 @@
 """Pencils of which maps are made, and what full and dense solves say of them."""
 
+from types import MappingProxyType
+
 import numpy as np
 from blocks import assemble, block, coarse, two_blocks
 from petsc_matrices import to_petsc
@@ -11,6 +13,7 @@ from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
+from cea.reduced.model_line import ModelLine
 from cea.reduced.spectrum import upper_root
 
 MU, P = "contacts.interface.mu", "contacts.interface.P"
@@ -178,3 +181,11 @@ def map_numbers(backend):
         sums = np.array([found.kappa.sum(), (found.kappa**2).sum()])
         rows.append([len(found), *sums.real.tolist()])
     return {"rows": rows, "solves": len(built.snapshots)}
+
+
+def model_line(built, name, point=MappingProxyType({}), level=0.0):
+    """A reduced model along one parameter, at values of the others."""
+    small, pencil = built.model.small, built.model.pencil
+    return ModelLine(
+        small, [], lambda value: pencil.values({**point, name: value}), [name], level, 1e-8
+    )
