@@ -69,6 +69,11 @@ class Row:
     onsets: tuple[Onset, ...]
     lost: int = 0
 
+    @property
+    def bound(self) -> Floats:
+        """Bound on the worst mean, with what rounding makes, relative to its speed."""
+        return np.fmax.reduce(np.column_stack([self.worst, self.mean_error]), axis=1)
+
 
 def map_row(
     small: SmallPencil,

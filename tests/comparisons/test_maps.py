@@ -255,7 +255,7 @@ def test_what_is_left_uncertified_is_told(tmp_path):
     assert len(data["snapshots"]) == 2
     assert data["certified"] < data["values"]
     assert "not-certified" in [each["kind"] for each in data["warnings"]]
-    assert max(row.worst.max() for row in rows) == data["worst"] > 1e-8
+    assert max(row.bound.max() for row in rows) == data["worst"] > 1e-8
 
 
 @pytest.mark.parametrize(
