@@ -1,13 +1,14 @@
 """What rounding makes of the eigenvalues of a reduced model.
 
-Full solves have errors of their own. Besides, entries of the reduced matrices sum_j c_j V^T A_j V are
-known to a few units in the last place of their parts, which moves an eigenvalue of condition c by
+Full solves have errors of their own. Besides, entries of the reduced matrices sum_j c_j V^T A_j V
+are rounded relative to their parts: as they are made, and in the solution of the eigenvalue problem
+of k unknowns, whose sums of k terms add up sqrt(k) eps. That moves an eigenvalue of condition c by
 
-    c 2 eps |y|^T (sum_j |c_j| |V^T A_j V|) |x|
+    c sqrt(k) eps |y|^T (sum_j |c_j| |V^T A_j V|) |x|
 
-at most (componentwise backward error; N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed.,
-SIAM (2002), section 7.2). Where a contact is stiff, x all but closes its gap and P x^T V^T A V x is
-of the size of its forces; what rounding leaves of V^T A V is not, and grows with P.
+(componentwise backward error; N. J. Higham, T. Mary, A new approach to probabilistic rounding error
+analysis, SIAM J. Sci. Comput. 41 (2019)). Where a contact is stiff, x all but closes its gap: parts
+of P x^T V^T A V x cancel to the work of its forces, and what rounding leaves of them grows with P.
 """
 
 from collections.abc import Mapping
@@ -18,9 +19,6 @@ import numpy as np
 from cea.arrays import Complexes, Floats
 from cea.eigen.pencil import Role
 from cea.eigen.sensitivity import POWERS
-
-_ENTRY = 2 * np.finfo(float).eps
-"""Error of an entry relative to its parts: it is summed, stored, and summed with others again."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +54,7 @@ class Rounding:
         works = np.zeros(len(speeds))
         for role, entries in self.entries.items():
             works += speeds ** POWERS[role] * np.einsum("ij,ij->j", y, entries @ x)
-        return self.solves + _ENTRY * works
+        return self.solves + _of_sums(len(y)) * works
 
     def of_block(self, left: Complexes, right: Complexes, speed: float) -> float:
         """Norm of the perturbation of the block of a cluster by that of entries (1/s^2).
@@ -72,7 +70,12 @@ class Rounding:
         block = np.zeros((y.shape[1], x.shape[1]))
         for role, entries in self.entries.items():
             block += speed ** POWERS[role] * (y.T @ entries @ x)
-        return float(_ENTRY * np.linalg.norm(block, 2))
+        return float(_of_sums(len(y)) * np.linalg.norm(block, 2))
 
     def _sizes(self, vectors: Complexes) -> Floats:
         return np.abs(vectors if self.axes is None else self.axes @ vectors)
+
+
+def _of_sums(terms: int) -> float:
+    """Error of sums of so many terms, relative to these."""
+    return float(np.sqrt(terms) * np.finfo(float).eps)

@@ -245,7 +245,8 @@ class SmallPencil:
     def _rounding(self, values: Values) -> Rounding:
         """What rounding does to eigenvalues.
 
-        That of full solves: where it was seen at greater stiffness it is less in proportion, but no less than anywhere.
+        That of full solves is less in proportion where it was seen at greater stiffness, but no
+        less than anywhere.
         """
         stiff = self.stiffness(values)
         sizes = [
