@@ -116,7 +116,7 @@ class SmallPencil:
         return found if self.axes is None else found.lifted(self.axes)
 
     def derivatives(
-        self, found: ReducedSpectrum, values: Values, names: Sequence[str]
+        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
     ) -> Complexes:
         """Derivatives of eigenvalues lambda in parameters that change together, shape (n,).
 
@@ -128,15 +128,17 @@ class SmallPencil:
             Eigenvalues, their coordinates in this basis or, of a local one, in the larger one.
         values
             Values of all parameters there.
-        names
-            The parameters.
+        rates
+            How fast each of the parameters changes.
         """
         x, y = self.coordinates(found.right), self.coordinates(found.left).conj()
         eigenvalues = found.eigenvalues
         change: Complexes = np.zeros(len(found), dtype=complex)
         turned: Complexes = np.zeros(len(found), dtype=complex)
         for piece in self.pieces:
-            slope = sum(piece.coefficient.derivative(name, values) for name in names)
+            slope = sum(
+                rate * piece.coefficient.derivative(name, values) for name, rate in rates.items()
+            )
             factor = piece.coefficient.at(values) if piece.role != "stiffness" else 0.0
             if not (slope or factor):
                 continue

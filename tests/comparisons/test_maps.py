@@ -349,7 +349,8 @@ def test_warnings_of_full_solves_reach_the_map(tmp_path):
 
 def test_short_names_mean_every_contact_and_body():
     scene = mapped("blocks", [read_axis("E=1:2:3"), read_axis("P=1:2:3")], (), None)
-    assert scene.names == (("bodies.upper.material.E", "bodies.lower.material.E"), (P,))
+    both = ("bodies.upper.material.E", "bodies.lower.material.E")
+    assert scene.names == (dict.fromkeys(both, 1.0), {P: 1.0})
     assert parameters_meant(scene.pencil, "bodies.*.material.rho") == [
         "bodies.upper.material.rho",
         "bodies.lower.material.rho",
