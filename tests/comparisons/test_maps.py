@@ -296,13 +296,13 @@ def test_axes_that_are_no_parameters_are_refused_or_solved_in_full():
 
 def test_a_field_without_a_map_is_solved_in_full(tmp_path, monkeypatch, capsys):
     settings = ["--set", "analysis.max_frequency=0.3", "--out", str(tmp_path / "out")]
-    axis = "contacts.interface.p=1:2:2"
+    axis = "bodies.upper.material.nu=0.2:0.3:2"
     monkeypatch.setattr(sys, "argv", ["cea", "sweep", "blocks", axis, *settings])
     with pytest.raises(SystemExit) as end:
         main()
     told = capsys.readouterr()
     assert not end.value.code, told.err
-    assert "Solved in full at each value: parameter = 'contacts.interface.p'" in told.out
+    assert "Solved in full at each value: parameter = 'bodies.upper.material.nu'" in told.out
 
 
 def test_short_names_are_solved_in_full_too():
