@@ -1,6 +1,6 @@
 """A reduced model along one of its parameters, as thresholds look at it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,8 +22,8 @@ class ModelLine:
         Smaller bases for parts of the line, each with the least and the greatest value it is for.
     parameters
         Values of all parameters at a value of the line.
-    names
-        Parameters that change along it.
+    rates
+        How fast each parameter changes along it.
     level
         Growth rate (1/s) from which on a mode counts as growing.
     tolerance
@@ -35,7 +35,7 @@ class ModelLine:
     small: SmallPencil
     bases: Sequence[tuple[float, float, SmallPencil]]
     parameters: Callable[[float], Values]
-    names: Sequence[str]
+    rates: Mapping[str, float]
     level: float
     tolerance: float
     logarithmic: bool = False
@@ -66,7 +66,7 @@ class ModelLine:
         if found.worst > self.tolerance and basis is not self.small:
             basis = self.small
             found = basis.at(at)
-        slopes = basis.slopes(found, at, self.names) * self.speed(place)
+        slopes = basis.slopes(found, at, self.rates) * self.speed(place)
         vectors = found.right / np.linalg.norm(found.right, axis=0)
         numbers, means = found.certificate.clusters, found.certificate.means
         if not self.small.damped:

@@ -117,7 +117,7 @@ def _mark_uncertified(
     """Grey crosses where no bound was reached."""
     tolerance = data["inputs"]["tolerance"]
     for value, row in zip(y, rows, strict=True):
-        left = x[row.worst > tolerance]
+        left = x[row.bound > tolerance]
         space.plot(left, np.full(len(left), value), "+", color=GREY, ms=4)
 
 

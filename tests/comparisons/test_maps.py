@@ -258,7 +258,7 @@ def test_what_is_left_uncertified_is_told(tmp_path):
     assert len(data["snapshots"]) == 2
     assert data["certified"] < data["values"]
     assert "not-certified" in [each["kind"] for each in data["warnings"]]
-    assert max(row.worst.max() for row in rows) == data["worst"] > 1e-8
+    assert max(row.bound.max() for row in rows) == data["worst"] > 1e-8
 
 
 @pytest.mark.parametrize(
@@ -299,13 +299,13 @@ def test_axes_that_are_no_parameters_are_refused_or_solved_in_full():
 
 def test_a_field_without_a_map_is_solved_in_full(tmp_path, monkeypatch, capsys):
     settings = ["--set", "analysis.max_frequency=0.3", "--out", str(tmp_path / "out")]
-    axis = "contacts.interface.p=1:2:2"
+    axis = "bodies.upper.material.nu=0.2:0.3:2"
     monkeypatch.setattr(sys, "argv", ["cea", "sweep", "blocks", axis, *settings])
     with pytest.raises(SystemExit) as end:
         main()
     told = capsys.readouterr()
     assert not end.value.code, told.err
-    assert "Solved in full at each value: parameter = 'contacts.interface.p'" in told.out
+    assert "Solved in full at each value: parameter = 'bodies.upper.material.nu'" in told.out
 
 
 def test_short_names_are_solved_in_full_too():
@@ -352,7 +352,8 @@ def test_warnings_of_full_solves_reach_the_map(tmp_path):
 
 def test_short_names_mean_every_contact_and_body():
     scene = mapped("blocks", [read_axis("E=1:2:3"), read_axis("P=1:2:3")], (), None)
-    assert scene.names == (("bodies.upper.material.E", "bodies.lower.material.E"), (P,))
+    both = ("bodies.upper.material.E", "bodies.lower.material.E")
+    assert scene.names == (dict.fromkeys(both, 1.0), {P: 1.0})
     assert parameters_meant(scene.pencil, "bodies.*.material.rho") == [
         "bodies.upper.material.rho",
         "bodies.lower.material.rho",

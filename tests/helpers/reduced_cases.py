@@ -69,6 +69,35 @@ def damped_blocks_pencil(backend, values=None, **contact):
     return assemble(scene, leave_out=False).pencil(leave_out=False)
 
 
+def plane_blocks_pencil(backend, contact, *, alpha=0.0):
+    """Two plane blocks, held at bottom and top, whose contact forces are unknowns."""
+
+    def body(size, origin, held, E, elements):
+        return {
+            "backend": backend,
+            "geometry": {"shape": "rectangle", "size": size, "origin": origin},
+            "material": {"E": E, "nu": 0.3, "rho": 1.0},
+            "supports": [{"surface": held}],
+            "mesh": {
+                "fe": {"cell": "quadrilateral", "degree": 2, "elements": elements},
+                "iga": {"degree": [2, 2], "elements": elements},
+            },
+        }
+
+    lower = body([2.0, 1.0], [0.0, -1.0], "y_min", 1.0, [5, 2])
+    upper = body([1.6, 0.4], [0.2, 0.0], "y_max", 0.3, [4, 2])
+    if alpha:
+        upper["damping"] = {"alpha": alpha, "beta": 0.0}
+    data = {
+        "name": "plane blocks",
+        "bodies": {"upper": upper, "lower": lower},
+        "contacts": {"interface": {"a": "upper.y_min", "b": "lower.y_max", "form": "saddle"}},
+        "analysis": {"kind": "cea", "max_frequency": 0.5},
+    }
+    data["contacts"]["interface"] |= contact
+    return assemble(data, leave_out=False).pencil(leave_out=False)
+
+
 def three_blocks_pencil(backend):
     """A block between two others: two contacts, each with its mu."""
     data = coarse(two_blocks(backend, {"method": "gpts", "points": 3}, held=True))
@@ -187,5 +216,5 @@ def model_line(built, name, point=MappingProxyType({}), level=0.0):
     """A reduced model along one parameter, at values of the others."""
     small, pencil = built.model.small, built.model.pencil
     return ModelLine(
-        small, [], lambda value: pencil.values({**point, name: value}), [name], level, 1e-8
+        small, [], lambda value: pencil.values({**point, name: value}), {name: 1.0}, level, 1e-8
     )

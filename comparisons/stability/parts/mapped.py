@@ -53,7 +53,7 @@ class OfMap:
             )
         ]
         complete = all(each.complete for each in built.snapshots)
-        certified = found.worst <= TOLERANCE
+        certified = found.bound <= TOLERANCE
         whole: Verdict = "unstable" if "unstable" in verdicts else "stable"
         if whole == "stable" and ("undecided" in verdicts or not complete):
             whole = "undecided"
@@ -65,7 +65,7 @@ class OfMap:
             uncertainties=errors,
             complete=complete,
             max_frequency=top,
-            residual=found.worst,
+            residual=found.bound,
             condition=float(found.certificate.conditions.max(initial=1.0)),
             warnings=() if certified else ("not-certified",),
             dofs=system.size,
