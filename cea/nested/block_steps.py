@@ -24,10 +24,12 @@ from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
 from cea.eigen.dense_products import beside, combined
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
+from cea.eigen.quadratic_pairs import QuadraticSizes
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
 from cea.nested.approximation import Approximation, growing, matched, one_of_each_pair
-from cea.nested.ritz import mean_with_transpose, ritz
+from cea.nested.remaining import bounds_by_changes
+from cea.nested.ritz import mean_with_transpose, quadratic_ritz, ritz
 
 _BESIDE = 0.997
 """Part of a shift that is an eigenvalue at which another is tried."""
@@ -50,6 +52,7 @@ class Step:
 
     approximation: Approximation
     remaining: Floats
+    moved: object = None
 
 
 @dataclass(frozen=True)
@@ -100,13 +103,12 @@ class BlockSteps:
             self.factors = Shifted(matrices, shift)
         except ConvergenceError:
             self.factors = Shifted(matrices, _BESIDE * shift)
-        self._damping = Damping(matrices) if matrices.quadratic else None
+        self._damping = Damping(matrices)
 
     def free(self) -> None:
         """Free the factors."""
         self.factors.free()
-        if self._damping is not None:
-            self._damping.free()
+        self._damping.free()
 
     def improved(self, old: Approximation, steps: int, allowed: Floats | None = None) -> Step:
         """Right and left vectors after some steps, eigenvalues of the projected problem.
@@ -114,12 +116,9 @@ class BlockSteps:
         Without damping it is projected on the vectors of all steps together, a Krylov space, and
         modes of which more remains than is allowed (1/s), shape (n,), take one step more.
         """
-        if self._damping is None:
+        if not self.matrices.quadratic:
             return self._linear(old, steps, allowed)
-        for _ in range(steps):
-            step = self._quadratic(old, self._damping)
-            old = step.approximation
-        return step
+        return self._quadratic(old, steps, self._damping)
 
     def one_sided(self, old: Approximation) -> Complexes:
         """Eigenvalues after a step for the right vectors alone, shape (n,).
@@ -127,7 +126,7 @@ class BlockSteps:
         An error of left vectors, which stay as they are, counts only times one that is left in the
         right ones. With damping, and where both are the same, it is a whole step.
         """
-        if self._damping is not None or self.matrices.symmetric:
+        if self.matrices.quadratic or self.matrices.symmetric:
             return self.improved(old, 1).approximation.eigenvalues
         chosen = one_of_each_pair(old.eigenvalues)
         values = old.eigenvalues[chosen]
@@ -186,7 +185,9 @@ class BlockSteps:
             y = self._scaled(combined(Y.own, d[:, order]), combined(Y.image, d[:, order]))
         new = Approximation(found[order], x, y)
         half = half[matched(new.eigenvalues, half)]
-        return Step(new, np.abs(new.eigenvalues - half))
+        bounds = bounds_by_changes(-(found[order] ** 2), -(half**2), -(old.eigenvalues**2))
+        bounds = np.minimum(np.sqrt(bounds), bounds / np.maximum(np.abs(new.eigenvalues), np.finfo(float).tiny))
+        return Step(new, bounds + self._rounding(new, self._damping), (found[order],half,old.eigenvalues))
 
     def _nearest_to(self, basis: Floats, vectors: Complexes, images: Complexes) -> Ints:
         """As many vectors as an M-orthonormal basis has, those that are most of it."""
@@ -220,37 +221,61 @@ class BlockSteps:
         lengths = np.sqrt(columns_inner(X.own, X.image, comm))
         return space.start / lengths, X / lengths
 
-    def _quadratic(self, old: Approximation, damping: Damping) -> Step:
-        """With damping, the companion form is projected on vectors [x; lambda x] and their duals.
+    def _quadratic(self, old: Approximation, steps: int, damping: Damping) -> Step:
+        """lambda^2 M + lambda D + K projected on the vectors of all steps and of one more."""
+        start = before = old
+        none = np.empty((len(old.right), 0), order="F")
+        V, force, W = none, none, none
+        for _ in range(steps + 1):
+            R = self._forces(damping, old.eigenvalues, old.right)
+            V, force = self._grown(V, force, self._solved(R), R)
+            L = self._forces(damping, old.eigenvalues.conj(), old.left, transposed=True)
+            Y = self._solved(L, transposed=True)
+            W = self._grown(W, W, Y, Y)[0]
+            earlier, before, old = before, old, self._ritz(V, force, W, start.eigenvalues, old.eigenvalues, damping)
+        bounds = bounds_by_changes(old.eigenvalues, before.eigenvalues, earlier.eigenvalues)
+        return Step(old, bounds + self._rounding(old, damping), (old.eigenvalues,before.eigenvalues,earlier.eigenvalues))
 
-        y_i^H (lambda_i lambda_j M - K) x_j c = lambda y_i^H ((lambda_i + lambda_j) M + D) x_j c.
-        """
-        sigma, values = self.factors.kappa, old.eigenvalues
-        R = self._forces(damping, values, old.right)
-        X = self._solved(R)
-        inertia, drag = times(self.matrices.mass, X), damping.times(X)
-        force = R + sigma * inertia
-        halfway = self._projected(values, old.left, inertia, drag, force)[0]
-        L = self._forces(damping, values.conj(), old.left, transposed=True)
-        Y = self._solved(L, transposed=True)
-        found, c, d = self._projected(values, Y, inertia, drag, force)
+    def _rounding(self, new: Approximation, damping: Damping) -> Floats:
+        """What rounding the entries of the matrices does to eigenvalues (1/s), shape (n,)."""
+        sizes, comm = QuadraticSizes(self.matrices, damping), self.matrices.stiffness.comm
+        none = np.zeros((self.factors.multipliers, len(new.eigenvalues)), dtype=complex)
+        works = [
+            columns_inner(np.abs(each), sizes.forces(new.eigenvalues, each, none), comm)
+            for each in (new.right, new.left)
+        ]
+        sizes.free()
+        inertia = columns_inner(new.left, times(self.matrices.mass, new.right), comm)
+        slopes = 2 * new.eigenvalues * inertia + columns_inner(new.left, damping.times(new.right), comm)
+        tiny = np.finfo(float).tiny
+        error = np.finfo(float).eps * np.sqrt(works[0] * works[1])
+        return np.minimum(error / np.maximum(np.abs(slopes), tiny), np.sqrt(error / np.maximum(np.abs(inertia), tiny)))
+
+    def _ritz(self, V, force, W, first, values, damping) -> Approximation:
+        M = self.matrices.mass
+        inertia, drag = times(M, V), damping.times(V)
+        parts = (force + self.factors.kappa * inertia, drag, inertia)
+        found, c, d = quadratic_ritz(*(self._inner(W, part) for part in parts))
         order = matched(values, found)
-        M, x, y = self.matrices.mass, X @ c[:, order], Y @ d[:, order]
+        x, y = V @ c[:, order], W @ d[:, order]
         x, y = (self._scaled(each, times(M, each)) for each in (x, y))
-        new = Approximation(found[order], x, y)
-        half = halfway[matched(new.eigenvalues, halfway)]
-        return Step(new, np.abs(new.eigenvalues - half))
+        return Approximation(found[order], x, y)
 
-    def _projected(
-        self, values: Complexes, Y: Complexes, inertia: Complexes, drag: Complexes, force: Complexes
-    ) -> tuple[Complexes, Complexes, Complexes]:
-        mass, damping, stiffness = (self._inner(Y, part) for part in (inertia, drag, force))
-        found, d, c = eig(
-            values[:, None] * values * mass - stiffness,
-            (values[:, None] + values) * mass + damping,
-            left=True,
-        )
-        return found, c, d
+    def _grown(self, basis, loads, vectors, forces):
+        """An M-orthonormal real basis with real and imaginary parts of further vectors, their forces alike."""
+        vectors, forces = (np.hstack([each.real, each.imag]) for each in (vectors, forces))
+        M = self.matrices.mass
+        sizes = np.sqrt(columns_inner(vectors, times(M, vectors), self.matrices.stiffness.comm))
+        sizes = np.hypot(*np.split(sizes, 2))
+        vectors, forces = (each / np.tile(sizes, 2) for each in (vectors, forces))
+        for _ in range(2):
+            inside = self._inner(basis, times(M, vectors))
+            vectors, forces = vectors - combined(basis, inside), forces - combined(loads, inside)
+            gram = self._inner(vectors, times(M, vectors))
+            squares, axes = np.linalg.eigh(mean_with_transpose(gram))
+            axes = axes[:, squares > 1e-14] / np.sqrt(squares[squares > 1e-14])
+            vectors, forces = combined(vectors, axes), combined(forces, axes)
+        return beside(basis, vectors), beside(loads, forces)
 
     def _forces(
         self, damping: Damping, values: Complexes, x: Complexes, *, transposed: bool = False

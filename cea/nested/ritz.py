@@ -27,6 +27,20 @@ def ritz(
     return mu, V @ z + 0j, U @ w + 0j
 
 
+def quadratic_ritz(works: Floats, drags: Floats, masses: Floats) -> tuple[Complexes, Complexes, Complexes]:
+    """Eigenvalues, right and left vectors of a projected quadratic problem."""
+    u, sizes, vt = np.linalg.svd(masses)
+    count = int(np.sum(sizes > _DEPENDENT * sizes.max()))
+    U, V = u[:, :count] / sizes[:count], vt[:count].T
+    stiffness, damping = U.T @ works @ V, U.T @ drags @ V
+    scale = np.sqrt(np.abs(stiffness).max())
+    if not scale>0: scale=1.0
+    one, none = np.eye(count), np.zeros((count, count))
+    companion = np.block([[none, one], [-stiffness / scale**2, -damping / scale]])
+    found, w, z = eig(companion, left=True)
+    return scale * found, V @ z[:count], U @ w[count:]
+
+
 def mean_with_transpose(matrix: Floats) -> Floats:
     """Symmetric part of a matrix that is symmetric but for rounding."""
     return np.asarray(0.5 * (matrix + matrix.T))
