@@ -10,6 +10,10 @@ K X' + L^T F = R + sigma M X' needs no product with K. With the same for left ve
 problem is projected on both. Without damping that is, at the cost of one factorisation and one
 block of solves a side, the two-sided Rayleigh-Ritz of a Krylov space; components of another
 eigenvalue kappa_j in the error of an eigenvalue shrink by ((kappa - sigma) / (kappa_j - sigma))^2.
+
+With damping lambda^2 M + lambda D + K itself is projected, on real and imaginary parts of the vectors
+of all steps. Its companion form on vectors [x; lambda x] would keep what the old lambda errs by: one
+Newton step, whose error is the square of the correction over 2 lambda whatever x is.
 """
 
 from dataclasses import dataclass
@@ -17,19 +21,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eig
+from scipy.linalg import eigvals
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
 from cea.eigen.dense_products import beside, combined
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
-from cea.eigen.quadratic_pairs import QuadraticSizes
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
 from cea.nested.approximation import Approximation, growing, matched, one_of_each_pair
-from cea.nested.remaining import bounds_by_changes
-from cea.nested.ritz import mean_with_transpose, quadratic_ritz, ritz
+from cea.nested.remaining import left_of_errors
+from cea.nested.ritz import DEPENDENT, mean_with_transpose, quadratic_ritz, ritz
 
 _BESIDE = 0.997
 """Part of a shift that is an eigenvalue at which another is tried."""
@@ -46,13 +49,12 @@ class Step:
     approximation
         The new one, in the order of the old one.
     remaining
-        How far the eigenvalues are from those after the solve for the right vectors alone (1/s),
-        shape (n,): more than they still err by.
+        Bounds on what they still err by (1/s), shape (n,), by what the last solves changed
+        (:mod:`cea.nested.remaining`).
     """
 
     approximation: Approximation
     remaining: Floats
-    moved: object = None
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,17 @@ class _Space:
 
     start: _Vectors
     solved: _Vectors
+
+
+@dataclass(frozen=True)
+class _Spanned:
+    """M-orthonormal vectors V, and A(sigma) [V; F] = [forces; 0], or that with A^T."""
+
+    own: Floats
+    forces: Floats
+
+    def beside(self, other: "_Spanned") -> "_Spanned":
+        return _Spanned(beside(self.own, other.own), beside(self.forces, other.forces))
 
 
 class BlockSteps:
@@ -114,11 +127,12 @@ class BlockSteps:
         """Right and left vectors after some steps, eigenvalues of the projected problem.
 
         Without damping it is projected on the vectors of all steps together, a Krylov space, and
-        modes of which more remains than is allowed (1/s), shape (n,), take one step more.
+        modes of which more remains than is allowed (1/s), shape (n,), take one step more. With
+        damping all take one step more, which bounds what remains.
         """
         if not self.matrices.quadratic:
             return self._linear(old, steps, allowed)
-        return self._quadratic(old, steps, self._damping)
+        return self._quadratic(old, steps)
 
     def one_sided(self, old: Approximation) -> Complexes:
         """Eigenvalues after a step for the right vectors alone, shape (n,).
@@ -185,9 +199,7 @@ class BlockSteps:
             y = self._scaled(combined(Y.own, d[:, order]), combined(Y.image, d[:, order]))
         new = Approximation(found[order], x, y)
         half = half[matched(new.eigenvalues, half)]
-        bounds = bounds_by_changes(-(found[order] ** 2), -(half**2), -(old.eigenvalues**2))
-        bounds = np.minimum(np.sqrt(bounds), bounds / np.maximum(np.abs(new.eigenvalues), np.finfo(float).tiny))
-        return Step(new, bounds + self._rounding(new, self._damping), (found[order],half,old.eigenvalues))
+        return self._with_bounds(new, (half, old.eigenvalues), np.zeros(len(half)))
 
     def _nearest_to(self, basis: Floats, vectors: Complexes, images: Complexes) -> Ints:
         """As many vectors as an M-orthonormal basis has, those that are most of it."""
@@ -221,68 +233,69 @@ class BlockSteps:
         lengths = np.sqrt(columns_inner(X.own, X.image, comm))
         return space.start / lengths, X / lengths
 
-    def _quadratic(self, old: Approximation, steps: int, damping: Damping) -> Step:
-        """lambda^2 M + lambda D + K projected on the vectors of all steps and of one more."""
-        start = before = old
-        none = np.empty((len(old.right), 0), order="F")
-        V, force, W = none, none, none
+    def _quadratic(self, old: Approximation, steps: int) -> Step:
+        """The quadratic problem projected on the vectors of all steps, and of one more.
+
+        The last step tells what the others left.
+        """
+        damping, none = self._damping, np.empty((len(old.right), 0), order="F")
+        right = left = _Spanned(none, none)
+        before = old
         for _ in range(steps + 1):
-            R = self._forces(damping, old.eigenvalues, old.right)
-            V, force = self._grown(V, force, self._solved(R), R)
-            L = self._forces(damping, old.eigenvalues.conj(), old.left, transposed=True)
-            Y = self._solved(L, transposed=True)
-            W = self._grown(W, W, Y, Y)[0]
-            earlier, before, old = before, old, self._ritz(V, force, W, start.eigenvalues, old.eigenvalues, damping)
-        bounds = bounds_by_changes(old.eigenvalues, before.eigenvalues, earlier.eigenvalues)
-        return Step(old, bounds + self._rounding(old, damping), (old.eigenvalues,before.eigenvalues,earlier.eigenvalues))
+            R = self._forces(old.eigenvalues, old.right)
+            L = self._forces(old.eigenvalues.conj(), old.left, transposed=True)
+            fresh = self._outside(right, self._solved(R), R)
+            right = right.beside(fresh)
+            left = left.beside(self._outside(left, self._solved(L, transposed=True), L))
+            earlier, before, old = before, old, self._projected(old.eigenvalues, right, left)
+        work = self._inner(fresh.own, self._internal(fresh))
+        drag = self._inner(fresh.own, damping.times(fresh.own))
+        damped = np.abs(eigvals(drag, work)) if work.size else np.zeros(1)
+        slowest = (np.abs(old.eigenvalues) * damped.max()) ** 2
+        return self._with_bounds(old, (before.eigenvalues, earlier.eigenvalues), slowest)
 
-    def _rounding(self, new: Approximation, damping: Damping) -> Floats:
-        """What rounding the entries of the matrices does to eigenvalues (1/s), shape (n,)."""
-        sizes, comm = QuadraticSizes(self.matrices, damping), self.matrices.stiffness.comm
-        none = np.zeros((self.factors.multipliers, len(new.eigenvalues)), dtype=complex)
-        works = [
-            columns_inner(np.abs(each), sizes.forces(new.eigenvalues, each, none), comm)
-            for each in (new.right, new.left)
-        ]
-        sizes.free()
-        inertia = columns_inner(new.left, times(self.matrices.mass, new.right), comm)
-        slopes = 2 * new.eigenvalues * inertia + columns_inner(new.left, damping.times(new.right), comm)
-        tiny = np.finfo(float).tiny
-        error = np.finfo(float).eps * np.sqrt(works[0] * works[1])
-        return np.minimum(error / np.maximum(np.abs(slopes), tiny), np.sqrt(error / np.maximum(np.abs(inertia), tiny)))
-
-    def _ritz(self, V, force, W, first, values, damping) -> Approximation:
-        M = self.matrices.mass
-        inertia, drag = times(M, V), damping.times(V)
-        parts = (force + self.factors.kappa * inertia, drag, inertia)
+    def _projected(self, wanted: Complexes, right: "_Spanned", left: "_Spanned") -> Approximation:
+        """Eigenvalues of the projected quadratic problem that belong to those wanted."""
+        M, V, W = self.matrices.mass, right.own, left.own
+        parts = (self._internal(right), self._damping.times(V), times(M, V))
         found, c, d = quadratic_ritz(*(self._inner(W, part) for part in parts))
-        order = matched(values, found)
+        order = matched(wanted, found)
         x, y = V @ c[:, order], W @ d[:, order]
         x, y = (self._scaled(each, times(M, each)) for each in (x, y))
         return Approximation(found[order], x, y)
 
-    def _grown(self, basis, loads, vectors, forces):
-        """An M-orthonormal real basis with real and imaginary parts of further vectors, their forces alike."""
-        vectors, forces = (np.hstack([each.real, each.imag]) for each in (vectors, forces))
-        M = self.matrices.mass
-        sizes = np.sqrt(columns_inner(vectors, times(M, vectors), self.matrices.stiffness.comm))
-        sizes = np.hypot(*np.split(sizes, 2))
-        vectors, forces = (each / np.tile(sizes, 2) for each in (vectors, forces))
-        for _ in range(2):
-            inside = self._inner(basis, times(M, vectors))
-            vectors, forces = vectors - combined(basis, inside), forces - combined(loads, inside)
-            gram = self._inner(vectors, times(M, vectors))
-            squares, axes = np.linalg.eigh(mean_with_transpose(gram))
-            axes = axes[:, squares > 1e-14] / np.sqrt(squares[squares > 1e-14])
-            vectors, forces = combined(vectors, axes), combined(forces, axes)
-        return beside(basis, vectors), beside(loads, forces)
+    def _internal(self, space: "_Spanned") -> Floats:
+        """K V + L^T F of displacements V and the forces F that come with them."""
+        return np.asarray(space.forces + self.factors.kappa * times(self.matrices.mass, space.own))
 
-    def _forces(
-        self, damping: Damping, values: Complexes, x: Complexes, *, transposed: bool = False
-    ) -> Complexes:
+    def _outside(self, space: "_Spanned", vectors: Complexes, forces: Complexes) -> "_Spanned":
+        """What real and imaginary parts of vectors span beside a space."""
+        M, comm = self.matrices.mass, self.matrices.stiffness.comm
+        own, loads = (np.hstack([each.real, each.imag]) for each in (vectors, forces))
+        lengths = np.tile(np.sqrt(columns_inner(vectors, times(M, vectors), comm).real), 2)
+        own, loads = own / lengths, loads / lengths
+        for _ in range(2):
+            inside = self._inner(space.own, times(M, own))
+            own, loads = own - combined(space.own, inside), loads - combined(space.forces, inside)
+            gram = self._inner(own, times(M, own))
+            squares, axes = np.linalg.eigh(mean_with_transpose(gram))
+            kept = squares > DEPENDENT
+            axes = axes[:, kept] / np.sqrt(squares[kept])
+            own, loads = combined(own, axes), combined(loads, axes)
+        return _Spanned(own, loads)
+
+    def _with_bounds(
+        self, new: Approximation, before: tuple[Complexes, Complexes], slowest: Floats
+    ) -> Step:
+        left = left_of_errors(
+            new, before, slowest, self.matrices, self._damping, self.factors.kappa
+        )
+        return Step(new, left)
+
+    def _forces(self, values: Complexes, x: Complexes, *, transposed: bool = False) -> Complexes:
         """(kappa - sigma) M x - lambda D x, or with D^T."""
         shifted = -(values**2) - self.factors.kappa
-        drag = damping.times(x, transposed=transposed)
+        drag = self._damping.times(x, transposed=transposed)
         return np.asarray(shifted * times(self.matrices.mass, x) - values * drag)
 
     def _solved(self, forces: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
