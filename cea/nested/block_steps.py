@@ -11,9 +11,9 @@ problem is projected on both. Without damping that is, at the cost of one factor
 block of solves a side, the two-sided Rayleigh-Ritz of a Krylov space; components of another
 eigenvalue kappa_j in the error of an eigenvalue shrink by ((kappa - sigma) / (kappa_j - sigma))^2.
 
-With damping lambda^2 M + lambda D + K itself is projected, on real and imaginary parts of the vectors
-of all steps. Its companion form on vectors [x; lambda x] would keep what the old lambda errs by: one
-Newton step, whose error is the square of the correction over 2 lambda whatever x is.
+With damping lambda^2 M + lambda D + K itself is projected, on real and imaginary parts of the
+vectors of all steps. Its companion form on vectors [x; lambda x] would be one Newton step from the
+old lambda, which errs by the square of the correction over 2 lambda whatever x is.
 """
 
 from dataclasses import dataclass
@@ -161,7 +161,7 @@ class BlockSteps:
             start = self._real_basis(values, old.left[:, chosen])
             left = self._krylov(start, steps, transposed=True)
         base = right.start.own.shape[1] // steps
-        step = self._projected_on(old, right, left, base, base)
+        step = self._projected_on(old, right, left, base, base, old.eigenvalues)
         if allowed is None:
             return step
         found, late = step.approximation, step.remaining > allowed
@@ -175,11 +175,18 @@ class BlockSteps:
             more = self._real_basis(found.eigenvalues[own], found.left[:, own])
             left = self._extended(left, more, transposed=True)
         newest = right.start.own.shape[1] - steps * base
-        later = self._projected_on(old, right, left, base, newest)
+        earlier = np.where(late, found.eigenvalues, old.eigenvalues)
+        later = self._projected_on(old, right, left, base, newest, earlier)
         return Step(later.approximation, np.where(late, later.remaining, step.remaining))
 
     def _projected_on(
-        self, old: Approximation, right: _Space, left: _Space, base: int, newest: int
+        self,
+        old: Approximation,
+        right: _Space,
+        left: _Space,
+        base: int,
+        newest: int,
+        earlier: Complexes,
     ) -> Step:
         """With X = A(sigma)^-1 M B the problem is (Y^T M B, Y^T M X)."""
         symmetric = self.matrices.symmetric
@@ -199,7 +206,7 @@ class BlockSteps:
             y = self._scaled(combined(Y.own, d[:, order]), combined(Y.image, d[:, order]))
         new = Approximation(found[order], x, y)
         half = half[matched(new.eigenvalues, half)]
-        return self._with_bounds(new, (half, old.eigenvalues), np.zeros(len(half)))
+        return self._with_bounds(new, (half, earlier), np.zeros(len(half)))
 
     def _nearest_to(self, basis: Floats, vectors: Complexes, images: Complexes) -> Ints:
         """As many vectors as an M-orthonormal basis has, those that are most of it."""
