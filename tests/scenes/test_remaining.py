@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from covering import covering
+from mpi import on_ranks
 from nested_scenes import coarse_modes
 from reference_data import stored
 from richer_truth import apart_from_richer
@@ -143,3 +144,11 @@ def test_what_remains_is_bounded_where_a_ring_rotates(backend, coriolis):
     waves = np.abs(estimate.corrected) > 10.0
     assert waves.sum() >= 4
     assert (apart_from_richer(estimate, coarse) <= estimate.remaining)[waves].all()
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_bounds_are_the_same_on_any_ranks(ranks, backend):
+    one, other = (on_ranks(n, "nested_scenes.parallel_remaining", backend) for n in (1, ranks))
+    np.testing.assert_allclose(other["corrected"], one["corrected"], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(other["remaining"], one["remaining"], rtol=1e-3)
