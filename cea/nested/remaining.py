@@ -3,11 +3,13 @@
 Where a step leaves the part rho of an error, and the last one changed an eigenvalue by d, then
 rho d / (1 - rho) is left, which is no more than d while rho <= 1/2. The bound is twice that, times
 the condition of the eigenvalue, and what rounding does. It is no theorem, for rho is measured by
-the changes of two steps, in which a slow component of the error may hide. So rho is no smaller than
+the changes of two steps, in which a slow component of the error may hide. So no less is left of the
+change before the last than
 
-- that of any mode nearer to the shift, for a component of another eigenvalue kappa_j shrinks by
-  (kappa - sigma) / (kappa_j - sigma);
-- the square of abs(lambda) d / k, which damping leaves of components of damping d and stiffness k.
+- rho of any other mode, times the ratio of both distances from the shift where that one is farther:
+  a component of another eigenvalue kappa_j shrinks by (kappa - sigma) / (kappa_j - sigma), and by
+  its square with damping, where steps are whole ones;
+- what damping leaves of components of damping d and stiffness k, abs(lambda) d / k of vectors.
 
 Steps of rho >= 1 bound nothing.
 
@@ -52,7 +54,7 @@ def left_of_errors(
     before
         Eigenvalues before the last step, and before the last but one.
     slowest
-        What damping makes rho at least, shape (n,).
+        What damping makes rho of such components, shape (n,).
     matrices, damping
         The pencil.
     shift
@@ -105,12 +107,13 @@ def _by_changes(
     last = _changes(*(_with_twins(values, damped=damped) for values in (new, before)))[: len(new)]
     # Changes that are rounding have no rate.
     rates = np.where(last > rounding, last / np.maximum(first, _TINY), 0.0)
-    nearer = distances <= distances[:, None]
-    rates = np.maximum(rates, np.where(nearer & (rates < 1), rates, 0.0).max(axis=1))
     converges = np.maximum(rates, slowest) < 1
+    others = np.minimum(1.0, distances[:, None] / np.maximum(distances, _TINY))
+    others = np.minimum(rates, 1.0) * others ** (2 if damped else 1)
+    others = np.where(converges | (distances[:, None] < distances), others, 0.0).max(axis=1)
     rates, slowest = (np.where(converges, each, 0.0) for each in (rates, slowest))
-    left = np.maximum(last, rates * first) * np.maximum(1.0, rates / (1 - rates))
-    hidden = first * slowest**2 / (1 - slowest)
+    left = last * np.maximum(1.0, rates / (1 - rates))
+    hidden = first * np.maximum(others, slowest**2 / (1 - slowest))
     return np.where(converges, _SAFETY * np.maximum(left, hidden), np.inf)
 
 
