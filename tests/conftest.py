@@ -17,8 +17,21 @@ def pytest_collection_modifyitems(items):
     mark_slow_cases(items)
     items.sort(key=_on_several_ranks)
     for item in items:
-        group = "mpi" if _on_several_ranks(item) else item.nodeid.split("::")[0]
-        item.add_marker(pytest.mark.xdist_group(group))
+        item.add_marker(pytest.mark.xdist_group(_group(item)))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_finish(session):
+    """Workers tell groups by the ends of names, which pytest-xdist 3.8 cannot write from 9.2 on."""
+    if session.config.getoption("loadgroup", default=False):
+        for item in session.items:
+            end = f"@{_group(item)}"
+            if not item.nodeid.endswith(end):
+                item._id = item.id.parse(item.nodeid + end)
+
+
+def _group(item):
+    return "mpi" if _on_several_ranks(item) else item.nodeid.split("::")[0]
 
 
 def _on_several_ranks(item):
