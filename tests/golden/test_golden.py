@@ -133,6 +133,7 @@ def test_errors_against_exact_eigenvalues_are_as_frozen(name):
             assert_same_errors([found[quantity][k] for k in keys], list(keys.values()))
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize(
     "name",
     [
