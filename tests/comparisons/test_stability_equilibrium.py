@@ -93,6 +93,7 @@ def check(name, *, quick):
     assert answered or name == "unsupported"
 
 
+@pytest.mark.slow
 def test_every_case_under_load_is_listed():
     found = {name for name in catalogue() if any(loaded(name, quick=True))}
     assert found == set(UNDER_LOAD)
