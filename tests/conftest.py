@@ -22,7 +22,10 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_finish(session):
-    """Workers tell groups by the ends of names, which pytest-xdist 3.8 cannot write from 9.2 on."""
+    """The end of a name tells pytest-xdist the group of a test.
+
+    It writes that end itself, but its release 3.8 fails to on pytest 9.2 and later.
+    """
     if session.config.getoption("loadgroup", default=False):
         for item in session.items:
             end = f"@{_group(item)}"
