@@ -1,7 +1,8 @@
 """What is probably not meant: numbers of other units, motions too large, bodies inside each other.
 
-Warnings, never refusals. Numbers are doubted as those of SI units. A scene whose every E and rho is
-near one has no units: its run says so once, among what it left out, and its numbers are left alone.
+Warnings, never refusals. Numbers are doubted as those of SI units. A scene with units = "other", or
+whose every E and rho is near one as in scenes without units, is left alone: its run says so once,
+among what it left out.
 """
 
 from collections.abc import Iterator, Mapping
@@ -35,6 +36,7 @@ _STRAIN = 0.1
 Green-Lagrange strain e + e^2 / 2 (Wriggers, Nonlinear Finite Element Methods, 2008), are 5 %."""
 _NEAR_ONE = (1e-3, 1e2)
 """Range of E and rho in scenes without units."""
+_ASKED = "are all numbers in SI units (m, kg, s)? A scene in others says units = 'other'"
 _FLAT = 1e-12
 """Volume of a simplex, relative to a cube about it, below which it is one of a collapsed cell."""
 _SIMPLICES = {
@@ -46,12 +48,15 @@ _SIMPLICES = {
 """Corners of the simplices of a cell by dimension and number of its points, in VTK order."""
 
 
-def without_units(scene: SceneSpec) -> bool:
-    """Whether the numbers of a scene have no units: every E and rho is near one."""
+def left_alone(scene: SceneSpec) -> str:
+    """Why the numbers of a scene are none in SI units; "" where they are taken to be."""
+    if scene.units == "other":
+        return "units = 'other'"
     low, high = _NEAR_ONE
     materials = [body.material for body in scene.bodies.values()]
     numbers = [n for each in materials for n in (each.E, each.rho) if n is not None]
-    return all(low <= n <= high for n in numbers)
+    near_one = all(low <= n <= high for n in numbers)
+    return "every E and rho is near one, as in scenes without units" if near_one else ""
 
 
 def doubtful_numbers(scene: SceneSpec) -> Iterator[ResultWarning]:
@@ -60,24 +65,22 @@ def doubtful_numbers(scene: SceneSpec) -> Iterator[ResultWarning]:
     Parameters
     ----------
     scene
-        The scene; one without units is left alone.
+        The scene; one of other units, or without, is left alone.
     """
-    if without_units(scene):
+    if left_alone(scene):
         return
     for name, body in scene.bodies.items():
         for field, value, bound in _doubtful_material(body.material.E, body.material.rho):
             yield ResultWarning(
                 "doubtful-units",
-                f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; are these "
-                "numbers in SI units (m, kg, s)?",
+                f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}",
                 {"body": name, "field": field, "value": value},
             )
         length, (low, high) = max(box_lengths(body.geometry)), _LENGTHS
         if not low <= length <= high:
             yield ResultWarning(
                 "doubtful-size",
-                f"bodies.{name} is {length:.3g} m long, not {low:g} to {high:g} m; are these "
-                "numbers in SI units (m, kg, s)?",
+                f"bodies.{name} is {length:.3g} m long, not {low:g} to {high:g} m; {_ASKED}",
                 {"body": name, "length": length},
             )
 
@@ -102,14 +105,14 @@ def doubtful_motions(scene: SceneSpec, system: CoupledSystem, x: Any) -> list[Re
     Parameters
     ----------
     scene
-        The scene; one without units is left alone, for its loads are often of size one.
+        The scene; one of other units, or without, is left alone.
     system
         Its system; collective.
     x
         Unknowns in equilibrium, PETSc vector.
     """
     found: list[ResultWarning] = []
-    for name, body in system.bodies.items() if not without_units(scene) else ():
+    for name, body in system.bodies.items() if not left_alone(scene) else ():
         sample, full = body.volume_sample(1), system.displacement(x, name, everywhere=False)
         told = made_on_first(body.comm, partial(_motion, sample, full))
         motion, length, strain = body.comm.bcast(told)

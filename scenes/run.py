@@ -25,7 +25,7 @@ from scenes.build import (
     reusable_bodies,
     reusable_interfaces,
 )
-from scenes.doubts import doubtful_motions, doubtful_numbers, overlapping_bodies, without_units
+from scenes.doubts import doubtful_motions, doubtful_numbers, left_alone, overlapping_bodies
 from scenes.factor_storage import factor_storage
 from scenes.memory import check_memory
 from scenes.read import Scene
@@ -287,8 +287,8 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     """What a scene does not need, or gives without use, with the reason; none is computed."""
     rotations = [body.rotation for body in scene.bodies.values() if body.rotation is not None]
     skipped = unused_input(scene)
-    if without_units(scene):
-        skipped["doubts of units"] = "every E and rho is near one, as in scenes without units"
+    if reason := left_alone(scene):
+        skipped["doubts of units"] = reason
     if not scene.slides_steadily:
         skipped["newton"] = "contact stiffness is known, no steady sliding state is sought"
     if not scene.damped:

@@ -119,6 +119,14 @@ def test_scenes_without_units_say_so_once_and_are_left_alone(backend):
     assert result.warnings == ()
     assert "doubts of units" in result.skipped
     assert "doubts of units" not in pulled(backend, 0.01).skipped
+    millimetres = bar(backend, **TONNES, size=(200.0, 20.0), units="other")
+    result = run_scene(read_scene(millimetres))
+    assert result.warnings == ()
+    assert "doubts of units" in result.skipped
+    assert kinds(doubtful_numbers(result.scene.change("units", "SI"))) == [
+        "doubtful-units",
+        "doubtful-size",
+    ]
 
 
 @pytest.mark.parametrize(
