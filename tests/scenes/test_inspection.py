@@ -7,6 +7,7 @@ from stored_seconds import ratios
 from wrong_scenes import changed, coarse
 
 from scenes import inspection
+from scenes.doubts import doubtful_numbers
 from scenes.inspection import gaps, inspect_scene, largest_gap, told
 from scenes.memory import estimated_memory
 from scenes.read import load_scene, read_scene
@@ -15,7 +16,6 @@ from scenes.run_time import estimated_seconds
 from scenes.scene_files import scene_names
 from scenes.scene_picture import draw_scene
 from scenes.steps import needed_by
-from scenes.doubts import doubtful_numbers
 
 
 def scene_of(base, backend, *changes):
