@@ -75,8 +75,8 @@ def estimate_errors(
     """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
 
     One factorisation of the richer scene, and a block of solves for the right vectors and one for
-    the left ones; no eigenproblem (:mod:`cea.nested.estimate`). What the contact rule of the richer
-    scene does better is part of the error.
+    the left ones, two each with damping or rotation; no eigenproblem (:mod:`cea.nested.estimate`).
+    What the contact rule of the richer scene does better is part of the error.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def estimate_errors(
     richer
         A richer scene; by default the same with a degree more (:mod:`scenes.richer`).
     steps
-        Block inverse steps.
+        Block inverse steps; with damping or rotation there is one more.
     allowed
         What may remain of each eigenvalue (1/s), shape (n,): modes of which more does take a step
         more, where nothing damps or rotates.
