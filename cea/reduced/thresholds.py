@@ -25,7 +25,7 @@ from cea.reduced.following import Sample, UnresolvedError, Window, units_of
 
 RESOLUTION = 1e-7
 """Width of an interval, relative to the axis, below which it is not halved again."""
-_BUDGET = 60
+BUDGET = 60
 """Spectra for each given value, at most."""
 _ASIDE = 6e-4
 """Step, relative to that between given values, by which an undecided one is moved."""
@@ -98,7 +98,7 @@ def thresholds_along(
     values: Sequence[float],
     *,
     resolution: float = RESOLUTION,
-    budget: int = _BUDGET,
+    budget: int | None = None,
 ) -> Found:
     """All thresholds between the first and the last of some values.
 
@@ -111,9 +111,10 @@ def thresholds_along(
     resolution
         Width of an interval, relative to the axis, below which it is not halved again.
     budget
-        Spectra for each value, at most.
+        Spectra for each value, at most; None takes the usual number.
     """
-    return _Search(line, sorted(values), resolution, budget).run()
+    most = BUDGET if budget is None else budget
+    return _Search(line, sorted(values), resolution, most).run()
 
 
 class _Search:
