@@ -10,7 +10,7 @@ Growing modes are counted in both half planes, so that a pair that becomes two r
 changes nothing.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from heapq import heapify, heappop, heappush
 from itertools import pairwise
@@ -19,7 +19,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Complexes
 from cea.reduced.crossings import REAL, Threshold, crossings_of
 from cea.reduced.following import Sample, UnresolvedError, Window, units_of
 
@@ -30,6 +29,9 @@ BUDGET = 60
 _ASIDE = 6e-4
 """Step, relative to that between given values, by which an undecided one is moved."""
 _MOVES = 3
+"""Steps of that length, at most."""
+_CLOSER = 16.0
+"""Factor by which the place from which on modes surely grow comes nearer to an end."""
 _OFF_CENTRE = 0.0137
 """The same of values within an interval, relative to its width."""
 _NEAR_SAMPLE = 1e-3
@@ -191,11 +193,11 @@ class _Search:
         return bool(near[np.ix_(inside, inside)].any())
 
     def _decided_near(self, value: float, step: float) -> float:
-        """A value near another at which nothing is undecided; that itself where there is none."""
-        for move in range(_MOVES + 1):
+        """A value near another at which nothing is undecided, or the last that was tried."""
+        for move in range(_MOVES):
             if not self._undecided(value + move * step):
                 return value + move * step
-        return value
+        return value + _MOVES * step
 
     def _ends(self) -> list[float]:
         """The given values, those that are undecided moved a little inwards."""
@@ -211,24 +213,31 @@ class _Search:
 
     def _at_the_end(self, value: float, moved: float) -> None:
         """Modes that surely grow beside an end of the axis and do not at it begin to there."""
-        before, after = self._growing(value), self._growing(moved)
-        more = int(after.sum()) - int(before.sum())
-        if more > 0:
-            grown = self._at(moved).z[after]
-            least = self._window.roots(grown[np.argsort(self._window.growth(grown))[:more]])
-            sign = 1 if moved > value else -1
-            least = least[least.imag >= -REAL * self._window.end]
-            self._found.thresholds += [
+        before, after = self._number(value), self._number(moved)
+        error, window = moved - value, self._window
+        while abs(error) > self._least and self._number(value + error / _CLOSER) == after > before:
+            error /= _CLOSER
+        z = self._at(value + error).z[self._growing(value + error)]
+        z = z[np.argsort(window.growth(z))]
+        more = after - before
+        for each in z[z.imag >= 0 if window.damped else z.imag <= 0]:
+            if more <= 0:
+                return
+            root = complex(window.roots(each[None])[0])
+            real = abs(root.imag) <= REAL * window.end
+            slope = float(window.growth(each[None])[0]) if window.by_growth else -(each.imag**2)
+            change, kind = (1, "divergence") if real else (2, "flutter")
+            self._found.thresholds.append(
                 Threshold(
-                    value, abs(moved - value), complex(0.0, abs(each.imag)), 0.0, sign * n, kind
+                    value=value,
+                    error=abs(error),
+                    eigenvalue=complex(0.0, abs(root.imag)),
+                    slope=0.0 if real else float(slope / error),
+                    change=change if error > 0 else -change,
+                    kind=kind,
                 )
-                for each, n, kind in self._as_modes(least)
-            ]
-
-    def _as_modes(self, roots: Complexes) -> Iterator[tuple[complex, int, str]]:
-        for each in roots:
-            real = abs(each.imag) <= REAL * self._window.end
-            yield complex(each), 1 if real else 2, "divergence" if real else "flutter"
+            )
+            more -= change
 
     def _cuts(self, low: float, middle: float, high: float, at: float | None) -> list[float]:
         """Where an interval is cut: at its inner sample and at a place that was named."""

@@ -13,6 +13,7 @@ from comparisons.cli.sweep import IN_PART
 from comparisons.sweep.axes import read_axis
 from comparisons.sweep.map_study import AskedMap, run_map
 from comparisons.sweep.map_tables import headline, thresholds_table
+from comparisons.sweep.mapped import mapped
 
 DATA = Path(__file__).parent.parent / "data" / "thresholds"
 BLOCKS = """
@@ -158,3 +159,34 @@ def test_a_mode_that_grows_just_above_the_window_is_told(tmp_path, single):
     assert record["above"]["frequency"] == pytest.approx(3183.1, rel=1e-4)
     assert record["above"]["growth"] == pytest.approx(5.0, rel=1e-6)
     assert "above-window" in [each["kind"] for each in record["warnings"]]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", ["drum", "disc_pad"])
+def test_bodies_with_many_doublets_have_the_thresholds_of_full_solves(tmp_path, scene, backend):
+    """The number of growing modes at 201 values of mu is what thresholds foresee."""
+    bodies = ("outer", "inner") if scene == "drum" else ("pad", "disc")
+    overrides = (
+        "analysis.growth_threshold=0.0",
+        *(f"bodies.{name}.backend='{backend}'" for name in bodies),
+    )
+    asked = AskedMap(scene, (read_axis("mu=0:1:21"),), overrides, checks=1, confirm=0)
+    record, _, store = run_map(asked, tmp_path / "out")
+    store.discard()
+    full = mapped(scene, (read_axis("mu=0:1:201"),), overrides, None)
+    values, numbers = np.array(full.axes[0].values), []
+    for value in values:
+        modes = full.driver.solve(full.max_frequency, full.point((float(value),)))
+        grows = modes.growth_rates > modes.growth_uncertainties
+        numbers.append(int(np.where(modes.eigenvalues.imag[grows] > 1.0, 2, 1).sum()))
+    full.driver.free()
+    places = np.array([each["value"] for each in record["thresholds"]])
+    changes = np.array([each["change"] for each in record["thresholds"]])
+    foreseen = np.array([changes[(places >= 0) & (places < value)].sum() for value in values])
+    wrong = foreseen != np.array(numbers) - (numbers[0] if not (places == 0).any() else 0)
+    for value in places:
+        wrong &= np.abs(values - value) > 1e-6
+    for each in record["unresolved"]:
+        wrong &= (values < each["low"]) | (values > each["high"])
+    assert not wrong.any(), values[wrong]
+    assert len(record["unresolved"]) <= 0.01 * len(values)
