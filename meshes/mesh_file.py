@@ -12,10 +12,10 @@ from pydantic import BeforeValidator
 
 from cea.errors import InputError, require
 from cea.mesh import Mesh
-from meshes.mesh_files.body import body_mesh
-from meshes.mesh_files.content import FileContent
-from meshes.mesh_files.part import Part, part_of
-from meshes.mesh_files.surfaces import check_sets, marks_of
+from meshes.files.body import body_mesh
+from meshes.files.content import FileContent
+from meshes.files.part import Part, part_of
+from meshes.files.surfaces import check_sets, marks_of
 from meshes.placement import Placement
 from meshes.read_mesh_file import read_mesh_file
 

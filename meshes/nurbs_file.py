@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Literal
 
 from cea.errors import InputError, require
+from meshes.files.splines import FileSplines, Spline, json_splines, xml_splines
+from meshes.files.state import checked_state
 from meshes.mesh_file import Unit, check_unit, in_metres, is_fit
-from meshes.mesh_files.splines import FileSplines, Spline, json_splines, xml_splines
-from meshes.mesh_files.state import checked_state
 from meshes.patches import Face, GivenPatch, Patches
 
 _KEPT = 4

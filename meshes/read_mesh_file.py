@@ -6,10 +6,10 @@ from functools import lru_cache
 from pathlib import Path
 
 from cea.errors import InputError, require
-from meshes.mesh_files.content import FileContent
-from meshes.mesh_files.gmsh_content import gmsh_content
-from meshes.mesh_files.part import merged
-from meshes.mesh_files.state import checked_state
+from meshes.files.content import FileContent
+from meshes.files.gmsh_content import gmsh_content
+from meshes.files.part import merged
+from meshes.files.state import checked_state
 
 _KEPT = 4
 """Files whose content is kept, for the bodies of a scene."""
@@ -96,19 +96,19 @@ def _nastran(file: Path) -> FileContent:
 
 
 def _abaqus(file: Path) -> FileContent:
-    from meshes.mesh_files.abaqus.assembly import abaqus_content
+    from meshes.files.abaqus.assembly import abaqus_content
 
     return abaqus_content(file)
 
 
 def _ansys(file: Path) -> FileContent:
-    from meshes.mesh_files.ansys_content import ansys_content
+    from meshes.files.ansys_content import ansys_content
 
     return ansys_content(file)
 
 
 def _meshio(file: Path) -> FileContent:
-    from meshes.mesh_files.meshio_content import meshio_content
+    from meshes.files.meshio_content import meshio_content
 
     return meshio_content(file)
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from cea.errors import InputError, require
-from meshes.mesh_files.abaqus.deck import Floats, Ints, Keyword
-from meshes.mesh_files.content import ElementBlock, Role, rows_of
-from meshes.mesh_files.kinds import KINDS, block
+from meshes.files.abaqus.deck import Floats, Ints, Keyword
+from meshes.files.content import ElementBlock, Role, rows_of
+from meshes.files.kinds import KINDS, block
 
 _SOLID = re.compile(r"C3D(4|8|10|20)[A-Z]*")
 _PLANE = re.compile(r"(CPE|CPS|SFM3D)(3|4|6|8)[A-Z]*")

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from cea.errors import InputError, require
-from meshes.mesh_files.apart import arrays_of
-from meshes.mesh_files.content import ElementBlock, FileContent, Ints, Role, known_rows, rows_of
-from meshes.mesh_files.kinds import KINDS, block
+from meshes.files.apart import arrays_of
+from meshes.files.content import ElementBlock, FileContent, Ints, Role, known_rows, rows_of
+from meshes.files.kinds import KINDS, block
 
 _HEAD = 10
 """Numbers of an element before its nodes: material, type, ..., its number."""

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from cea.errors import InputError, require
-from meshes.mesh_files.content import ElementBlock, FileContent, Ints
-from meshes.mesh_files.kinds import block
+from meshes.files.content import ElementBlock, FileContent, Ints
+from meshes.files.kinds import block
 
 _KINDS = {
     "triangle": "triangle3",

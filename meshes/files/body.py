@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 
 from cea.mesh import Mesh
-from meshes.mesh_files.content import FileContent
-from meshes.mesh_files.jacobians import check_elements
-from meshes.mesh_files.part import Part, check_nodes
-from meshes.mesh_files.serendipity import completed
-from meshes.mesh_files.surfaces import surface_facets
+from meshes.files.content import FileContent
+from meshes.files.jacobians import check_elements
+from meshes.files.part import Part, check_nodes
+from meshes.files.serendipity import completed
+from meshes.files.surfaces import surface_facets
 
 
 def body_mesh(
@@ -22,7 +22,7 @@ def body_mesh(
     own
         Its elements that make the body.
     faces
-        Sets of each named surface (:func:`meshes.mesh_files.surfaces.surface_facets`).
+        Sets of each named surface (:func:`meshes.files.surfaces.surface_facets`).
     name
         Set that they are, for messages.
 

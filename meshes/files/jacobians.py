@@ -6,7 +6,7 @@ import numpy as np
 
 from cea.errors import InputError
 from cea.mesh import DIMENSION, SIMPLICES, Cell, reference_nodes
-from meshes.mesh_files.content import Floats, Ints
+from meshes.files.content import Floats, Ints
 
 _INWARD = 0.775
 """Where Jacobians are looked at: so far from the middle towards each node, as Gauss points lie."""

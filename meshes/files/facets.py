@@ -5,10 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.mesh import Cell, facet_nodes, reference_nodes
-from meshes.mesh_files.content import Ints
-from meshes.mesh_files.kinds import FACES, KINDS
-
-_MARKS = 2**63
+from meshes.files.content import Ints, node_marks
+from meshes.files.kinds import FACES, KINDS
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +47,7 @@ class Facets:
 
 def facets_of(cell: Cell, corners: Ints, n_points: int) -> Facets:
     """Facets of cells given by their corners, (n_cells, n_corners), in C order."""
-    # Sums of random numbers tell apart facets without sorting the corners of each.
-    marks = np.random.default_rng(0).integers(_MARKS, size=n_points, dtype=np.uint64)
+    marks = node_marks(n_points)
     sides = [marks[corners[:, side]].sum(axis=1, dtype=np.uint64) for side in facet_nodes(cell, 1)]
     keys, group, times = np.unique(np.stack(sides, axis=1), return_inverse=True, return_counts=True)
     return Facets(cell, group.reshape(len(corners), -1).astype(np.int64), times, keys, marks)

@@ -8,8 +8,9 @@ import numpy as np
 
 from cea.errors import require
 from cea.mesh import Cell
-from meshes.mesh_files.apart import arrays_of
-from meshes.mesh_files.content import ElementBlock, FileContent, Ints, Role, in_order, rows_of
+from meshes.files.apart import arrays_of
+from meshes.files.content import ElementBlock, FileContent, Ints, Role, rows_of
+from meshes.files.kinds import in_order
 
 _CELLS: dict[str, Cell] = {
     "Triangle": "triangle",

@@ -14,8 +14,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Role = Literal["solid", "mark", "structural"]
 
-_SAME = 1e-6
-"""Reference nodes nearer than this are one."""
+
+DIVIDED = {"wedge": 6, "pyramid": 5}
+"""Corners of cells that a mesh has as tetrahedra alone (:mod:`meshes.files.tetrahedra`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,7 @@ class ElementBlock:
     kind
         What the file calls them, e.g. C3D20R.
     cell
-        Their cell; ``line``, or another word for what no body here can be made of.
+        Their cell, ``wedge``, ``pyramid`` or ``line``; another word for what makes no body.
     order
         Order of their geometry.
     numbers
@@ -35,7 +36,8 @@ class ElementBlock:
     nodes
         Rows of their nodes among the points, (n, n_nodes): in the order of a
         :class:`cea.mesh.Mesh`, -1 where the element has none of its nodes, as in the middle of
-        faces of 20-node hexahedra. Of lines and other elements, as the file has them.
+        faces of 20-node hexahedra. Of wedges and pyramids, corners and middles of edges and faces
+        as VTK lists them; of lines and other elements, as the file has them.
     role
         ``solid``: what bodies are made of, and where solids of more dimensions are there, marks of
         their faces; ``mark``: of faces alone; ``structural``: shells, beams, springs and the like.
@@ -54,17 +56,14 @@ class ElementBlock:
     @property
     def dim(self) -> int:
         """Dimension of its cells; 0 of what is none."""
-        return (
-            1
-            if self.cell == "line"
-            else next((dim for cell, dim in DIMENSION.items() if cell == self.cell), 0)
-        )
+        dims: dict[str, int] = {"line": 1, **DIMENSION, **dict.fromkeys(DIVIDED, 3)}
+        return dims.get(self.cell, 0)
 
     @property
     def corners(self) -> Ints:
         """Corners of each element, (n, n_corners)."""
         if self.cell not in DIMENSION:
-            return self.nodes[:, :2]  # lines begin with their ends in all formats
+            return self.nodes[:, : DIVIDED.get(self.cell, 2)]  # lines begin with their ends
         return self.nodes[:, corner_places(self.cell, self.order)]
 
 
@@ -131,35 +130,9 @@ def corner_places(cell: Cell | str, order: int) -> Ints:
     return np.flatnonzero(at_corner)
 
 
-def in_order(cell: Cell, order: int, nodes: Ints, reference: Floats) -> Ints:
-    """Nodes of elements in the order of :class:`cea.mesh.Mesh`, -1 where they have none.
-
-    Parameters
-    ----------
-    cell, order
-        Kind of the elements.
-    nodes
-        Their nodes as another program lists them, (n, m).
-    reference
-        Nodes of the reference cell, from 0 to 1, in the order of that program, (m, dim).
-
-    Raises
-    ------
-    InputError
-        When a node of the reference cell is none of a Lagrange cell.
-    """
-    wanted = lattice(DIMENSION[cell], order, cell in SIMPLICES) / order
-    apart = np.linalg.norm(wanted[:, None] - reference, axis=2)
-    found, nearest = apart.min(axis=1) < _SAME, apart.argmin(axis=1)
-    require(
-        len(np.unique(nearest[found])) == len(reference),
-        "file",
-        f"{cell} of {len(reference)} nodes",
-        f"nodes of a Lagrange cell of order {order}, or of one without some of them",
-    )
-    ordered = np.full((len(nodes), len(wanted)), -1, dtype=np.int64)
-    ordered[:, found] = nodes[:, nearest[found]]
-    return ordered
+def node_marks(n_points: int) -> NDArray[np.uint64]:
+    """A random number for each node: sums tell apart facets without sorting their corners."""
+    return np.random.default_rng(0).integers(2**63, size=n_points, dtype=np.uint64)
 
 
 def rows_of(numbers: Ints, wanted: Ints, what: str) -> Ints:

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from cea.errors import InputError
 from cea.mesh import facet_nodes
-from meshes.mesh_files.content import FileContent, Ints, shown
-from meshes.mesh_files.facets import Facets, facet_numbers, facets_of
-from meshes.mesh_files.part import Part
+from meshes.files.content import FileContent, Ints, shown
+from meshes.files.facets import Facets, facet_numbers, facets_of
+from meshes.files.part import Part
 
 Bools = NDArray[np.bool_]
 _KINDS = ("faces", "elements", "nodes")

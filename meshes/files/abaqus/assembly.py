@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 
 from cea.errors import InputError, require
 from cea.mesh import DIMENSION
-from meshes.mesh_files.abaqus.deck import Floats, Ints, keywords_of
-from meshes.mesh_files.abaqus.scope import Members, Scope
-from meshes.mesh_files.content import ElementBlock, FileContent, known_rows
-from meshes.mesh_files.facets import facet_numbers
+from meshes.files.abaqus.deck import Floats, Ints, keywords_of
+from meshes.files.abaqus.scope import Members, Scope
+from meshes.files.content import ElementBlock, FileContent, known_rows
+from meshes.files.facets import facet_numbers
 
 _DEEPEST = 20
 """Sets that are members of one another."""

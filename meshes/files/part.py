@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from cea.errors import InputError, require
 from cea.mesh import DIMENSION, Cell
-from meshes.mesh_files.content import FileContent, Floats, Ints, corner_places, shown
+from meshes.files.content import FileContent, Floats, Ints, corner_places, shown
 
 _SAME = 1e-6
 """Distance below which nodes are one, relative to the shortest edge."""

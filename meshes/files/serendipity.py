@@ -9,9 +9,9 @@ import numpy as np
 
 from cea.errors import InputError
 from cea.mesh import SIMPLICES, facet_nodes, lattice
-from meshes.mesh_files.content import Floats, Ints
-from meshes.mesh_files.facets import facets_of
-from meshes.mesh_files.part import Part
+from meshes.files.content import Floats, Ints
+from meshes.files.facets import facets_of
+from meshes.files.part import Part
 
 _FACE = {"corner": -0.25, "edge": 0.5}
 _CELL = {"corner": -0.25, "edge": 0.25}
