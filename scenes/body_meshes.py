@@ -38,8 +38,20 @@ def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
         raise InputError(field, error.value, error.allowed) from None
 
 
-def filled_in(scene: SceneSpec) -> Iterable[str]:
-    """Bodies to whose elements the middles of faces and cells are added."""
-    for name, body in scene.bodies.items():
-        if isinstance(body.geometry, MeshFile) and body.geometry.fills_in:
-            yield name
+def changed_elements(scene: SceneSpec) -> dict[str, str]:
+    """What becomes of elements of mesh files that meshes here do not have, with the bodies."""
+    files = {n: b.geometry for n, b in scene.bodies.items() if isinstance(b.geometry, MeshFile)}
+    divided = [name for name, file in files.items() if file.is_divided]
+    filled = [name for name, file in files.items() if file.fills_in and name not in divided]
+    told = {}
+    if filled:
+        told["serendipity"] = (
+            f"elements of {', '.join(filled)} get the middles of faces and cells: the same "
+            "geometry, displacements of the Lagrange space"
+        )
+    if divided:
+        told["mixed elements"] = (
+            f"elements of {', '.join(divided)}, of several kinds, are divided into tetrahedra: "
+            "nodes are kept, those on diagonals are put by the elements' own shape functions"
+        )
+    return told

@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 
-from cea.mesh import Mesh
+import numpy as np
+
+from cea.mesh import Mesh, facet_nodes
 from meshes.files.content import FileContent
 from meshes.files.jacobians import check_elements
+from meshes.files.kinds import facet_sides
 from meshes.files.part import Part, check_nodes
-from meshes.files.serendipity import completed
-from meshes.files.surfaces import surface_facets
+from meshes.files.surfaces import surface_faces
+from meshes.files.tetrahedra import completed, tetrahedra
 
 
 def body_mesh(
@@ -22,7 +25,7 @@ def body_mesh(
     own
         Its elements that make the body.
     faces
-        Sets of each named surface (:func:`meshes.files.surfaces.surface_facets`).
+        Sets of each named surface (:func:`meshes.files.surfaces.surface_faces`).
     name
         Set that they are, for messages.
 
@@ -32,7 +35,19 @@ def body_mesh(
         Naming file, part, merge_nodes or faces.
     """
     check_nodes(content, own, name)
-    points, cells = completed(content.points[:, : own.dim], own)
-    check_elements(own.cell, own.order, points, cells, own.numbers)
-    surfaces = surface_facets(content, own, cells, faces)
+    points = content.points[:, : own.dim]
+    if own.is_divided:
+        points, cells, elements, sides = tetrahedra(points, own.blocks)
+    else:
+        points, (cells,) = completed(points, own.blocks)
+        elements = np.arange(len(cells))
+        sides = np.tile(facet_sides(own.cell, own.order), (len(cells), 1))
+    check_elements(own.cell, own.order, points, cells, own.numbers[elements])
+    facets = facet_nodes(own.cell, own.order)
+    surfaces = {}
+    for surface, (on, _) in surface_faces(content, own, faces).items():
+        chosen = on[elements[:, None], sides] & (sides >= 0)
+        surfaces[surface] = np.concatenate(
+            [cells[chosen[:, i]][:, facet] for i, facet in enumerate(facets)]
+        )
     return Mesh(own.cell, own.order, points, cells, surfaces).without_loose_points()

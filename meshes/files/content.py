@@ -84,8 +84,8 @@ class FileContent:
     node_sets
         Nodes of each set, as rows of the points.
     face_sets
-        Faces of each set: elements, and which of their facets as :func:`cea.mesh.facet_nodes`
-        counts them, or -1 for all that are free, (n, 2).
+        Faces of each set: elements, and which of their faces, 0 for S1 as
+        :data:`meshes.files.kinds.FACES` counts them, or -1 for all that are free, (n, 2).
     """
 
     points: Floats

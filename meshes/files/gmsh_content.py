@@ -7,15 +7,16 @@ from pathlib import Path
 import numpy as np
 
 from cea.errors import require
-from cea.mesh import Cell
 from meshes.files.apart import arrays_of
-from meshes.files.content import ElementBlock, FileContent, Ints, Role, rows_of
+from meshes.files.content import DIVIDED, ElementBlock, FileContent, Ints, Role, rows_of
 from meshes.files.kinds import in_order
 
-_CELLS: dict[str, Cell] = {
+_CELLS = {
     "Triangle": "triangle",
     "Quadrilateral": "quadrilateral",
     "Tetrahedron": "tetrahedron",
+    "Pyramid": "pyramid",
+    "Prism": "wedge",
     "Hexahedron": "hexahedron",
 }
 """Cells by the first word of gmsh's names."""
@@ -23,7 +24,8 @@ _WORDS = {1: "curve", 2: "surface", 3: "volume"}
 """What groups without a name are called, before their number."""
 _PROPERTIES = {1: "PBAR", 2: "PSHELL", 3: "PSOLID"}
 """What Nastran calls properties, before their number."""
-_BOXES = ("quadrilateral", "hexahedron")
+_FROM = {"quadrilateral": [-1, -1], "hexahedron": [-1] * 3, "pyramid": [-1, -1, 0], "wedge": [0, 0, -1]}
+"""Where gmsh's reference cells begin that are not those from 0 to 1; all end at 1."""
 
 Places = Mapping[tuple[int, int], Sequence[Ints]]
 """Elements of each entity, given by its dimension and number."""
@@ -71,11 +73,11 @@ def _block(
 ) -> ElementBlock:
     """Elements of one kind in one entity."""
     cell = _CELLS.get(name.split()[0])
-    if cell is None:
+    if cell is None or (cell in DIVIDED and order > 2):
         return ElementBlock(name, "line" if dim == 1 else name, order, ids, rows, role)
     reference = np.reshape(local, (rows.shape[1], -1))[:, :dim]
-    if cell in _BOXES:
-        reference = (reference + 1) / 2  # gmsh's reference boxes reach from -1 to 1
+    low = np.array(_FROM.get(cell, [0] * dim))
+    reference = (reference - low) / (1 - low)
     return ElementBlock(name, cell, order, ids, in_order(cell, order, rows, reference), role)
 
 

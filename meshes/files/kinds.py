@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cea.errors import require
-from cea.mesh import DIMENSION, SIMPLICES, lattice
+from cea.mesh import DIMENSION, SIMPLICES, Cell, facet_nodes, lattice
 from meshes.files.content import ElementBlock, Floats, Ints, Role
 
 _SAME = 1e-6
@@ -126,6 +126,24 @@ def full_order(cell: str, order: int) -> Ints:
     """Place of each node of :func:`full_kind` among those of :class:`ElementBlock`, (n,)."""
     apart = full_kind(cell, order).reference[:, None] - wanted_nodes(cell, order)
     return np.linalg.norm(apart, axis=2).argmin(axis=1)
+
+
+@cache
+def side_nodes(cell: str, order: int) -> tuple[Ints, ...]:
+    """Nodes on each face S1, S2, ... among those of :class:`ElementBlock`."""
+    nodes, found = wanted_nodes(cell, order), []
+    for face in FACES[cell]:
+        at = np.array(_CORNERS[cell], dtype=float)[list(face)]
+        normal = np.linalg.svd(at[1:] - at[0])[2][-1]
+        found.append(np.flatnonzero(np.abs((nodes - at[0]) @ normal) < _SAME))
+    return tuple(found)
+
+
+@cache
+def facet_sides(cell: Cell, order: int) -> Ints:
+    """Face, 0 for S1, that each facet is as :func:`cea.mesh.facet_nodes` counts them."""
+    sides = [set(side.tolist()) for side in side_nodes(cell, order)]
+    return np.array([sides.index({*f.tolist()}) for f in facet_nodes(cell, order)], dtype=np.int64)
 
 
 def in_order(cell: str, order: int, nodes: Ints, reference: Floats) -> Ints:

@@ -8,11 +8,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cea.errors import InputError, require
-from cea.mesh import DIMENSION
 from meshes.files.abaqus.deck import Floats, Ints, keywords_of
 from meshes.files.abaqus.scope import Members, Scope
 from meshes.files.content import ElementBlock, FileContent, known_rows
-from meshes.files.facets import facet_numbers
+from meshes.files.kinds import FACES
 
 _DEEPEST = 20
 """Sets that are members of one another."""
@@ -241,12 +240,12 @@ class _Resolver:
         """Faces of one number of elements of every kind."""
         for block, start in zip(self.content.blocks, self.content.starts, strict=False):
             own = elements[(elements >= start) & (elements < start + len(block))]
-            if len(own) and block.cell in DIMENSION:
-                numbers = facet_numbers(block.cell)
-                allowed = f"faces S1 to S{len(numbers)} of {block.kind}"
-                if not 1 <= number <= len(numbers):
+            if len(own) and block.cell in FACES:
+                count = len(FACES[block.cell])
+                allowed = f"faces S1 to S{count} of {block.kind}"
+                if not 1 <= number <= count:
                     raise InputError("file", f"S{number}", allowed)
-                yield np.stack([own, np.full(len(own), numbers[number - 1])], axis=1)
+                yield np.stack([own, np.full(len(own), number - 1)], axis=1)
 
 
 def _joined(parts: list[Ints]) -> Ints:

@@ -11,12 +11,14 @@ from meshes.files.abaqus.deck import Floats, Ints, Keyword
 from meshes.files.content import ElementBlock, Role, rows_of
 from meshes.files.kinds import KINDS, block
 
-_SOLID = re.compile(r"C3D(4|8|10|20)[A-Z]*")
+_SOLID = re.compile(r"C3D(4|5|6|8|10|13|15|20)(?!V)[A-Z]*")
 _PLANE = re.compile(r"(CPE|CPS|SFM3D)(3|4|6|8)[A-Z]*")
 _SHELL = re.compile(r"(S|STRI|DS|M3D|R3D)(3|4|6|8)[A-Z0-9]*")
-_NODES_OF_SOLID = {4: "tetrahedron", 10: "tetrahedron", 8: "hexahedron", 20: "hexahedron"}
+_NODES_OF_SOLID = {4: "tetrahedron", 5: "pyramid", 6: "wedge", 8: "hexahedron"}
+_NODES_OF_SOLID |= {10: "tetrahedron", 13: "pyramid", 15: "wedge", 20: "hexahedron"}
 _NODES_OF_PLANE = {3: "triangle", 6: "triangle", 4: "quadrilateral", 8: "quadrilateral"}
-_WEDGES = ("C3D5", "C3D6", "C3D15", "C3D27")
+_OTHER_SOLIDS = ("C3D15V", "C3D27")
+"""Wedges and hexahedra that may have nodes in the middles of some faces, not of others."""
 _GENERATED = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
 """Keywords that make or move nodes and elements, which are not read."""
 
@@ -127,8 +129,7 @@ class Scope:
         else:
             there = np.zeros(1, dtype=np.int64)  # one stands for them all
             none = np.empty((1, 0), dtype=np.int64)
-            cell = "other" if role == "structural" else "wedge"
-            self.elements.append(ElementBlock(kind, cell, 1, there, none, role))
+            self.elements.append(ElementBlock(kind, "other", 1, there, none, role))
         if name := keyword.parameters.get("ELSET"):
             numbers = self.elements[-1].numbers
             self.element_sets.setdefault(name, []).append(Members("", numbers, ()))
@@ -159,7 +160,7 @@ def _known(kind: str) -> tuple[str, Role, str]:
             role: Role = "mark" if plane is _PLANE else "structural"
             role = "solid" if match[1] == "CPE" else role
             return kind, role, f"{_NODES_OF_PLANE[nodes]}{nodes}"
-    return kind, "solid" if kind.startswith(_WEDGES) else "structural", ""
+    return kind, "solid" if kind.startswith(_OTHER_SOLIDS) else "structural", ""
 
 
 def _generated(keyword: Keyword) -> Ints:
