@@ -107,10 +107,16 @@ def _ansys(file: Path) -> FileContent:
     return ansys_content(file)
 
 
-def _meshio(file: Path) -> FileContent:
-    from meshes.files.meshio_content import meshio_content
+def _vtu(file: Path) -> FileContent:
+    from meshes.files.vtk import vtu_content
 
-    return meshio_content(file)
+    return vtu_content(file)
+
+
+def _xdmf(file: Path) -> FileContent:
+    from meshes.files.vtk import xdmf_content
+
+    return xdmf_content(file)
 
 
 _READERS: dict[str, Callable[[Path], FileContent]] = {
@@ -119,7 +125,7 @@ _READERS: dict[str, Callable[[Path], FileContent]] = {
     ".cdb": _ansys,
     ".bdf": _nastran,
     ".nas": _nastran,
-    ".xdmf": _meshio,
-    ".vtu": _meshio,
+    ".xdmf": _xdmf,
+    ".vtu": _vtu,
 }
 """Readers by the ending of a file."""

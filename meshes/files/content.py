@@ -130,6 +130,31 @@ def corner_places(cell: Cell | str, order: int) -> Ints:
     return np.flatnonzero(at_corner)
 
 
+def without_copies(content: FileContent) -> FileContent:
+    """The content with elements that are there again, for another set, made one with the first."""
+    marks = np.append(node_marks(len(content.points)), np.uint64(0))
+    cells = {cell: i for i, cell in enumerate(sorted({block.cell for block in content.blocks}))}
+    keys = np.concatenate(
+        [np.empty(0, dtype=np.uint64)]
+        + [
+            marks[b.nodes].sum(axis=1, dtype=np.uint64) + np.uint64(cells[b.cell])
+            for b in content.blocks
+        ]
+    )
+    _, first, same = np.unique(keys, return_index=True, return_inverse=True)
+    if len(first) == len(keys):
+        return content
+    kept = np.zeros(len(keys), dtype=bool)
+    kept[first] = True
+    number = (np.cumsum(kept) - 1)[first][same]
+    blocks = [
+        replace(block, numbers=block.numbers[own], nodes=block.nodes[own])
+        for block, own in zip(content.blocks, np.split(kept, content.starts[1:-1]), strict=True)
+    ]
+    sets = {name: np.unique(number[members]) for name, members in content.element_sets.items()}
+    return replace(content, blocks=blocks, element_sets=sets)
+
+
 def node_marks(n_points: int) -> NDArray[np.uint64]:
     """A random number for each node: sums tell apart facets without sorting their corners."""
     return np.random.default_rng(0).integers(2**63, size=n_points, dtype=np.uint64)

@@ -8,7 +8,15 @@ import numpy as np
 
 from cea.errors import require
 from meshes.files.apart import arrays_of
-from meshes.files.content import DIVIDED, ElementBlock, FileContent, Ints, Role, rows_of
+from meshes.files.content import (
+    DIVIDED,
+    ElementBlock,
+    FileContent,
+    Ints,
+    Role,
+    rows_of,
+    without_copies,
+)
 from meshes.files.kinds import in_order
 
 _CELLS = {
@@ -24,7 +32,12 @@ _WORDS = {1: "curve", 2: "surface", 3: "volume"}
 """What groups without a name are called, before their number."""
 _PROPERTIES = {1: "PBAR", 2: "PSHELL", 3: "PSOLID"}
 """What Nastran calls properties, before their number."""
-_FROM = {"quadrilateral": [-1, -1], "hexahedron": [-1] * 3, "pyramid": [-1, -1, 0], "wedge": [0, 0, -1]}
+_FROM = {
+    "quadrilateral": [-1, -1],
+    "hexahedron": [-1] * 3,
+    "pyramid": [-1, -1, 0],
+    "wedge": [0, 0, -1],
+}
 """Where gmsh's reference cells begin that are not those from 0 to 1; all end at 1."""
 
 Places = Mapping[tuple[int, int], Sequence[Ints]]
@@ -65,7 +78,7 @@ def gmsh_content(file: Path, *, shells_bear: bool = False) -> FileContent:
             places.setdefault((dim, entity), []).append(np.arange(count, count + len(ids)))
             count += len(ids)
     sets = _properties(places) if shells_bear else _groups(what["groups"], places)
-    return FileContent(points, numbers, blocks, sets)
+    return without_copies(FileContent(points, numbers, blocks, sets))
 
 
 def _block(

@@ -5,7 +5,12 @@ import numpy as np
 from meshes.files.kinds import full_order
 
 ABAQUS = {"hexahedron8": "C3D8I", "wedge6": "C3D6", "pyramid5": "C3D5", "tetrahedron4": "C3D4"}
-ABAQUS |= {"hexahedron20": "C3D20R", "wedge15": "C3D15", "pyramid13": "C3D13", "tetrahedron10": "C3D10"}
+ABAQUS |= {
+    "hexahedron20": "C3D20R",
+    "wedge15": "C3D15",
+    "pyramid13": "C3D13",
+    "tetrahedron10": "C3D10",
+}
 BRICKS = {
     "hexahedron8": range(8),
     "wedge6": [0, 1, 2, 2, 3, 4, 5, 5],
@@ -28,7 +33,10 @@ def listed(block):
 
 def abaqus_deck(file, points, blocks, low):
     """A deck with an element set of each cell, and a set of nodes."""
-    lines = ["*NODE", *(f"{i}, {x!r}, {y!r}, {z!r}" for i, (x, y, z) in enumerate(points.tolist(), 1))]
+    lines = [
+        "*NODE",
+        *(f"{i}, {x!r}, {y!r}, {z!r}" for i, (x, y, z) in enumerate(points.tolist(), 1)),
+    ]
     count = 0
     for block in blocks:
         kind, nodes = listed(block)
@@ -47,11 +55,18 @@ def ansys_archive(file, points, blocks, low):
     kinds = {f"{each.cell}": listed(each) for each in blocks}
     size = 8 if len(BRICKS[kinds["wedge"][0]]) == 8 else 20
     n = len(points)
-    lines = ["/PREP7", f"ET, 1, {185 if size == 8 else 186}", f"NBLOCK,6,SOLID,{n},{n}", "(3i9,6e21.13e3)"]
+    lines = [
+        "/PREP7",
+        f"ET, 1, {185 if size == 8 else 186}",
+        f"NBLOCK,6,SOLID,{n},{n}",
+        "(3i9,6e21.13e3)",
+    ]
     for i, x in enumerate(points.tolist(), 1):
         lines.append(f"{i:9d}{0:9d}{0:9d}" + "".join(_fortran(value) for value in x))
     lines.append("N,R5.3,LOC,       -1,")
-    rows = [np.array(row)[list(BRICKS[kind])] + 1 for kind, nodes in kinds.values() for row in nodes]
+    rows = [
+        np.array(row)[list(BRICKS[kind])] + 1 for kind, nodes in kinds.values() for row in nodes
+    ]
     lines += [f"EBLOCK,19,SOLID,{len(rows)},{len(rows)}", "(19i9)"]
     for i, row in enumerate(rows, 1):
         numbers = [1, 1, 1, 1, 0, 0, 0, 0, size, 0, i, *row.tolist()]
@@ -67,14 +82,16 @@ def _fortran(value):
 
 
 def vtu_file(file, points, blocks, low):
-    """A file of VTK, by meshio."""
-    import meshio
+    """A file of VTK, as its own library writes it."""
+    import pyvista
 
-    names = {"hexahedron8": "hexahedron", "wedge6": "wedge", "pyramid5": "pyramid"}
-    names |= {"tetrahedron4": "tetra", "tetrahedron10": "tetra10"}
-    kinds = dict(map(listed, blocks))
-    marks = np.zeros(len(points), dtype=int)
-    marks[low] = 1
-    marks[0] = 1 if 0 in low else 2
-    cells = [(names.get(kind, kind), nodes) for kind, nodes in kinds.items()]
-    meshio.write(file, meshio.Mesh(points, cells, {"LOW": marks}))
+    types = {
+        "hexahedron": (12, 25),
+        "wedge": (13, 26),
+        "pyramid": (14, 27),
+        "tetrahedron": (10, 24),
+    }
+    cells = {types[b.cell][b.order - 1]: listed(b)[1] for b in blocks}
+    grid = pyvista.UnstructuredGrid(cells, points)
+    grid.point_data["LOW"] = np.isin(np.arange(len(points)), low).astype(int)
+    grid.save(file)
