@@ -1,6 +1,6 @@
 """A body whose mesh is part of a mesh file."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +15,7 @@ from cea.mesh import Mesh
 from meshes.files.body import body_mesh
 from meshes.files.content import FileContent
 from meshes.files.part import Part, part_of
-from meshes.files.surfaces import check_sets, marks_of
+from meshes.files.surfaces import check_sets, marks_of, surface_faces
 from meshes.placement import Placement
 from meshes.read_mesh_file import read_mesh_file
 
@@ -181,6 +181,16 @@ class MeshFile:
     def fills_in(self) -> bool:
         """Whether nodes are added to 8-node quadrilaterals or 20-node hexahedra."""
         return self._part.incomplete
+
+    @property
+    def told(self) -> Sequence[str]:
+        """What the file has that was left out."""
+        return self.content.told
+
+    def nodes_left_out(self, surfaces: Iterable[str]) -> dict[str, int]:
+        """Nodes of the body that sets of surfaces have, and that make no face of them; none of 0."""
+        faces = surface_faces(self.content, self._part, {n: self._sets(n) for n in surfaces})
+        return {name: count for name, (_, count) in faces.items() if count}
 
     @property
     def _unit(self) -> Unit:

@@ -96,7 +96,7 @@ def _nastran(file: Path) -> FileContent:
 
 
 def _abaqus(file: Path) -> FileContent:
-    from meshes.files.abaqus.assembly import abaqus_content
+    from meshes.files.abaqus import abaqus_content
 
     return abaqus_content(file)
 

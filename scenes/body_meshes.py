@@ -1,9 +1,10 @@
 """Meshes of Lagrange bodies, of shapes or from files, with the surfaces that a scene uses."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from cea.errors import InputError
 from cea.mesh import Mesh
+from cea.warned import ResultWarning
 from meshes.mesh_file import MeshFile
 from scenes.lagrange_mesh import lagrange_mesh
 from scenes.spec.body import BodySpec
@@ -54,4 +55,20 @@ def changed_elements(scene: SceneSpec) -> dict[str, str]:
             f"elements of {', '.join(divided)}, of several kinds, are divided into tetrahedra: "
             "nodes are kept, those on diagonals are put by the elements' own shape functions"
         )
+    if left_out := [f"{name}: {each}" for name, file in files.items() for each in file.told]:
+        told["mesh files"] = f"not taken from the file of {'; '.join(left_out)}"
     return told
+
+
+def nodes_left_out(scene: SceneSpec) -> Iterator[ResultWarning]:
+    """Sets of nodes that hold more of a body than the faces that they are used for."""
+    for body, spec in scene.bodies.items():
+        if isinstance(spec.geometry, MeshFile):
+            counts = spec.geometry.nodes_left_out(used_surfaces(scene, body))
+            for surface, count in counts.items():
+                yield ResultWarning(
+                    "nodes-left-out",
+                    f"{count} nodes of the set of {body}.{surface} make no face with others of the "
+                    "set and are left out: supports, springs, loads and contacts act on faces",
+                    {"body": body, "surface": surface, "nodes": count},
+                )

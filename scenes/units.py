@@ -5,6 +5,7 @@ near to none that solids have in SI units, in a scene that is not nondimensional
 """
 
 from collections.abc import Iterator
+from math import sqrt
 
 from cea.warned import ResultWarning
 from scenes.spec.body import BodySpec
@@ -14,6 +15,8 @@ _SOFTEST = 1e3
 """E (N/m^2) below which a solid is softer than any that brakes, clutches or tyres are made of."""
 _HEAVIEST = 1e6
 """rho (kg/m^3) beyond that of any matter on earth, fifty times that of platinum."""
+_FASTEST = 3e4
+"""Speed of sound (m/s) beyond that of any solid, twice that of diamond."""
 _NEAR_ONE = (1e-3, 1e2)
 """Range of E and rho in scenes without units."""
 
@@ -41,6 +44,15 @@ def doubtful_units(scene: SceneSpec) -> Iterator[ResultWarning]:
                 f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; are these "
                 "numbers in SI units (m, kg, s)?",
                 {"body": name, "field": field, "value": value},
+            )
+        in_metres = getattr(body.geometry, "unit", "m") != "m"
+        speed = sqrt(E / rho) if rho else 0.0
+        if in_metres and speed > _FASTEST and not found:
+            yield ResultWarning(
+                "doubtful-units",
+                f"bodies.{name}.material has a speed of sound of {speed:.3g} m/s, its file is read in "
+                f"metres: no solid has one over {_FASTEST:g} m/s; are E and rho in N/m^2 and kg/m^3?",
+                {"body": name, "field": "E / rho", "value": speed},
             )
 
 

@@ -1,8 +1,8 @@
 """Content of a mesh file, the same for every format: nodes, elements, sets of both, faces."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,8 +56,9 @@ class ElementBlock:
     @property
     def dim(self) -> int:
         """Dimension of its cells; 0 of what is none."""
-        dims: dict[str, int] = {"line": 1, **DIMENSION, **dict.fromkeys(DIVIDED, 3)}
-        return dims.get(self.cell, 0)
+        if self.cell in DIVIDED:
+            return 3
+        return {"line": 1, **{str(cell): dim for cell, dim in DIMENSION.items()}}.get(self.cell, 0)
 
     @property
     def corners(self) -> Ints:
@@ -65,6 +66,33 @@ class ElementBlock:
         if self.cell not in DIMENSION:
             return self.nodes[:, : DIVIDED.get(self.cell, 2)]  # lines begin with their ends
         return self.nodes[:, corner_places(self.cell, self.order)]
+
+
+class Sets(Mapping[str, Ints]):
+    """Sets by name, each worked out when it is asked for.
+
+    Parameters
+    ----------
+    items
+        What each is made of.
+    make
+        Makes its members of it.
+    """
+
+    def __init__(self, items: Mapping[str, Any], make: Callable[[Any], Ints]) -> None:
+        self._items, self._make = items, make
+
+    def __getitem__(self, name: str) -> Ints:
+        return self._make(self._items[name])
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._items
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +114,8 @@ class FileContent:
     face_sets
         Faces of each set: elements, and which of their faces, 0 for S1 as
         :data:`meshes.files.kinds.FACES` counts them, or -1 for all that are free, (n, 2).
+    told
+        What the file has that was left out.
     """
 
     points: Floats
@@ -94,6 +124,7 @@ class FileContent:
     element_sets: Mapping[str, Ints] = field(default_factory=dict)
     node_sets: Mapping[str, Ints] = field(default_factory=dict)
     face_sets: Mapping[str, Ints] = field(default_factory=dict)
+    told: Sequence[str] = ()
 
     @property
     def starts(self) -> Ints:

@@ -43,7 +43,7 @@ _CORNERS: dict[str, list[list[float]]] = {
     "wedge": [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (0, 1))],
     "hexahedron": [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))],
 }
-_EDGES = {
+_EDGES: dict[str, list[tuple[int, ...]]] = {
     "triangle": [(0, 1), (1, 2), (2, 0)],
     "quadrilateral": [(0, 1), (1, 2), (2, 3), (3, 0)],
     "tetrahedron": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
@@ -56,7 +56,7 @@ _EDGES = {
     ],
 }
 """Edges whose middles follow the corners: around the bottom, around the top, upright ones last."""
-_MIDDLES = {
+_MIDDLES: dict[str, list[tuple[int, ...]]] = {
     "quadrilateral": [(0, 1, 2, 3)],
     "pyramid": [(0, 1, 2, 3)],
     "wedge": [(0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],

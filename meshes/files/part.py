@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from cea.errors import InputError, require
 from cea.mesh import Cell
-from meshes.files.content import DIVIDED, ElementBlock, FileContent, Floats, Ints, shown
+from meshes.files.content import DIVIDED, ElementBlock, FileContent, Floats, Ints, Sets, shown
 
 _SAME = 1e-6
 """Distance below which nodes are one, relative to the shortest edge."""
@@ -166,7 +166,7 @@ def merged(content: FileContent, distance: float) -> FileContent:
     np.minimum.at(first, group, np.arange(n))
     number = np.append(first[group], -1)  # the last one stands for nodes that are not there
     blocks = [replace(block, nodes=number[block.nodes]) for block in content.blocks]
-    sets = {name: np.unique(number[rows]) for name, rows in content.node_sets.items()}
+    sets = Sets(content.node_sets, lambda rows: np.unique(number[rows]))
     return replace(content, blocks=blocks, node_sets=sets)
 
 

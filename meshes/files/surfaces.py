@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,7 @@ class Facets:
         return (self.group >= 0) & wanted[self.group]
 
 
+@lru_cache(4)
 def facets_of(part: Part, n_points: int) -> Facets:
     """Faces of the elements of a body, as :data:`meshes.files.kinds.FACES` counts them."""
     marks = node_marks(n_points)

@@ -8,7 +8,7 @@ from mixed_blocks import mixed_blocks
 from mixed_files import abaqus_deck, ansys_archive, vtu_file
 
 from cea.errors import InputError
-from meshes.files.kinds import FACES
+from meshes.files.kinds import full_order
 from meshes.gmsh_model import gmsh_session
 from meshes.mesh_file import MeshFile
 
@@ -47,23 +47,32 @@ def test_cells_that_meshio_does_not_read_are_refused_by_their_name(tmp_path):
         MeshFile(str(file), "m")
 
 
-def test_faces_of_elements_are_those_of_abaqus(tmp_path):
+ABAQUS_FACES = {
+    "hexahedron": ["1234", "5876", "1562", "2673", "3784", "4851"],
+    "wedge": ["123", "465", "1452", "2563", "3641"],
+    "pyramid": ["1234", "152", "253", "354", "451"],
+    "tetrahedron": ["123", "142", "243", "341"],
+}
+"""Nodes of S1, S2, ... in the manual of Abaqus."""
+
+
+def test_faces_of_elements_are_those_of_the_manual(tmp_path):
+    """The faces on the side y = 2, each named by its element and number, are that side."""
     points, blocks = mixed_blocks(1)
     file = tmp_path / "a.inp"
     abaqus_deck(file, points, blocks, [0])
-    first = 1
+    lines, element = ["*SURFACE, NAME=HIGH"], 0
     for block in blocks:
-        for side in range(len(FACES[block.cell])):
-            faces = {"side": f"{block.cell.upper()}:S{side + 1}"}
-            try:
-                found = MeshFile(str(file), "m", faces=faces).mesh(["side"])
-            except InputError as error:
-                assert "between two elements" in str(error)
-                continue
-            on = found.points[found.surfaces["side"]]
-            assert np.any([(on[..., a] == end).all(axis=1).all() for a in range(3)
-                           for end in (0, (3, 2, 3)[a])])  # fmt: skip
-        first += len(block)
+        for nodes in block.nodes[:, full_order(block.cell, 1)]:
+            element += 1
+            for side, face in enumerate(ABAQUS_FACES[block.cell], 1):
+                on = points[[nodes[int(corner) - 1] for corner in face]]
+                lines += [f"{element}, S{side}"] if (on[:, 1] == 2).all() else []
+    file.write_text(file.read_text() + "\n".join(lines) + "\n")
+    mesh = MeshFile(str(file), "m").mesh(["HIGH"])
+    on = mesh.points[mesh.surfaces["HIGH"]]
+    assert (on[..., 1] == 2).all()
+    assert len(on) == 2 * 3 * 3
 
 
 @pytest.mark.parametrize("order", [1, 2])

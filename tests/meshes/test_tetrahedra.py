@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from basix import CellType, LagrangeVariant, make_quadrature
+from basix.ufl import element as lagrange
 from mixed_blocks import mixed_blocks
 
 from cea.errors import InputError
-from cea.mesh import Mesh, facet_nodes
+from cea.mesh import Mesh, facet_nodes, node_order
 from meshes.files.jacobians import check_elements
 from meshes.files.kinds import FACES, full_order
 from meshes.files.tetrahedra import tetrahedra
@@ -37,15 +39,10 @@ def bent_volume():
 
 def volumes(points, cells, order):
     """Volumes of tetrahedra, by a rule of degree 5."""
-    from basix import CellType, LagrangeVariant, make_quadrature
-    from basix.ufl import element
-
     at, weights = make_quadrature(CellType.tetrahedron, 5)
-    shapes = element("Lagrange", "tetrahedron", order, lagrange_variant=LagrangeVariant.equispaced)
+    shapes = lagrange("Lagrange", "tetrahedron", order, lagrange_variant=LagrangeVariant.equispaced)
     slopes = shapes.tabulate(1, at)[1:]
     theirs = shapes._element.points
-    from cea.mesh import node_order
-
     ours = np.argsort(node_order("tetrahedron", order, theirs))
     jacobians = np.einsum("dqn,cni->cqid", slopes, points[cells[:, ours]])
     return np.einsum("q,cq->c", weights, np.linalg.det(jacobians))
@@ -114,5 +111,5 @@ def test_elements_of_two_orders_or_without_middles_are_refused():
     points, (first, *rest) = mixed_blocks(2)
     nodes = first.nodes.copy()
     nodes[1, full_order("hexahedron", 2)[9]] = -1
-    with pytest.raises(InputError, match="element 2.*middles of all edges"):
+    with pytest.raises(InputError, match=r"element 2.*middles of all edges"):
         tetrahedra(points, [replace(first, nodes=nodes), *rest])
