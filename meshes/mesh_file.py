@@ -188,7 +188,7 @@ class MeshFile:
         return self.content.told
 
     def nodes_left_out(self, surfaces: Iterable[str]) -> dict[str, int]:
-        """Nodes of the body that sets of surfaces have, and that make no face of them; none of 0."""
+        """Numbers of nodes of the body that sets of surfaces have and that make no face of them."""
         faces = surface_faces(self.content, self._part, {n: self._sets(n) for n in surfaces})
         return {name: count for name, (_, count) in faces.items() if count}
 

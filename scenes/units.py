@@ -50,8 +50,8 @@ def doubtful_units(scene: SceneSpec) -> Iterator[ResultWarning]:
         if in_metres and speed > _FASTEST and not found:
             yield ResultWarning(
                 "doubtful-units",
-                f"bodies.{name}.material has a speed of sound of {speed:.3g} m/s, its file is read in "
-                f"metres: no solid has one over {_FASTEST:g} m/s; are E and rho in N/m^2 and kg/m^3?",
+                f"bodies.{name}, read in metres, has a speed of sound of {speed:.3g} m/s: no solid "
+                f"has one over {_FASTEST:g}; are E and rho in N/m^2 and kg/m^3?",
                 {"body": name, "field": "E / rho", "value": speed},
             )
 

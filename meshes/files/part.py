@@ -129,8 +129,8 @@ def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[s
     mixed = len(cells) > 1 or (len(cells) == 1 and cells[0][0] in DIVIDED)
     if dim < 2 or not cells or (mixed and (dim < 3 or len(orders) > 1 or max(orders) > 2)):
         allowed = (
-            f"solid elements, {_SOLIDS}, of one kind; or of several in space, all of order 1 or all "
-            f"of order 2; in {file} are: {kinds}"
+            f"solid elements, {_SOLIDS}, of one kind; or of several in space, all of order 1 or "
+            f"all of order 2; in {file} are: {kinds}"
         )
         sets = shown(content.element_sets)
         raise InputError("part", name, f"{allowed}; sets of elements: {sets}")

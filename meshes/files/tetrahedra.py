@@ -137,7 +137,7 @@ def _check_edges(block: ElementBlock) -> None:
 
 
 def _divided(cell: str, order: int, nodes: Ints, start: int) -> tuple[Ints, Ints, Ints]:
-    """Tetrahedra of elements of one kind, the element of each, and the faces their facets lie on."""
+    """Tetrahedra of elements of one kind, the element of each, the faces of their facets."""
     place = full_order(cell, order)
     elements, local = _pieces(cell, nodes[:, place])
     local = in_order("tetrahedron", 1, local, KINDS["tetrahedron4"].reference)
@@ -179,7 +179,7 @@ def _middles(cell: str, order: int) -> Ints:
 
 
 def _ends(order: int) -> Ints:
-    """Two corners in whose middle each node of a tetrahedron is, one for both at corners, (n, 2)."""
+    """Two corners in whose middle each node of a tetrahedron is, the same at corners, (n, 2)."""
     corners = reference_nodes("tetrahedron", 1).astype(np.int64)
     pairs = list(combinations_with_replacement(range(4), 2))
     middles = [(corners[a] + corners[b]).tolist() for a, b in pairs]
