@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cea.mesh import Mesh, facet_nodes
+from meshes.files.checks import check_elements, check_matching
 from meshes.files.content import FileContent
-from meshes.files.jacobians import check_elements
 from meshes.files.kinds import facet_sides
 from meshes.files.part import Part, check_nodes
 from meshes.files.surfaces import surface_faces
@@ -43,6 +43,7 @@ def body_mesh(
         elements = np.arange(len(cells))
         sides = np.tile(facet_sides(own.cell, own.order), (len(cells), 1))
     check_elements(own.cell, own.order, points, cells, own.numbers[elements])
+    check_matching(own.cell, own.order, cells, own.numbers[elements])
     facets = facet_nodes(own.cell, own.order)
     surfaces = {}
     for surface, (on, _) in surface_faces(content, own, faces).items():
