@@ -1,4 +1,4 @@
-"""Content of files that gmsh reads: its own, and those of Nastran."""
+"""Content of files of gmsh."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,6 @@ from meshes.files.content import (
     ElementBlock,
     FileContent,
     Ints,
-    Role,
     rows_of,
     without_copies,
 )
@@ -30,8 +29,6 @@ _CELLS = {
 """Cells by the first word of gmsh's names."""
 _WORDS = {1: "curve", 2: "surface", 3: "volume"}
 """What groups without a name are called, before their number."""
-_PROPERTIES = {1: "PBAR", 2: "PSHELL", 3: "PSOLID"}
-"""What Nastran calls properties, before their number."""
 _FROM = {
     "quadrilateral": [-1, -1],
     "hexahedron": [-1] * 3,
@@ -44,16 +41,13 @@ Places = Mapping[tuple[int, int], Sequence[Ints]]
 """Elements of each entity, given by its dimension and number."""
 
 
-def gmsh_content(file: Path, *, shells_bear: bool = False) -> FileContent:
+def gmsh_content(file: Path) -> FileContent:
     """Nodes, elements and physical groups of a file.
 
     Parameters
     ----------
     file
         The file.
-    shells_bear
-        Whether elements of less dimensions are shells and beams rather than marks of faces; sets
-        are then those of the properties, as ``PSOLID 3``.
 
     Raises
     ------
@@ -70,28 +64,27 @@ def gmsh_content(file: Path, *, shells_bear: bool = False) -> FileContent:
     count = 0
     for i, (dim, entity, kind) in enumerate(what["blocks"]):
         if dim:
-            role: Role = "structural" if shells_bear and dim < 3 else "solid"
             name, order, per_element, local = what["kinds"][str(kind)]
             ids, nodes = arrays[f"numbers {i}"], arrays[f"nodes {i}"].reshape(-1, per_element)
             rows = rows_of(numbers, nodes, "a node")
-            blocks.append(_block(name, dim, order, local, ids, rows, role))
+            blocks.append(_block(name, dim, order, local, ids, rows))
             places.setdefault((dim, entity), []).append(np.arange(count, count + len(ids)))
             count += len(ids)
-    sets = _properties(places) if shells_bear else _groups(what["groups"], places)
+    sets = _groups(what["groups"], places)
     return without_copies(FileContent(points, numbers, blocks, sets))
 
 
 def _block(
-    name: str, dim: int, order: int, local: Sequence[float], ids: Ints, rows: Ints, role: Role
+    name: str, dim: int, order: int, local: Sequence[float], ids: Ints, rows: Ints
 ) -> ElementBlock:
     """Elements of one kind in one entity."""
     cell = _CELLS.get(name.split()[0])
     if cell is None or (cell in DIVIDED and order > 2):
-        return ElementBlock(name, "line" if dim == 1 else name, order, ids, rows, role)
+        return ElementBlock(name, "line" if dim == 1 else name, order, ids, rows)
     reference = np.reshape(local, (rows.shape[1], -1))[:, :dim]
     low = np.array(_FROM.get(cell, [0] * dim))
     reference = (reference - low) / (1 - low)
-    return ElementBlock(name, cell, order, ids, in_order(cell, order, rows, reference), role)
+    return ElementBlock(name, cell, order, ids, in_order(cell, order, rows, reference))
 
 
 def _groups(
@@ -105,10 +98,3 @@ def _groups(
             for entity in entities:
                 members += places.get((dim, entity), ())
     return {name: np.concatenate(parts) for name, parts in sets.items() if parts}
-
-
-def _properties(places: Places) -> dict[str, Ints]:
-    """Elements of each property, which gmsh makes an entity of its dimension."""
-    return {
-        f"{_PROPERTIES[dim]} {tag}": np.concatenate(parts) for (dim, tag), parts in places.items()
-    }
