@@ -33,7 +33,7 @@ class _Kind(NamedTuple):
 
 _SOLIDS = {
     "CTETRA": _Kind("tetrahedron", 4, 10, range(10)),
-    "CPYRAM": _Kind("pyramid", 5, 13, range(13)),
+    **dict.fromkeys(("CPYRAM", "CPYRA"), _Kind("pyramid", 5, 13, range(13))),
     "CPENTA": _Kind("wedge", 6, 15, (*range(9), 12, 13, 14, 9, 10, 11)),
     "CHEXA": _Kind("hexahedron", 8, 20, (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)),
 }
@@ -187,6 +187,9 @@ class _Points:
         """Number of each point, (n,), and its position in the basic system, (n, 3)."""
         numbers = np.array([card.whole(0) for card in self._grids], dtype=np.int64)
         require(len(numbers) > 0, "file", "no GRID", "a mesh")
+        for card in self._grids:
+            if any(card.fields[8:]):
+                raise card.refuse("a point of eight fields at most")
         systems = np.array([self._of(card) for card in self._grids])
         points = np.array([_coordinates(card, 2) for card in self._grids])
         for number in np.unique(systems).tolist():

@@ -73,7 +73,8 @@ class Card(NamedTuple):
 
     def _require(self, fits: bool, place: int, what: str) -> None:
         if not fits:
-            raise self.refuse(f"{what} in field {place + 2}, not '{self.text(place)}'")
+            told = f"{what} in field {place + 1} after its name, not '{self.text(place)}'"
+            raise self.refuse(told)
 
 
 def cards_of(file: Path) -> Iterator[Card]:
@@ -101,7 +102,7 @@ def cards_of(file: Path) -> Iterator[Card]:
         else:
             if card is not None:
                 yield card
-            card = Card(head.rstrip("*"), data)
+            card = Card(head.rstrip("*_"), data)  # meshio writes CHEXA_
             allowed = "the name of a card at the beginning"
             require(bool(_NAME.fullmatch(card.name)), "file", line.strip(), allowed)
             if card.name == "ENDDATA":

@@ -1,8 +1,7 @@
 """Mesh files that are refused, each by what is wrong with it."""
 
 import pytest
-from boxes_in_files import file_of, made, two_boxes
-from mesh_writers import write
+from boxes_in_files import file_of, made
 
 from cea.errors import InputError
 from meshes.mesh_file import MeshFile
@@ -105,10 +104,7 @@ def test_shells_may_be_named_as_marks_or_left_out_by_the_choice_of_a_part(tmp_pa
         ("folder.msh", "folder", "a file"),
         ("a.step", b"ISO-10303-21;", "one that ends in .msh"),
         ("a.msh", b"*NODE\n1, 0, 0, 0\n", "a .msh file of gmsh"),
-        ("a.bdf", b"GRID,1,,0.,0.,0.\n", "ENDDATA"),
-        ("a.bdf", b"GRID,1,5,0.,0.,0.\nENDDATA\n", "basic coordinate system"),
-        ("a.bdf", b"GRID           1       5     0.0     0.0     0.0\nENDDATA\n", "basic coord"),
-        ("a.bdf", b"INCLUDE 'b.bdf'\nENDDATA\n", "one file"),
+        ("a.bdf", b"\x00\xff" * 300, "the name of a card"),
         ("a.xdmf", b"<Xdmf/>", "cannot be read"),
         ("a.vtu", b"\x00\xff" * 300, "cannot be read"),
         ("a.cdb", b"\x00\xff" * 300, "cannot be read"),
@@ -123,16 +119,6 @@ def test_files_that_are_none(tmp_path, name, content, words):
     with pytest.raises(InputError, match=words) as refused:
         MeshFile(str(file), "m")
     assert refused.value.field == "file"
-
-
-def test_nastran_elements_that_are_not_read_are_told(tmp_path):
-    data = write(two_boxes("hexahedron", 1), tmp_path / "a.bdf")["left"]
-    file = tmp_path / "a.bdf"
-    text = file.read_text().replace("ENDDATA", "CELAS2,99,1.+3,1,1\nENDDATA")
-    file.write_text(text)
-    with pytest.raises(InputError, match="here are CELAS2, Quadrilateral 4 too"):
-        made(data, part=None, faces={})
-    assert made(data).num_cells == 6
 
 
 @pytest.mark.parametrize(("kind", "nodes"), [("C3D15V", 15), ("C3D27", 27)])
