@@ -132,12 +132,12 @@ def test_patches_that_touch_but_do_not_conform_are_refused(neighbour: NurbsPatch
         NurbsBody("part", [first, neighbour], {}, (2, 2, 2), material=STEEL)
 
 
-def test_patches_apart_or_sharing_an_edge_are_accepted() -> None:
+def test_patches_apart_or_sharing_an_edge_are_refused() -> None:
     first = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     for origin in ((1.1, 0.0, 0.0), (1.0, 1.0, 0.0)):
         other = box_patch(origin, (1.0, 1.0, 1.0))
-        part = NurbsBody("part", [first, other], {}, (2, 2, 2), material=STEEL)
-        assert part.num_scalar_dofs == 2 * 3 * 4 * 3
+        with pytest.raises(InputError, match="2 bodies that share no face"):
+            NurbsBody("part", [first, other], {}, (2, 2, 2), material=STEEL)
 
 
 def test_bar_under_pressure_is_exact() -> None:
