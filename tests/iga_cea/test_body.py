@@ -140,6 +140,14 @@ def test_patches_apart_or_sharing_an_edge_are_refused() -> None:
             NurbsBody("part", [first, other], {}, (2, 2, 2), material=STEEL)
 
 
+def test_thin_patches_are_not_taken_for_gaps_between_their_faces() -> None:
+    """Two layers, a thousandth and less of their elements thick, of which only one face is joined."""
+    for thick in (1e-3, 1e-5):
+        layers = [box_patch((0.0, 0.0, k * thick), (1.0, 1.0, thick)) for k in (0, 1)]
+        part = NurbsBody("part", layers, {}, (2, 2, 2), material=STEEL)
+        assert part.num_scalar_dofs == 2 * 3 * 4 * 3 - 3 * 4
+
+
 def test_bar_under_pressure_is_exact() -> None:
     part = body(
         BOX,

@@ -51,13 +51,13 @@ def test_one_closed_patch_has_the_modes_of_four(degree, spans):
     np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
-def two_rings(method, *, quarters):
-    """A ring that turns in another, held outside, with friction all round."""
+def two_rings(formulation, *, quarters):
+    """A ring that turns in another, with friction all round."""
     spans = 3 if quarters else 12
     inner = body(annulus(0.04, 0.07, quarters=quarters), [2, 2], [spans, 1])
     outer = body(annulus(0.07, 0.1, quarters=quarters), [2, 2], [spans, 1])
-    around = {"circumferential_about": [0.0, 0.0]}
-    contact = {"a": "inner.outer", "b": "outer.inner", "formulation": {"method": method}}
+    around = {"field": ["-y/sqrt(x**2 + y**2)", "x/sqrt(x**2 + y**2)"]}
+    contact = {"a": "inner.outer", "b": "outer.inner", "formulation": formulation}
     contact |= {"P": 1e12, "mu": 0.4, "friction_direction_on_a": around}
     inner["supports"] = [{"surface": "inner"}]
     outer["supports"] = [{"surface": "outer"}]
@@ -68,25 +68,27 @@ def two_rings(method, *, quarters):
 
 @pytest.mark.parametrize("method", ["gpts", "greville", "botella", "segments", "mortar"])
 def test_contact_all_round_a_closed_patch_is_that_of_four(method):
-    found, expected = (eigenvalues(two_rings(method, quarters=q)) for q in (False, True))
+    way = {"method": method} | ({"points": 3} if method == "gpts" else {})
+    found, expected = (eigenvalues(two_rings(way, quarters=q)) for q in (False, True))
     assert len(found) == len(expected) > 3
     np.testing.assert_allclose(found, expected, rtol=1e-7)
 
 
 @pytest.mark.parametrize("quarters", [False, True])
 def test_a_ring_under_pressure_is_that_of_lame(quarters):
-    """u(a) under an inner pressure, plane strain: Lame's solution (Timoshenko and Goodier, 28)."""
-    a, b, pressure, nu = 0.06, 0.1, 1e6, STEEL["nu"]
-    sectors = {"point": [0.0, 0.0, 0.0]}
-    del sectors
+    """Inner pressure, held outside: u = c (b^2 / r - r) with the traction -p at r = a."""
+    a, b, pressure = 0.06, 0.1, 1e6
     data = scene(annulus(a, b, quarters=quarters), [3, 3], [4 if quarters else 16, 3])
-    data["bodies"]["b"]["springs"] = [{"surface": "outer", "stiffness": [1.0, 1.0]}]
+    data["bodies"]["b"]["supports"] = [{"surface": "outer"}]
     data["loads"] = [{"surface": "b.inner", "pressure": pressure}]
     data["analysis"] = {"kind": "static"}
+    lam = STEEL["E"] * STEEL["nu"] / ((1 + STEEL["nu"]) * (1 - 2 * STEEL["nu"]))
+    mu = STEEL["E"] / (2 * (1 + STEEL["nu"]))
+    expected = pressure / (2 * (mu * (b * b / a / a + 1) + lam)) * (b * b / a - a)
     result = run_scene(read_scene(data))
-    factor = pressure * (1 + nu) / STEEL["E"] * a / (b * b - a * a)
-    expected = factor * ((1 - 2 * nu) * a * a + b * b)
-    assert np.abs(result.max_displacement) == pytest.approx(expected, rel=1e-4)
+    points = result.system.bodies["b"].surfaces["inner"].gauss_points(2)
+    found = result.displacements("b.inner", points.at)
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), expected, rtol=1e-4)
 
 
 def square(low, high, **fields):
@@ -153,17 +155,6 @@ def test_bodies_apart_are_refused_with_their_distance():
     corner = halves()
     corner["patches"][1] = square([0.05, 0.03], [0.1, 0.06])
     refused(corner, "2 bodies that share no face.*are 0 m apart")
-
-
-def test_a_thin_patch_is_not_taken_for_a_gap():
-    """Bending of a strip a ten thousandth of its length thick, cubic: beam theory."""
-    length, height = 1.0, 1e-4
-    strip = {"shape": "patches", "patches": [square([0, 0], [length, height])],
-             "faces": {"inner": [[0, 0, 0]]}}  # fmt: skip
-    found = frequencies(scene(strip, [3, 2], [8, 1], 6.0, **HELD))
-    stiff = STEEL["E"] / (1 - STEEL["nu"] ** 2) * height**2 / 12 / STEEL["rho"]
-    expected = np.array([1.875104, 4.694091, 7.854757]) ** 2 * np.sqrt(stiff) / (2 * np.pi)
-    np.testing.assert_allclose(found[:2], expected[:2], rtol=5e-3)
 
 
 def test_the_tolerance_of_a_file_is_in_its_unit(tmp_path):
