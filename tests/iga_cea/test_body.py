@@ -141,7 +141,7 @@ def test_patches_apart_or_sharing_an_edge_are_refused() -> None:
 
 
 def test_thin_patches_are_not_taken_for_gaps_between_their_faces() -> None:
-    """Two layers, a thousandth and less of their elements thick, of which only one face is joined."""
+    """Two layers, a thousandth and less of their elements thick: one face of each is joined."""
     for thick in (1e-3, 1e-5):
         layers = [box_patch((0.0, 0.0, k * thick), (1.0, 1.0, thick)) for k in (0, 1)]
         part = NurbsBody("part", layers, {}, (2, 2, 2), material=STEEL)

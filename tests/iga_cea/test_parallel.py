@@ -9,7 +9,7 @@ from mpi import on_ranks
 pytestmark = pytest.mark.mpi
 CASES = ("ring", "closed", "disc", "hub", "odd", "sector")
 QUICK = ("ring", "closed", "disc", "odd")
-"""Cases of the quick tests, on 2 ranks: plane, closed, collapsed, joined whatever the parameters."""
+"""Cases of the quick tests, on 2 ranks: plane, closed, collapsed, joined in another order."""
 
 
 @pytest.mark.parametrize(

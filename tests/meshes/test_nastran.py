@@ -4,6 +4,8 @@ import time
 
 import numpy as np
 import pytest
+from mixed_blocks import mixed_blocks
+from mixed_files import listed
 
 from cea.errors import InputError
 from meshes.files.kinds import wanted_nodes
@@ -156,6 +158,27 @@ def test_quadratic_elements_have_every_point_where_it_belongs(tmp_path, card, fi
     nodes, given = block.nodes[0], block.nodes[0] >= 0
     assert sorted(nodes[given]) == list(range(len(points)))
     np.testing.assert_allclose(points[nodes[given]], wanted_nodes(cell, 2)[given], atol=1e-15)
+
+
+NAMES = {"tetrahedron": "CTETRA", "pyramid": "CPYRAM", "wedge": "CPENTA", "hexahedron": "CHEXA"}
+LISTED = {15: [*range(9), 12, 13, 14, 9, 10, 11], 20: [*range(12), *range(16, 20), *range(12, 16)]}
+"""Nastran's order of the nodes of wedges and hexahedra, whose upright edges come before the top."""
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, order):
+    points, blocks = mixed_blocks(order)
+    cards, number_of = [["GRID", i, "", *x] for i, x in enumerate(points.tolist(), 1)], 0
+    for each in blocks:
+        nodes = listed(each)[1] + 1
+        for row in nodes[:, LISTED.get(nodes.shape[1], range(nodes.shape[1]))].tolist():
+            number_of += 1
+            cards.append([NAMES[each.cell], number_of, 1, *row])
+    mesh = MeshFile(str(written(tmp_path, small(cards))), "m", part="PSOLID 1").mesh([])
+    corners = mesh.points[mesh.cells[:, {1: [0, 3, 2, 1], 2: [0, 9, 5, 2]}[order]]]
+    volume = np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / 6
+    assert (mesh.cell, mesh.order) == ("tetrahedron", order)
+    assert volume == pytest.approx(18.0, rel=1e-12)
 
 
 A, B, C = np.array([0.1, 0.2, 0.3]), np.array([0.4, -0.2, 0.9]), np.array([1.0, 0.5, 0.2])
