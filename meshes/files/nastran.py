@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cea.errors import require
-from meshes.files.content import FileContent, Floats, Ints, Role, rows_of
+from meshes.files.content import ElementBlock, FileContent, Floats, Ints, Role, rows_of
 from meshes.files.kinds import block
 from meshes.files.nastran_cards import Card, cards_of
 
@@ -79,63 +79,46 @@ def nastran_content(file: Path) -> FileContent:
             solid = name in _SOLIDS and of not in fluid
             rows[name, f"{kind.cell}{len(nodes)}", solid].append((number, of, nodes))
     require(bool(rows), "file", "no elements", f"some of {', '.join((*_SOLIDS, *_SHELLS))}")
-    blocks, sets = [], _Sets(cards)
+    blocks: list[ElementBlock] = []
+    of_elements: list[tuple[int, int]] = []
     for (name, kind_name, solid), elements in rows.items():
-        ids, of_each, nodes_of = (np.array(each) for each in zip(*elements, strict=True))
-        places = rows_of(numbers, nodes_of, "a point")
+        ids, of_each, nodes_of = zip(*elements, strict=True)
+        places = rows_of(numbers, np.array(nodes_of), "a point")
         role: Role = "solid" if solid else "structural"
-        blocks.append(block(name, kind_name, ids, places, role=role))
-        sets.add(3 if name in _SOLIDS else 2, of_each)
+        blocks.append(block(name, kind_name, np.array(ids), places, role=role))
+        of_elements += [(3 if name in _SOLIDS else 2, of) for of in of_each]
     rows_of(np.concatenate([b.numbers for b in blocks]), np.empty(0, dtype=int), "an element")
-    read = {*_SOLIDS, *_SHELLS, *_SYSTEMS, "GRID", "GRDSET"}
-    others = [
-        name
-        for name, found in cards.items()
-        if found and name not in read and not _OF_THE_SCENE.fullmatch(name)
-    ]
-    content = FileContent(points, numbers, blocks, sets.by_name())
-    return content.with_others(sorted(others))
+    known = {*_SOLIDS, *_SHELLS, *_SYSTEMS, "GRID", "GRDSET"}
+    others = {name for name, found in cards.items() if found} - known
+    content = FileContent(points, numbers, blocks, _sets(cards, np.array(of_elements)))
+    return content.with_others(sorted(n for n in others if not _OF_THE_SCENE.fullmatch(n)))
+
+
+def _sets(cards: Cards, of_elements: Ints) -> dict[str, Ints]:
+    """Elements of each property, from the dimension and the property of each, (n, 2)."""
+    names = {
+        (dim, card.whole(0)): name for name, dim in _PROPERTIES.items() for card in cards[name]
+    }
+    keys, group = np.unique(of_elements, axis=0, return_inverse=True)
+    members = np.split(np.argsort(group, kind="stable"), np.cumsum(np.bincount(group))[:-1])
+    defaults = {3: "PSOLID", 2: "PSHELL"}
+    return {
+        f"{names.get((dim, number), defaults[dim])} {number}": rows
+        for (dim, number), rows in zip(keys.tolist(), members, strict=True)
+    }
 
 
 def _nodes(card: Card, kind: _Kind) -> list[int]:
     """Nodes of an element in the order of :data:`meshes.files.kinds.KINDS`; 0 is a blank."""
     corners = [card.whole(2 + i) for i in range(kind.corners)]
-    middles = [card.whole(2 + i, default=0) for i in range(kind.corners, kind.nodes)]
+    more = range(kind.corners, kind.nodes) if any(card.fields[2 + kind.corners :]) else ()
+    middles = [card.whole(2 + i, default=0) for i in more]
     if not any(middles):
         return corners
     if not all(middles) or any(card.fields[2 + kind.nodes :]):
         raise card.refuse(f"{kind.corners} or {kind.nodes} points, and nothing after them")
     listed = corners + middles
     return [listed[i] for i in kind.order]
-
-
-class _Sets:
-    """Elements of each property.
-
-    Parameters
-    ----------
-    cards
-        Those of properties among them; elements may have others.
-    """
-
-    def __init__(self, cards: Cards) -> None:
-        self._name = {
-            (dim, card.whole(0)): name for name, dim in _PROPERTIES.items() for card in cards[name]
-        }
-        self._members: dict[str, list[Ints]] = defaultdict(list)
-        self._count = 0
-
-    def add(self, dim: int, properties: Ints) -> None:
-        """Add elements of a dimension by their properties, (n,)."""
-        for number in np.unique(properties).tolist():
-            card = self._name.get((dim, number), {3: "PSOLID", 2: "PSHELL"}[dim])
-            members = self._count + np.flatnonzero(properties == number)
-            self._members[f"{card} {number}"].append(members)
-        self._count += len(properties)
-
-    def by_name(self) -> dict[str, Ints]:
-        """Members, counted through all elements."""
-        return {name: np.concatenate(parts) for name, parts in self._members.items()}
 
 
 class _System(NamedTuple):

@@ -19,8 +19,10 @@ _INCLUDE = re.compile(r"(?mi)^[ \t]*INCLUDE[ \t]*(?:'([^']*)'|\"([^\"]*)\"|([^\s
 _BEGIN = re.compile(r"(?mi)^[ \t]*BEGIN\b(?![^\n$]*(?:SUPER|MODULE)).*$")
 _DEEPEST = 10
 """Files that include one another."""
-_NARROW, _WIDE, _END = 8, 16, 80
-"""Columns of a field, and of a line."""
+_NARROW, _WIDE = 8, 16
+"""Columns of a field."""
+_ENDS = {width: (*range(_NARROW, 80, width), 80) for width in (_NARROW, _WIDE)}
+"""Columns at which fields end."""
 
 
 class Card(NamedTuple):
@@ -167,20 +169,19 @@ def _columns(line: str) -> tuple[str, list[str], str]:
 
 
 def _cut(line: str, width: int) -> list[str]:
-    ends = (0, *range(_NARROW, _END, width), _END)
-    return [line[a:b].strip() for a, b in pairwise(ends)]
+    return [line[a:b].strip() for a, b in pairwise((0, *_ENDS[width]))]
 
 
 def _is_cut_between_fields(line: str, width: int) -> bool:
     """Whether the second field holds something, and no two fields touch."""
-    cuts = range(_NARROW, _END, width)
+    cuts = _ENDS[width]
     apart = all(" " in (line[cut - 1 : cut], line[cut : cut + 1] or " ") for cut in cuts)
     return apart and bool(line[_NARROW : _NARROW + width].strip())
 
 
 def _untabbed(line: str, width: int) -> str:
     """A line with blanks for its tabs: each ends a field, whether or not it fills its columns."""
-    ends, filled = (*range(_NARROW, _END, width), _END), ""
+    ends, filled = _ENDS[width], ""
     for part in line.split("\t"):
         filled += part
         if len(filled) not in ends or not part.strip():
