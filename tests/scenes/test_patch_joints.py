@@ -7,7 +7,9 @@ import pytest
 from closed_patches import LINE, annulus
 
 from cea.errors import InputError
+from scenes.nested import estimate_errors
 from scenes.read import read_scene
+from scenes.richer import richer_scene
 from scenes.run import run_modes, run_scene
 from scenes.scene_error import SceneError
 
@@ -49,6 +51,39 @@ def test_one_closed_patch_has_the_modes_of_four(degree, spans):
     found, expected = frequencies(closed), frequencies(four)
     assert len(found) == len(expected) > 4
     np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+def extruded(geometry, height):
+    """The same in space, between z = 0 and a height (m)."""
+    patches = [
+        {
+            "degrees": [*patch["degrees"], 1],
+            "knots": [*patch["knots"], LINE],
+            "control_points": [
+                [[[*x, z] for z in (0.0, height)] for x in row] for row in patch["control_points"]
+            ],
+            "weights": [[[w, w] for w in row] for row in patch["weights"]],
+        }
+        for patch in geometry["patches"]
+    ]
+    return geometry | {"patches": patches}
+
+
+def test_a_closed_patch_in_space_has_the_modes_and_error_estimates_of_four():
+    found, expected = (
+        run_modes(read_scene(scene(
+            extruded(annulus(0.06, 0.1, quarters=quarters), 0.02),
+            [2, 2, 2], [spans, 1, 1], 20000.0, **HELD,
+        )))
+        for quarters, spans in ((False, 8), (True, 2))
+    )  # fmt: skip
+    errors = [estimate_errors(one, richer_scene(one.scene, "degree")) for one in (found, expected)]
+    assert len(found.eigenvalues) > 3
+    for one, other in (
+        (found.eigenvalues.imag, expected.eigenvalues.imag),
+        (errors[0].corrected.imag, errors[1].corrected.imag),
+    ):
+        np.testing.assert_allclose(np.sort(one), np.sort(other), rtol=1e-8)
 
 
 def two_rings(formulation, *, quarters):
