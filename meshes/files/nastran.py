@@ -47,7 +47,7 @@ _PROPERTIES = {"PSOLID": 3, "PLSOLID": 3, "PCOMPS": 3, "PSHELL": 2, "PCOMP": 2, 
 """Dimension of the elements that have a property."""
 _SYSTEMS = [f"CORD{way}{kind}" for way in "12" for kind in "RCS"]
 _OF_THE_SCENE = re.compile(
-    r"P\w+|MAT\w+|SPC\w*|SPOINT|EPOINT|SUPORT\d?|SET\d|SNORM|ECHO\w+|EIG\w+|FREQ\d?|TSTEP\w*"
+    r"P\w+|MAT\w+|SPC\w*|SPOINT|EPOINT|SUPORT\d?|SET\d|SEQGP|SNORM|ECHO\w+|EIG\w+|FREQ\d?|TSTEP\w*"
     r"|FORCE\d?|MOMENT\d?|GRAV|ACCEL\d?|RFORCE\d?|[DRST]?LOAD\w*|LSEQ|DAREA|DELAY|DPHASE|DEFORM"
     r"|TEMP\w*|TIC|NLPARM|NLPCI|NLSTEP|TAB\w+|[ABCQ]SET\d?|USET\d?|OMIT\d?"
     r"|DESVAR|DRESP\d|DCON\w+|DV[A-Z]+\d|DOPTPRM|DLINK"

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cea.errors import InputError, require
+from meshes.files.state import checked_state
 
 _NAME = re.compile(r"[A-Z][A-Z0-9]*")
 _REAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[DE]?([+-]\d+)|[DE](\d+))?", re.ASCII)
@@ -19,6 +20,8 @@ _INCLUDE = re.compile(r"(?mi)^[ \t]*INCLUDE[ \t]*(?:'([^']*)'|\"([^\"]*)\"|([^\s
 _BEGIN = re.compile(r"(?mi)^[ \t]*BEGIN\b(?![^\n$]*(?:SUPER|MODULE)).*$")
 _DEEPEST = 10
 """Files that include one another."""
+_LARGEST = 2**33
+"""Bytes of a file that is included."""
 _NARROW, _WIDE = 8, 16
 """Columns of a field."""
 _ENDS = {width: (*range(_NARROW, 80, width), 80) for width in (_NARROW, _WIDE)}
@@ -121,11 +124,6 @@ def _text(file: Path, outer: tuple[Path, ...], job: Path) -> str:
     """
     circle = file in outer or len(outer) > _DEEPEST
     require(not circle, "file", str(file), f"files that include each other {_DEEPEST} deep at most")
-    try:
-        content = file.read_text("utf-8", "replace")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError("file", str(file), f"a file that is included ({reason})") from None
 
     def included(match: re.Match[str]) -> str:
         # A long path goes on in the next line.
@@ -133,9 +131,11 @@ def _text(file: Path, outer: tuple[Path, ...], job: Path) -> str:
         path = "".join(part.strip() for part in parts).replace("\\", "/")
         places = [(folder / path).resolve() for folder in (file.parent, job)]
         found = next((place for place in places if place.is_file()), places[0])
-        return _text(found, (*outer, file), job)
+        return _text(
+            checked_state(found, "a file that is included", _LARGEST)[0], (*outer, file), job
+        )
 
-    return _INCLUDE.sub(included, content)
+    return _INCLUDE.sub(included, file.read_text("utf-8", "replace"))
 
 
 def _fields(line: str) -> tuple[str, list[str], str]:

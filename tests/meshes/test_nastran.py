@@ -271,6 +271,8 @@ def test_files_are_included_from_their_folder_or_that_of_the_job(tmp_path):
         content(tmp_path, text + "\n")
     with pytest.raises(InputError, match="a file that is included"):
         content(tmp_path, "INCLUDE none.bdf\n")
+    with pytest.raises(InputError, match="a file"):
+        content(tmp_path, "INCLUDE '/dev/zero'\n")
 
 
 BAR = "RBE2,9,1,123,2\n"
