@@ -1,4 +1,4 @@
-"""Content of files that gmsh reads: its own, and those of Nastran."""
+"""Content of files of gmsh."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -7,37 +7,47 @@ from pathlib import Path
 import numpy as np
 
 from cea.errors import require
-from cea.mesh import Cell
-from meshes.mesh_files.apart import arrays_of
-from meshes.mesh_files.content import ElementBlock, FileContent, Ints, Role, in_order, rows_of
+from meshes.files.apart import arrays_of
+from meshes.files.content import (
+    DIVIDED,
+    ElementBlock,
+    FileContent,
+    Ints,
+    rows_of,
+    without_copies,
+)
+from meshes.files.kinds import in_order
 
-_CELLS: dict[str, Cell] = {
+_CELLS = {
     "Triangle": "triangle",
     "Quadrilateral": "quadrilateral",
     "Tetrahedron": "tetrahedron",
+    "Pyramid": "pyramid",
+    "Prism": "wedge",
     "Hexahedron": "hexahedron",
 }
 """Cells by the first word of gmsh's names."""
 _WORDS = {1: "curve", 2: "surface", 3: "volume"}
 """What groups without a name are called, before their number."""
-_PROPERTIES = {1: "PBAR", 2: "PSHELL", 3: "PSOLID"}
-"""What Nastran calls properties, before their number."""
-_BOXES = ("quadrilateral", "hexahedron")
+_FROM = {
+    "quadrilateral": [-1, -1],
+    "hexahedron": [-1] * 3,
+    "pyramid": [-1, -1, 0],
+    "wedge": [0, 0, -1],
+}
+"""Where gmsh's reference cells begin that are not those from 0 to 1; all end at 1."""
 
 Places = Mapping[tuple[int, int], Sequence[Ints]]
 """Elements of each entity, given by its dimension and number."""
 
 
-def gmsh_content(file: Path, *, shells_bear: bool = False) -> FileContent:
+def gmsh_content(file: Path) -> FileContent:
     """Nodes, elements and physical groups of a file.
 
     Parameters
     ----------
     file
         The file.
-    shells_bear
-        Whether elements of less dimensions are shells and beams rather than marks of faces; sets
-        are then those of the properties, as ``PSOLID 3``.
 
     Raises
     ------
@@ -54,28 +64,27 @@ def gmsh_content(file: Path, *, shells_bear: bool = False) -> FileContent:
     count = 0
     for i, (dim, entity, kind) in enumerate(what["blocks"]):
         if dim:
-            role: Role = "structural" if shells_bear and dim < 3 else "solid"
             name, order, per_element, local = what["kinds"][str(kind)]
             ids, nodes = arrays[f"numbers {i}"], arrays[f"nodes {i}"].reshape(-1, per_element)
             rows = rows_of(numbers, nodes, "a node")
-            blocks.append(_block(name, dim, order, local, ids, rows, role))
+            blocks.append(_block(name, dim, order, local, ids, rows))
             places.setdefault((dim, entity), []).append(np.arange(count, count + len(ids)))
             count += len(ids)
-    sets = _properties(places) if shells_bear else _groups(what["groups"], places)
-    return FileContent(points, numbers, blocks, sets)
+    sets = _groups(what["groups"], places)
+    return without_copies(FileContent(points, numbers, blocks, sets))
 
 
 def _block(
-    name: str, dim: int, order: int, local: Sequence[float], ids: Ints, rows: Ints, role: Role
+    name: str, dim: int, order: int, local: Sequence[float], ids: Ints, rows: Ints
 ) -> ElementBlock:
     """Elements of one kind in one entity."""
     cell = _CELLS.get(name.split()[0])
-    if cell is None:
-        return ElementBlock(name, "line" if dim == 1 else name, order, ids, rows, role)
+    if cell is None or (cell in DIVIDED and order > 2):
+        return ElementBlock(name, "line" if dim == 1 else name, order, ids, rows)
     reference = np.reshape(local, (rows.shape[1], -1))[:, :dim]
-    if cell in _BOXES:
-        reference = (reference + 1) / 2  # gmsh's reference boxes reach from -1 to 1
-    return ElementBlock(name, cell, order, ids, in_order(cell, order, rows, reference), role)
+    low = np.array(_FROM.get(cell, [0] * dim))
+    reference = (reference - low) / (1 - low)
+    return ElementBlock(name, cell, order, ids, in_order(cell, order, rows, reference))
 
 
 def _groups(
@@ -89,10 +98,3 @@ def _groups(
             for entity in entities:
                 members += places.get((dim, entity), ())
     return {name: np.concatenate(parts) for name, parts in sets.items() if parts}
-
-
-def _properties(places: Places) -> dict[str, Ints]:
-    """Elements of each property, which gmsh makes an entity of its dimension."""
-    return {
-        f"{_PROPERTIES[dim]} {tag}": np.concatenate(parts) for (dim, tag), parts in places.items()
-    }

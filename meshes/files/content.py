@@ -1,8 +1,8 @@
 """Content of a mesh file, the same for every format: nodes, elements, sets of both, faces."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Role = Literal["solid", "mark", "structural"]
 
-_SAME = 1e-6
-"""Reference nodes nearer than this are one."""
+
+DIVIDED = {"wedge": 6, "pyramid": 5}
+"""Corners of cells that a mesh has as tetrahedra alone (:mod:`meshes.files.tetrahedra`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +28,7 @@ class ElementBlock:
     kind
         What the file calls them, e.g. C3D20R.
     cell
-        Their cell; ``line``, or another word for what no body here can be made of.
+        Their cell, ``wedge``, ``pyramid`` or ``line``; another word for what makes no body.
     order
         Order of their geometry.
     numbers
@@ -35,7 +36,8 @@ class ElementBlock:
     nodes
         Rows of their nodes among the points, (n, n_nodes): in the order of a
         :class:`cea.mesh.Mesh`, -1 where the element has none of its nodes, as in the middle of
-        faces of 20-node hexahedra. Of lines and other elements, as the file has them.
+        faces of 20-node hexahedra. Of wedges and pyramids, corners and middles of edges and faces
+        as VTK lists them; of lines and other elements, as the file has them.
     role
         ``solid``: what bodies are made of, and where solids of more dimensions are there, marks of
         their faces; ``mark``: of faces alone; ``structural``: shells, beams, springs and the like.
@@ -54,18 +56,43 @@ class ElementBlock:
     @property
     def dim(self) -> int:
         """Dimension of its cells; 0 of what is none."""
-        return (
-            1
-            if self.cell == "line"
-            else next((dim for cell, dim in DIMENSION.items() if cell == self.cell), 0)
-        )
+        if self.cell in DIVIDED:
+            return 3
+        return {"line": 1, **{str(cell): dim for cell, dim in DIMENSION.items()}}.get(self.cell, 0)
 
     @property
     def corners(self) -> Ints:
         """Corners of each element, (n, n_corners)."""
         if self.cell not in DIMENSION:
-            return self.nodes[:, :2]  # lines begin with their ends in all formats
+            return self.nodes[:, : DIVIDED.get(self.cell, 2)]  # lines begin with their ends
         return self.nodes[:, corner_places(self.cell, self.order)]
+
+
+class Sets(Mapping[str, Ints]):
+    """Sets by name, each worked out when it is asked for.
+
+    Parameters
+    ----------
+    items
+        What each is made of.
+    make
+        Makes its members of it.
+    """
+
+    def __init__(self, items: Mapping[str, Any], make: Callable[[Any], Ints]) -> None:
+        self._items, self._make = items, make
+
+    def __getitem__(self, name: str) -> Ints:
+        return self._make(self._items[name])
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._items
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +112,10 @@ class FileContent:
     node_sets
         Nodes of each set, as rows of the points.
     face_sets
-        Faces of each set: elements, and which of their facets as :func:`cea.mesh.facet_nodes`
-        counts them, or -1 for all that are free, (n, 2).
+        Faces of each set: elements, and which of their faces, 0 for S1 as
+        :data:`meshes.files.kinds.FACES` counts them, or -1 for all that are free, (n, 2).
+    told
+        What the file has that was left out.
     """
 
     points: Floats
@@ -95,6 +124,7 @@ class FileContent:
     element_sets: Mapping[str, Ints] = field(default_factory=dict)
     node_sets: Mapping[str, Ints] = field(default_factory=dict)
     face_sets: Mapping[str, Ints] = field(default_factory=dict)
+    told: Sequence[str] = ()
 
     @property
     def starts(self) -> Ints:
@@ -131,35 +161,34 @@ def corner_places(cell: Cell | str, order: int) -> Ints:
     return np.flatnonzero(at_corner)
 
 
-def in_order(cell: Cell, order: int, nodes: Ints, reference: Floats) -> Ints:
-    """Nodes of elements in the order of :class:`cea.mesh.Mesh`, -1 where they have none.
-
-    Parameters
-    ----------
-    cell, order
-        Kind of the elements.
-    nodes
-        Their nodes as another program lists them, (n, m).
-    reference
-        Nodes of the reference cell, from 0 to 1, in the order of that program, (m, dim).
-
-    Raises
-    ------
-    InputError
-        When a node of the reference cell is none of a Lagrange cell.
-    """
-    wanted = lattice(DIMENSION[cell], order, cell in SIMPLICES) / order
-    apart = np.linalg.norm(wanted[:, None] - reference, axis=2)
-    found, nearest = apart.min(axis=1) < _SAME, apart.argmin(axis=1)
-    require(
-        len(np.unique(nearest[found])) == len(reference),
-        "file",
-        f"{cell} of {len(reference)} nodes",
-        f"nodes of a Lagrange cell of order {order}, or of one without some of them",
+def without_copies(content: FileContent) -> FileContent:
+    """The content with elements that are there again, for another set, made one with the first."""
+    marks = np.append(node_marks(len(content.points)), np.uint64(0))
+    cells = {cell: i for i, cell in enumerate(sorted({block.cell for block in content.blocks}))}
+    keys = np.concatenate(
+        [np.empty(0, dtype=np.uint64)]
+        + [
+            marks[b.nodes].sum(axis=1, dtype=np.uint64) + np.uint64(cells[b.cell])
+            for b in content.blocks
+        ]
     )
-    ordered = np.full((len(nodes), len(wanted)), -1, dtype=np.int64)
-    ordered[:, found] = nodes[:, nearest[found]]
-    return ordered
+    _, first, same = np.unique(keys, return_index=True, return_inverse=True)
+    if len(first) == len(keys):
+        return content
+    kept = np.zeros(len(keys), dtype=bool)
+    kept[first] = True
+    number = (np.cumsum(kept) - 1)[first][same]
+    blocks = [
+        replace(block, numbers=block.numbers[own], nodes=block.nodes[own])
+        for block, own in zip(content.blocks, np.split(kept, content.starts[1:-1]), strict=True)
+    ]
+    sets = {name: np.unique(number[members]) for name, members in content.element_sets.items()}
+    return replace(content, blocks=blocks, element_sets=sets)
+
+
+def node_marks(n_points: int) -> NDArray[np.uint64]:
+    """A random number for each node: sums tell apart facets without sorting their corners."""
+    return np.random.default_rng(0).integers(2**63, size=n_points, dtype=np.uint64)
 
 
 def rows_of(numbers: Ints, wanted: Ints, what: str) -> Ints:

@@ -1,6 +1,14 @@
 """Run as a program: an Ansys archive, read by mapdl-archive, as arrays in a file of numpy."""
 
+import re
 import sys
+from pathlib import Path
+
+_NODES = re.compile(
+    rb"(?im)^[ \t]*NBLOCK,.*\n(?:[ \t]*\(.*\n)?(?:[ \t]*\d.*\n)*"
+    rb"(?:[ \t]*(?:N,[^\n]*,)?[ \t]*-1.*\n)?"
+)
+"""Nodes from NBLOCK to the line that ends them."""
 
 
 def main(archive: str, arrays: str) -> None:
@@ -18,6 +26,15 @@ def main(archive: str, arrays: str) -> None:
     from mapdl_archive import Archive
 
     read = Archive(archive, parse_vtk=False)
+    numbers, nodes = read.nnum, np.asarray(read.nodes)
+    blocks = _NODES.findall(Path(archive).read_bytes())
+    if len(blocks) > 1:  # of several, the library keeps one
+        one, each = f"{arrays}.cdb", []
+        for block in blocks:
+            Path(one).write_bytes(b"/PREP7\n" + block + b"FINISH\n")
+            each.append(Archive(one, parse_vtk=False))
+        numbers = np.concatenate([part.nnum for part in each])
+        nodes = np.concatenate([part.nodes for part in each])
     components = {
         f"{kind} {name}": numbers
         for kind, of_kind in (("node", read.node_components), ("element", read.element_components))
@@ -26,8 +43,8 @@ def main(archive: str, arrays: str) -> None:
     elements = list(read.elem)
     np.savez(
         arrays,
-        numbers=read.nnum,
-        points=np.asarray(read.nodes)[:, :3],
+        numbers=numbers,
+        points=nodes[:, :3],
         elements=np.concatenate(elements),
         ends=np.cumsum([len(element) for element in elements]),
         types=read.ekey,

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from meshes.mesh_files.content import Floats
+from meshes.files.content import Floats
 
 
 class Spline(NamedTuple):

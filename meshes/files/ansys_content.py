@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from cea.errors import InputError, require
-from meshes.mesh_files.apart import arrays_of
-from meshes.mesh_files.content import ElementBlock, FileContent, Ints, Role, known_rows, rows_of
-from meshes.mesh_files.kinds import KINDS, block
+from meshes.files.apart import arrays_of
+from meshes.files.content import ElementBlock, FileContent, Ints, Role, known_rows, rows_of
+from meshes.files.kinds import block
 
 _HEAD = 10
 """Numbers of an element before its nodes: material, type, ..., its number."""
@@ -19,8 +19,17 @@ _BRICKS = {45: 8, 185: 8, 95: 20, 186: 20}
 _TETRAHEDRA = {285: 4, 92: 10, 187: 10}
 _MARKS = (154, 170, 173, 174, 175, 177)
 """Surface loads, and sides of contacts: they bear nothing of a body."""
-_OF_BRICK = {8: [0, 1, 2, 4], 20: [0, 1, 2, 4, 8, 9, 11, 16, 17, 18]}
-"""Nodes of a tetrahedron among those of a brick whose other nodes fall on them."""
+_OF_BRICK = {
+    ("tetrahedron", 8): [0, 1, 2, 4],
+    ("tetrahedron", 20): [0, 1, 2, 4, 8, 9, 11, 16, 17, 18],
+    ("pyramid", 8): [0, 1, 2, 3, 4],
+    ("pyramid", 20): [0, 1, 2, 3, 4, 8, 9, 10, 11, 16, 17, 18, 19],
+    ("wedge", 8): [0, 1, 2, 4, 5, 6],
+    ("wedge", 20): [0, 1, 2, 4, 5, 6, 8, 9, 11, 12, 13, 15, 16, 17, 18],
+    ("hexahedron", 8): list(range(8)),
+    ("hexahedron", 20): list(range(20)),
+}
+"""Nodes of other elements among those of a brick whose other nodes fall on them."""
 
 
 def ansys_content(file: Path) -> FileContent:
@@ -67,7 +76,7 @@ def ansys_content(file: Path) -> FileContent:
 def _blocks(
     kind: int, numbers: Ints, nodes: Ints, known: Ints
 ) -> list[tuple[ElementBlock, np.ndarray]]:
-    """Elements of a type: bricks, those that are tetrahedra, and others."""
+    """Elements of a type: bricks, those that are other solids, and others."""
     every = np.ones(len(nodes), dtype=bool)
     name = f"type {kind}"
     if kind in _TETRAHEDRA and nodes.shape[1] >= _TETRAHEDRA[kind]:
@@ -76,19 +85,19 @@ def _blocks(
         role: Role = "mark" if kind in _MARKS else "structural"
         none = np.empty((len(nodes), 0), dtype=np.int64)
         return [(ElementBlock(name, "other", 1, numbers, none, role), every)]
-    count = _BRICKS[kind]
-    corners = nodes[:, :8]
-    tetrahedra = (corners[:, 2] == corners[:, 3]) & (corners[:, 4:5] == corners[:, 5:]).all(axis=1)
+    count, corners = _BRICKS[kind], nodes[:, :8]
+    apex = (corners[:, 4:5] == corners[:, 5:]).all(axis=1)
+    triangle, above = corners[:, 2] == corners[:, 3], corners[:, 6] == corners[:, 7]
+    cells = np.select(
+        [apex & triangle, apex, triangle & above],
+        ["tetrahedron", "pyramid", "wedge"],
+        "hexahedron",
+    )
     found = []
-    if (~tetrahedra).any():
-        own = ~tetrahedra
-        brick = _block(name, "hexahedron", count, numbers[own], nodes[own, :count], known)
-        found.append((brick, own))
-    if tetrahedra.any():
-        of_brick = nodes[tetrahedra][:, _OF_BRICK[count]]
-        size = of_brick.shape[1]
-        own_numbers = numbers[tetrahedra]
-        found.append((_block(name, "tetrahedron", size, own_numbers, of_brick, known), tetrahedra))
+    for cell in np.unique(cells).tolist():
+        own, kept = cells == cell, _OF_BRICK[cell, count]
+        listed = nodes[own][:, kept]
+        found.append((_block(name, cell, len(kept), numbers[own], listed, known), own))
     return found
 
 
@@ -99,7 +108,6 @@ def _block(
     if lacks.any():
         worst = f"element {int(numbers[np.argmax(lacks)])}"
         raise InputError("file", worst, "elements with the middles of all edges")
-    assert f"{cell}{count}" in KINDS
     return block(name, f"{cell}{count}", numbers, rows_of(known, nodes[:, :count], "a node"))
 
 

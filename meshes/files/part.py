@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -10,8 +11,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from cea.errors import InputError, require
-from cea.mesh import DIMENSION, Cell
-from meshes.mesh_files.content import FileContent, Floats, Ints, corner_places, shown
+from cea.mesh import Cell
+from meshes.files.content import DIVIDED, ElementBlock, FileContent, Floats, Ints, Sets, shown
 
 _SAME = 1e-6
 """Distance below which nodes are one, relative to the shortest edge."""
@@ -21,49 +22,62 @@ _FLAT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Elements of one kind that make a body.
+    """Elements that make a body.
 
     Parameters
     ----------
-    cell, order
-        Their kind.
+    blocks
+        The elements, one block for each kind of cell.
     elements
-        Which they are, counted through the blocks of the file, rising, (n,).
-    numbers
-        Their numbers in the file, (n,).
-    nodes
-        Their nodes in the order of :class:`cea.mesh.Mesh`, -1 where they have none,
-        (n, n_nodes).
+        Which they are, counted through the blocks of the file, in the order of these blocks, (n,).
     """
 
-    cell: Cell
-    order: int
+    blocks: tuple[ElementBlock, ...]
     elements: Ints
-    numbers: Ints
-    nodes: Ints
+
+    @property
+    def is_divided(self) -> bool:
+        """Whether its mesh has its elements divided into tetrahedra."""
+        return len(self.blocks) > 1 or self.blocks[0].cell in DIVIDED
+
+    @property
+    def cell(self) -> Cell:
+        """Cells of its mesh."""
+        return "tetrahedron" if self.is_divided else self.blocks[0].cell  # type: ignore[return-value]
+
+    @property
+    def order(self) -> int:
+        """Order of their geometry."""
+        return self.blocks[0].order
 
     @property
     def dim(self) -> int:
         """Dimension of its cells."""
-        return DIMENSION[self.cell]
+        return self.blocks[0].dim
 
-    @property
-    def corners(self) -> Ints:
-        """Corners of its cells, (n, n_corners)."""
-        return self.nodes[:, corner_places(self.cell, self.order)]
+    @cached_property
+    def numbers(self) -> Ints:
+        """Numbers of its elements in the file, (n,)."""
+        return np.concatenate([block.numbers for block in self.blocks])
+
+    @cached_property
+    def used(self) -> Ints:
+        """Nodes that it has in the file, as rows of the points, rising."""
+        nodes = np.unique(np.concatenate([block.nodes.ravel() for block in self.blocks]))
+        return nodes[nodes >= 0]
 
     @property
     def incomplete(self) -> bool:
         """Whether its elements have not all nodes of Lagrange cells, as 20-node hexahedra."""
-        return bool((self.nodes < 0).any())
+        return any(bool((block.nodes < 0).any()) for block in self.blocks)
 
 
-_SOLIDS = "triangles, quadrilaterals, tetrahedra or hexahedra"
+_SOLIDS = "triangles, quadrilaterals, tetrahedra, pyramids, wedges or hexahedra"
 """Elements that bodies are made of."""
 
 
 def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[str] = ()) -> Part:
-    """Elements of a set, or all solid ones of a file, checked to be of one kind.
+    """Elements of a set, or all solid ones of a file, checked to be those of a body.
 
     Parameters
     ----------
@@ -79,8 +93,8 @@ def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[s
     Raises
     ------
     InputError
-        When there is no such set, it has no solid elements, wedges or pyramids, or solid elements
-        of several kinds, or has shells, beams and the like, whose stiffness would be lost.
+        When there is no such set, it has no solid elements, or some that no mesh is made of, or has
+        shells, beams and the like, whose stiffness would be lost.
     """
     starts, dim = content.starts, content.dim
     chosen = np.ones(starts[-1], dtype=bool)
@@ -94,36 +108,42 @@ def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[s
         taken[content.element_sets.get(mark, np.empty(0, dtype=int))] = True
     of_block = [chosen[a:b] for a, b in pairwise(starts)]
     free = [(chosen & ~taken)[a:b] for a, b in pairwise(starts)]
-    blocks = list(zip(content.blocks, of_block, free, starts, strict=False))
+    every = list(zip(content.blocks, of_block, free, starts, strict=False))
 
-    others = {b.kind for b, _, left, _ in blocks if b.role == "structural" and left.any()}
+    others = {b.kind for b, _, left, _ in every if b.role == "structural" and left.any()}
     if others:
         allowed = f"a set of solid elements alone, here are {shown(sorted(others))} too"
         raise InputError("part", name, f"{allowed}; sets: {shown(content.element_sets)}")
     solid = [
         (b, own, start)
-        for b, own, _, start in blocks
+        for b, own, _, start in every
         if b.role == "solid" and own.any() and b.dim in (0, dim)
     ]
-    cells = {(b.cell, b.order) for b, _, _ in solid}
+    cells = sorted({(b.cell, b.order) for b, _, _ in solid})
     kinds = shown(sorted({b.kind for b, _, _ in solid}))
     strange = shown(sorted({b.kind for b, _, _ in solid if b.dim == 0}))
-    if strange != "none" and not any(b.dim == 3 for b, _, _ in solid):
+    if strange != "none":
         where = f" in the part {name}" if name else ""
-        allowed = f"solid elements that are {_SOLIDS}"
-        raise InputError("file", f"{file}: {strange}{where}", allowed)
-    if len(cells) != 1 or dim < 2 or any(b.dim == 0 for b, _, _ in solid):
-        allowed = f"solid elements of one kind, {_SOLIDS}; in {file} are: {kinds}"
+        raise InputError("file", f"{file}: {strange}{where}", f"solid elements that are {_SOLIDS}")
+    orders = {order for _, order in cells}
+    mixed = len(cells) > 1 or (len(cells) == 1 and cells[0][0] in DIVIDED)
+    if dim < 2 or not cells or (mixed and (dim < 3 or len(orders) > 1 or max(orders) > 2)):
+        allowed = (
+            f"solid elements, {_SOLIDS}, of one kind; or of several in space, all of order 1 or "
+            f"all of order 2; in {file} are: {kinds}"
+        )
         sets = shown(content.element_sets)
         raise InputError("part", name, f"{allowed}; sets of elements: {sets}")
-    ((cell, order),) = cells
-    return Part(
-        cell,  # type: ignore[arg-type]  # one of a dimension
-        order,
-        np.concatenate([start + np.flatnonzero(own) for _, own, start in solid]),
-        np.concatenate([b.numbers[own] for b, own, _ in solid]),
-        np.concatenate([b.nodes[own] for b, own, _ in solid]),
-    )
+    blocks, elements = [], []
+    for cell, order in cells:
+        alike = [(b, own, start) for b, own, start in solid if (b.cell, b.order) == (cell, order)]
+        numbers, nodes = (
+            np.concatenate([getattr(b, field)[own] for b, own, _ in alike])
+            for field in ("numbers", "nodes")
+        )
+        blocks.append(ElementBlock(alike[0][0].kind, cell, order, numbers, nodes))
+        elements += [start + np.flatnonzero(own) for _, own, start in alike]
+    return Part(tuple(blocks), np.concatenate(elements))
 
 
 def merged(content: FileContent, distance: float) -> FileContent:
@@ -146,7 +166,7 @@ def merged(content: FileContent, distance: float) -> FileContent:
     np.minimum.at(first, group, np.arange(n))
     number = np.append(first[group], -1)  # the last one stands for nodes that are not there
     blocks = [replace(block, nodes=number[block.nodes]) for block in content.blocks]
-    sets = {name: np.unique(number[rows]) for name, rows in content.node_sets.items()}
+    sets = Sets(content.node_sets, lambda rows: np.unique(number[rows]))
     return replace(content, blocks=blocks, node_sets=sets)
 
 
@@ -158,14 +178,16 @@ def check_nodes(content: FileContent, part: Part, name: str | None) -> None:
     InputError
         Naming part, or merge_nodes.
     """
-    used = np.unique(part.nodes[part.nodes >= 0])
-    x, corners = content.points, part.corners
-    edges = _edges(x, corners)
-    twice = (np.diff(np.sort(corners, axis=1), axis=1) == 0).any(axis=1)
-    if twice.any() or not edges.min() > 0:
-        worst = int(part.numbers[np.argmax(twice) if twice.any() else np.argmin(edges)])
-        raise InputError("file", f"element {worst}", "elements whose corners are apart")
-    pairs = cKDTree(x[used]).query_pairs(_SAME * edges.min(), output_type="ndarray")
+    used, x, shortest = part.used, content.points, np.inf
+    for block in part.blocks:
+        corners = block.corners
+        edges = _edges(x, corners)
+        twice = (np.diff(np.sort(corners, axis=1), axis=1) == 0).any(axis=1)
+        if twice.any() or not edges.min() > 0:
+            worst = int(block.numbers[np.argmax(twice) if twice.any() else np.argmin(edges)])
+            raise InputError("file", f"element {worst}", "elements whose corners are apart")
+        shortest = min(shortest, float(edges.min()))
+    pairs = cKDTree(x[used]).query_pairs(_SAME * shortest, output_type="ndarray")
     told = f"{len(pairs)} pairs of nodes lie in one place"
     bodies = _bodies(part, len(x))
     if bodies > 1:
@@ -192,9 +214,10 @@ def _edges(points: Floats, corners: Ints) -> Floats:
 
 def _bodies(part: Part, n_points: int) -> int:
     """Number of groups of cells that share no nodes."""
-    n, per_cell = part.corners.shape
-    rows = np.repeat(np.arange(n), per_cell)
-    columns = n + part.corners.ravel()
+    n = len(part.elements)
+    counts = np.concatenate([np.full(len(b), b.corners.shape[1]) for b in part.blocks])
+    rows = np.repeat(np.arange(n), counts)
+    columns = n + np.concatenate([block.corners.ravel() for block in part.blocks])
     size = n + n_points
     graph = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(size, size))
     _, group = connected_components(graph, directed=False)
