@@ -300,8 +300,7 @@ def _placed(points: Floats, instance: _Instance) -> Floats:
     allowed = "a line of a translation, and one of two points of an axis and an angle"
     sizes = [len(line) for line in lines]
     told = f"*INSTANCE, NAME={instance.name}"
-    finite = bool(np.isfinite([each for line in lines for each in line]).all())
-    require(sizes in ([], [3], [3, 7]) and finite, "file", told, allowed)
+    require(sizes in ([], [3], [3, 7]), "file", told, allowed)
     if sizes:
         points = points + lines[0]
     if len(sizes) > 1:

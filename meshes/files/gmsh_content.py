@@ -64,7 +64,6 @@ def gmsh_content(file: Path, *, shells_bear: bool = False) -> FileContent:
     what, numbers = json.loads(arrays["what"].item()), arrays["tags"]
     require(len(numbers) > 0, "file", "no nodes", "a mesh")
     points = arrays["positions"].reshape(-1, 3)
-    require(bool(np.isfinite(points).all()), "file", "nodes", "finite coordinates")
     blocks: list[ElementBlock] = []
     places: dict[tuple[int, int], list[Ints]] = {}
     count = 0

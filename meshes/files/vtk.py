@@ -171,8 +171,7 @@ def _positions(points: np.ndarray) -> Floats:
     """Points in space."""
     given = np.asarray(points, dtype=float)
     fits = given.ndim == 2 and given.shape[1] in (2, 3) and len(given) > 0
-    fits = fits and bool(np.isfinite(given).all())
-    require(fits, "file", given.shape, "a mesh with points, of finite coordinates")
+    require(fits, "file", given.shape, "a mesh with points")
     positions = np.zeros((len(given), 3))
     positions[:, : given.shape[1]] = given
     return positions
