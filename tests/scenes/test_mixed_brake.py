@@ -19,7 +19,7 @@ def modes(folder, size, order, *, wedges, friction):
     result = run_modes(read_scene(scene(file, friction=friction)))
     assert ("mixed elements" in result.skipped) == wedges
     return np.sort(result.modes.frequencies)[:COUNT], sum(
-        verdict == "unstable" for verdict in result.modes.verdicts
+        verdict == "unstable" for verdict in result.modes.verdicts()
     )
 
 
