@@ -36,11 +36,6 @@ def ansys_content(file: Path) -> FileContent:
     """Nodes, elements and components of an archive.
 
     Elements of each material and type are sets as well, ``material 1`` and ``type 2``.
-
-    Raises
-    ------
-    InputError
-        When mapdl-archive is not installed, or cannot read the file.
     """
     if find_spec("mapdl_archive") is None:
         allowed = "mapdl-archive to read it: python -m pip install 'friction-cea[meshes]'"

@@ -45,21 +45,7 @@ Places = Mapping[tuple[int, int], Sequence[Ints]]
 
 
 def gmsh_content(file: Path, *, shells_bear: bool = False) -> FileContent:
-    """Nodes, elements and physical groups of a file.
-
-    Parameters
-    ----------
-    file
-        The file.
-    shells_bear
-        Whether elements of less dimensions are shells and beams rather than marks of faces; sets
-        are then those of the properties, as ``PSOLID 3``.
-
-    Raises
-    ------
-    InputError
-        When gmsh cannot read it, there are no nodes, or nodes of elements lack.
-    """
+    """Nodes, elements and physical groups of a file."""
     arrays = arrays_of("gmsh_program", file)
     what, numbers = json.loads(arrays["what"].item()), arrays["tags"]
     require(len(numbers) > 0, "file", "no nodes", "a mesh")

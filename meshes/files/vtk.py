@@ -39,11 +39,6 @@ def vtu_content(file: Path) -> FileContent:
 
     Whole-number fields on cells or on nodes stand for sets: those with the value 3 of the field
     ``part`` are the set ``part 3``; those that are not 0 where it takes only 0 and 1, ``part`` too.
-
-    Raises
-    ------
-    InputError
-        When meshio is not installed, or cannot read the file.
     """
     try:
         from meshio import vtu
@@ -83,11 +78,6 @@ def xdmf_content(file: Path) -> FileContent:
 
     All grids are read on the points of the first: tags that dolfinx writes are fields on grids of
     their own, whose cells are those of the mesh, or mark its faces.
-
-    Raises
-    ------
-    InputError
-        When h5py is needed and not installed, or the file is not as its format has it.
     """
     root = ElementTree.parse(file).getroot()
     geometry = next(root.iter("Geometry"))
@@ -104,7 +94,7 @@ def xdmf_content(file: Path) -> FileContent:
         n = sum(map(len, own))
         for center, found, size in (("Cell", sets, n), ("Node", of_nodes, len(points))):
             fields = {
-                each.get("Name", ""): np.squeeze(_item(file, each))
+                each.get("Name", ""): _item(file, each).ravel()
                 for each in grid.iter("Attribute")
                 if each.get("Center", "Node") == center
             }
@@ -156,8 +146,13 @@ def _item(file: Path, parent: ElementTree.Element) -> np.ndarray:
         name, _, place = text.partition(":")
         with h5py.File(file.parent / name, "r") as store:
             return np.asarray(store[place]).reshape(shape)
-    require(form == "XML", "file", f"a DataItem of format {form}", "XML or HDF")
     kind = item.get("NumberType", item.get("DataType", "Float"))
+    if form == "Binary":
+        order = {"Little": "<", "Big": ">"}.get(item.get("Endian", ""), "=")
+        letter = {"Int": "i", "UInt": "u", "Float": "f"}.get(kind, "")
+        dtype = np.dtype(f"{order}{letter}{item.get('Precision', 4)}")
+        return np.fromfile(file.parent / text, dtype).reshape(shape)
+    require(form == "XML", "file", f"a DataItem of format {form}", "XML, HDF or Binary")
     whole = kind in ("Int", "UInt", "Char", "UChar")
     return np.array(text.split(), dtype=np.int64 if whole else np.float64).reshape(shape)
 
