@@ -4,6 +4,8 @@ from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
+
 from cea.errors import InputError, require
 from meshes.files.content import FileContent
 from meshes.files.gmsh_content import gmsh_content
@@ -12,6 +14,8 @@ from meshes.files.state import checked_state
 
 _KEPT = 4
 """Files whose content is kept, for the bodies of a scene."""
+_FARTHEST = 1e50
+"""Coordinates whose squares and cubes are numbers."""
 _LARGEST = 2**33
 """Bytes of a file."""
 _WORDLESS = (TypeError, LookupError, AttributeError, AssertionError)
@@ -44,7 +48,10 @@ def _content(file: Path, _changed: int, _size: int) -> FileContent:
     if reader is None:
         raise InputError("file", str(file), f"one that ends in {', '.join(_READERS)}")
     try:
-        return reader(file)
+        content = reader(file)
+        fits = bool((np.abs(content.points) < _FARTHEST).all())
+        require(fits, "file", "nodes", f"finite coordinates, below {_FARTHEST:g}")
+        return content
     except InputError as error:
         name = f"{file.name}: {error.value}" if error.value != str(file) else error.value
         raise InputError("file", name, error.allowed) from None

@@ -8,40 +8,23 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cea.errors import InputError, require
 from meshes.files.abaqus_deck import Keyword, keywords_of
+from meshes.files.abaqus_scope import Scope, Type
 from meshes.files.content import (
     ElementBlock,
     FileContent,
     Floats,
     Ints,
-    Role,
     Sets,
     known_rows,
-    rows_of,
 )
-from meshes.files.kinds import FACES, KINDS, block
+from meshes.files.kinds import FACES
 
-Type = Literal["node", "element", "surface"]
-
-_SOLID = re.compile(r"C3D(4|5|6|8|10|13|15|20)(?!V)[A-Z]*")
-_PLANE = re.compile(r"(CPE|CPS|SFM3D)(3|4|6|8)[A-Z]*")
-_SHELL = re.compile(r"(S|STRI|DS|M3D|R3D)(3|4|6|8)[A-Z0-9]*")
-_OTHER_SOLIDS = ("C3D15V", "C3D27")
-"""Wedges and hexahedra that may have nodes in the middles of some faces, not of others."""
-_OF_SOLID = {4: "tetrahedron", 10: "tetrahedron", 5: "pyramid", 13: "pyramid"}
-_OF_SOLID |= {6: "wedge", 15: "wedge", 8: "hexahedron", 20: "hexahedron"}
-_OF_PLANE = {3: "triangle", 6: "triangle", 4: "quadrilateral", 8: "quadrilateral"}
-_NOT_READ = (
-    *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"),
-    *("PARAMETER", "IMPORT", "IMPERFECTION"),
-)
-"""Keywords that make, move or bring along nodes and elements."""
 _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INPUT")
 _DEEPEST = 20
 """Sets that are members of one another."""
@@ -74,125 +57,13 @@ class Labels[Item](Mapping[str, Item]):
 
 
 @dataclass
-class _Scope:
-    """What a part holds, or a deck outside of parts.
-
-    Parameters
-    ----------
-    nodes
-        Numbers and positions of nodes, keyword by keyword.
-    elements
-        Elements, keyword by keyword; their nodes as numbers, not rows.
-    sets
-        Name, and numbers or what lists them, of sets of each type and of surfaces.
-    told
-        What was not taken from the deck.
-    """
-
-    nodes: list[tuple[Ints, Floats]] = field(default_factory=list)
-    elements: list[ElementBlock] = field(default_factory=list)
-    sets: dict[Type, list[tuple[str, Keyword | Ints]]] = field(
-        default_factory=lambda: {"node": [], "element": [], "surface": []}
-    )
-    told: list[str] = field(default_factory=list)
-
-    def take(self, keyword: Keyword) -> None:
-        """Take in what a keyword holds; keywords that say nothing of the mesh are passed over.
-
-        Raises
-        ------
-        InputError
-            When it is not as the format has it, or generates nodes or elements.
-        """
-        match keyword.name:
-            case "NODE":
-                keyword.check("NSET", "SYSTEM", "INPUT")
-                system = keyword.parameters.get("SYSTEM", "R").upper()
-                require(system == "R", "file", f"*NODE, SYSTEM={system}", "cartesian coordinates")
-                self.nodes.append(keyword.nodes())
-                if name := keyword.parameters.get("NSET"):
-                    self.sets["node"].append((name, self.nodes[-1][0]))
-            case "ELEMENT":
-                keyword.check("TYPE", "ELSET", "INPUT")
-                self.elements.append(self._elements(keyword))
-                if name := keyword.parameters.get("ELSET"):
-                    self.sets["element"].append((name, self.elements[-1].numbers))
-            case "NSET":
-                self.sets["node"].append((keyword.needed("NSET"), keyword))
-            case "ELSET":
-                self.sets["element"].append((keyword.needed("ELSET"), keyword))
-            case "SURFACE":
-                self._take_surface(keyword)
-            case name if name in _NOT_READ:
-                allowed = "a deck that lists nodes and elements: write it out without this keyword"
-                raise InputError("file", f"*{name}", allowed)
-
-    def and_also(self, other: "_Scope") -> "_Scope":
-        """What both hold."""
-        sets = {each: self.sets[each] + other.sets[each] for each in self.sets}
-        return _Scope(self.nodes + other.nodes, self.elements + other.elements, sets)
-
-    def numbered(self) -> tuple[Ints, Floats]:
-        """Numbers and positions of all nodes; the last of those given again."""
-        if not self.nodes:
-            return np.empty(0, dtype=np.int64), np.empty((0, 3))
-        numbers, points = (np.concatenate(parts) for parts in zip(*self.nodes, strict=True))
-        last, place = np.unique(numbers[::-1], return_index=True)
-        return last, points[::-1][place]
-
-    def blocks(self, numbers: Ints, first: int) -> Iterator[ElementBlock]:
-        """Elements whose nodes are rows, counted from the first, of the nodes of given numbers."""
-        for each in self.elements:
-            rows = np.full(each.nodes.shape, -1, dtype=np.int64)
-            there = each.nodes >= 0
-            rows[there] = first + rows_of(numbers, each.nodes[there], "a node")
-            yield replace(each, nodes=rows)
-
-    def _elements(self, keyword: Keyword) -> ElementBlock:
-        kind = keyword.needed("TYPE").upper()
-        role, known = _known(kind)
-        if not known:
-            numbers = keyword.element_numbers()
-            none = np.empty((len(numbers), 0), dtype=np.int64)
-            return ElementBlock(kind, "other", 1, numbers, none, role)
-        rows, longer = keyword.elements(len(KINDS[known].groups))
-        if longer:
-            self.told.append(f"numbers behind the nodes of {longer} elements {kind}")
-        return block(kind, known, rows[:, 0], rows[:, 1:], role=role)
-
-    def _take_surface(self, keyword: Keyword) -> None:
-        name, of = keyword.needed("NAME"), keyword.parameters.get("TYPE", "ELEMENT").upper()
-        if of == "NODE":
-            parameters = {
-                key: v for key, v in keyword.parameters.items() if key not in ("TYPE", "NAME")
-            }
-            firsts = "\n".join(line[0] for line in keyword.lines).encode()  # areas follow
-            self.sets["node"].append((name, Keyword("SURFACE", parameters, firsts)))
-        elif of == "ELEMENT":
-            self.sets["surface"].append((name, keyword))
-
-
-def _known(kind: str) -> tuple[Role, str]:
-    """Role of a type of element, and its name in the table of kinds; none where it is not there."""
-    if match := _SOLID.fullmatch(kind):
-        nodes = int(match[1])
-        return "solid", f"{_OF_SOLID[nodes]}{nodes}"
-    for plane in (_PLANE, _SHELL):
-        if match := plane.fullmatch(kind):
-            nodes = int(match[2])
-            role: Role = "mark" if plane is _PLANE else "structural"
-            return "solid" if match[1] == "CPE" else role, f"{_OF_PLANE[nodes]}{nodes}"
-    return "solid" if kind.startswith(_OTHER_SOLIDS) else "structural", ""
-
-
-@dataclass
 class _Instance:
     """A part put in place."""
 
     name: str
     part: str
     placing: list[list[str]] = field(default_factory=list)
-    own: _Scope = field(default_factory=_Scope)
+    own: Scope = field(default_factory=Scope)
 
 
 @dataclass(eq=False)
@@ -213,11 +84,6 @@ def abaqus_content(file: Path) -> FileContent:
     Sets and surfaces of parts have the name they have there, those of several instances together;
     and, behind the name of the instance and a dot, those of each. All elements of an instance are a
     set by its name.
-
-    Raises
-    ------
-    InputError
-        When it is not as the format has it.
     """
     flat, parts, instances = _scopes(file)
     if not instances:
@@ -249,15 +115,15 @@ def abaqus_content(file: Path) -> FileContent:
     return _Resolver(content, places).with_sets()
 
 
-def _scopes(file: Path) -> tuple[_Scope, dict[str, _Scope], list[_Instance]]:
+def _scopes(file: Path) -> tuple[Scope, dict[str, Scope], list[_Instance]]:
     """What stands outside of parts, each part, and the instances of parts."""
-    flat, parts, instances = _Scope(), dict[str, _Scope](), list[_Instance]()
+    flat, parts, instances = Scope(), dict[str, Scope](), list[_Instance]()
     inside = flat
     for keyword in keywords_of(file):
         match keyword.name:
             case "PART":
                 keyword.check("NAME", "INTERNAL")
-                inside = parts.setdefault(keyword.needed("NAME").upper(), _Scope())
+                inside = parts.setdefault(keyword.needed("NAME").upper(), Scope())
             case "INSTANCE":
                 keyword.check("NAME", "PART", "NSET", "ELSET", "INTERNAL")
                 name, part = keyword.needed("NAME"), keyword.needed("PART")
@@ -300,8 +166,7 @@ def _placed(points: Floats, instance: _Instance) -> Floats:
     allowed = "a line of a translation, and one of two points of an axis and an angle"
     sizes = [len(line) for line in lines]
     told = f"*INSTANCE, NAME={instance.name}"
-    finite = bool(np.isfinite([each for line in lines for each in line]).all())
-    require(sizes in ([], [3], [3, 7]) and finite, "file", told, allowed)
+    require(sizes in ([], [3], [3, 7]), "file", told, allowed)
     if sizes:
         points = points + lines[0]
     if len(sizes) > 1:
@@ -330,13 +195,7 @@ class _Resolver:
         self._made: dict[tuple[Type, str, str], Ints] = {}
 
     def with_sets(self) -> FileContent:
-        """The content with its sets, after a look at the names in them.
-
-        Raises
-        ------
-        InputError
-            When a set has one as a member that is not there.
-        """
+        """The content with its sets, after a look at the names in them."""
         for key, place in self.places.items():
             for kind in ("node", "element"):
                 for name in place.sets[kind]:
@@ -368,13 +227,7 @@ class _Resolver:
         return np.unique(np.concatenate([*parts]), axis=0)
 
     def members(self, kind: Type, key: str, name: str) -> Ints:
-        """Rows of nodes, elements, or faces (n, 2) of a set, of an instance or with its name.
-
-        Raises
-        ------
-        InputError
-            When it is not there, or as a keyword has it that is not read.
-        """
+        """Rows of nodes, elements, or faces (n, 2) of a set, of an instance or with its name."""
         place = self.places[key]
         instance, dot, inner = name.partition(".")
         if name not in place.sets[kind]:

@@ -39,25 +39,13 @@ class Keyword:
     data: bytes
 
     def needed(self, parameter: str) -> str:
-        """Value of a parameter.
-
-        Raises
-        ------
-        InputError
-            Where it lacks.
-        """
+        """Value of a parameter."""
         value = self.parameters.get(parameter, "")
         require(bool(value), "file", f"*{self.name}", f"a keyword with {parameter}=")
         return value
 
     def check(self, *known: str) -> None:
-        """Refuse parameters that may change what is meant in a way that is not known.
-
-        Raises
-        ------
-        InputError
-            Naming the first of them.
-        """
+        """Refuse parameters that may change what is meant in a way that is not known."""
         for name, value in self.parameters.items():
             if name not in known:
                 told = f"*{self.name}, {name}" + (f"={value}" if value else "")
@@ -72,13 +60,7 @@ class Keyword:
         return [row for row in rows if any(row)]
 
     def nodes(self) -> tuple[Ints, Floats]:
-        """Numbers and positions of nodes, (n,) and (n, 3); coordinates left out are zero.
-
-        Raises
-        ------
-        InputError
-            Where something else stands there.
-        """
+        """Numbers and positions of nodes, (n,) and (n, 3); coordinates left out are zero."""
         rows = self._numeric_lines()
         most = max(map(len, rows), default=0)
         allowed = "a number and coordinates in each line, and a direction at most"
@@ -94,11 +76,6 @@ class Keyword:
 
         An element ends with the line on which it has all its nodes, or with what goes on behind
         them after a comma.
-
-        Raises
-        ------
-        InputError
-            Where one has too few, or other things than whole numbers stand there.
         """
         width, longer, whole = size + 1, 0, True
         fields: list[bytes] = []
@@ -129,13 +106,7 @@ class Keyword:
         return self._whole(self._floats(found))
 
     def members(self) -> tuple[Ints, list[str]]:
-        """Numbers that a set has, and names of other sets.
-
-        Raises
-        ------
-        InputError
-            Where GENERATE stands for no numbers.
-        """
+        """Numbers that a set has, and names of other sets."""
         if "GENERATE" in self.parameters:
             ranges = [self._range(line) for line in self.lines]
             return np.concatenate([np.empty(0, dtype=np.int64), *ranges]), []
@@ -178,11 +149,6 @@ def keywords_of(file: Path) -> Iterator[Keyword]:
 
     Files in files are looked for in the folder of the deck, as Abaqus and CalculiX do, then in that
     of the file that names them; backslashes in their names separate folders.
-
-    Raises
-    ------
-    InputError
-        When a file cannot be read, or files include one another.
     """
     yield from _keywords(file, (file,))
 

@@ -36,11 +36,6 @@ def ansys_content(file: Path) -> FileContent:
     """Nodes, elements and components of an archive.
 
     Elements of each material and type are sets as well, ``material 1`` and ``type 2``.
-
-    Raises
-    ------
-    InputError
-        When mapdl-archive is not installed, or cannot read the file.
     """
     if find_spec("mapdl_archive") is None:
         allowed = "mapdl-archive to read it: python -m pip install 'friction-cea[meshes]'"
@@ -51,7 +46,6 @@ def ansys_content(file: Path) -> FileContent:
     starts = np.concatenate([[0], ends[:-1]])
     count = ends - starts - _HEAD
     require(len(count) > 0 and count.min() > 0, "file", str(file), "nodes of every element")
-    require(bool(np.isfinite(points).all()), "file", str(file), "finite coordinates")
     heads = data[starts[:, None] + np.arange(_HEAD)]
     types = dict(arrays["types"].tolist())
     known, place = np.unique(heads[:, 1], return_inverse=True)

@@ -16,24 +16,7 @@ from meshes.files.tetrahedra import completed, tetrahedra
 def body_mesh(
     content: FileContent, own: Part, faces: Mapping[str, Sequence[str]], name: str | None = None
 ) -> Mesh:
-    """Mesh of a part of a file, in its unit.
-
-    Parameters
-    ----------
-    content
-        The file.
-    own
-        Its elements that make the body.
-    faces
-        Sets of each named surface (:func:`meshes.files.surfaces.surface_faces`).
-    name
-        Set that they are, for messages.
-
-    Raises
-    ------
-    InputError
-        Naming file, part, merge_nodes or faces.
-    """
+    """Mesh of a part of a file, in its unit."""
     check_nodes(content, own, name)
     points = content.points[:, : own.dim]
     if own.is_divided:

@@ -18,24 +18,7 @@ _AT_ONCE = 20_000
 
 
 def check_elements(cell: Cell, order: int, points: Floats, cells: Ints, numbers: Ints) -> None:
-    """Refuse elements whose Jacobian is not positive; in the plane, does not keep its sign.
-
-    Parameters
-    ----------
-    cell, order
-        Their kind.
-    points
-        Positions of the nodes, (n, dim).
-    cells
-        Their nodes in the order of :class:`cea.mesh.Mesh`, (n_cells, n_nodes).
-    numbers
-        Their numbers in the file.
-
-    Raises
-    ------
-    InputError
-        Telling the first of them by its number.
-    """
+    """Refuse elements whose Jacobian is not positive; in the plane, does not keep its sign."""
     dim, slopes = DIMENSION[cell], _slopes(cell, order)
     least, most = np.empty(len(cells)), np.empty(len(cells))
     for start in range(0, len(cells), _AT_ONCE):
@@ -58,20 +41,6 @@ def check_matching(cell: Cell, order: int, cells: Ints, numbers: Ints) -> None:
 
     Two cells may have one edge with two nodes in its middle, or two edges with one; in simplices
     in space, the triangles on both sides of a square may be cut along different diagonals.
-
-    Parameters
-    ----------
-    cell, order
-        Their kind.
-    cells
-        Their nodes in the order of :class:`cea.mesh.Mesh`, (n_cells, n_nodes).
-    numbers
-        Numbers of their elements in the file, (n_cells,).
-
-    Raises
-    ------
-    InputError
-        Telling the first of them by its number.
     """
     marks = node_marks(int(cells.max()) + 1)
     wrong = _middles_apart(cell, cells, marks) if order == 2 else None

@@ -192,13 +192,7 @@ def node_marks(n_points: int) -> NDArray[np.uint64]:
 
 
 def rows_of(numbers: Ints, wanted: Ints, what: str) -> Ints:
-    """Rows of wanted numbers among numbers in any order, of any shape.
-
-    Raises
-    ------
-    InputError
-        When there is no such number, or it is there twice.
-    """
+    """Rows of wanted numbers among numbers in any order, of any shape."""
     order = np.argsort(numbers, kind="stable")
     rising = numbers[order]
     twice = np.flatnonzero(np.diff(rising) == 0)

@@ -42,23 +42,11 @@ Places = Mapping[tuple[int, int], Sequence[Ints]]
 
 
 def gmsh_content(file: Path) -> FileContent:
-    """Nodes, elements and physical groups of a file.
-
-    Parameters
-    ----------
-    file
-        The file.
-
-    Raises
-    ------
-    InputError
-        When gmsh cannot read it, there are no nodes, or nodes of elements lack.
-    """
+    """Nodes, elements and physical groups of a file."""
     arrays = arrays_of("gmsh_program", file)
     what, numbers = json.loads(arrays["what"].item()), arrays["tags"]
     require(len(numbers) > 0, "file", "no nodes", "a mesh")
     points = arrays["positions"].reshape(-1, 3)
-    require(bool(np.isfinite(points).all()), "file", "nodes", "finite coordinates")
     blocks: list[ElementBlock] = []
     places: dict[tuple[int, int], list[Ints]] = {}
     count = 0

@@ -147,22 +147,7 @@ def facet_sides(cell: Cell, order: int) -> Ints:
 
 
 def in_order(cell: str, order: int, nodes: Ints, reference: Floats) -> Ints:
-    """Nodes of elements in the order of :class:`ElementBlock`, -1 where they have none.
-
-    Parameters
-    ----------
-    cell, order
-        Kind of the elements.
-    nodes
-        Their nodes as another program lists them, (n, m).
-    reference
-        Nodes of the reference cell, from 0 to 1, in the order of that program, (m, dim).
-
-    Raises
-    ------
-    InputError
-        When a node of the reference cell is none of a Lagrange cell.
-    """
+    """Nodes of elements in the order of :class:`ElementBlock`, -1 where they have none."""
     wanted = wanted_nodes(cell, order)
     apart = np.linalg.norm(wanted[:, None] - reference, axis=2)
     found, nearest = apart.min(axis=1) < _SAME, apart.argmin(axis=1)

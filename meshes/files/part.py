@@ -77,25 +77,7 @@ _SOLIDS = "triangles, quadrilaterals, tetrahedra, pyramids, wedges or hexahedra"
 
 
 def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[str] = ()) -> Part:
-    """Elements of a set, or all solid ones of a file, checked to be those of a body.
-
-    Parameters
-    ----------
-    content
-        The file.
-    file
-        Its name, for messages.
-    name
-        The set; None for all.
-    marks
-        Sets of elements that the body takes as marks of its faces.
-
-    Raises
-    ------
-    InputError
-        When there is no such set, it has no solid elements, or some that no mesh is made of, or has
-        shells, beams and the like, whose stiffness would be lost.
-    """
+    """Elements of a set, or all solid ones of a file, checked to be those of a body."""
     starts, dim = content.starts, content.dim
     chosen = np.ones(starts[-1], dtype=bool)
     if name is not None:
@@ -147,13 +129,7 @@ def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[s
 
 
 def merged(content: FileContent, distance: float) -> FileContent:
-    """The content with nodes nearer than a distance (unit of the file) made one.
-
-    Raises
-    ------
-    InputError
-        When the distance is not small beside the edges of elements.
-    """
+    """The content with nodes nearer than a distance (unit of the file) made one."""
     cells = [block.corners for block in content.blocks if block.dim > 1 and len(block)]
     shortest = min((float(_edges(content.points, c).min()) for c in cells), default=np.inf)
     allowed = f"less than half the shortest edge of an element, {shortest:g}"
@@ -171,13 +147,7 @@ def merged(content: FileContent, distance: float) -> FileContent:
 
 
 def check_nodes(content: FileContent, part: Part, name: str | None) -> None:
-    """Refuse parts that fall apart, nodes in one place, and plane meshes out of their plane.
-
-    Raises
-    ------
-    InputError
-        Naming part, or merge_nodes.
-    """
+    """Refuse parts that fall apart, nodes in one place, and plane meshes out of their plane."""
     used, x, shortest = part.used, content.points, np.inf
     for block in part.blocks:
         corners = block.corners

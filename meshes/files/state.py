@@ -17,11 +17,6 @@ def checked_state(file: Path, what: str, largest: int) -> tuple[Path, int, int]:
         What it should be, for messages.
     largest
         Bytes that it may have.
-
-    Raises
-    ------
-    InputError
-        Naming file, when it is not there, no file, empty or too large.
     """
     try:
         state = regular(file).stat()

@@ -88,12 +88,6 @@ def surface_faces(
     dict
         Which faces of which elements, (n_elements, n_faces); number of nodes of the body that sets
         of nodes have and that lie on none of these faces.
-
-    Raises
-    ------
-    InputError
-        When there is no such set, it has no face of the boundary or some between two elements, or
-        its name stands for sets of different faces.
     """
     facets = facets_of(part, len(content.points)) if faces else None
     found = {}
@@ -120,13 +114,7 @@ def _nodes_on(part: Part, on: Bools) -> Ints:
 
 
 def check_sets(content: FileContent, faces: Mapping[str, Sequence[str]]) -> None:
-    """Refuse surfaces of sets that the file does not have.
-
-    Raises
-    ------
-    InputError
-        Naming faces.
-    """
+    """Refuse surfaces of sets that the file does not have."""
     kinds = {"faces": content.face_sets, "elements": content.element_sets}
     kinds["nodes"] = content.node_sets
     for surface, sets in faces.items():

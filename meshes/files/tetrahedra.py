@@ -79,18 +79,6 @@ def completed(points: Floats, blocks: Sequence[ElementBlock]) -> tuple[Floats, l
 
     The shape functions of elements that have no such nodes lie in the space of those that do, so
     that the geometry is what it was where these put them.
-
-    Parameters
-    ----------
-    points
-        Positions of the nodes, (n, dim).
-    blocks
-        The elements.
-
-    Raises
-    ------
-    InputError
-        When other nodes lack.
     """
     nodes, marks = [block.nodes.copy() for block in blocks], node_marks(len(points))
     columns: list[tuple[int, int]] = []

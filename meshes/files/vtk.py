@@ -40,11 +40,6 @@ def vtu_content(file: Path) -> FileContent:
 
     Whole-number fields on cells or on nodes stand for sets: those with the value 3 of the field
     ``part`` are the set ``part 3``; those that are not 0 where it takes only 0 and 1, ``part`` too.
-
-    Raises
-    ------
-    InputError
-        When meshio is not installed, or cannot read the file.
     """
     try:
         from meshio import vtu
@@ -84,11 +79,6 @@ def xdmf_content(file: Path) -> FileContent:
 
     All grids are read on the points of the first: tags that dolfinx writes are fields on grids of
     their own, whose cells are those of the mesh, or mark its faces.
-
-    Raises
-    ------
-    InputError
-        When h5py is needed and not installed, or the file is not as its format has it.
     """
     root = ElementTree.parse(file).getroot()
     geometry = next(root.iter("Geometry"))
@@ -105,7 +95,7 @@ def xdmf_content(file: Path) -> FileContent:
         n = sum(map(len, own))
         for center, found, size in (("Cell", sets, n), ("Node", of_nodes, len(points))):
             fields = {
-                each.get("Name", ""): np.squeeze(_item(file, each))
+                each.get("Name", ""): _item(file, each).ravel()
                 for each in grid.iter("Attribute")
                 if each.get("Center", "Node") == center
             }
@@ -157,8 +147,13 @@ def _item(file: Path, parent: ElementTree.Element) -> np.ndarray:
         name, _, place = text.partition(":")
         with h5py.File(regular(file.parent / name), "r") as store:
             return np.asarray(store[place]).reshape(shape)
-    require(form == "XML", "file", f"a DataItem of format {form}", "XML or HDF")
     kind = item.get("NumberType", item.get("DataType", "Float"))
+    if form == "Binary":
+        order = {"Little": "<", "Big": ">"}.get(item.get("Endian", ""), "=")
+        letter = {"Int": "i", "UInt": "u", "Float": "f"}.get(kind, "")
+        dtype = np.dtype(f"{order}{letter}{item.get('Precision', 4)}")
+        return np.fromfile(file.parent / text, dtype).reshape(shape)
+    require(form == "XML", "file", f"a DataItem of format {form}", "XML, HDF or Binary")
     whole = kind in ("Int", "UInt", "Char", "UChar")
     return np.array(text.split(), dtype=np.int64 if whole else np.float64).reshape(shape)
 
@@ -172,8 +167,7 @@ def _positions(points: np.ndarray) -> Floats:
     """Points in space."""
     given = np.asarray(points, dtype=float)
     fits = given.ndim == 2 and given.shape[1] in (2, 3) and len(given) > 0
-    fits = fits and bool(np.isfinite(given).all())
-    require(fits, "file", given.shape, "a mesh with points, of finite coordinates")
+    require(fits, "file", given.shape, "a mesh with points")
     positions = np.zeros((len(given), 3))
     positions[:, : given.shape[1]] = given
     return positions

@@ -1,6 +1,6 @@
 """A disc of hexahedra with wedges at its hub under a pad, as a deck of Abaqus or CalculiX."""
 
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -31,7 +31,7 @@ class Brake:
 
     def __init__(self, size, order, *, wedges, bonded=False):
         self.order = order
-        rings = [int(np.ceil((b - a) / size - 1e-9)) for a, b in zip(RADII, RADII[1:], strict=False)]
+        rings = [int(np.ceil((b - a) / size - 1e-9)) for a, b in pairwise(RADII)]
         self.around = int(np.ceil(np.pi / 3 * 0.06 / size))  # of the pad, a sixth of the disc
         high, pad = (int(np.ceil(h / size - 1e-9)) for h in (HIGH, PAD))
         self.radii = np.interp(np.arange(2 * sum(rings) + 1), 2 * np.cumsum([0, *rings]), RADII)
@@ -84,7 +84,10 @@ class Brake:
     def deck(self):
         """Nodes, elements and sets."""
         lines = ["*NODE, NSET=ALL"]
-        lines += [f"{n}, {x!r}, {y!r}, {z!r}" for n, (x, y, z) in enumerate(self.points().tolist(), 1)]
+        lines += [
+            f"{n}, {x:.14f}, {y:.14f}, {z:.14f}"
+            for n, (x, y, z) in enumerate(self.points().tolist(), 1)
+        ]
         count = 0
         for part, elements in self.elements.items():
             for cell in ("hexahedron", "wedge"):
@@ -100,7 +103,7 @@ class Brake:
         return "\n".join(lines) + "\n"
 
 
-def scene(file, *, friction, top=20000.0):
+def scene(file, *, friction, top=26000.0):
     """The brake of a deck: sliding, or bonded."""
     bodies = {}
     for part, (E, nu, rho) in MATERIALS.items():
@@ -112,11 +115,22 @@ def scene(file, *, friction, top=20000.0):
             "mesh": {"degree": 2},
         }
     contact = {"a": "pad.FACE", "b": "disc.TOP", "formulation": {"method": "bonded"}}
+    contact |= {"P": float("inf"), "form": "saddle"}
     if friction:
-        contact |= {"formulation": {"method": "mortar"}, "P": 1e9, "mu": friction}
+        contact |= {
+            "formulation": {"method": "mortar"},
+            "P": 1e9,
+            "mu": friction,
+            "form": "penalty",
+        }
         contact["friction_direction_on_a"] = {"circumferential_about": [0.0, 0.0, 1.0]}
     analysis = {"kind": "cea", "max_frequency": top}
-    return {"name": "brake", "bodies": bodies, "contacts": {"lining": contact}, "analysis": analysis}
+    return {
+        "name": "brake",
+        "bodies": bodies,
+        "contacts": {"lining": contact},
+        "analysis": analysis,
+    }
 
 
 def calculix(brake, modes=20):
@@ -125,5 +139,13 @@ def calculix(brake, modes=20):
     for part, (E, nu, rho) in MATERIALS.items():
         lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E}, {nu}", "*DENSITY", f"{rho}"]
         lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
-    lines += ["*BOUNDARY", "BORE, 1, 3", "BACK, 1, 3", "*STEP", "*FREQUENCY", f"{modes}", "*END STEP"]
+    lines += [
+        "*BOUNDARY",
+        "BORE, 1, 3",
+        "BACK, 1, 3",
+        "*STEP",
+        "*FREQUENCY",
+        f"{modes}",
+        "*END STEP",
+    ]
     return "\n".join(lines) + "\n"
