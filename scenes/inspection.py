@@ -16,7 +16,7 @@ from scenes.memory import MemoryEstimate, check_memory, estimated_memory
 from scenes.read import Scene
 from scenes.run import skipped_by
 from scenes.run_time import estimated_seconds
-from scenes.units import doubtful_units
+from scenes.units import doubtful_units, impossible_speeds
 from scenes.warnings import scene_warnings
 
 _OF_STIFFNESS = ("point-rule", "over-constrained")
@@ -98,7 +98,11 @@ def inspect_scene(scene: Scene) -> Inspection:
         memory=memory,
         seconds=estimated_seconds(scene, memory),
         skipped=skipped_by(scene),
-        warnings=tuple(doubtful_units(scene)) + (() if faults else _warnings(scene, halves)),
+        warnings=(
+            *doubtful_units(scene),
+            *impossible_speeds(scene),
+            *(() if faults else _warnings(scene, halves)),
+        ),
         bodies=bodies,
         halves=halves,
     )

@@ -31,7 +31,7 @@ from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
 from scenes.spec.analysis import ComplexEigenvalueAnalysis, StaticAnalysis
 from scenes.steady import kept_state_warnings, steady_warnings
-from scenes.units import doubtful_units
+from scenes.units import impossible_speeds
 from scenes.unused import unused_input
 from scenes.warnings import scene_warnings, short_modes
 
@@ -239,7 +239,7 @@ def system_warnings(
         Parameters at which the pencil of the system is that of the scene.
     """
     return (
-        *doubtful_units(scene),
+        *impossible_speeds(scene),
         *scene_warnings(scene, system.contacts),
         *system.warnings_at(values or {}),
         *steady_warnings(scene, system),

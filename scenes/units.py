@@ -45,9 +45,15 @@ def doubtful_units(scene: SceneSpec) -> Iterator[ResultWarning]:
                 "numbers in SI units (m, kg, s)?",
                 {"body": name, "field": field, "value": value},
             )
+
+
+def impossible_speeds(scene: SceneSpec) -> Iterator[ResultWarning]:
+    """Bodies of files read in metres whose material has the numbers of other units."""
+    for name, body in scene.bodies.items():
+        E, rho = body.material.E, body.material.rho
         in_metres = getattr(body.geometry, "unit", "m") != "m"
         speed = sqrt(E / rho) if rho else 0.0
-        if in_metres and speed > _FASTEST and not found:
+        if in_metres and speed > _FASTEST:
             yield ResultWarning(
                 "doubtful-units",
                 f"bodies.{name}, read in metres, has a speed of sound of {speed:.3g} m/s: no solid "
