@@ -200,5 +200,7 @@ def _found(name: str, chain: tuple[Path, ...]) -> Path:
                     return each.resolve()
             except (OSError, ValueError):
                 continue
-    allowed = "a file that is there, in capitals and small letters as it is named"
+    allowed = (
+        "a file that is there, no device or folder, in capitals and small letters as it is named"
+    )
     raise InputError("file", str(chain[0].parent / windows), allowed)

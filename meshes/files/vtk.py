@@ -152,7 +152,7 @@ def _item(file: Path, parent: ElementTree.Element) -> np.ndarray:
         order = {"Little": "<", "Big": ">"}.get(item.get("Endian", ""), "=")
         letter = {"Int": "i", "UInt": "u", "Float": "f"}.get(kind, "")
         dtype = np.dtype(f"{order}{letter}{item.get('Precision', 4)}")
-        return np.fromfile(file.parent / text, dtype).reshape(shape)
+        return np.fromfile(regular(file.parent / text), dtype).reshape(shape)
     require(form == "XML", "file", f"a DataItem of format {form}", "XML, HDF or Binary")
     whole = kind in ("Int", "UInt", "Char", "UChar")
     return np.array(text.split(), dtype=np.int64 if whole else np.float64).reshape(shape)

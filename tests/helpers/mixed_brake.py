@@ -1,10 +1,15 @@
 """A disc of hexahedra with wedges at its hub under a pad, as a deck of Abaqus or CalculiX."""
 
 from itertools import pairwise, product
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
+from mpi4py import MPI
 
 from meshes.files.kinds import KINDS
+from scenes.read import read_scene
+from scenes.run import run_modes
 
 RADII, HIGH, PAD = (0.03, 0.045, 0.075, 0.08), 0.015, 0.01
 """Bore, rim of the hub and range of the pad, outer radius; thickness of disc and of pad (m)."""
@@ -149,3 +154,19 @@ def calculix(brake, modes=20):
         "*END STEP",
     ]
     return "\n".join(lines) + "\n"
+
+
+def on_any_number_of_ranks():
+    """Eigenvalues of a coarse brake in sliding contact."""
+    comm = MPI.COMM_WORLD
+    folder = TemporaryDirectory() if comm.rank == 0 else None
+    file = Path(comm.bcast(folder.name if folder else None, root=0)) / "brake.inp"
+    if comm.rank == 0:
+        file.write_text(Brake(0.03, 2, wedges=True).deck())
+    comm.barrier()
+    found = run_modes(read_scene(scene(file, friction=0.6, top=9000.0))).modes.eigenvalues
+    found = found[np.lexsort((found.real.round(3), found.imag.round(3)))]
+    comm.barrier()
+    if folder is not None:
+        folder.cleanup()
+    return {"re": found.real.tolist(), "im": found.imag.tolist()}

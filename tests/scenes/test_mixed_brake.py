@@ -6,6 +6,7 @@ import subprocess
 import numpy as np
 import pytest
 from mixed_brake import Brake, calculix, scene
+from mpi import on_ranks
 
 from scenes.read import read_scene
 from scenes.run import run_modes
@@ -21,6 +22,14 @@ def modes(folder, size, order, *, wedges, friction):
     return np.sort(result.modes.frequencies)[:COUNT], sum(
         verdict == "unstable" for verdict in result.modes.verdicts()
     )
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_a_divided_body_is_the_same_on_any_number_of_ranks(ranks):
+    alone, spread = (on_ranks(n, "mixed_brake.on_any_number_of_ranks") for n in (1, ranks))
+    assert len(alone["re"]) > 2
+    for part in ("re", "im"):
+        np.testing.assert_allclose(spread[part], alone[part], rtol=0, atol=1e-6 * max(alone["im"]))
 
 
 @pytest.mark.slow
