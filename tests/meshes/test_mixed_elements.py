@@ -8,7 +8,7 @@ from mixed_blocks import mixed_blocks
 from mixed_files import abaqus_deck, ansys_archive, vtu_file
 
 from cea.errors import InputError
-from meshes.files.kinds import full_order
+from meshes.files.kinds import KINDS, full_order
 from meshes.gmsh_model import gmsh_session
 from meshes.mesh_file import MeshFile
 
@@ -96,3 +96,57 @@ def test_wedges_and_pyramids_of_gmsh(tmp_path, order, version):
     assert (below[..., 2] == 0).all()
     corners = below[:, [0, -2, -1] if order == 1 else [0, 2, 5], :2]
     assert np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])).sum() == pytest.approx(2.0)
+
+
+LAYERS = "*NODE\n" + "".join(
+    f"{4 * z + n}, {x}, {y}, {z}\n"
+    for z in range(3)
+    for n, (x, y) in enumerate([(0, 0), (1, 0), (1, 1), (0, 1)], 1)
+)
+ONE_WAY, OTHER_WAY = ((1, 2, 3), (1, 3, 4)), ((1, 2, 4), (2, 3, 4))
+
+
+@pytest.mark.parametrize(("upper", "fits"), [(ONE_WAY, True), (OTHER_WAY, False)])
+def test_faces_that_are_cut_along_two_diagonals_are_refused(tmp_path, upper, fits):
+    lines = ["*ELEMENT, TYPE=C3D6"]
+    for z, triangles in enumerate((ONE_WAY, upper)):
+        for nodes in triangles:
+            numbers = [len(lines), *(4 * (z + top) + n for top in (0, 1) for n in nodes)]
+            lines.append(", ".join(map(str, numbers)))
+    file = tmp_path / "a.inp"
+    file.write_text(LAYERS + "\n".join(lines))
+    if fits:
+        assert volume(MeshFile(str(file), "m").mesh([])) == pytest.approx(2.0)
+    else:
+        with pytest.raises(InputError, match="match those of their neighbours"):
+            MeshFile(str(file), "m").mesh([])
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_an_edge_with_two_middles_is_refused(tmp_path, own):
+    """Two quadratic tetrahedra over one face, one of whose edges may have two nodes."""
+    kind = KINDS["tetrahedron10"]
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, -1.0]])
+    upper = [corners[list(group)].mean(axis=0) for group in kind.groups]
+    groups = [[(0, 2, 1, 4)[c] for c in group] for group in kind.groups]
+    points, rows = list(upper), []
+    for group in groups:
+        at = corners[group].mean(axis=0)
+        same = [i for i, x in enumerate(points) if np.allclose(x, at)]
+        if own and sorted(group) == [1, 2]:
+            same, at = [], at + np.array([0.01, 0.01, 0.0])
+        if not same:
+            points.append(at)
+        rows.append(same[0] if same else len(points) - 1)
+    nodes = "".join(f"{i}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(points, 1))
+    elements = "".join(
+        f"{i}, " + ", ".join(str(n + 1) for n in row) + "\n"
+        for i, row in enumerate((range(10), rows), 1)
+    )
+    file = tmp_path / "a.inp"
+    file.write_text(f"*NODE\n{nodes}*ELEMENT, TYPE=C3D10\n{elements}")
+    if own:
+        with pytest.raises(InputError, match=r"element 2.*match those of their neighbours"):
+            MeshFile(str(file), "m").mesh([])
+    else:
+        assert volume(MeshFile(str(file), "m").mesh([])) == pytest.approx(1 / 3)
