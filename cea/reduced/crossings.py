@@ -14,8 +14,11 @@ from scipy.optimize import brentq, minimize_scalar
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.spectrum import SLOW
 from cea.reduced.following import GRID, Sample, Unit, UnresolvedError, Window, error_of_half
 
+_NEGLIGIBLE = 1e-6
+"""Error of lambda, relative, up to which it does not matter whether a mode grows."""
 REAL = 1e-9
 """Frequency, relative to the window's end, below which an eigenvalue is real."""
 _NEAR = 1e-3
@@ -120,6 +123,12 @@ class Crossings:
     def _width(self) -> float:
         return self.places[2] - self.places[0]
 
+    @property
+    def _speed(self) -> float:
+        """The least abs(lambda) of the unit, no less than a tenth of the window's end (1/s)."""
+        speeds = np.abs(self.window.roots(self.unit.members(self._grid)))
+        return max(float(speeds.min()), SLOW * self.window.end)
+
     def _by_growth(self) -> Iterator[Threshold]:
         """Growth rates through the level: of a pair the larger and the smaller one."""
         for number in range(2 if self.unit.half is not None else 1):
@@ -129,7 +138,7 @@ class Crossings:
                 chosen: Floats = rates.min(axis=0) if number else rates.max(axis=0)
                 return chosen
 
-            for place, sign in self._roots(growth, self.unit.doubts):
+            for place, sign in self._roots(growth, self.unit.doubts, _NEGLIGIBLE * self._speed):
                 z = self.unit.members(np.array([place]))[:, 0]
                 mode = int(np.argmin(np.abs(self.window.growth(z))))
                 root = complex(self.window.roots(z)[mode])
@@ -143,15 +152,17 @@ class Crossings:
 
     def _undamped(self) -> Iterator[Threshold]:
         """Zeros of kappa, and of s where kappa is positive."""
-        unit = self.unit
+        unit, negligible = self.unit, 2 * _NEGLIGIBLE * self._speed**2
         if unit.half is None:
-            for place, sign in self._roots(lambda at: -unit.mean(at).real, unit.mean.error):
+            for place, sign in self._roots(
+                lambda at: -unit.mean(at).real, unit.mean.error, negligible
+            ):
                 yield self._threshold(
                     place, lambda at: -unit.mean(at).real, "zero", "divergence", sign
                 )
             return
         half = unit.half
-        for place, sign in self._roots(lambda at: -half(at).real, half.error):
+        for place, sign in self._roots(lambda at: -half(at).real, half.error, negligible**2):
             mean = float(unit.mean(np.array([place]))[0].real)
             if 0 < mean <= self.window.end**2:
                 yield self._threshold(
@@ -273,8 +284,12 @@ class Crossings:
             complex(roots[mode]),
         )
 
-    def _roots(self, function: Function, error: Function) -> Iterator[tuple[float, int]]:
+    def _roots(
+        self, function: Function, error: Function, negligible: float
+    ) -> Iterator[tuple[float, int]]:
         """Roots of an interpolant with the sign after each; sure of the sign everywhere else.
+
+        Zero within the error of samples is sure where that error is negligible.
 
         Raises
         ------
@@ -283,7 +298,7 @@ class Crossings:
         """
         grid, width = self._grid, self._width
         values, errors = function(grid), error(grid)
-        noise = _ROUNDING * float(error(np.array(self.places)).max())
+        noise = min(_ROUNDING * float(error(np.array(self.places)).max()), negligible)
         signs = np.where(values > errors, 1, np.where(values < -errors, -1, 0))
         sure = np.flatnonzero(signs)
         if not len(sure):
@@ -303,6 +318,7 @@ class Crossings:
             nearest = min(values[i] * signs[i], values[j] * signs[i])
             if j == i + 1 and nearest > 2 * abs(values[j] - values[i]) + errors[i] + errors[j]:
                 continue
+            self._check_apart(grid[i + 1 : j], noise)
             sign = int(signs[i])
             place, least = _least(lambda t, sign=sign: sign * function(t), grid[i], grid[j])
             doubt = float(error(np.array([place]))[0])
@@ -313,6 +329,21 @@ class Crossings:
                 aside = min(abs(place - each) for each in self.places) > _NEAR * width
                 if doubt > noise or aside:
                     raise UnresolvedError(place)
+
+    def _check_apart(self, places: Floats, noise: float) -> None:
+        """Refuse places at which a damped pair may coalesce: its growth is flat up to there.
+
+        Raises
+        ------
+        UnresolvedError
+            Naming the first.
+        """
+        half = self.unit.half
+        if half is None or not self.window.by_growth or not len(places):
+            return
+        open_ = (np.abs(half(places)) <= half.error(places)) & (self.unit.doubts(places) > noise)
+        if open_.any():
+            raise UnresolvedError(float(places[open_][0]))
 
 
 def _signs(function: Function, grid: Floats) -> Iterator[tuple[float, int]]:

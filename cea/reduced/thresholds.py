@@ -255,8 +255,11 @@ class _Search:
 
     def _accept_by_count(self, low: float, high: float) -> None:
         """Take a narrow interval for a threshold where the numbers at its ends differ."""
-        self._found.resolution = max(self._found.resolution, high - low)
         told = self._unresolved(low, high)
+        if self._undecided(low) or self._undecided(high):
+            self._found.unresolved.append(told)
+            return
+        self._found.resolution = max(self._found.resolution, high - low)
         if told.after != told.before:
             middle, half = (low + high) / 2, (high - low) / 2
             root = told.eigenvalue or 0j

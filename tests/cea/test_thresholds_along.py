@@ -1,5 +1,7 @@
 """Thresholds along a parameter beside dense eigenvalues at very many values."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from random_lines import (
@@ -11,6 +13,7 @@ from random_lines import (
     random_line,
     scan,
 )
+from scipy.linalg import qr
 
 from cea.reduced.thresholds import thresholds_along
 
@@ -152,3 +155,45 @@ def test_what_is_not_resolved_for_its_price_is_told():
     assert found.unresolved
     dense = np.linspace(0, 1, 301)
     assert not len(disagreements(found, dense, scan(line, dense)))
+
+
+def test_a_brief_flutter_between_far_samples_is_found():
+    """A hardly damped pair grows from 0.012 to 0.018 only: beside that its growth is flat."""
+    generator = np.random.default_rng(695)
+    n = int(generator.choice([4, 6, 10]))
+    Q = generator.standard_normal((n, n))
+    M = Q @ Q.T / n + np.eye(n)
+    w = np.sort(generator.uniform(1, 6, n))
+    V, L = qr(generator.standard_normal((n, n)))[0], np.linalg.cholesky(M)
+    K = L @ ((V * w**2) @ V.T) @ L.T
+    X = generator.standard_normal((n, n))
+    A = L @ (X - generator.choice([0.2, 1.0]) * X.T) @ L.T * generator.choice([1.0, 3.0])
+    Y = generator.standard_normal((n, n))
+    C = 1e-6 * L @ (0.02 * np.eye(n) + 0.02 * Y @ Y.T / n) @ L.T
+    end = float(w[-1] * generator.choice([0.75, 1.3]))
+    B = 0.7 * L @ generator.standard_normal((n, n)) @ L.T
+    stiffness = [*linear(K, A), (lambda t: np.sin(5 * t), lambda t: 5 * np.cos(5 * t), B)]
+    damping = [*constant(C), (lambda t: t**2 - t, lambda t: 2 * t - 1, 2 * C)]
+    found = check(DenseLine(stiffness, constant(M), damping, end), [0.0, 0.5, 1.0])
+    assert not found.unresolved
+    brief = [each for each in found.thresholds if 0.01 < each.value < 0.02]
+    assert [each.begins for each in brief] == [True, False]
+
+
+@pytest.mark.parametrize("bound", [1e-4, 1e-2, 0.1, 0.5])
+def test_bounds_that_are_too_large_leave_intervals_unresolved(bound):
+    """As those of a poor basis do: a threshold is told or lies in an unresolved interval."""
+    line = coupled_pairs([(4.0, 0.8, 0.2, 0.8)], end=4.0)
+    exact = line.at
+
+    def poor(value):
+        sample = exact(value)
+        errors = np.full(len(sample.z), bound)
+        return replace(sample, errors=errors, means=errors)
+
+    line.at = poor
+    found = thresholds_along(line, np.linspace(0, 1, 5).tolist(), budget=10)
+    for value in (0.2, 0.8):
+        known = any(abs(each.value - value) <= each.error + 1e-12 for each in found.thresholds)
+        left = any(each.low <= value <= each.high for each in found.unresolved)
+        assert known or left
