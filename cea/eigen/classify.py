@@ -21,6 +21,8 @@ WORDS: tuple[Word, ...] = get_args(Word)
 """Words of a mode; files of numbers hold their places in this list."""
 BY_URGENCY: tuple[Word, ...] = ("unstable", "grows slowly", "undecided", "stable", "rigid")
 """The same, what matters most first."""
+GROWING: tuple[Word, ...] = ("unstable", "grows slowly")
+"""Words of modes that grow beyond their errors."""
 RELATIVE_GROWTH = 1e-4
 """Growth rate relative to abs(lambda) above which a mode is called unstable by default."""
 
@@ -87,22 +89,23 @@ def classify(
 
 
 def cannot_grow(kappa: Complexes, errors: Floats, *, symmetric: bool) -> NDArray[np.bool_]:
-    """Modes of a problem without damping and rotation whose growth is zero by structure, (n,).
+    """Modes of a problem without damping whose growth is zero by structure, shape (n,).
 
     kappa = -lambda^2 are eigenvalues of real matrices: one leaves the real axis only where it
     meets another. So a real positive kappa that is apart from all others by more than their errors
-    belongs to a mode that does not grow. Without friction all kappa are real.
+    belongs to a mode that does not grow. Without friction all kappa are real. With rotation alone,
+    neither friction nor damping, the same holds of -i lambda.
 
     Parameters
     ----------
     kappa
-        Eigenvalues -lambda^2 (1/s^2), those around the window too, shape (n,).
+        Eigenvalues -lambda^2 (1/s^2), or -i lambda (1/s), those around the window too, shape (n,).
     errors
-        Their errors (1/s^2), shape (n,).
+        Their errors, shape (n,).
     symmetric
-        Whether there is no friction.
+        Whether the problem is symmetric: neither friction nor rotation.
     """
-    real = (kappa.imag == 0) & (kappa.real > errors)
+    real = (np.abs(kappa.imag) <= errors) & (kappa.real > errors)
     if symmetric:
         return real
     distance = np.abs(kappa[:, None] - kappa)
@@ -153,7 +156,7 @@ def counted_words(words: Sequence[Word], growth: Sequence[float], threshold: flo
         one = len(rates) == 1
         verb = _VERBS.get(word, ("is " + word, "are " + word))[not one]
         part = f"{len(rates)} {'mode' if one else 'modes'} {verb}"
-        if word in ("unstable", "grows slowly"):
+        if word in GROWING:
             part += f" (fastest {max(rates):+.3g} 1/s)"
         parts.append(part)
     return f"{', '.join(parts)}; {threshold_text(threshold)}"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.spectrum import RELATIVE_GROWTH
+from cea.eigen.classify import WORDS
 from cea.reduced.between import Between
 from cea.reduced.branches import Branches
 from cea.reduced.onsets import Onset, onset, span_of
@@ -20,9 +20,10 @@ from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.zero_growth import zero_growth
 from comparisons.sweep.mapped import Mapped
+from comparisons.sweep.words import words_of
 
-STABLE, UNSTABLE, UNDECIDED = 0, 1, 2
-"""Verdicts as numbers."""
+UNSTABLE, SLOW = WORDS.index("unstable"), WORDS.index("grows slowly")
+"""Words of modes as numbers: their places in :data:`cea.eigen.classify.WORDS`."""
 
 
 Start = tuple[ReducedSpectrum, Ints, int]
@@ -45,7 +46,7 @@ class Row:
     branch
         Numbers of branches, shape (values, modes).
     verdict
-        0 stable, 1 unstable, 2 undecided, shape (values, modes).
+        0 stable, 1 unstable, 2 undecided, 3 grows slowly, 4 rigid, shape (values, modes).
     worst
         What the basis makes of the worst mean, relative to its speed, shape (values,).
     growth_slope, frequency_slope
@@ -226,12 +227,7 @@ def _table(
         uncertainty[i, :n] = window.uncertainties
         mean[i, :n] = window.certificate.means / (2 * window.speeds**2)
         branch[i, :n] = number[chosen]
-        limit = RELATIVE_GROWTH * window.speeds
-        if asked.growth_threshold is not None:
-            limit = np.full(n, asked.growth_threshold)
-        surely = window.eigenvalues.real - window.uncertainties > limit
-        may = window.eigenvalues.real + window.uncertainties > limit
-        verdict[i, :n] = np.where(surely, UNSTABLE, np.where(may, UNDECIDED, STABLE))
+        verdict[i, :n] = [WORDS.index(word) for word in words_of(window, asked.growth_threshold)]
     worst = np.array([found.worst for found in spectra])
     return Row(
         *(growth, frequency, uncertainty, mean, branch, verdict, worst),

@@ -98,7 +98,7 @@ def modes_table(data: Data) -> Table:
             Column("curve", "curve", shown(3)),
             Column("frequency", "frequency", shown(6), "Hz"),
             Column("growth", "growth rate", shown(5, sign=True), "1/s"),
-            Column("uncertainty", "uncertainty", shown(2), "1/s"),
+            Column("uncertainty", "algebraic error", shown(2), "1/s"),
             Column("verdict", "verdict"),
         ),
         rows,
