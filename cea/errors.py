@@ -26,8 +26,12 @@ def _short(text: str, longest: int = _LONGEST) -> str:
 
 def _line(text: str) -> str:
     """Text in one line, without characters that a terminal would obey."""
-    joined = " ".join(text.split())
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in joined)
+    return printable(" ".join(text.split()))
+
+
+def printable(text: str) -> str:
+    """Text whose signs that a terminal would obey are written out, but for ends of lines."""
+    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in text)
 
 
 class InputError(ValueError):

@@ -3,6 +3,7 @@
 Content goes to a hidden name beside its place and to the disk, and only then takes its place.
 """
 
+import errno
 import gzip
 import os
 import shutil
@@ -49,6 +50,24 @@ def write_whole(content: bytes, file: Path) -> Path:
     return file
 
 
+def regular(file: Path) -> Path:
+    """A file that may be read: devices and pipes may have no end.
+
+    Parameters
+    ----------
+    file
+        The file; whether it is there its reader tells.
+
+    Raises
+    ------
+    OSError
+        When it is a folder, a device or a pipe.
+    """
+    if file.exists() and not file.is_file():
+        raise OSError(errno.EINVAL, "not a regular file", str(file))
+    return file
+
+
 def check_writable(file: Path, field: str) -> None:
     """Refuse a file that cannot be written, before the work whose result it is to hold.
 
@@ -66,10 +85,11 @@ def check_writable(file: Path, field: str) -> None:
     """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
+        regular(file)
     except (OSError, ValueError) as error:
         reason = (error.strerror if isinstance(error, OSError) else None) or error
         raise InputError(field, str(file), f"a file to write ({reason})") from None
-    if file.is_dir() or not os.access(file.parent, os.W_OK):
+    if not os.access(file.parent, os.W_OK):
         raise InputError(field, str(file), "a file to write, in a folder that may be written")
 
 

@@ -12,11 +12,11 @@ from cea.errors import InputError
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from scenes.build import build_bodies, build_half_passes, build_interfaces
+from scenes.doubts import doubtful_numbers, overlapping_bodies
 from scenes.memory import MemoryEstimate, check_memory, estimated_memory
 from scenes.read import Scene
 from scenes.run import skipped_by
 from scenes.run_time import estimated_seconds
-from scenes.units import doubtful_units
 from scenes.warnings import scene_warnings
 
 _OF_STIFFNESS = ("point-rule", "over-constrained")
@@ -98,7 +98,11 @@ def inspect_scene(scene: Scene) -> Inspection:
         memory=memory,
         seconds=estimated_seconds(scene, memory),
         skipped=skipped_by(scene),
-        warnings=tuple(doubtful_units(scene)) + (() if faults else _warnings(scene, halves)),
+        warnings=(
+            *doubtful_numbers(scene),
+            *overlapping_bodies(scene, bodies),
+            *(() if faults else _warnings(scene, halves)),
+        ),
         bodies=bodies,
         halves=halves,
     )

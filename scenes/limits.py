@@ -38,8 +38,7 @@ _LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
 
 def limit_checks(scene: SceneSpec) -> Iterable[InputError]:
     """Faults of names and numbers."""
-    if not scene.name.strip():
-        yield InputError("name", scene.name, "a name that says something")
+    yield from scene_name_checks(scene.name)
     yield from _count_checks(scene)
     for kind, names in (("bodies", scene.bodies), ("contacts", scene.contacts)):
         for name in names:
@@ -63,6 +62,12 @@ def _count_checks(scene: SceneSpec) -> Iterable[InputError]:
     for place, count in counts.items():
         if count > MAX_ITEMS:
             yield InputError(place, f"{count} of them", f"at most {MAX_ITEMS}")
+
+
+def scene_name_checks(name: str) -> Iterable[InputError]:
+    """Faults of the name of a scene, which files and lines on a terminal bear."""
+    if not (0 < len(name.strip()) <= len(name) <= _LONGEST and name.isprintable()):
+        yield InputError("name", name, f"a name of 1 to {_LONGEST} printable characters")
 
 
 def _name_checks(place: str, name: str) -> Iterable[InputError]:

@@ -17,7 +17,7 @@ from pydantic import ConfigDict, Field, SkipValidation, TypeAdapter
 from cea.eigen.formula import RESERVED, Formula
 from cea.eigen.parameters import Parameter
 from cea.errors import InputError
-from scenes.limits import LARGEST, MAX_ITEMS, SMALLEST
+from scenes.limits import LARGEST, MAX_ITEMS, SMALLEST, scene_name_checks
 from scenes.matrix_files.read import split_name
 from scenes.read import changed
 from scenes.scene_error import SceneError
@@ -187,6 +187,7 @@ def _adapter() -> TypeAdapter[MatrixScene]:
 
 def _checks(scene: MatrixScene) -> Iterator[InputError]:
     """Faults of names, numbers and sums."""
+    yield from scene_name_checks(scene.name)
     if scene.analysis.kind != "cea":
         yield InputError("analysis.kind", scene.analysis.kind, "'cea'")
     elif not SMALLEST <= scene.analysis.max_frequency <= LARGEST:

@@ -74,11 +74,11 @@ def estimate_errors(
 ) -> ErrorEstimate:
     """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
 
-    Where the left vectors that this takes are not there, the scene is solved once more with them:
+    Where the left vectors that this takes are missing, the scene is solved once more with them:
     ``run_modes(scene, left=True)`` saves that. One factorisation of the richer scene, and a block
-    of solves for the right vectors and one for the left ones; no eigenproblem
-    (:mod:`cea.nested.estimate`). What the contact rule of the richer scene does better is part of
-    the error.
+    of solves for the right vectors and one for the left ones, two each with damping or rotation;
+    no eigenproblem (:mod:`cea.nested.estimate`). What the contact rule of the richer scene does
+    better is part of the error.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def estimate_errors(
     richer
         A richer scene; by default the same with a degree more (:mod:`scenes.richer`).
     steps
-        Block inverse steps.
+        Block inverse steps; with damping or rotation there is one more.
     allowed
         What may remain of each eigenvalue (1/s), shape (n,): modes of which more does take a step
         more, where nothing damps or rotates.

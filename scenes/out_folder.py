@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from platform import node
 from tempfile import TemporaryFile
+from typing import Any
 
 from cea.errors import InputError, WriteError
 from cea.files import write_whole
@@ -26,6 +27,9 @@ RESULT = "result.json"
 _PART = ".part"
 """Ending of folders that are being filled."""
 _ABOUT = "Files of this result, with SHA-256. The next result takes their place, and no other's."
+
+_WHOSE = ("scene", "data", "mass", "damping", "stiffness")
+"""Inputs of a run that tell whose result it is."""
 
 _Digests = dict[str, list[str]]
 """Digests that a file may have, by its path in the folder."""
@@ -82,6 +86,36 @@ def check_out(out: Path, name: str = "out") -> None:
     if result.is_dir() or (result.exists() and not _is_ours(result)):
         allowed = f"a folder without a {RESULT} that something else made"
         raise InputError(name, str(out), allowed)
+
+
+def check_run_out(out: Path, inputs: Mapping[str, Any], *, overwrite: bool) -> None:
+    """Refuse a folder that cannot take the result of a run, or holds that of another scene.
+
+    Parameters
+    ----------
+    out
+        The folder, as of :func:`check_out`.
+    inputs
+        What the run is given; its scene or its matrices tell whose result it is.
+    overwrite
+        Whether the result of another scene may be lost.
+
+    Raises
+    ------
+    InputError
+        As :func:`check_out`; and when another scene's result, or another command's, stands there.
+    """
+    from scenes.stored import read_record
+
+    check_out(out)
+    if overwrite or not (out / RESULT).exists():
+        return
+    found = read_record(out / RESULT)
+    stored = {**(found.get("inputs") or {}), "command": found["command"]}
+    for name, value in {"command": "run", **{key: inputs.get(key) for key in _WHOSE}}.items():
+        if stored.get(name) != value:
+            allowed = f"a folder without a result of another {name}, {stored.get(name)!r}"
+            raise InputError("out", str(out), f"{allowed}; --overwrite lets it go")
 
 
 @contextmanager

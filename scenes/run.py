@@ -25,6 +25,7 @@ from scenes.build import (
     reusable_bodies,
     reusable_interfaces,
 )
+from scenes.doubts import doubtful_motions, doubtful_numbers, left_alone, overlapping_bodies
 from scenes.factor_storage import factor_storage
 from scenes.memory import check_memory
 from scenes.read import Scene
@@ -187,6 +188,8 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> StaticResult:
             for name in scene.contacts
         }
         warnings = system_warnings(scene, system)
+        if system.steady is None:
+            warnings = (*warnings, *doubtful_motions(scene, system, x))
     return StaticResult(
         scene,
         system,
@@ -237,10 +240,14 @@ def system_warnings(
     values
         Parameters at which the pencil of the system is that of the scene.
     """
+    steady = system.steady
     return (
+        *doubtful_numbers(scene),
+        *overlapping_bodies(scene, system.bodies),
         *scene_warnings(scene, system.contacts),
         *system.warnings_at(values or {}),
         *steady_warnings(scene, system),
+        *(doubtful_motions(scene, system, steady.displacement) if steady is not None else ()),
     )
 
 
@@ -280,6 +287,8 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     """What a scene does not need, or gives without use, with the reason; none is computed."""
     rotations = [body.rotation for body in scene.bodies.values() if body.rotation is not None]
     skipped = unused_input(scene)
+    if reason := left_alone(scene):
+        skipped["doubts of units"] = reason
     if not scene.slides_steadily:
         skipped["newton"] = "contact stiffness is known, no steady sliding state is sought"
     if not scene.damped:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cea.errors import InputError
+from cea.files import regular
 from cea.suggestions import did_you_mean
 from scenes.paths import set_by_text
 from scenes.scene_error import SceneError
@@ -56,9 +57,7 @@ def _toml(scene: str | Path) -> dict[str, Any]:
     """What a scene file says."""
     file = scene_file(scene)
     try:
-        if not file.is_file():
-            raise FileNotFoundError
-        with file.open("rb") as stream:
+        with regular(file).open("rb") as stream:
             content = stream.read(_LARGEST + 1)
     except (OSError, ValueError) as error:
         names = [*scene_names(), *matrix_scene_names()]

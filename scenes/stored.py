@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from cea.errors import InputError
-from cea.files import write_whole
+from cea.files import regular, write_whole
 
 PROVENANCE = ("command", "inputs", "versions", "commit", "machine", "seconds", "warnings")
 """Fields of every record; what else it holds is data of its command."""
@@ -124,7 +124,7 @@ def read_record(file: str | Path) -> dict[str, Any]:
     """
     path = Path(file)
     try:
-        with (gzip.open if path.suffix == ".gz" else open)(path, "rb") as stream:
+        with (gzip.open if path.suffix == ".gz" else open)(regular(path), "rb") as stream:
             content = stream.read(_LARGEST + 1)
         if len(content) > _LARGEST:
             raise ValueError(f"more than {_LARGEST} bytes")

@@ -17,8 +17,24 @@ def pytest_collection_modifyitems(items):
     mark_slow_cases(items)
     items.sort(key=_on_several_ranks)
     for item in items:
-        group = "mpi" if _on_several_ranks(item) else item.nodeid.split("::")[0]
-        item.add_marker(pytest.mark.xdist_group(group))
+        item.add_marker(pytest.mark.xdist_group(_group(item)))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_finish(session):
+    """The end of a name tells pytest-xdist the group of a test.
+
+    It writes that end itself, but its release 3.8 fails to on pytest 9.2 and later.
+    """
+    if session.config.getoption("loadgroup", default=False):
+        for item in session.items:
+            end = f"@{_group(item)}"
+            if not item.nodeid.endswith(end):
+                item._id = item.id.parse(item.nodeid + end)
+
+
+def _group(item):
+    return "mpi" if _on_several_ranks(item) else item.nodeid.split("::")[0]
 
 
 def _on_several_ranks(item):

@@ -147,6 +147,8 @@ class Mumps:
     def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
         """Solve for every column of b: the rows of this rank, shape (n_local, columns)."""
         solution = np.zeros(b.shape, order="F")
+        if not b.shape[1]:  # which MUMPS refuses: an empty window has no eigenvectors
+            return solution
         layout, comm = self.matrix.getSizes()[0], self.matrix.comm
         right, left = dense(b, layout, comm), dense(solution, layout, comm)
         (self._pc.matApplyTranspose if transposed else self._pc.matApply)(right, left)

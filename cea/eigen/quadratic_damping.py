@@ -3,8 +3,9 @@
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Floats
 from cea.eigen.blocks import image_of, times, transposed_times
 from cea.eigen.pencil import Matrices
 from cea.matrices import absolute, destroy, scaled_total
@@ -32,7 +33,7 @@ class Damping:
             before.destroy()
         self._absolute: Any | None = None
 
-    def times(self, x: Complexes, *, transposed: bool = False) -> Complexes:
+    def times(self, x: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """D x, or D^T x, for every column, the rows of this rank."""
         if self._matrix is None:
             force = np.zeros_like(x)

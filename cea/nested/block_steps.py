@@ -10,6 +10,10 @@ K X' + L^T F = R + sigma M X' needs no product with K. With the same for left ve
 problem is projected on both. Without damping that is, at the cost of one factorisation and one
 block of solves a side, the two-sided Rayleigh-Ritz of a Krylov space; components of another
 eigenvalue kappa_j in the error of an eigenvalue shrink by ((kappa - sigma) / (kappa_j - sigma))^2.
+
+With damping lambda^2 M + lambda D + K itself is projected, on real and imaginary parts of the
+vectors of all steps. Its companion form on vectors [x; lambda x] would be one Newton step from the
+old lambda, which errs by the square of the correction over 2 lambda whatever x is.
 """
 
 from dataclasses import dataclass
@@ -17,7 +21,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eig
+from scipy.linalg import eigvals
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
@@ -27,7 +31,8 @@ from cea.eigen.quadratic_damping import Damping
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
 from cea.nested.approximation import Approximation, growing, matched, one_of_each_pair
-from cea.nested.ritz import mean_with_transpose, ritz
+from cea.nested.remaining import left_of_errors
+from cea.nested.ritz import DEPENDENT, mean_with_transpose, quadratic_ritz, ritz
 
 _BESIDE = 0.997
 """Part of a shift that is an eigenvalue at which another is tried."""
@@ -44,8 +49,8 @@ class Step:
     approximation
         The new one, in the order of the old one.
     remaining
-        How far the eigenvalues are from those after the solve for the right vectors alone (1/s),
-        shape (n,): more than they still err by.
+        Bounds on what they still err by (1/s), shape (n,), by what the last solves changed
+        (:mod:`cea.nested.remaining`).
     """
 
     approximation: Approximation
@@ -78,6 +83,17 @@ class _Space:
     solved: _Vectors
 
 
+@dataclass(frozen=True)
+class _Spanned:
+    """M-orthonormal vectors V, and A(sigma) [V; F] = [forces; 0], or that with A^T."""
+
+    own: Floats
+    forces: Floats
+
+    def beside(self, other: "_Spanned") -> "_Spanned":
+        return _Spanned(beside(self.own, other.own), beside(self.forces, other.forces))
+
+
 class BlockSteps:
     """A pencil at a shift; what steps are made with.
 
@@ -100,26 +116,23 @@ class BlockSteps:
             self.factors = Shifted(matrices, shift)
         except ConvergenceError:
             self.factors = Shifted(matrices, _BESIDE * shift)
-        self._damping = Damping(matrices) if matrices.quadratic else None
+        self._damping = Damping(matrices)
 
     def free(self) -> None:
         """Free the factors."""
         self.factors.free()
-        if self._damping is not None:
-            self._damping.free()
+        self._damping.free()
 
     def improved(self, old: Approximation, steps: int, allowed: Floats | None = None) -> Step:
         """Right and left vectors after some steps, eigenvalues of the projected problem.
 
         Without damping it is projected on the vectors of all steps together, a Krylov space, and
-        modes of which more remains than is allowed (1/s), shape (n,), take one step more.
+        modes of which more remains than is allowed (1/s), shape (n,), take one step more. With
+        damping all take one step more, which bounds what remains.
         """
-        if self._damping is None:
+        if not self.matrices.quadratic:
             return self._linear(old, steps, allowed)
-        for _ in range(steps):
-            step = self._quadratic(old, self._damping)
-            old = step.approximation
-        return step
+        return self._quadratic(old, steps)
 
     def one_sided(self, old: Approximation) -> Complexes:
         """Eigenvalues after a step for the right vectors alone, shape (n,).
@@ -127,7 +140,7 @@ class BlockSteps:
         An error of left vectors, which stay as they are, counts only times one that is left in the
         right ones. With damping, and where both are the same, it is a whole step.
         """
-        if self._damping is not None or self.matrices.symmetric:
+        if self.matrices.quadratic or self.matrices.symmetric:
             return self.improved(old, 1).approximation.eigenvalues
         chosen = one_of_each_pair(old.eigenvalues)
         values = old.eigenvalues[chosen]
@@ -148,7 +161,7 @@ class BlockSteps:
             start = self._real_basis(values, old.left[:, chosen])
             left = self._krylov(start, steps, transposed=True)
         base = right.start.own.shape[1] // steps
-        step = self._projected_on(old, right, left, base, base)
+        step = self._projected_on(old, right, left, base, base, old.eigenvalues)
         if allowed is None:
             return step
         found, late = step.approximation, step.remaining > allowed
@@ -162,11 +175,18 @@ class BlockSteps:
             more = self._real_basis(found.eigenvalues[own], found.left[:, own])
             left = self._extended(left, more, transposed=True)
         newest = right.start.own.shape[1] - steps * base
-        later = self._projected_on(old, right, left, base, newest)
+        earlier = np.where(late, found.eigenvalues, old.eigenvalues)
+        later = self._projected_on(old, right, left, base, newest, earlier)
         return Step(later.approximation, np.where(late, later.remaining, step.remaining))
 
     def _projected_on(
-        self, old: Approximation, right: _Space, left: _Space, base: int, newest: int
+        self,
+        old: Approximation,
+        right: _Space,
+        left: _Space,
+        base: int,
+        newest: int,
+        earlier: Complexes,
     ) -> Step:
         """With X = A(sigma)^-1 M B the problem is (Y^T M B, Y^T M X)."""
         symmetric = self.matrices.symmetric
@@ -186,7 +206,7 @@ class BlockSteps:
             y = self._scaled(combined(Y.own, d[:, order]), combined(Y.image, d[:, order]))
         new = Approximation(found[order], x, y)
         half = half[matched(new.eigenvalues, half)]
-        return Step(new, np.abs(new.eigenvalues - half))
+        return self._with_bounds(new, (half, earlier), np.zeros(len(half)))
 
     def _nearest_to(self, basis: Floats, vectors: Complexes, images: Complexes) -> Ints:
         """As many vectors as an M-orthonormal basis has, those that are most of it."""
@@ -220,44 +240,69 @@ class BlockSteps:
         lengths = np.sqrt(columns_inner(X.own, X.image, comm))
         return space.start / lengths, X / lengths
 
-    def _quadratic(self, old: Approximation, damping: Damping) -> Step:
-        """With damping, the companion form is projected on vectors [x; lambda x] and their duals.
+    def _quadratic(self, old: Approximation, steps: int) -> Step:
+        """The quadratic problem projected on the vectors of all steps, and of one more.
 
-        y_i^H (lambda_i lambda_j M - K) x_j c = lambda y_i^H ((lambda_i + lambda_j) M + D) x_j c.
+        The last step tells what the others left.
         """
-        sigma, values = self.factors.kappa, old.eigenvalues
-        R = self._forces(damping, values, old.right)
-        X = self._solved(R)
-        inertia, drag = times(self.matrices.mass, X), damping.times(X)
-        force = R + sigma * inertia
-        halfway = self._projected(values, old.left, inertia, drag, force)[0]
-        L = self._forces(damping, values.conj(), old.left, transposed=True)
-        Y = self._solved(L, transposed=True)
-        found, c, d = self._projected(values, Y, inertia, drag, force)
-        order = matched(values, found)
-        M, x, y = self.matrices.mass, X @ c[:, order], Y @ d[:, order]
+        damping, none = self._damping, np.empty((len(old.right), 0), order="F")
+        right = left = _Spanned(none, none)
+        before = old
+        for _ in range(steps + 1):
+            R = self._forces(old.eigenvalues, old.right)
+            L = self._forces(old.eigenvalues.conj(), old.left, transposed=True)
+            fresh = self._outside(right, self._solved(R), R)
+            right = right.beside(fresh)
+            left = left.beside(self._outside(left, self._solved(L, transposed=True), L))
+            earlier, before, old = before, old, self._projected(old.eigenvalues, right, left)
+        work = self._inner(fresh.own, self._internal(fresh))
+        drag = self._inner(fresh.own, damping.times(fresh.own))
+        damped = np.abs(eigvals(drag, work)) if work.size else np.zeros(1)
+        slowest = (np.abs(old.eigenvalues) * damped.max()) ** 2
+        return self._with_bounds(old, (before.eigenvalues, earlier.eigenvalues), slowest)
+
+    def _projected(self, wanted: Complexes, right: "_Spanned", left: "_Spanned") -> Approximation:
+        """Eigenvalues of the projected quadratic problem that belong to those wanted."""
+        M, V, W = self.matrices.mass, right.own, left.own
+        parts = (self._internal(right), self._damping.times(V), times(M, V))
+        found, c, d = quadratic_ritz(*(self._inner(W, part) for part in parts))
+        order = matched(wanted, found)
+        x, y = V @ c[:, order], W @ d[:, order]
         x, y = (self._scaled(each, times(M, each)) for each in (x, y))
-        new = Approximation(found[order], x, y)
-        half = halfway[matched(new.eigenvalues, halfway)]
-        return Step(new, np.abs(new.eigenvalues - half))
+        return Approximation(found[order], x, y)
 
-    def _projected(
-        self, values: Complexes, Y: Complexes, inertia: Complexes, drag: Complexes, force: Complexes
-    ) -> tuple[Complexes, Complexes, Complexes]:
-        mass, damping, stiffness = (self._inner(Y, part) for part in (inertia, drag, force))
-        found, d, c = eig(
-            values[:, None] * values * mass - stiffness,
-            (values[:, None] + values) * mass + damping,
-            left=True,
+    def _internal(self, space: "_Spanned") -> Floats:
+        """K V + L^T F of displacements V and the forces F that come with them."""
+        return np.asarray(space.forces + self.factors.kappa * times(self.matrices.mass, space.own))
+
+    def _outside(self, space: "_Spanned", vectors: Complexes, forces: Complexes) -> "_Spanned":
+        """What real and imaginary parts of vectors span beside a space."""
+        M, comm = self.matrices.mass, self.matrices.stiffness.comm
+        own, loads = (np.hstack([each.real, each.imag]) for each in (vectors, forces))
+        lengths = np.tile(np.sqrt(columns_inner(vectors, times(M, vectors), comm).real), 2)
+        own, loads = own / lengths, loads / lengths
+        for _ in range(2):
+            inside = self._inner(space.own, times(M, own))
+            own, loads = own - combined(space.own, inside), loads - combined(space.forces, inside)
+            gram = self._inner(own, times(M, own))
+            squares, axes = np.linalg.eigh(mean_with_transpose(gram))
+            kept = squares > DEPENDENT
+            axes = axes[:, kept] / np.sqrt(squares[kept])
+            own, loads = combined(own, axes), combined(loads, axes)
+        return _Spanned(own, loads)
+
+    def _with_bounds(
+        self, new: Approximation, before: tuple[Complexes, Complexes], slowest: Floats
+    ) -> Step:
+        left = left_of_errors(
+            new, before, slowest, self.matrices, self._damping, self.factors.kappa
         )
-        return found, c, d
+        return Step(new, left)
 
-    def _forces(
-        self, damping: Damping, values: Complexes, x: Complexes, *, transposed: bool = False
-    ) -> Complexes:
+    def _forces(self, values: Complexes, x: Complexes, *, transposed: bool = False) -> Complexes:
         """(kappa - sigma) M x - lambda D x, or with D^T."""
         shifted = -(values**2) - self.factors.kappa
-        drag = damping.times(x, transposed=transposed)
+        drag = self._damping.times(x, transposed=transposed)
         return np.asarray(shifted * times(self.matrices.mass, x) - values * drag)
 
     def _solved(self, forces: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:

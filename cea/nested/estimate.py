@@ -1,7 +1,7 @@
 """Errors of eigenvalues, estimated in a richer space without an eigenproblem there.
 
 Prolonged right and left vectors X, Y of the coarse mesh take one block inverse step in the richer
-space (:mod:`cea.nested.block_steps`). To first order its projected problem is
+space, two with damping (:mod:`cea.nested.block_steps`). To first order its projected problem is
 
     d lambda = - (y^H r + s^H e) / y^H (2 lambda M + D) x,
 
@@ -38,8 +38,9 @@ class ErrorEstimate:
     corrected
         lambda in the richer space (1/s), in the same order.
     remaining
-        How far those may be from the eigenvalues of the richer space (1/s), shape (n,): what the
-        last solve changed, which is more.
+        Bounds on how far those are from the eigenvalues of the richer space (1/s), shape (n,), by
+        what the last solves changed (:mod:`cea.nested.remaining`); infinite where solves do not
+        converge, as with damping beta K beyond abs(lambda) = 1 / beta.
     uncertainties
         Errors of the coarse ones by rounding and iteration (1/s), shape (n,).
     clusters
@@ -120,7 +121,8 @@ def error_estimate(
     prolongation
         From the coarse displacements to those of the richer space.
     steps
-        Block inverse steps; one gives the error to a few per cent where it is small scale.
+        Block inverse steps; one gives the error to a few per cent where it is small scale. With
+        damping or rotation there is one more, which bounds what remains.
     allowed
         What may remain of each eigenvalue (1/s), shape (n,): modes of which more does take a step
         more, where nothing damps or rotates.

@@ -9,6 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 import cea
+from cea.errors import InputError
 from comparisons.cli.bench import app as bench_app
 from comparisons.cli.brake import brake
 from comparisons.cli.converge import converge
@@ -45,6 +46,15 @@ class _LightGroup(TyperGroup):
         if option is not None:
             option.default = False
         return option
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Arguments of a command, none of which is empty: an empty path would mean this folder."""
+        for before, given in zip(["", *args], args, strict=False):
+            name, equals, value = given.partition("=")
+            if not given or (name.startswith("--") and equals and not value):
+                option = name or (before if before.startswith("--") else "")
+                raise InputError(option[2:] or "argument", "", "something that is not empty")
+        return super().parse_args(ctx, args)
 
 
 # Help is plain: help in colours takes as long as all else that `cea --help` does.

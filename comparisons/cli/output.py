@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
+from cea.errors import printable
 from comparisons.cli.fitting import ShownColumn, blocks, total
 from comparisons.kit.tables import Table as ReportTable
 
@@ -40,7 +41,7 @@ def print_table(table: ReportTable, to: Console = console) -> None:
     columns = [
         ShownColumn(
             f"{column.title} ({column.unit})" if column.unit else column.title,
-            [row[i] for row in rows],
+            [printable(row[i]) for row in rows],
             column.show is not None,
         )
         for i, column in enumerate(table.columns)
@@ -64,7 +65,7 @@ def print_result(
     from scenes.results import StaticResult
 
     if isinstance(result, StaticResult):
-        _say(to, str(result))
+        say(to, str(result))
         warnings = result.warnings
     else:
         _print_modes(result, to)
@@ -84,7 +85,7 @@ def print_warnings(warnings: Iterable[Mapping[str, Any]], to: Console = console)
         Where they are printed.
     """
     for warning in warnings:
-        _say(to, f"warning ({warning['kind']}): {warning['message']}", "yellow")
+        say(to, f"warning ({warning['kind']}): {warning['message']}", "yellow")
 
 
 def _say_left_out(skipped: Mapping[str, str], to: Console) -> None:
@@ -95,7 +96,7 @@ def _say_left_out(skipped: Mapping[str, str], to: Console) -> None:
     others = [name for name in skipped if name not in given]
     for words, names in (("left out, not needed", others), ("given, not used", given)):
         if names:
-            _say(to, f"{words}: {', '.join(names)}", "dim")
+            say(to, f"{words}: {', '.join(names)}", "dim")
 
 
 def _print_modes(result: "ModesResult | MatrixResult", to: Console) -> None:
@@ -105,10 +106,10 @@ def _print_modes(result: "ModesResult | MatrixResult", to: Console) -> None:
     rows = result.table()
     texts = shown_cells(rows)
     summary = f"{MARKS.get(result.verdict, '')} {result.summary}".strip()
-    _say(to, summary, _COLOURS.get(result.verdict))
+    say(to, summary, _COLOURS.get(result.verdict))
     for index in result.most_unstable(len(rows)) if result.unstable.any() else ():
         cells = texts[index]
-        _say(
+        say(
             to,
             f"{MARKS['unstable']} mode {cells['mode']}: {cells['frequency']} Hz, growth rate "
             f"{cells['growth_rate']} 1/s, damping ratio {cells['damping_ratio']}",
@@ -125,11 +126,11 @@ def _print_modes(result: "ModesResult | MatrixResult", to: Console) -> None:
     _print(block.table(styles=[_COLOURS.get(row["verdict"]) for row in rows]), to)
     left_out = [TITLES[name] for name in names[len(shown) - 1 :]]
     if left_out:
-        _say(to, f"no room for: {', '.join(left_out)} (in result.json)")
-    _say(to, SIGNS)
+        say(to, f"no room for: {', '.join(left_out)} (in result.json)")
+    say(to, SIGNS)
     for line in result.steady_lines():
-        _say(to, line)
-    _say(to, f"window: {result.modes.window.evidence}")
+        say(to, line)
+    say(to, f"window: {result.modes.window.evidence}")
 
 
 def _fitting(columns: Sequence[ShownColumn], width: int | None) -> list[ShownColumn]:
@@ -148,6 +149,6 @@ def _print(table: object, to: Console) -> None:
     room.print(table, crop=False)
 
 
-def _say(to: Console, text: str, style: str | None = None) -> None:
+def say(to: Console, text: str, style: str | None = None) -> None:
     """Print text as it is, wrapped at words on a terminal."""
-    to.print(text, style=style, markup=False, soft_wrap=not to.is_terminal)
+    to.print(printable(text), style=style, markup=False, soft_wrap=not to.is_terminal)

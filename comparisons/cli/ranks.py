@@ -1,5 +1,6 @@
 """One voice for many ranks: rank 0 speaks, and a fault on any rank ends them all."""
 
+import errno
 import os
 import sys
 from collections.abc import Iterator
@@ -13,6 +14,9 @@ from comparisons.cli.extras import MissingExtraError
 
 _EXPECTED = (InputError, ConvergenceError, WriteError, MissingExtraError)
 """Faults told in a line each, as those of scenes are; any other is told with its traceback."""
+
+_OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EPIPE)
+"""Faults of what output goes to, a full disk or a program that has ended."""
 
 _PATIENCE = 5.0
 """Seconds that a rank with a fault gives the others to meet the same one."""
@@ -72,6 +76,8 @@ def one_voice(comm: Any) -> Iterator[None]:
 def _told(error: Exception) -> str:
     if isinstance(error, _EXPECTED) or _is_of_a_scene(error):
         return "".join(f"error: {line}\n" for line in str(error).splitlines())
+    if isinstance(error, OSError) and error.errno in _OUTPUT:
+        return f"error: output cannot be written: {error.strerror}\n"
     if isinstance(error, MemoryError):
         return f"error: not enough memory{f': {error}' if str(error) else ''}\n"
     return "".join(format_exception(error))
@@ -84,7 +90,10 @@ def _is_of_a_scene(error: Exception) -> bool:
 
 
 def _tell(fault: str) -> None:
-    sys.stdout.flush()
+    try:
+        sys.stdout.flush()
+    except OSError:  # what is left must not be tried again as the program ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.stderr.write(fault)
     sys.stderr.flush()
 

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from comparisons.cli.progress import Working
     from scenes.matrix_run import MatrixResult
     from scenes.matrix_scene import MatrixScene
+    from scenes.read import Scene
     from scenes.results import ModesResult, StaticResult
 
 
@@ -28,9 +29,13 @@ def run(
         Literal["block", "krylov-schur"],
         typer.Option(help="What searches for modes; krylov-schur is slower, a reference."),
     ] = "block",
-    out: Annotated[Path, typer.Option(help="Folder for result.json and all else.")] = Path(
-        "results/run"
-    ),
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for result.json and all else; results/NAME by default."),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Let go of another scene's result there.")
+    ] = False,
     explain: Annotated[
         bool, typer.Option("--explain", help="Tell its steps and what is left out; run nothing.")
     ] = False,
@@ -51,13 +56,22 @@ def run(
             explain_matrices(scene, set_ or [], data)
             return
         chosen = load_matrices(scene, set_ or (), data)
-        report_matrices(chosen, out, {**inputs, "data": data}, report=report, solver=solver)
+        inputs |= {"data": data}
+        out = out or _results_of(chosen)
+        report_matrices(chosen, out, inputs, overwrite, report=report, solver=solver)
         return
     _refuse("data", data, "left out: a scene of bodies reads no matrices")
     if explain:
         explain_bodies(scene, set_ or [], backend)
         return
-    _run_bodies(scene, set_ or [], backend, out, inputs, report=report, solver=solver)
+    _run_bodies(inputs, out, overwrite, report=report, solver=solver)
+
+
+def _results_of(scene: "Scene | MatrixScene") -> Path:
+    """Folder of the results of a scene where none is given."""
+    from scenes.names import file_name
+
+    return Path("results") / file_name(scene.name)
 
 
 def _refuse(option: str, value: str | None, allowed: str) -> None:
@@ -71,6 +85,7 @@ def report_matrices(
     scene: "MatrixScene",
     out: Path,
     inputs: dict[str, Any],
+    overwrite: bool,
     *,
     report: bool = False,
     solver: "Solver" = "block",
@@ -81,11 +96,11 @@ def report_matrices(
     from comparisons.kit.records import last_seconds
     from scenes.describe import RUN
     from scenes.matrix_run import run_matrices
-    from scenes.out_folder import check_out
+    from scenes.out_folder import check_run_out
 
     expected = last_seconds(out, RUN, inputs)
     with working("reading matrices", expected=expected) as work:
-        check_out(out)
+        check_run_out(out, inputs, overwrite=overwrite)
         if report:
             need("pictures")
         result = run_matrices(scene, solver=solver, listener=work.stage)
@@ -93,11 +108,9 @@ def report_matrices(
 
 
 def _run_bodies(
-    scene: str,
-    set_: list[str],
-    backend: Literal["fe", "iga"] | None,
-    out: Path,
     inputs: dict[str, Any],
+    out: Path | None,
+    overwrite: bool,
     *,
     report: bool,
     solver: "Solver",
@@ -107,14 +120,15 @@ def _run_bodies(
     from comparisons.cli.progress import working
     from comparisons.kit.records import last_seconds
     from scenes.describe import RUN
-    from scenes.out_folder import check_out
+    from scenes.out_folder import check_run_out
     from scenes.read import load_scene
     from scenes.run import run_scene
 
-    expected = last_seconds(out, RUN, inputs)
-    with working("reading the scene", expected=expected) as work:
-        chosen = load_scene(scene, set_, backend)
-        check_out(out)
+    with working("reading the scene"):
+        chosen = load_scene(inputs["scene"], inputs["set"], inputs["backend"])
+    out = out or _results_of(chosen)
+    with working("", expected=last_seconds(out, RUN, inputs)) as work:
+        check_run_out(out, inputs, overwrite=overwrite)
         if chosen.output.pictures or chosen.output.paraview or report:
             need("pictures")
         result = run_scene(chosen, solver=solver, listener=work.stage)
@@ -129,7 +143,7 @@ def _write(
     report: bool,
 ) -> None:
     """Print a result, then put it in the place of an earlier one."""
-    from comparisons.cli.output import console, print_result
+    from comparisons.cli.output import console, print_result, say
     from comparisons.cli.progress import working
     from scenes.describe import save_result
     from scenes.matrix_run import MatrixResult
@@ -143,7 +157,7 @@ def _write(
         if report:
             page = new.final(_report(result, record))
     if new.kept:
-        console.print(f"not of this program, and kept: {', '.join(new.kept)}", markup=False)
+        say(console, f"not of this program, and kept: {', '.join(new.kept)}")
     typer.echo(f"{result.dofs} dofs, {result.timer.total:.2f} s; {out / RESULT}")
     if page:
         typer.echo(f"The report to open: {page}")

@@ -61,7 +61,7 @@ def _check_bodies(
     """Look at a scene of bodies; faults end the command with their lines."""
     from cea.files import check_writable
     from comparisons.cli.extras import need
-    from comparisons.cli.output import console
+    from comparisons.cli.output import console, print_warnings
     from scenes.inspection import inspect_scene, told
     from scenes.read import load_scene
     from scenes.scene_error import SceneError
@@ -80,8 +80,7 @@ def _check_bodies(
             file = draw_scene(inspection, out / f"{Path(scene).stem}.png")
     for line in told(inspection):
         typer.echo(line)
-    for warning in inspection.warnings:
-        console.print(f"warning ({warning.kind}): {warning.message}", style="yellow")
+    print_warnings(warning.plain() for warning in inspection.warnings)
     if out is not None and inspection.bodies:
         typer.echo(f"The picture to open: {file}")
     if inspection.faults:

@@ -26,6 +26,9 @@ def solve(
         typer.Option(help="What searches for modes; krylov-schur is slower, a reference."),
     ] = "block",
     out: Annotated[Path, typer.Option(help="Folder for result.json.")] = Path("results/solve"),
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Let go of a result of other matrices there.")
+    ] = False,
     report: Annotated[
         bool, typer.Option("--report", help="Write report.html too: one file, to be played with.")
     ] = False,
@@ -54,4 +57,4 @@ def solve(
     given: dict[str, Any] = {"mass": mass, "damping": damping, "stiffness": stiffness}
     if solver != "block":
         given["solver"] = solver
-    report_matrices(scene, out, {**given, **analysis}, report=report, solver=solver)
+    report_matrices(scene, out, {**given, **analysis}, overwrite, report=report, solver=solver)

@@ -1,8 +1,8 @@
 """The newest mesh's eigenvalues corrected in a richer space, as one more number of their sequences.
 
 The hierarchical estimate (:mod:`scenes.nested`) takes a block of solves in a richer space and no
-eigenproblem there. What it gives stands in a sequence as the richer mesh would, with what the last
-solve changed beside its rounding; it has no vectors, so that no mesh can follow it.
+eigenproblem there. What it gives stands in a sequence as the richer mesh would, with the bound on
+what the solves left beside its rounding; it has no vectors, so that no mesh can follow it.
 """
 
 from dataclasses import dataclass, replace

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.errors import InputError
+from scenes.limits import LARGEST, SMALLEST
 
 _MOST = 10_000
 """Values of an axis."""
@@ -37,14 +38,11 @@ class Axis:
 
     def __post_init__(self) -> None:
         for end in (self.first, self.last):
-            if not np.isfinite(end):
-                raise InputError(self.name, end, "a finite number")
+            check_end(self.name, end, positive=self.logarithmic)
         if self.first == self.last:
             raise InputError(self.name, self.last, "another last value than the first")
         if not 2 <= self.count <= _MOST:
             raise InputError(self.name, self.count, f"2 to {_MOST} values")
-        if self.logarithmic and not (self.first > 0 and self.last > 0):
-            raise InputError(self.name, min(self.first, self.last), "positive where log is given")
 
     @property
     def values(self) -> list[float]:
@@ -66,6 +64,20 @@ class Axis:
             "count": self.count,
             "log": self.logarithmic,
         }
+
+
+def check_end(name: str, value: float, *, positive: bool) -> None:
+    """Refuse an end of what varies that no field of a scene may have.
+
+    Raises
+    ------
+    InputError
+        When it is not finite or too large; where it must be positive, too small as well.
+    """
+    if not abs(value) <= LARGEST:
+        raise InputError(name, value, f"a finite number of at most {LARGEST:g}")
+    if positive and value < SMALLEST:
+        raise InputError(name, value, f"positive, at least {SMALLEST:g}")
 
 
 def read_axis(text: str) -> Axis:

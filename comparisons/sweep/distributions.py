@@ -8,6 +8,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.errors import InputError
+from comparisons.sweep.axes import check_end
 
 Kind = Literal["normal", "uniform", "lognormal"]
 _ALLOWED = (
@@ -41,17 +42,14 @@ class Distribution:
     high: float = np.inf
 
     def __post_init__(self) -> None:
-        for value in (self.first, self.second):
-            if not np.isfinite(value):
-                raise InputError(self.name, value, "a finite number")
+        check_end(self.name, self.first, positive=self.kind == "lognormal")
+        check_end(self.name, self.second, positive=False)
         if self.kind == "uniform":
             if not self.first < self.second:
                 raise InputError(self.name, self.second, f"greater than {self.first:g}")
             return
         if self.second <= 0:
             raise InputError(self.name, self.second, "a positive deviation")
-        if self.kind == "lognormal" and self.first <= 0:
-            raise InputError(self.name, self.first, "a positive median")
         if not self.low < self.high:
             raise InputError(self.name, self.high, f"greater than {self.low:g}")
         if not np.ptp(self._ends):

@@ -1,10 +1,12 @@
 """Content of files that meshio reads: VTU and XDMF."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 
 from cea.errors import InputError, require
+from cea.files import regular
 from meshes.mesh_files.content import ElementBlock, FileContent, Ints
 from meshes.mesh_files.kinds import block
 
@@ -25,6 +27,8 @@ _KINDS = {
     "VTK_LAGRANGE_HEXAHEDRON": "hexahedron{n}",
 }
 """Our names for meshio's kinds of cells."""
+_ELSEWHERE = re.compile(rb"""Format\s*=\s*["'](?:HDF|Binary)["'][^>]*>\s*([^<:]+)""", re.I)
+"""Names of files that an XDMF file takes its numbers from."""
 _LINES = ("line", "line3")
 _MOST = 1000
 """Values of a whole-number field that are taken for sets."""
@@ -46,6 +50,8 @@ def meshio_content(file: Path) -> FileContent:
     except ImportError:
         allowed = "meshio to read it: python -m pip install 'friction-cea[meshes]'"
         raise InputError("file", str(file), allowed) from None
+    for match in _ELSEWHERE.finditer(file.read_bytes()):
+        regular(file.parent / match[1].decode("utf-8", "replace").strip())
     try:
         # What chooses among them ends the program where a file cannot be read.
         mesh = (vtu if file.suffix.lower() == ".vtu" else xdmf).read(file)

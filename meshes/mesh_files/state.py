@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from cea.errors import InputError, require
+from cea.files import regular
 
 
 def checked_state(file: Path, what: str, largest: int) -> tuple[Path, int, int]:
@@ -23,8 +24,7 @@ def checked_state(file: Path, what: str, largest: int) -> tuple[Path, int, int]:
         Naming file, when it is not there, no file, empty or too large.
     """
     try:
-        state = file.stat()
-        require(file.is_file(), "file", str(file), "a file")
+        state = regular(file).stat()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError("file", str(file), f"{what} ({reason})") from None

@@ -11,6 +11,7 @@ from scenes.deck.bodies import DeckBody, deck_bodies
 from scenes.deck.calculix import calculix_text
 from scenes.deck.checks import check_exportable
 from scenes.deck.model import model_text
+from scenes.names import file_name
 from scenes.read import Scene
 
 MAX_MODES = 10_000
@@ -45,7 +46,7 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
     if not 1 <= modes <= MAX_MODES:
         raise InputError("modes", modes, f"1 to {MAX_MODES}")
     check_exportable(scene)
-    name = "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in scene.name)
+    name = file_name(scene.name)
     files = [folder / f"{name}_{kind}.inp" for kind in ("model", *PROGRAMS)]
     made_on_first(MPI.COMM_WORLD, lambda: _write(scene, files, modes))
     return files

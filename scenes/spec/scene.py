@@ -1,7 +1,7 @@
 """What a scene says: frozen dataclasses, each of which refuses what is wrong with itself."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
@@ -49,6 +49,9 @@ class SceneSpec:
         What is made beside numbers.
     description
         In words.
+    units
+        "other" where numbers are in consistent units that are not SI, or in none; they are then not
+        compared with those of solids in SI units.
     """
 
     name: str
@@ -58,6 +61,10 @@ class SceneSpec:
     loads: tuple[LoadSpec, ...] = ()
     output: OutputSpec = field(default_factory=OutputSpec)
     description: str = ""
+    units: Literal["SI", "other"] = "SI"
+
+    left_out: ClassVar[tuple[str, ...]] = ("units",)
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
 
     # Nested dataclasses, those of other rooms too, are checked under the same configuration.
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(

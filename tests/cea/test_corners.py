@@ -46,6 +46,7 @@ def test_rigid_block_in_a_corner_has_the_closed_form(kind, dim, name):
         assert np.abs(found - true).max() <= 1e-12 * np.abs(true).max()
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize(("kind", "dim"), EVERY)
 @pytest.mark.parametrize("reverse", [False, True], ids=["block on seat", "seat on block"])
 def test_one_contact_over_a_corner_is_one_for_each_face(kind, dim, reverse):
@@ -61,6 +62,7 @@ def test_one_contact_over_a_corner_is_one_for_each_face(kind, dim, reverse):
             assert error <= 1e-12, name
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("angle", [50.0, 160.0, 175.0])
 def test_one_contact_over_an_oblique_corner_is_two(backend, angle):
     """Facets that are straight on both sides meet at a corner, however little they turn there."""
@@ -133,7 +135,10 @@ def test_a_corner_of_which_parts_have_lifted_off(backend):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize(("ranks", "kind"), [(2, "nurbs"), (2, "triangle"), (3, "triangle")])
+@pytest.mark.parametrize(
+    ("ranks", "kind"),
+    [(2, "nurbs"), (2, "triangle"), pytest.param(3, "triangle", marks=pytest.mark.slow)],
+)
 def test_numbers_of_a_corner_do_not_depend_on_the_ranks(ranks, kind):
     alone, together = (on_ranks(n, "corners.numbers", kind) for n in (1, ranks))
     assert len(alone) == 2
@@ -144,6 +149,7 @@ def test_numbers_of_a_corner_do_not_depend_on_the_ranks(ranks, kind):
             assert together[case][quantity] == pytest.approx(expected[quantity], rel=1e-9)
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize(("kind", "dim"), EVERY)
 @pytest.mark.parametrize("name", ["mortar", "segments"])
 def test_different_uniform_pressures_on_two_faces_of_a_corner(kind, dim, name):

@@ -184,6 +184,7 @@ def test_two_supports_of_one_rim_share_it_evenly(backend, component):
     assert halves[2:] == pytest.approx(whole[1:], abs=1e-10 * np.abs(whole).max())
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_supports_bear_what_contacts_of_every_kind_do(backend, contact, mu):
@@ -250,7 +251,7 @@ def test_moments_that_do_not_balance_end_the_run(backend, monkeypatch):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_reactions_are_the_same_on_any_ranks(ranks):
     kinds = ("saddle", "full pass", "mortar, full pass", "bonded", "lumped", "law")
     expected, found = borne(*kinds), on_ranks(ranks, "reaction_numbers.borne", *kinds)

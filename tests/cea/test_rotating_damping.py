@@ -136,6 +136,7 @@ def test_circulatory_forces_of_modes_are_skew_for_every_number_of_diameters(back
     assert seen == set(range(7))
 
 
+@cache
 def waves(backend, kind, **options):
     """Lambda with Im > 0 of the lowest waves at rest, and their diameters."""
     made = system(backend, kind, **options)
@@ -170,6 +171,7 @@ def apart(backend, kind, part, most=3, **options):
     return max(errors)
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("part", [0.4, 1.0, 1.5])
 def test_decay_of_a_free_ring_does_not_depend_on_the_rate(backend, kind, part):
@@ -186,6 +188,7 @@ CLAMPED = ((("surface", "inner"),),)
 ROLLERS = ((("surface", "inner"), ("components", ("radial",)), ("axis", (0.0, 0.0, 1.0))),)
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("supports", [CLAMPED, ROLLERS], ids=["clamped", "on rollers"])
 @pytest.mark.parametrize("kind", ["beta", "modal"])
 def test_decay_of_a_disc_does_not_depend_on_the_rate(backend, kind, supports):
@@ -193,6 +196,7 @@ def test_decay_of_a_disc_does_not_depend_on_the_rate(backend, kind, supports):
     assert apart(backend, kind, 1.2, shape="disc", supports=supports, most=2) < 3e-2
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("kind", ["alpha", "beta", "modal"])
 @pytest.mark.parametrize("rate", [0.1, 0.28])
 def test_with_coriolis_forces_decay_is_that_in_the_frame_of_the_material(backend, kind, rate):

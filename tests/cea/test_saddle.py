@@ -44,6 +44,7 @@ def test_the_eigenvalues_are_those_of_the_penalty_form(backend, formulation, mu)
     assert both[1].residuals.max() < 1e-9
 
 
+@pytest.mark.grid(quick=6)
 def test_multipliers_eliminated_give_the_penalty_matrices(backend, formulation):
     penalty = assemble(with_form(two_blocks(backend, formulation), "penalty"))
     saddle = assemble(with_form(two_blocks(backend, formulation), "saddle"))

@@ -97,6 +97,7 @@ def test_a_band_ends_where_stiffness_is_another_and_takes_in_what_it_lacks(maps)
     assert bands.whole.size == small.size
 
 
+@pytest.mark.grid(quick=1)
 def test_what_is_left_out_of_residuals_makes_no_bound_however_stiff_a_contact(backend):
     scene = scene_of(backend, 6e3, "mu=0:1:3", "P=1e6:1e14:log:9")
     small = filled(scene, [(0.5, 1e10), (1.0, 1e13), (0.0, 1e14)]).model.small

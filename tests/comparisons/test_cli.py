@@ -27,7 +27,7 @@ def with_settings(settings):
     return [part for setting in settings for part in ("--set", setting)]
 
 
-@pytest.mark.grid(quick=4)
+@pytest.mark.grid(quick=2)
 @pytest.mark.parametrize(
     ("arguments", "field", "told"),
     [
@@ -98,6 +98,7 @@ def test_faults_are_one_line_without_traceback(arguments, field, told, tmp_path)
     assert not (tmp_path / "result.json").exists()
 
 
+@pytest.mark.grid(quick=1)
 def test_run_writes_a_complete_result(backend, tmp_path):
     done = cea("run", "disc", "--backend", backend, *with_settings(QUICK), "--out", str(tmp_path))
     assert done.returncode == 0, done.stderr

@@ -131,6 +131,7 @@ def test_a_body_without_contacts_converges(backend):
     assert data["backends"][backend]["held"]
 
 
+@pytest.mark.grid(quick=1)
 def test_what_a_digit_more_costs_is_told_while_no_bar_is_known(backend, monkeypatch):
     """A mode that one of two meshes does not have has an endless bar."""
     course = Course(backend, load_scene("blocks"), Request("blocks", backends=(backend,)))
@@ -142,6 +143,7 @@ def test_what_a_digit_more_costs_is_told_while_no_bar_is_known(backend, monkeypa
     assert step.seconds > 0
 
 
+@pytest.mark.grid(quick=1)
 def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend):
     """Its bars hold the true errors, which are far below those of the mesh itself."""
     exact = ExactScene("blocks").exact()
@@ -163,6 +165,7 @@ def test_the_newest_mesh_corrected_in_a_richer_space_is_one_more_number(backend)
     assert not any(level.corrected for level in course.levels)
 
 
+@pytest.mark.grid(quick=1)
 def test_a_last_correction_is_for_what_is_asked_where_time_is_short(backend):
     """Parts that are owed little need not fall by half too, as they do where there is the time."""
     scene = load_scene("blocks")
@@ -206,6 +209,7 @@ def test_the_budget_ends_a_run_that_would_take_longer(backend):
     assert "budget" in data["backends"][backend]["ended"]
 
 
+@pytest.mark.grid(quick=1)
 def test_memory_is_told_where_it_ends_a_run(backend, monkeypatch):
     """And only there: what the first mesh takes is free, and no more."""
     scene = load_scene("blocks")

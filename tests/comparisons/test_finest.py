@@ -39,7 +39,7 @@ def every_case():
             yield pytest.param(finest, p, mu, id=name, marks=marks)
 
 
-@pytest.mark.grid
+@pytest.mark.grid(quick=2)
 @pytest.mark.parametrize(("finest", "p", "mu"), list(every_case()))
 def test_every_listed_eigenvalue_is_found_to_its_digits(finest, p, mu):
     families = stored_families(finest.problem, p, mu)
@@ -49,6 +49,7 @@ def test_every_listed_eigenvalue_is_found_to_its_digits(finest, p, mu):
     assert run["worst"] < finest.bound, run["errors"]
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize("problem", ["drum", "blocks"])
 def test_what_the_study_compares_is_what_is_listed(problem):
     compared = COMPARED[problem]

@@ -62,6 +62,7 @@ def test_of_a_changed_scene_is_another(backend, change):
     assert marks("blocks", ["mu=0:1:3"], *words, *change) != first
 
 
+@pytest.mark.grid(quick=1)
 def test_scene_turned_round_while_its_sweep_was_interrupted_begins_anew(backend, tmp_path):
     """Neither size nor norm of any matrix tells which way a side slides."""
     scene, way = tmp_path / "scene.toml", "vector = [1.0, 0.0]"

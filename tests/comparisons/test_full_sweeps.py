@@ -32,6 +32,7 @@ def assert_runs(data, scenes):
         np.testing.assert_allclose(eigenvalues(point), run_modes(scene).eigenvalues, rtol=1e-9)
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize(
     ("name", "field", "values"),
     [

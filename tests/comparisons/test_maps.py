@@ -124,6 +124,7 @@ def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     driver.free()
 
 
+@pytest.mark.grid(quick=1)
 def test_sensitivities_of_a_map_are_those_of_full_solves(made, backend):
     """Of every mode in both parameters, where none coalesce."""
     wanted, data, rows, _ = made(backend)
@@ -145,6 +146,7 @@ def test_sensitivities_of_a_map_are_those_of_full_solves(made, backend):
     scene.driver.free()
 
 
+@pytest.mark.grid(quick=1)
 def test_branches_keep_their_numbers_along_a_row(made, backend):
     _, _, rows, _ = made(backend)
     for row in rows:

@@ -156,6 +156,7 @@ def test_full_solves_of_a_map_warn_as_runs_do(file):
     scene.driver.free()
 
 
+@pytest.mark.grid(quick=1)
 def test_converge_warns_of_what_its_newest_mesh_warns_of(backend, tmp_path):
     """In its record and on its page."""
     file = tmp_path / "overhang.toml"

@@ -286,7 +286,7 @@ def test_texts_that_are_no_distribution_are_refused(text):
         (("mu", "normal", 0.4, 0.0), "positive deviation"),
         (("mu", "normal", np.inf, 1.0), "finite"),
         (("mu", "uniform", 1.0, 1.0), "greater than 1"),
-        (("mu", "lognormal", -1.0, 1.0), "positive median"),
+        (("mu", "lognormal", -1.0, 1.0), "positive, at least 1e-30"),
         (("mu", "normal", 0.0, 1.0, 2.0, 1.0), "greater than 2"),
         (("mu", "normal", 0.0, 1.0, 50.0, 51.0), "between them"),
     ],

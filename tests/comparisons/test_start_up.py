@@ -56,6 +56,7 @@ def test_exact_eigenvalues_need_no_petsc_and_no_pictures():
     assert modules & (SOLVERS | DRAWING | {"gmsh"}) == set()
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize("arguments", [["--help"], ["exact", "--help"]])
 def test_help_takes_less_than_a_third_of_a_second(arguments):
     """Processor time of the least disturbed of several runs."""

@@ -24,6 +24,7 @@ def first_scene(tmp_path, monkeypatch):
     return load_scene("pad_on_bar.toml")
 
 
+@pytest.mark.grid(quick=1)
 def test_the_first_scene_has_the_unstable_mode_that_is_told(first_scene, backend):
     (told,) = re.findall(r"one unstable mode near ([\d.]+) kHz", README)
     modes = run_modes(first_scene.on(backend)).modes

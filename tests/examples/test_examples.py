@@ -70,6 +70,7 @@ def test_friction_sweep():
     assert found[1:] == pytest.approx([81.67269168, 480.89011511], rel=SAME)
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize(
     ("backend", "error"), [("fe", 3.185220321316957e-06), ("iga", 1.066108497603393e-06)]
 )

@@ -23,7 +23,7 @@ from comparisons.peers import calculix
 from scenes.deck.write import write_deck
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
-QUICK = ("blocks_iga", "drum_fe", "hertz_cylinder_iga", "patch_test_fe", "paper_figure_3_iga")
+QUICK = ("blocks_iga", "hertz_cylinder_iga", "patch_test_fe")
 """Frozen scenes that the quick tests run, a second or two each."""
 ROUNDING = 1e-9
 """Relative errors below it are rounding, and differ from machine to machine."""
@@ -133,6 +133,7 @@ def test_errors_against_exact_eigenvalues_are_as_frozen(name):
             assert_same_errors([found[quantity][k] for k in keys], list(keys.values()))
 
 
+@pytest.mark.grid(quick=1)
 @pytest.mark.parametrize(
     "name",
     [

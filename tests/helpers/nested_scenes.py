@@ -53,3 +53,14 @@ def parallel_numbers(name, backend, by):
         "verdicts": estimate.verdicts,
         "continued": [[v.real, v.imag] for v in continued.eigenvalues.tolist()],
     }
+
+
+def parallel_remaining(backend):
+    """Corrected eigenvalues of damped blocks and what remains of them."""
+    changes = ["bodies.upper.damping={alpha=0.02,beta=0.01}", "bodies.lower.damping={beta=0.02}"]
+    elements = {"upper": [4, 2], "lower": [3, 2]}
+    estimate = estimate_errors(coarse_modes("blocks", backend, 2, 2.9, changes, elements))
+    return {
+        "corrected": [[v.real, v.imag] for v in estimate.corrected.tolist()],
+        "remaining": estimate.remaining.tolist(),
+    }

@@ -123,6 +123,10 @@ COARSE = {
 """Elements of the bodies of the scenes, so few that a run takes a moment."""
 
 
+_BY_SIZE = {"ventilated_brake"}
+"""Scenes whose meshes have sizes, not numbers of elements: none is coarse."""
+
+
 def coarse(name, backend):
     """The same on few elements."""
     data = valid(name, backend)
@@ -262,7 +266,8 @@ def _table_changes(value, field, path):
 
 def random_mutation(rng, made=valid):
     """One mutation of one scene that comes with the project, as it is or :func:`coarse`."""
-    data = made(str(rng.choice(NAMES)), str(rng.choice(["fe", "iga"])))
+    names = [name for name in NAMES if made is valid or name not in _BY_SIZE]
+    data = made(str(rng.choice(names)), str(rng.choice(["fe", "iga"])))
     path = drawn(rng, list(places(data)))
     if isinstance(path[-1], str) and rng.random() < 0.1:
         must = path[-1] in REQUIRED or None

@@ -94,7 +94,7 @@ def test_shells_may_be_named_as_marks_or_left_out_by_the_choice_of_a_part(tmp_pa
     ("name", "content", "words"),
     [
         ("none.msh", None, "a mesh file"),
-        ("folder.msh", "folder", "a file"),
+        ("folder.msh", "folder", "not a regular file"),
         ("a.step", b"ISO-10303-21;", "one that ends in .msh"),
         ("a.msh", b"*NODE\n1, 0, 0, 0\n", "a .msh file of gmsh"),
         ("a.bdf", b"GRID,1,,0.,0.,0.\n", "ENDDATA"),

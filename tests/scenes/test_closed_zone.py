@@ -128,6 +128,7 @@ def test_elements_are_counted_along_the_width(backend):
         assert zone.elements(surface) == pytest.approx(width / size, abs=0.3)
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("formulation", [SEGMENTS, {"method": "mortar"}])
 def test_too_few_elements_for_a_stiff_law_are_told(formulation, backend):
     """The finer mesh knows of an unstable mode that the coarse one of splines does not."""
@@ -161,6 +162,7 @@ def test_a_contact_that_is_closed_as_a_whole_needs_none(backend):
     assert told(result) == []
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("radii", [{"x": 4.0, "y": 4.0}, {"x": 4.0}])
 def test_zones_in_space(radii, backend):
     """Round ones, and strips that go through the contact along y."""

@@ -221,7 +221,7 @@ def test_flat_mesh_files_are_free_of_warnings(tmp_path, backend):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_states_do_not_depend_on_the_number_of_ranks(ranks, tmp_path):
     in_files(rings(2, ((1, 12), (1, 8))), tmp_path)
     found, expected = (

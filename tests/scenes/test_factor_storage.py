@@ -43,6 +43,7 @@ def test_what_fits_neither_way_is_refused(monkeypatch):
         run_modes(scene)
 
 
+@pytest.mark.grid(quick=1)
 def test_an_assembled_scene_has_its_factors_on_disk_too(backend, monkeypatch):
     """At every value, and frees them before their files go."""
     scene = load_scene("blocks", backend=backend)

@@ -72,6 +72,7 @@ def test_sensitivities_of_a_kept_state_are_warned_of(backend):
     assert "steady-state-kept" not in kinds(run_modes(known, left=True))
 
 
+@pytest.mark.grid(quick=1)
 def test_a_factor_on_an_expression_is_followed(backend):
     """Friction that varies keeps its shape: fresh runs beside the threshold grow, or do not."""
     wave = "0.3 + 0.1*sin(7*x)"

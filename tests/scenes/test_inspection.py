@@ -7,6 +7,7 @@ from stored_seconds import ratios
 from wrong_scenes import changed, coarse
 
 from scenes import inspection
+from scenes.doubts import doubtful_numbers
 from scenes.inspection import gaps, inspect_scene, largest_gap, told
 from scenes.memory import estimated_memory
 from scenes.read import load_scene, read_scene
@@ -15,7 +16,6 @@ from scenes.run_time import estimated_seconds
 from scenes.scene_files import scene_names
 from scenes.scene_picture import draw_scene
 from scenes.steps import needed_by
-from scenes.units import doubtful_units
 
 
 def scene_of(base, backend, *changes):
@@ -143,11 +143,11 @@ def test_a_run_has_the_stages_that_were_told(backend):
 )
 def test_units_are_doubted_and_not_refused(material, fields):
     scene = load_scene("disc").change("bodies.disc.material", material)
-    assert [warning.data["field"] for warning in doubtful_units(scene)] == fields
+    assert [warning.data["field"] for warning in doubtful_numbers(scene)] == fields
 
 
-def test_catalogue_has_no_doubtful_units():
-    assert [w for name in scene_names() for w in doubtful_units(load_scene(name))] == []
+def test_catalogue_has_no_doubtful_numbers():
+    assert [w for name in scene_names() for w in doubtful_numbers(load_scene(name))] == []
 
 
 @pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])

@@ -183,6 +183,7 @@ def test_bodies_and_contact_points_that_are_not_of_the_scene_are_refused(result)
         run_scene(turned, bodies=bodies, interfaces=interfaces)
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize(
     ("change", "reused"),
     [

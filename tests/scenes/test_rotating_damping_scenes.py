@@ -33,6 +33,7 @@ def steel_ring(backend, rate, degree=3, **damping):
     return {"name": "ring", "bodies": {"ring": ring}, "contacts": {}, "analysis": window}
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("rate", [300.0, 3000.0])
 def test_waves_of_a_ring_keep_their_decay(backend, rate):
     """Waves of two and three diameters are seen at omega +- m Omega; none grows."""
@@ -49,6 +50,7 @@ def test_waves_of_a_ring_keep_their_decay(backend, rate):
     assert not result.unstable.any()
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("form", ["penalty", "saddle"])
 @pytest.mark.parametrize("made", [damped_disc, modally_damped_disc])
 def test_modes_with_springs_and_stiff_contact_are_dense_ones(backend, made, form):

@@ -89,6 +89,7 @@ def load_of(data):
     return run_static(read_scene(data)).system.load.array
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("rate", [0.0, 150.0, 300.0])
 def test_the_stored_state_is_an_equilibrium_of_the_stored_matrices(backend, rate):
     """With m_n = 1 the tangent at closed points is the law itself, where sides touched before."""
@@ -122,6 +123,7 @@ def test_beyond_a_critical_rate_there_may_be_none():
         run_modes(read_scene(pinched_ring("iga", 600.0)))
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("damping", DAMPING)
 def test_damping_that_rotates_acts_in_the_equilibrium(backend, damping):
     """Of displacements at rest in space the material sees the rate Omega R u."""
@@ -238,7 +240,8 @@ def test_a_static_scene_needs_the_density_of_what_rotates():
     ("ranks", "backend", "damping"),
     [
         (2, "iga", "Rayleigh"),
-        (3, "fe", "modal"),
+        (2, "fe", "modal"),
+        pytest.param(3, "fe", "modal", marks=pytest.mark.slow),
         pytest.param(3, "iga", "Rayleigh", marks=pytest.mark.slow),
         pytest.param(2, "fe", "Rayleigh", marks=pytest.mark.slow),
     ],

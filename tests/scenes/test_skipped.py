@@ -75,7 +75,10 @@ def test_scene_without_contacts_searches_nothing(backend):
     assert {"search", "friction"} <= set(result.skipped)
 
 
-EVERY_RUN = {"newton", "damping", "gyroscopic", "loads", "pictures", "paraview", "gmsh"}
+EVERY_RUN = {
+    *("newton", "damping", "gyroscopic", "loads", "pictures", "paraview", "gmsh"),
+    "doubts of units",
+}
 TETRAHEDRA = {"cell": "tetrahedron", "size": 0.2}
 
 

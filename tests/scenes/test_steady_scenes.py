@@ -88,6 +88,7 @@ def test_a_sweep_seeks_each_state_anew(backend):
     assert swept.eigenvalues == pytest.approx(fresh.eigenvalues, rel=1e-8, abs=1e-8)
 
 
+@pytest.mark.grid(quick=1)
 def test_an_assembled_scene_bears_the_load_that_it_is_given(backend):
     """The normal force is in equilibrium with it; density moves nothing."""
     assembled = assemble(read_scene(pressed_blocks(backend, GPTS, c_n=1e2, m_n=2.0)))

@@ -25,9 +25,10 @@ MESH = (
     "over-constrained",
     "point-rule",
     "volumetric-locking",
+    "doubtful-units",
 )
-"""Kinds of warnings that tell how far a mesh or a rule is from the continuum: beside a reference on
-the same mesh they may come, and excuse no error."""
+"""Kinds of warnings that tell how far a mesh or a rule is from the continuum, or numbers from those
+of solids in SI units: beside a reference on the same mesh they may come, and excuse no error."""
 MESH_AND_PENALTY = (*MESH, "penalty-rounding")
 """The same with the one of digits that a penalty costs: it may come where they are left over."""
 NONE: tuple[str, ...] = ()

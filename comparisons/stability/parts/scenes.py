@@ -264,7 +264,7 @@ def in_units(data: Mapping[str, Any], *, metre: float = 1.0, kilogram: float = 1
         each["material"]["rho"] *= kilogram / metre**3
     for each in copy["contacts"].values():
         each["p"] *= kilogram / metre**2
-    return copy
+    return copy | {"units": "other"}
 
 
 def moved(data: Mapping[str, Any], shift: Sequence[float]) -> Scene:

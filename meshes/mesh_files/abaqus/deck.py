@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.errors import InputError, require
+from cea.files import regular
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -92,7 +93,7 @@ def keywords_of(file: Path, depth: int = 0) -> Iterator[Keyword]:
     """
     require(depth < _DEEPEST, "file", str(file), f"files that include each other {_DEEPEST} deep")
     try:
-        content = file.read_bytes().replace(b"\r\n", b"\n")
+        content = regular(file).read_bytes().replace(b"\r\n", b"\n")
     except OSError as error:
         raise InputError("file", str(file), f"a file ({error.strerror or error})") from None
     places = list(_KEYWORD.finditer(content))

@@ -1,0 +1,158 @@
+"""Doubts about the input come with every run, and never with scenes that are meant as they are."""
+
+from pathlib import Path
+
+import pytest
+from doubtful_scenes import STEEL, TONNES, bar, kinds, pulled, two_bars
+from mpi import on_ranks
+from same_numbers import assert_same
+
+from comparisons.converge.request import Request
+from comparisons.converge.study import run_converge
+from comparisons.kit.progress import Progress
+from comparisons.sweep.study import Sweep, run_sweep
+from scenes.doubts import doubtful_numbers
+from scenes.inspection import inspect_scene
+from scenes.read import load_scene, read_scene
+from scenes.run import run_scene
+from scenes.scene_files import scene_names
+from scenes.scene_toml import scene_text
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def test_steel_in_tonnes_and_millimetres_is_told_by_every_run(backend):
+    """Its speed of sound would be sqrt(2.1e5 / 7.85e-9) = 5.17e6 m/s."""
+    data = bar(backend, **TONNES, analysis={"kind": "cea", "max_frequency": 2e6})
+    scene = read_scene(data)
+    warning = run_scene(scene).warnings[0]
+    assert warning.kind == "doubtful-units"
+    assert warning.data["value"] == pytest.approx(5.172e6, rel=1e-3)
+    assert kinds(inspect_scene(scene).warnings) == ["doubtful-units"]
+    assert kinds(run_scene(read_scene(bar(backend))).warnings) == []
+
+
+def written(tmp_path, data):
+    file = tmp_path / "bar.toml"
+    file.write_text(scene_text(read_scene(data)))
+    return str(file)
+
+
+@pytest.mark.parametrize(
+    ("E", "rho", "doubted"),
+    [
+        (3e6, 1100.0, False),  # rubber: 52 m/s
+        (1.1e12, 3515.0, False),  # diamond: 17,700 m/s
+        (2.0e6, 1100.0, True),  # 43 m/s
+        (1.6e12, 3515.0, True),  # 21,300 m/s
+    ],
+)
+def test_the_bounds_of_the_speed_of_sound(E, rho, doubted):
+    found = list(doubtful_numbers(read_scene(bar("fe", E=E, rho=rho))))
+    assert bool(found) == doubted
+
+
+@pytest.mark.parametrize(
+    ("length", "doubted"), [(99.0, False), (101.0, True), (1.1e-5, False), (0.9e-5, True)]
+)
+def test_the_bounds_of_sizes(length, doubted):
+    scene = read_scene(bar("fe", size=(length, 0.1 * length)))
+    assert kinds(doubtful_numbers(scene)) == ["doubtful-size"] * doubted
+    assert kinds(inspect_scene(scene).warnings) == ["doubtful-size"] * doubted
+
+
+def test_large_strains_are_told_with_their_number(backend):
+    assert kinds(pulled(backend, 0.09).warnings) == []
+    (warning,) = pulled(backend, 0.11).warnings
+    assert warning.kind == "large-strain"
+    assert warning.data["strain"] == pytest.approx(0.11, rel=1e-6)
+
+
+def test_displacements_larger_than_the_body_are_told(backend):
+    """A bar held by a support that moves it by more than its length, without any strain."""
+    data = bar(backend, analysis={"kind": "static"})
+    for moved, told in ((0.19, []), (0.21, ["large-displacement"])):
+        data["bodies"]["bar"]["supports"] = [{"surface": "x_min", "value": [moved, 0.0]}]
+        assert kinds(run_scene(read_scene(data)).warnings) == told
+
+
+@pytest.mark.parametrize(
+    ("shift", "told"),
+    [
+        ((0.0, 0.01), True),
+        ((0.1, -0.01), True),
+        ((0.0, 0.02), False),  # they touch
+        ((0.2, 0.0), False),
+        ((0.0, 0.03), False),
+    ],
+)
+def test_bodies_that_overlap_without_a_contact(shift, told, backend):
+    scene = read_scene(two_bars(backend, shift))
+    assert kinds(run_scene(scene).warnings) == ["bodies-overlap"] * told
+    assert kinds(inspect_scene(scene).warnings) == ["bodies-overlap"] * told
+
+
+def test_a_body_in_the_hole_of_another_does_not_overlap(backend):
+    mesh = {
+        "fe": {"cell": "quadrilateral", "degree": 2, "elements": [2, 16]},
+        "iga": {"degree": [2, 2], "elements": [2, 16]},
+    }
+    data = bar(backend)
+    data["bodies"] = {
+        name: {
+            "backend": backend,
+            "geometry": {"shape": "ring", "inner_radius": low, "outer_radius": high},
+            "material": {"nu": 0.3, **STEEL},
+            "mesh": mesh,
+        }
+        for name, low, high in (("inner", 0.1, 0.2), ("outer", 0.2, 0.3))
+    }
+    assert kinds(inspect_scene(read_scene(data)).warnings) == []
+    data["bodies"]["outer"]["geometry"]["inner_radius"] = 0.1
+    assert kinds(inspect_scene(read_scene(data)).warnings) == ["bodies-overlap"]
+
+
+def test_scenes_without_units_say_so_once_and_are_left_alone(backend):
+    data = bar(backend, E=1.0, rho=1.0, size=(200.0, 20.0), analysis={"kind": "static"})
+    data["loads"] = [{"surface": "bar.x_max", "pressure": 1e3}]
+    result = run_scene(read_scene(data))
+    assert result.warnings == ()
+    assert "doubts of units" in result.skipped
+    assert "doubts of units" not in pulled(backend, 0.01).skipped
+    millimetres = bar(backend, **TONNES, size=(200.0, 20.0), units="other")
+    result = run_scene(read_scene(millimetres))
+    assert result.warnings == ()
+    assert "doubts of units" in result.skipped
+    assert kinds(doubtful_numbers(result.scene.change("units", "SI"))) == [
+        "doubtful-units",
+        "doubtful-size",
+    ]
+
+
+@pytest.mark.parametrize(
+    "name", [*scene_names(), EXAMPLES / "hub_pad.toml", EXAMPLES / "two_pads.toml"]
+)
+def test_scenes_of_the_project_raise_no_doubt(name):
+    assert list(doubtful_numbers(load_scene(name))) == []
+
+
+def test_a_sweep_tells_doubts(tmp_path):
+    scene = written(tmp_path, bar("fe", **TONNES, analysis={"kind": "cea", "max_frequency": 2e6}))
+    found = run_sweep(Sweep(scene, "bodies.bar.material.nu", 0.0, 0.1, 2), lambda name: None)
+    assert [w["kind"] for w in found["warnings"]] == ["doubtful-units"]
+
+
+@pytest.mark.slow
+def test_converge_tells_doubts(tmp_path):
+    scene = written(tmp_path, bar("fe", **TONNES, analysis={"kind": "cea", "max_frequency": 2e6}))
+    found = run_converge(Request(scene, 2, backends=("fe",), budget=60.0), Progress(print, print))
+    assert "doubtful-units" in [w["kind"] for w in found["warnings"]]
+
+
+@pytest.mark.mpi
+def test_doubts_are_the_same_on_two_ranks(backend):
+    found, expected = (
+        on_ranks(n, "doubtful_scenes.on_any_number_of_ranks", backend) for n in (2, 1)
+    )
+    assert [each["kind"] for each in expected] == ["bodies-overlap", "large-strain"]
+    assert_same(found, expected)
