@@ -111,6 +111,7 @@ def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str,
             if row["verdict"] == "unstable"
         ],
         "verdict": modes.verdict(growth_threshold),
+        "hints": modes.hints,
         "window": _window(modes.window),
         "eigenvalues": [
             {

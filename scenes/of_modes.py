@@ -116,6 +116,11 @@ class OfModes(ABC):
         """How many modes have which word, the threshold and the verdict, in a line."""
         return f"{self.scene.name}: {self.modes.headline(self.analysis.growth_threshold)}"
 
+    @property
+    def first_lines(self) -> list[str]:
+        """The summary, and a hint where modes grow just above the window."""
+        return [self.summary, *self.modes.hints]
+
     def title(self, index: int) -> str:
         """A mode, by its index, in words: backend, number from 1, frequency and growth rate."""
         begin = f"{backend_name(self.scene.backends)}, mode {index + 1}: "
@@ -135,9 +140,9 @@ class OfModes(ABC):
         return [f"{self.dofs} dofs", evidence, *self.steady_lines(), *warnings]
 
     def __repr__(self) -> str:
-        return "\n".join([self.summary, repr(self.table()), SIGNS, *self._notes()])
+        return "\n".join([*self.first_lines, repr(self.table()), SIGNS, *self._notes()])
 
     def _repr_html_(self) -> str:
         notes = "<br>".join(escape(line) for line in (SIGNS, *self._notes()))
-        summary = f"<p><b>{escape(self.summary)}</b></p>"
-        return f"{summary}{html_table(self.table())}<p>{notes}</p>"
+        first = "<br>".join(escape(line) for line in self.first_lines)
+        return f"<p><b>{first}</b></p>{html_table(self.table())}<p>{notes}</p>"

@@ -55,7 +55,7 @@ class Modes(Spectrum):
             conditions=self.conditions[modes],
             growth_uncertainties=self.growth_uncertainties[modes],
             bounded=None if self.bounded is None else self.bounded[modes],
-            vectors=self.vectors[:, modes],
+            vectors=_columns(self.vectors, modes),
             forces=self.forces[:, modes],
             left=self.left[modes] if self.left is not None else None,
         )

@@ -52,6 +52,11 @@ class Window:
     slices
         Shifts from which most of the eigenvalues were found, where there are very many
         (:mod:`cea.eigen.slices`); 0 where one shift found them.
+    growing_above
+        Frequency (Hz) and growth rate (1/s) of modes up to 5 percent above the window's end whose
+        growth is above their errors.
+    lowest
+        Frequency (Hz) of the lowest mode above an empty window, where it was found.
     """
 
     max_frequency: float
@@ -66,6 +71,8 @@ class Window:
     found_below: int
     symmetric_count: int | None
     slices: int = field(default=0, kw_only=True)
+    growing_above: tuple[tuple[float, float], ...] = field(default=(), kw_only=True)
+    lowest: float | None = field(default=None, kw_only=True)
 
     @property
     def complete(self) -> bool:
@@ -73,6 +80,12 @@ class Window:
         if self.symmetric_count is not None:
             return self.found_below == self.symmetric_count
         return self.bounded and not self.odd
+
+    @property
+    def missing(self) -> bool:
+        """Whether a mode is known to be missing."""
+        counted = self.symmetric_count
+        return self.odd or (counted is not None and self.found_below != counted)
 
     @property
     def evidence(self) -> str:
@@ -206,7 +219,7 @@ class Spectrum:
         """The word of the whole window (:func:`cea.eigen.classify.classify_run`)."""
         window = self.window
         each = self.verdicts(threshold)
-        return classify_run(each, complete=window.complete, missing=window.odd)
+        return classify_run(each, complete=window.complete, missing=window.missing)
 
     def table(self, threshold: float | None = None) -> ModeTable:
         """A row for each mode: its number from 1, frequency (Hz), growth rate (1/s), errors.
@@ -237,14 +250,26 @@ class Spectrum:
         window, word = self.window, self.verdict(threshold)
         top = f"{window.max_frequency:g} Hz"
         if not len(self):
-            return f"no modes below {top}"
+            near = "" if window.lowest is None else f"; the lowest is near {window.lowest:.5g} Hz"
+            return f"no modes below {top}{near}"
         counts = counted_words(self.verdicts(threshold), self.growth_rates.tolist(), threshold)
-        line = f"{len(self)} modes up to {top}: {counts}; verdict: {word}"
+        modes = "mode" if len(self) == 1 else "modes"
+        line = f"{len(self)} {modes} up to {top}: {counts}; verdict: {word}"
         if word == "no unstable mode found":
             line += f" up to a growth rate of {window.max_growth:.4g} 1/s"
         return line
 
+    @property
+    def hints(self) -> list[str]:
+        """What to know of modes just above the window, a line where some grow there."""
+        above = self.window.growing_above
+        if not above:
+            return []
+        modes = "a mode grows" if len(above) == 1 else f"{len(above)} modes grow"
+        told = ", ".join(f"{growth:+.3g} 1/s at {frequency:.6g} Hz" for frequency, growth in above)
+        return [f"hint: {modes} just above the end of the window: {told}"]
+
     def text(self, threshold: float | None = None) -> str:
         """The headline, and all modes in a table with marks."""
         lines = aligned(self.table(threshold))
-        return "\n".join([self.headline(threshold), *lines, SIGNS])
+        return "\n".join([self.headline(threshold), *self.hints, *lines, SIGNS])

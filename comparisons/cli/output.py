@@ -107,6 +107,8 @@ def _print_modes(result: "ModesResult | MatrixResult", to: Console) -> None:
     texts = shown_cells(rows)
     summary = f"{MARKS.get(result.verdict, '')} {result.summary}".strip()
     say(to, summary, _COLOURS.get(result.verdict))
+    for hint in result.modes.hints:
+        say(to, hint, "yellow")
     for index in result.most_unstable(len(rows)) if result.unstable.any() else ():
         cells = texts[index]
         say(
@@ -115,6 +117,9 @@ def _print_modes(result: "ModesResult | MatrixResult", to: Console) -> None:
             f"{cells['growth_rate']} 1/s, damping ratio {cells['damping_ratio']}",
             _COLOURS["unstable"],
         )
+    if not rows:
+        say(to, f"window: {result.modes.window.evidence}")
+        return
     names = [*_FIRST, *(name for name in TITLES if name not in _FIRST)]
     marks = ShownColumn("", [MARKS.get(row["verdict"], "") for row in rows], number=False)
     columns = [
