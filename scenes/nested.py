@@ -103,8 +103,12 @@ def estimate_errors(
     own = result.scene
     one_sided = own.damped or own.rotates or any(each.mu for each in own.contacts.values())
     if one_sided and result.modes.left is None and len(result.modes):
-        made: RunOptions = {"bodies": result.bodies, "interfaces": result.interfaces}
-        result = run_modes(own, left=True, listener=listener, **made)
+        options: RunOptions = {
+            "listener": listener,
+            "bodies": result.bodies,
+            "interfaces": result.interfaces,
+        }
+        result = run_modes(own, left=True, **options)
     with _on(scene, result, listener) as (matrices, step, timer), timer("krylov"):
         found = error_estimate(result.modes, matrices, step, steps=steps, allowed=allowed)
         return replace(found, growth_threshold=result.analysis.growth_threshold)

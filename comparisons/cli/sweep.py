@@ -140,6 +140,7 @@ def _map(asked: Any, out: Path) -> None:
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
         page = new.final(write_result(found, rows, new.part))
     store.discard()
+    typer.echo(found["words"])
     print_table(summary_table(found))
     print_table(onsets_table(found))
     print_warnings(found["warnings"])

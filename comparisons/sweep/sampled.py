@@ -13,7 +13,7 @@ from cea.reduced.rows import along
 from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
 from comparisons.sweep.cells import Cell, continued
-from comparisons.sweep.words import words_of
+from cea.reduced.words import words_of
 
 Flags = NDArray[np.bool_]
 _SMALL = 30

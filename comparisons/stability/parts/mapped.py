@@ -14,7 +14,7 @@ from cea.eigen.pencil import Pencil
 from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
 from comparisons.stability.parts.answers import ModesAnswer
-from comparisons.sweep.words import words_of
+from cea.reduced.words import words_of
 from scenes.read import read_scene
 from scenes.run import coupled
 
