@@ -27,6 +27,11 @@ RELATIVE_GROWTH = 1e-4
 """Growth rate relative to abs(lambda) above which a mode is called unstable by default."""
 
 
+_FINE = 1e-10
+"""Relative error of kappa up to which its condition is fine: where modes coalesce the error is the
+root of rounding, some 1e-8."""
+
+
 def thresholds(eigenvalues: Complexes, threshold: float | None = None) -> Floats:
     """Growth rates (1/s) above which modes are called unstable, shape (n,).
 
@@ -93,8 +98,9 @@ def cannot_grow(kappa: Complexes, errors: Floats, *, symmetric: bool) -> NDArray
 
     kappa = -lambda^2 are eigenvalues of real matrices: one leaves the real axis only where it
     meets another. So a real positive kappa that is apart from all others by more than their errors
-    belongs to a mode that does not grow. Without friction all kappa are real. With rotation alone,
-    neither friction nor damping, the same holds of -i lambda.
+    belongs to a mode that does not grow; and so do copies whose conditions are fine, which no
+    coalescence has. Without friction all kappa are real. With rotation alone, neither friction nor
+    damping, the same holds of -i lambda.
 
     Parameters
     ----------
@@ -110,8 +116,9 @@ def cannot_grow(kappa: Complexes, errors: Floats, *, symmetric: bool) -> NDArray
         return real
     distance = np.abs(kappa[:, None] - kappa)
     np.fill_diagonal(distance, np.inf)
-    apart: NDArray[np.bool_] = real & (distance > errors[:, None] + errors).all(axis=1)
-    return apart
+    apart = (distance > errors[:, None] + errors).all(axis=1)
+    fine = errors <= _FINE * np.abs(kappa)
+    return np.asarray(real & (apart | fine))
 
 
 def classify_run(words: Sequence[Word], *, complete: bool, missing: bool = False) -> RunWord:

@@ -18,9 +18,9 @@ from cea.reduced.roots import PairLostError
 from cea.reduced.rows import Line, in_parts
 from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
+from cea.reduced.words import words_of
 from cea.reduced.zero_growth import zero_growth
 from comparisons.sweep.mapped import Mapped
-from cea.reduced.words import words_of
 
 UNSTABLE, SLOW = WORDS.index("unstable"), WORDS.index("grows slowly")
 """Words of modes as numbers: their places in :data:`cea.eigen.classify.WORDS`."""

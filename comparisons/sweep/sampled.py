@@ -12,8 +12,8 @@ from cea.reduced.pieces import Values
 from cea.reduced.rows import along
 from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
-from comparisons.sweep.cells import Cell, continued
 from cea.reduced.words import words_of
+from comparisons.sweep.cells import Cell, continued
 
 Flags = NDArray[np.bool_]
 _SMALL = 30

@@ -136,10 +136,11 @@ def run_sweep(
     Returns
     -------
     dict
-        The record: ``field``, ``growth_threshold`` (1/s, None where it is relative), ``why`` where it was told, ``points`` with ``value``, ``failed`` (the
-        reason, or "") and ``modes``, each with ``curve``, a number that modes of one curve share,
-        ``re``, ``im``, ``uncertainty`` and ``verdict``; ``warnings`` are those of all values,
-        merged (:func:`comparisons.kit.run_warnings.merged_warnings`).
+        The record: ``field``, ``growth_threshold`` (1/s, None where it is relative), ``why`` where
+        it was told, ``points`` with ``value``, ``failed`` (the reason, or "") and ``modes``, each
+        with ``curve``, a number that modes of one curve share, ``re``, ``im``, ``uncertainty`` and
+        ``verdict``; ``warnings`` are those of all values, merged
+        (:func:`comparisons.kit.run_warnings.merged_warnings`).
     """
     begun = perf_counter()
     assembled = sweep.assembled()

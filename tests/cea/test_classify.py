@@ -48,6 +48,13 @@ def test_real_kappa_apart_from_all_others_cannot_grow():
     assert cannot_grow(kappa, errors, symmetric=False).tolist() == free
 
 
+def test_copies_with_fine_conditions_cannot_grow_and_a_coalescence_may():
+    kappa = np.array([2.0, 2.0 + 1e-13j, 2.0 - 1e-13j, 3.0, 3.0])
+    errors = np.array([3e-13, 3e-13, 3e-13, 1e-8, 1e-8])
+    found = cannot_grow(kappa, errors, symmetric=False)
+    assert found.tolist() == [True, True, True, False, False]
+
+
 def test_without_friction_equal_kappa_cannot_grow_either():
     kappa = np.array([1.0, 1.0, -1.0, 0.01])
     found = cannot_grow(kappa, np.full(4, 0.1), symmetric=True)

@@ -13,8 +13,8 @@ from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.pencil import Pencil
 from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
-from comparisons.stability.parts.answers import ModesAnswer
 from cea.reduced.words import words_of
+from comparisons.stability.parts.answers import ModesAnswer
 from scenes.read import read_scene
 from scenes.run import coupled
 
