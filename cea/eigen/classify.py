@@ -4,7 +4,7 @@ This is the only place that decides them. Whoever has growth rates brings the er
 own: a run its algebraic error, a refined scene its error bar, a reduced model its bound.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Literal, get_args
 
 import numpy as np
@@ -160,13 +160,10 @@ def counted_words(words: Sequence[Word], growth: Sequence[float], threshold: flo
         rates = [rate for rate, own in zip(growth, words, strict=True) if own == word]
         if not rates:
             continue
-        one = len(rates) == 1
-        verb = _VERBS.get(word, ("is " + word, "are " + word))[not one]
-        part = f"{len(rates)} {'mode' if one else 'modes'} {verb}"
+        part = f"{len(rates)} {word}"
+        if word == "grows slowly":
+            part = f"{len(rates)} modes grow slowly" if len(rates) > 1 else "1 mode grows slowly"
         if word in GROWING:
             part += f" (fastest {max(rates):+.3g} 1/s)"
         parts.append(part)
     return f"{', '.join(parts)}; {threshold_text(threshold)}"
-
-
-_VERBS: Mapping[Word, tuple[str, str]] = {"grows slowly": ("grows slowly", "grow slowly")}
