@@ -269,7 +269,7 @@ class _Run:
 def _worst_apart(row: Row, values: Sequence[float], tolerance: float) -> list[float]:
     """Values of a row that are not certified, the worst of each third of it."""
     worst = []
-    for numbers in np.array_split(np.arange(len(values)), _MENDED):
+    for numbers in np.array_split(np.arange(len(values)), min(_MENDED, len(values))):
         number = int(numbers[np.argmax(row.worst[numbers])])
         if row.worst[number] > tolerance:
             worst.append(values[number])

@@ -113,7 +113,7 @@ def test_what_is_printed_begins_with_the_unstable_modes(result):
         "two blocks",
         f"{len(table)} modes",
         "1 Hz",
-        "threshold 1e-4 |lambda|",
+        "; threshold 10 1/s; verdict: ",
         result.verdict,
     ):
         assert fact in first
