@@ -75,7 +75,8 @@ def _add_patch(
     rows = rows.reshape(*rows.shape, *(1,) * (3 - rows.ndim))
     place_of = (np.cumsum(rows >= 0) - 1).reshape(rows.shape)
     alone = len(multipatch.patches) == 1
-    several = any(line.any() for line in patch.collapsed)
+    own = multipatch.dofs[number]
+    several = len(np.unique(own)) < own.size  # of functions for one dof, as at collapsed edges
     for box in pattern.boxes(number):
         for i, part, slab in slabs(patch_map, lines, form, box):
             here = (i, part, box[2])

@@ -4,8 +4,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, permutations, product
+from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats, Ints
@@ -20,6 +24,9 @@ from iga_cea.splines import find_span
 TOLERANCE = 1e-7
 """Distance at which points coincide, relative to the local mesh size."""
 
+_NEAR = 1e-3
+"""Gap of faces that were meant to be joined, at most, relative to the elements behind them."""
+
 _PARTS = 8
 """Parts of a face, per direction, that have a box of their own."""
 
@@ -30,8 +37,9 @@ _SAME_PARAMETER = 1e-9
 def joined_dofs(faces: Sequence[PatchFace], field: str) -> Ints:
     """Pairs of dofs that joined faces share, shape (n, 2).
 
-    Two faces are joined when, one of them turned or flipped, their control points coincide, their
-    knots are the same and their weights equal up to a factor.
+    Two faces, of one patch that closes on itself or of two, are joined when, one of them turned or
+    flipped, their control points coincide, their knots are the same and their weights equal up to a
+    factor.
 
     Parameters
     ----------
@@ -43,20 +51,58 @@ def joined_dofs(faces: Sequence[PatchFace], field: str) -> Ints:
     Raises
     ------
     InputError
-        When faces touch but are not joined, or a patch touches itself.
+        When faces touch or nearly touch but are not joined, patches lie on each other, or they make
+        several bodies.
     """
-    pairs = [np.empty((0, 2), dtype=np.int64)]
+    joints = []
     for side_a, side_b in _neighbours([_Side(face) for face in faces]):
         a, b = side_a.face, side_b.face
-        order = _common_order(a, b)
-        if order is not None and a.patch != b.patch:
-            pairs.append(np.stack([a.dofs[..., 0].ravel(), order.ravel()], axis=1))
-        elif order is not None or _touch(side_a, side_b) or _touch(side_b, side_a):
-            names = f"{_name(a)} and {_name(b)}"
-            raise InputError(
-                field, names, "joined faces with equal nets of control points, or faces apart"
-            )
-    return np.concatenate(pairs)
+        names, depth = f"{_name(a)} and {_name(b)}", min(side_a.depth, side_b.depth)
+        joint = _joint(a, b)
+        if joint is not None and joint.gap <= TOLERANCE * depth:
+            if not _face_each_other(a, b):
+                allowed = "patches beside each other, none given twice: these lie on each other"
+                raise InputError(field, names, allowed)
+            joints.append(joint)
+        elif joint is not None and joint.gap <= _NEAR * depth:
+            allowed = f"joined faces; these are {joint.gap:.3g} m apart: merge_nodes joins them"
+            raise InputError(field, names, allowed)
+        elif _touch(side_a, side_b) or _touch(side_b, side_a):
+            allowed = "joined faces with equal nets of control points, or faces apart"
+            raise InputError(field, names, allowed)
+    _check_pieces(faces, joints, field)
+    pairs = [np.stack([j.a.dofs[..., 0].ravel(), j.order.ravel()], axis=1) for j in joints]
+    return np.concatenate([np.empty((0, 2), dtype=np.int64), *pairs])
+
+
+def _face_each_other(a: PatchFace, b: PatchFace) -> bool:
+    """Whether outward normals of two joined faces are opposite in their middles."""
+    middles = [np.array([[(k[0] + k[-1]) / 2 for k in face.knots]]) for face in (a, b)]
+    one, other = (face.normals(xi)[1][0] for face, xi in zip((a, b), middles, strict=True))
+    return bool(one @ other < 0)
+
+
+def _check_pieces(faces: Sequence[PatchFace], joints: Sequence["_Joint"], field: str) -> None:
+    """Refuse patches that make several bodies, with how far these are apart."""
+    patches, of_face = np.unique([face.patch for face in faces], return_inverse=True)
+    ends = np.searchsorted(patches, [(j.a.patch, j.b.patch) for j in joints]).reshape(-1, 2)
+    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(patches),) * 2)
+    count, piece = connected_components(graph, directed=False)
+    if count == 1:
+        return
+    nets = [face.control_points[..., 0, :].reshape(-1, face.dim) for face in faces]
+    first, others = (
+        np.concatenate(
+            [net for net, n in zip(nets, of_face, strict=True) if (piece[n] == 0) == own]
+        )
+        for own in (True, False)
+    )
+    gap = KDTree(first).query(others)[0].min()
+    allowed = (
+        f"one body, its patches joined by whole faces: control points of others are {gap:.3g} m "
+        "apart; merge_nodes makes nearer ones one"
+    )
+    raise InputError(field, f"{count} bodies that share no face", allowed)
 
 
 def _name(face: PatchFace) -> str:
@@ -74,6 +120,13 @@ class _Side:
         """Least and greatest coordinates; a NURBS lies in the box of its control points."""
         outer = self.face.control_points[..., 0, :].reshape(-1, self.face.dim)
         return outer.min(axis=0), outer.max(axis=0)
+
+    @cached_property
+    def depth(self) -> float:
+        """Size of the elements behind it where they are thinnest, by control points (m)."""
+        net = self.face.control_points
+        steps = [np.linalg.norm(np.diff(net, axis=k), axis=-1) for k in range(self.face.dim)]
+        return float(min(step.max() for step in steps))
 
     @cached_property
     def samples(self) -> tuple[Floats, Floats, np.ndarray]:
@@ -127,17 +180,25 @@ class _Side:
 def _neighbours(sides: Sequence[_Side]) -> Iterator[tuple[_Side, _Side]]:
     """Pairs of faces whose bounding boxes touch."""
     low, high = (np.array(ends) for ends in zip(*(side.box for side in sides), strict=True))
-    margin = TOLERANCE * np.array([side.face.size for side in sides])
+    margin = np.array([max(TOLERANCE * side.face.size, _NEAR * side.depth) for side in sides])
     for i, j in combinations(range(len(sides)), 2):
         near = np.minimum(high[i], high[j]) - np.maximum(low[i], low[j])
         if np.all(near >= -min(margin[i], margin[j])):
             yield sides[i], sides[j]
 
 
-def _common_order(a: PatchFace, b: PatchFace) -> Ints | None:
-    """Dofs of face b in the order of face a, or None when the faces are not alike."""
-    axes = range(a.dim - 1)
-    tolerance = TOLERANCE * min(a.size, b.size)
+class _Joint(NamedTuple):
+    """Two faces alike: dofs of b in the order of a, and the largest distance (m) of their nets."""
+
+    a: PatchFace
+    b: PatchFace
+    order: Ints
+    gap: float
+
+
+def _joint(a: PatchFace, b: PatchFace) -> _Joint | None:
+    """How two faces are alike, turned as they come nearest; None where they are not."""
+    axes, found = range(a.dim - 1), list[_Joint]()
     for order in permutations(axes):
         for flips in product((False, True), repeat=len(order)):
             if not all(_same_knots(a, k, b, order[k], flips[k]) for k in axes):
@@ -145,11 +206,10 @@ def _common_order(a: PatchFace, b: PatchFace) -> Ints | None:
             view = tuple(slice(None, None, -1 if flip else 1) for flip in flips)
             points = b.control_points[..., 0, :].transpose(*order, a.dim - 1)[view]
             ratio = b.weights[..., 0].transpose(order)[view] / a.weights[..., 0]
-            alike = np.ptp(ratio) <= _SAME_PARAMETER * ratio.max()
-            distance = np.linalg.norm(points - a.control_points[..., 0, :], axis=-1)
-            if alike and distance.max() <= tolerance:
-                return b.dofs[..., 0].transpose(order)[view]
-    return None
+            if np.ptp(ratio) <= _SAME_PARAMETER * ratio.max():
+                gap = float(np.linalg.norm(points - a.control_points[..., 0, :], axis=-1).max())
+                found.append(_Joint(a, b, b.dofs[..., 0].transpose(order)[view], gap))
+    return min(found, key=attrgetter("gap"), default=None)
 
 
 def _same_knots(a: PatchFace, axis_a: int, b: PatchFace, axis_b: int, flip: bool) -> bool:

@@ -1,6 +1,6 @@
 """A body whose mesh is part of a mesh file."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,10 +12,10 @@ from pydantic import BeforeValidator
 
 from cea.errors import InputError, require
 from cea.mesh import Mesh
-from meshes.mesh_files.body import body_mesh
-from meshes.mesh_files.content import FileContent
-from meshes.mesh_files.part import Part, part_of
-from meshes.mesh_files.surfaces import check_sets, marks_of
+from meshes.files.body import body_mesh
+from meshes.files.content import FileContent
+from meshes.files.part import Part, part_of
+from meshes.files.surfaces import check_sets, marks_of, surface_faces
 from meshes.placement import Placement
 from meshes.read_mesh_file import read_mesh_file
 
@@ -116,7 +116,7 @@ class MeshFile:
         empty = [name for name, sets in faces.items() if not sets]
         require(not empty, "faces", empty, "one set of the file or more for each surface")
         check_sets(self.content, faces)
-        if not (self._part and self.extent):
+        if not self.extent:
             raise InputError("part", self.part, "elements")
 
     @property
@@ -148,8 +148,7 @@ class MeshFile:
     @cached_property
     def extent(self) -> tuple[tuple[float, float], ...]:
         """Range of each coordinate (m)."""
-        nodes = self._part.nodes
-        used = self.content.points[np.unique(nodes[nodes >= 0]), : self._part.dim]
+        used = self.content.points[self._part.used, : self._part.dim]
         low, high = (in_metres(ends, self._unit) for ends in (used.min(axis=0), used.max(axis=0)))
         return tuple(zip(low.tolist(), high.tolist(), strict=True))
 
@@ -158,20 +157,20 @@ class MeshFile:
         """Order of the geometry of its cells."""
         return self._part.order
 
-    @cached_property
-    def _counts(self) -> tuple[int, int]:
-        nodes = self._part.nodes
-        return len(np.unique(nodes[nodes >= 0])), len(nodes)
-
     @property
     def num_nodes(self) -> int:
         """Number of its nodes in the file."""
-        return self._counts[0]
+        return len(self._part.used)
 
     @property
     def num_cells(self) -> int:
-        """Number of its cells."""
-        return self._counts[1]
+        """Number of its cells; of elements that are divided, about that of their tetrahedra."""
+        return len(self._part.elements) * (5 if self.is_divided else 1)
+
+    @property
+    def is_divided(self) -> bool:
+        """Whether its elements, of several kinds, are divided into tetrahedra."""
+        return self._part.is_divided
 
     @property
     def is_simplex(self) -> bool:
@@ -182,6 +181,16 @@ class MeshFile:
     def fills_in(self) -> bool:
         """Whether nodes are added to 8-node quadrilaterals or 20-node hexahedra."""
         return self._part.incomplete
+
+    @property
+    def told(self) -> Sequence[str]:
+        """What the file has that was left out."""
+        return self.content.told
+
+    def nodes_left_out(self, surfaces: Iterable[str]) -> dict[str, int]:
+        """Numbers of nodes of the body that sets of surfaces have and that make no face of them."""
+        faces = surface_faces(self.content, self._part, {n: self._sets(n) for n in surfaces})
+        return {name: count for name, (_, count) in faces.items() if count}
 
     @property
     def _unit(self) -> Unit:

@@ -3,12 +3,14 @@
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Literal
+from typing import ClassVar, Literal
+
+import numpy as np
 
 from cea.errors import InputError, require
+from meshes.files.splines import FileSplines, Spline, json_splines, xml_splines
+from meshes.files.state import checked_state
 from meshes.mesh_file import Unit, check_unit, in_metres, is_fit
-from meshes.mesh_files.splines import FileSplines, Spline, json_splines, xml_splines
-from meshes.mesh_files.state import checked_state
 from meshes.patches import Face, GivenPatch, Patches
 
 _KEPT = 4
@@ -33,6 +35,9 @@ class NurbsFile:
     faces
         Faces [patch, axis, side] of each named surface; side 0 is where the parameter is least.
         Boundaries that a file of G+Smo names need not be listed here.
+    merge_nodes
+        Distance, in the unit of the file, within which control points are made one; by default none
+        are.
 
     Raises
     ------
@@ -43,7 +48,11 @@ class NurbsFile:
     file: str
     unit: Unit | None = None
     faces: dict[str, tuple[Face, ...]] = field(default_factory=dict)
+    merge_nodes: float | None = None
     shape: Literal["nurbs_file"] = "nurbs_file"
+
+    left_out: ClassVar[tuple[str, ...]] = ("merge_nodes",)
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
 
     def __post_init__(self) -> None:
         check_unit(self.unit)
@@ -59,7 +68,10 @@ class NurbsFile:
             patches = tuple(_patch(spline, self.unit) for spline in content.splines)
         except InputError as error:
             raise InputError("file", f"{self.file}: {error.field}", error.allowed) from None
-        return Patches(patches, faces)
+        near = self.merge_nodes
+        if near is not None:
+            near = float(in_metres(np.array(near), self.unit))
+        return Patches(patches, faces, near)
 
     @property
     def directions(self) -> tuple[str, ...]:

@@ -103,7 +103,10 @@ def nurbs_shape(
     _check(shape, breaks)
     match shape:
         case Patches():
-            patches = tuple(_given(patch, breaks, placement) for patch in shape.patches)
+            patches = tuple(
+                _given(patch, net, breaks, placement)
+                for patch, net in zip(shape.patches, shape.nets, strict=True)
+            )
             return NurbsShape(patches, MappingProxyType(shape.faces))
         case NurbsFile():
             return nurbs_shape(shape.given, breaks, placement)
@@ -206,13 +209,13 @@ def _cosine(degrees: Floats) -> Floats:
     return np.where(degrees % 180.0 == 90.0, 0.0, np.cos(np.deg2rad(degrees)))
 
 
-def _given(patch: GivenPatch, breaks: Breaks, placement: Placement) -> NurbsPatch:
-    """A given patch, breaks scaled to the ranges of its parameters."""
+def _given(patch: GivenPatch, net: Floats, breaks: Breaks, placement: Placement) -> NurbsPatch:
+    """A given patch with its net, breaks scaled to the ranges of its parameters."""
     knots = tuple(np.asarray(k, dtype=float) for k in patch.knots)
     return NurbsPatch(
         degrees=tuple(patch.degrees),
         knots=knots,
-        control_points=placement.apply(patch.points),
+        control_points=placement.apply(net),
         weights=patch.point_weights,
         breaks=tuple(
             np.clip(k[0] + values * (k[-1] - k[0]), k[0], k[-1])

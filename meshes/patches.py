@@ -6,12 +6,18 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from cea.arrays import finite_numbers
 from cea.errors import require
 
 Floats = NDArray[np.float64]
 Face = tuple[int, int, int]
+
+_SAME = 1e-10
+"""Length of a step between control points in one place, relative to the longest."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +69,14 @@ class GivenPatch:
         return np.asarray(self.control_points, dtype=float)
 
     @property
+    def shortest(self) -> float:
+        """Shortest step from a control point to the next that is not in the same place (m)."""
+        dim = len(self.degrees)
+        steps = [np.linalg.norm(np.diff(self.points, axis=k), axis=-1).ravel() for k in range(dim)]
+        every = np.concatenate(steps)
+        return float(every[every > _SAME * every.max()].min(initial=np.inf))
+
+    @property
     def point_weights(self) -> Floats:
         """Weights, shape (n1, ...)."""
         if self.weights is None:
@@ -85,17 +99,23 @@ class Patches:
         The patches, in any relative orientation.
     faces
         Faces [patch, axis, side] of each named surface; side 0 is where the parameter is least.
+    merge_nodes
+        Distance (m) within which control points are made one; by default none are.
 
     Raises
     ------
     InputError
-        When patches differ in dimension, or faces do not exist.
+        When patches differ in dimension, faces do not exist, or merge_nodes is not small beside the
+        distances of control points.
     """
 
     patches: tuple[GivenPatch, ...]
     faces: dict[str, tuple[Face, ...]]
+    merge_nodes: float | None = None
     shape: Literal["patches"] = "patches"
 
+    left_out: ClassVar[tuple[str, ...]] = ("merge_nodes",)
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
     names: ClassVar[tuple[str, ...]] = ("u", "v", "w")
 
     def __post_init__(self) -> None:
@@ -107,6 +127,26 @@ class Patches:
             fits = bool(real) and all(real) and len(set(map(tuple, ends))) == len(ends)
             allowed = f"different [patch below {count}, axis below {dim}, side 0 or 1]"
             require(fits, f"faces[{name}]", ends, allowed)
+        if self.merge_nodes is not None:
+            shortest = min(patch.shortest for patch in self.patches)
+            fits = 0 < self.merge_nodes < shortest / 2
+            allowed = f"above 0, less than half the shortest step of a net, {shortest:.3g} m"
+            require(fits, "merge_nodes", self.merge_nodes, allowed)
+
+    @cached_property
+    def nets(self) -> tuple[Floats, ...]:
+        """Control points of each patch (m), shape (n1, ..., dim), those made one that are near."""
+        nets = [patch.points for patch in self.patches]
+        if self.merge_nodes is None:
+            return tuple(nets)
+        every = np.concatenate([net.reshape(-1, net.shape[-1]) for net in nets])
+        pairs = cKDTree(every).query_pairs(self.merge_nodes, output_type="ndarray")
+        links = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(every),) * 2)
+        _, group = connected_components(links, directed=False)
+        every = every[np.unique(group, return_index=True)[1]][group]
+        ends = np.cumsum([net.size // net.shape[-1] for net in nets])[:-1]
+        parts = zip(np.split(every, ends), nets, strict=True)
+        return tuple(part.reshape(net.shape) for part, net in parts)
 
     @cached_property
     def directions(self) -> tuple[str, ...]:

@@ -1,9 +1,10 @@
 """Meshes of Lagrange bodies, of shapes or from files, with the surfaces that a scene uses."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from cea.errors import InputError
 from cea.mesh import Mesh
+from cea.warned import ResultWarning
 from meshes.mesh_file import MeshFile
 from scenes.lagrange_mesh import lagrange_mesh
 from scenes.spec.body import BodySpec
@@ -38,8 +39,36 @@ def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
         raise InputError(field, error.value, error.allowed) from None
 
 
-def filled_in(scene: SceneSpec) -> Iterable[str]:
-    """Bodies to whose elements the middles of faces and cells are added."""
-    for name, body in scene.bodies.items():
-        if isinstance(body.geometry, MeshFile) and body.geometry.fills_in:
-            yield name
+def changed_elements(scene: SceneSpec) -> dict[str, str]:
+    """What becomes of elements of mesh files that meshes here do not have, with the bodies."""
+    files = {n: b.geometry for n, b in scene.bodies.items() if isinstance(b.geometry, MeshFile)}
+    divided = [name for name, file in files.items() if file.is_divided]
+    filled = [name for name, file in files.items() if file.fills_in and name not in divided]
+    told = {}
+    if filled:
+        told["serendipity"] = (
+            f"elements of {', '.join(filled)} get the middles of faces and cells: the same "
+            "geometry, displacements of the Lagrange space"
+        )
+    if divided:
+        told["mixed elements"] = (
+            f"elements of {', '.join(divided)}, of several kinds, are divided into tetrahedra: "
+            "nodes are kept, those on diagonals are put by the elements' own shape functions"
+        )
+    if left_out := [f"{name}: {each}" for name, file in files.items() for each in file.told]:
+        told["mesh files"] = f"not taken from the file of {'; '.join(left_out)}"
+    return told
+
+
+def nodes_left_out(scene: SceneSpec) -> Iterator[ResultWarning]:
+    """Sets of nodes that hold more of a body than the faces that they are used for."""
+    for body, spec in scene.bodies.items():
+        if isinstance(spec.geometry, MeshFile):
+            counts = spec.geometry.nodes_left_out(used_surfaces(scene, body))
+            for surface, count in counts.items():
+                yield ResultWarning(
+                    "nodes-left-out",
+                    f"{count} nodes of the set of {body}.{surface} make no face with others of the "
+                    "set and are left out: supports, springs, loads and contacts act on faces",
+                    {"body": body, "surface": surface, "nodes": count},
+                )

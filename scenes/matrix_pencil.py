@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
+from cea.arrays import Ints
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
@@ -14,8 +15,15 @@ from cea.matrices import destroy, distributed, zeros
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows, made_on_first
 from cea.warned import ResultWarning
-from scenes.matrix_files.read import read_matrix
-from scenes.matrix_files.symmetry import Symmetry, equal_entries, mean_with_transpose, symmetry_of
+from scenes.matrix_files.read import read_labelled
+from scenes.matrix_files.symmetry import (
+    Symmetry,
+    equal_entries,
+    half_of,
+    mean_with_transpose,
+    mirrored,
+    symmetry_of,
+)
 from scenes.matrix_scene import ROLES, MatrixScene
 
 _ROUNDING = np.finfo(float).eps
@@ -60,7 +68,8 @@ def read_pieces(scene: MatrixScene, comm: Any = MPI.COMM_WORLD) -> dict[str, Pie
     Raises
     ------
     InputError
-        When a file holds no such matrix, their sizes differ, or the mass is not symmetric.
+        When a file holds no such matrix or one triangle of it, their rows differ, or the mass is
+        not symmetric.
     """
     read = made_on_first(comm, lambda: _read(scene))
     told = None
@@ -83,21 +92,39 @@ def read_pieces(scene: MatrixScene, comm: Any = MPI.COMM_WORLD) -> dict[str, Pie
 def _read(scene: MatrixScene) -> _Read:
     """Symmetry and parts of every matrix."""
     read: _Read = {}
-    first: tuple[str, int] | None = None
+    first: tuple[str, int, Ints | None] | None = None
     for name in scene.files:
         file, variable = scene.file(name)
-        matrix = read_matrix(file, variable, field=f"files.{name}")
+        matrix, labels = read_labelled(file, variable, field=f"files.{name}")
         size = matrix.shape[0]
-        first = first or (name, size)
+        first = first or (name, size, labels)
         if size != first[1]:
             allowed = f"{first[1]} rows, as files.{first[0]} has them"
             raise InputError(f"files.{name}", f"{size} rows in {scene.files[name]}", allowed)
+        if not np.array_equal(labels, first[2]):  # type: ignore[arg-type]  # None equals None
+            allowed = f"rows of the same nodes and degrees of freedom as files.{first[0]}"
+            raise InputError(f"files.{name}", scene.files[name], allowed)
+        if half := half_of(matrix):
+            matrix = _of_half(scene, name, matrix, half)
         symmetry = symmetry_of(matrix)
         if name in scene.mass and not symmetry.kind.startswith("symmetric"):
             value = f"{symmetry.kind}, by {symmetry.asymmetry:.1e} of its entries"
             raise InputError(f"files.{name}", value, "symmetric, for it is of the mass")
         read[name] = (symmetry, _parts(matrix, symmetry))
     return read
+
+
+def _of_half(scene: MatrixScene, name: str, matrix: csr_array, half: str) -> csr_array:
+    """The matrix that a file of one half stands for: only the scene can tell."""
+    symmetric = (scene.symmetric or {}).get(name)
+    if symmetric is None:
+        value = f"{scene.files[name]}: entries in its {half} alone"
+        allowed = (
+            f"both triangles; --symmetric (in a scene symmetric = {{ {name} = true }}) mirrors "
+            f"the {half}, --no-symmetric ({name} = false) takes the matrix as it is"
+        )
+        raise InputError(f"files.{name}", value, allowed)
+    return mirrored(matrix) if symmetric else matrix
 
 
 def _parts(matrix: csr_array, symmetry: Symmetry) -> _Parts:

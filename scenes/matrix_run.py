@@ -162,7 +162,7 @@ class AssembledMatrices:
             When a change is of files or sums, or the mass is not positive definite.
         """
         scene = self.scene.change(dict(changes or {}))
-        for name in ("files", "data", *ROLES):
+        for name in ("files", "symmetric", "data", *ROLES):
             if getattr(scene, name) != getattr(self.scene, name):
                 allowed = "as it was read: another scene where files or sums are others"
                 raise InputError(name, getattr(scene, name), allowed)

@@ -56,6 +56,10 @@ class MatrixScene:
         The modes that are wanted.
     parameters
         Values by name: numbers, or arithmetic in pi.
+    symmetric
+        Of files that hold one triangle, by their names: true where the matrix is symmetric and the
+        triangle is to be mirrored, false where it is to be taken as it is. Other files are read as
+        they are.
     data
         Folder of the files; paths are relative to it.
     description
@@ -69,8 +73,12 @@ class MatrixScene:
     analysis: Annotated[Analysis, Field(discriminator="kind")]
     damping: dict[str, Number] = field(default_factory=dict)
     parameters: dict[str, Number] = field(default_factory=dict)
+    symmetric: dict[str, bool] | None = None
     data: str = ""
     description: str = ""
+
+    left_out: ClassVar[tuple[str, ...]] = ("symmetric",)
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
         extra="forbid", strict=True, allow_inf_nan=False
@@ -228,6 +236,9 @@ def _sum_checks(scene: MatrixScene) -> Iterator[InputError]:
                 allowed = f"one of the files: {', '.join(scene.files) or 'there are none'}"
                 yield InputError(f"{role}.{matrix}", matrix, allowed)
             yield from _coefficient_checks(scene, role, matrix, value)
+    for name in set(scene.symmetric or ()) - set(scene.files):
+        allowed = f"one of the files: {', '.join(scene.files)}"
+        yield InputError(f"symmetric.{name}", name, allowed)
     for name in scene.files:
         if name not in used:
             yield InputError(f"files.{name}", scene.files[name], "named in a sum, or left out")

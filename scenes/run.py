@@ -18,7 +18,7 @@ from cea.system.held import support_reactions
 from cea.system.steady_sliding import steady_sliding
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.body_meshes import filled_in
+from scenes.body_meshes import changed_elements
 from scenes.build import (
     build_bodies,
     build_interfaces,
@@ -324,9 +324,4 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     meshes = [body.mesh.fe for body in scene.bodies.values() if body.backend == "fe"]
     if not any(mesh.size for mesh in meshes if mesh is not None):
         skipped["gmsh"] = "no body has an unstructured mesh"
-    if filled := list(filled_in(scene)):
-        skipped["serendipity"] = (
-            f"elements of {', '.join(filled)} get the middles of faces and cells: the same "
-            "geometry, displacements of the Lagrange space"
-        )
-    return skipped
+    return skipped | changed_elements(scene)

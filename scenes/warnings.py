@@ -16,6 +16,7 @@ from cea.contact.operators import Contact
 from cea.contact.sampling import nested, sampling
 from cea.surface import Surface, SurfaceCoordinates
 from cea.warned import ResultWarning
+from scenes.body_meshes import nodes_left_out
 from scenes.contact_stiffness import relative_stiffness, stiffness_in_the_mesh
 from scenes.geometry_error import gaps_as_zero
 from scenes.motion_warnings import against_rotation, centrifugal_stresses
@@ -78,6 +79,7 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
         Its contacts, both halves of each full pass.
     """
     found = [w for name, body in scene.bodies.items() for w in volumetric_locking(name, body)]
+    found += nodes_left_out(scene)
     if scene.analysis.kind == "cea":
         found += centrifugal_stresses(scene)
         found += against_rotation(scene, contacts)

@@ -19,6 +19,7 @@ import numpy as np
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import connected
 from cea.reduced.products import real_times
+from cea.reduced.rounding import Rounding
 
 TOUCH = 10.0
 """Bound of an eigenvalue, in its distance from the next, from the inverse of which on they are
@@ -95,7 +96,7 @@ def certify(
     stiffness: Projection,
     mass: Projection,
     outside: Floats,
-    rounding: float,
+    rounding: Rounding,
 ) -> Certificate:
     """Bounds on the errors of eigenvalues.
 
@@ -110,7 +111,7 @@ def certify(
     outside
         g, shape (n,).
     rounding
-        What rounding does to eigenvalues of condition one (1/s^2).
+        What rounding does to eigenvalues.
     """
     M = mass.square
     overlap = np.abs(np.einsum("ij,ij->j", left.conj(), real_times(M, right)))
@@ -124,17 +125,22 @@ def certify(
         for defect, size in zip((r, s), sizes, strict=True)
     ]
     reduction = conditions * outside * lengths[0] * lengths[1]
-    errors = reduction + conditions * rounding
+    errors = reduction + conditions * rounding.of_pairs(left, right, np.sqrt(np.abs(kappa)))
     means, clusters = errors.copy(), np.arange(len(kappa))
     distance = np.abs(kappa[:, None] - kappa)
     near = distance <= TOUCH * np.minimum(errors[:, None], errors)
     for number, members in enumerate(connected(near)):
         clusters[members] = number
         if len(members) > 1:
-            own, projector, spread = _together(
-                right[:, members], left[:, members], stiffness, mass, outside[members].max()
+            own, doubt, spread = _together(
+                right[:, members],
+                left[:, members],
+                stiffness,
+                mass,
+                outside[members].max(),
+                rounding,
             )
-            e, p = own + rounding * projector, len(members)
+            e, p = own + doubt, len(members)
             reduction[members], means[members] = own, e
             errors[members] = (2 * spread + e) ** (1 - 1 / p) * e ** (1 / p)
     return Certificate(errors, means, reduction, clusters, conditions)
@@ -146,8 +152,9 @@ def _together(
     stiffness: Projection,
     mass: Projection,
     outside: float,
+    rounding: Rounding,
 ) -> tuple[float, float, float]:
-    """Error of the block of a cluster, norm of its projector, distance from a multiple of one."""
+    """Error of the block of a cluster, rounding of it, distance from a multiple of one."""
     M = mass.square
     y, _, _ = np.linalg.svd(right, full_matrices=False)
     z, _, _ = np.linalg.svd(left, full_matrices=False)
@@ -160,7 +167,8 @@ def _together(
     block = z.conj().T @ stiffness.square @ y
     r = _defect(stiffness.right, mass.right, y, block)
     s = _defect(stiffness.left, mass.left, z, block.conj().T)
-    lost = stiffness.lost + float(np.linalg.norm(block, 2)) * mass.lost
+    size = float(np.linalg.norm(block, 2))
+    lost = stiffness.lost + size * mass.lost
     lengths = [
         float(np.linalg.norm(stiffness.measured(defect), 2) + lost * np.linalg.norm(vectors, 2))
         for defect, vectors in ((r, y), (s, z))
@@ -168,7 +176,8 @@ def _together(
     mean = np.trace(block) / len(block)
     spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
     projector = float(np.sqrt(np.linalg.norm(z.conj().T @ M @ z, 2)))
-    return float(outside * lengths[0] * lengths[1]), projector, spread
+    doubt = rounding.solves * projector + rounding.of_block(z, y, np.sqrt(size))
+    return float(outside * lengths[0] * lengths[1]), doubt, spread
 
 
 def _defect(K: Floats, M: Floats, vectors: Complexes, block: Complexes) -> Complexes:

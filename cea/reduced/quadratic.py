@@ -25,6 +25,7 @@ from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import connected
 from cea.reduced.certificate import TOUCH, Certificate
 from cea.reduced.products import real_times
+from cea.reduced.rounding import Rounding
 from cea.reduced.spectrum import MARGIN, ReducedSpectrum, Residuals, Settings, without_a_basis
 
 _BELOW = 0.05
@@ -62,7 +63,11 @@ class _Pairs:
 
 
 def quadratic_spectrum(
-    stiffness: Residuals, damping: Residuals, mass: Residuals, settings: Settings, rounding: float
+    stiffness: Residuals,
+    damping: Residuals,
+    mass: Residuals,
+    settings: Settings,
+    rounding: Rounding,
 ) -> ReducedSpectrum:
     """Eigenvalues of a window and its margin.
 
@@ -73,7 +78,7 @@ def quadratic_spectrum(
     settings
         What bounds are made with.
     rounding
-        What rounding does to eigenvalues of condition one (1/s^2).
+        What rounding does to eigenvalues.
     """
     if not len(mass.square):
         return without_a_basis(settings)
@@ -126,7 +131,7 @@ class _Judged:
     mass: Residuals
     root: Floats
     settings: Settings
-    rounding: float
+    rounding: Rounding
 
     def certificate(self, pairs: _Pairs) -> Certificate:
         """Bounds for lambda^2 that are those for lambda: e becomes e (2 |lambda| + e)."""
@@ -137,7 +142,8 @@ class _Judged:
         slopes = 1 / np.maximum(overlap, np.finfo(float).tiny)
         lengths = self._lengths(pairs)
         reduction = slopes * outside * lengths[0] * lengths[1]
-        errors = reduction + slopes * self.rounding
+        rounding = self.rounding.of_pairs(pairs.left, pairs.right, np.abs(values))
+        errors = reduction + slopes * rounding
         means, clusters = errors.copy(), np.arange(len(values))
         near = np.abs(values[:, None] - values) <= TOUCH * np.minimum(errors[:, None], errors)
         for number, members in enumerate(connected(near)):
@@ -201,7 +207,8 @@ class _Judged:
         ]
         mean = np.trace(block) / len(block)
         spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
-        return outside * lengths[0] * lengths[1], self.rounding * sizes[0] * sizes[1], spread
+        doubt = self.rounding.solves * sizes[0] * sizes[1] + self.rounding.of_block(y, x, speed)
+        return outside * lengths[0] * lengths[1], doubt, spread
 
 
 def _between(root: Floats, matrix: Floats) -> Floats:

@@ -13,13 +13,14 @@ from cea.eigen.sensitivity import POWERS
 from cea.reduced.pieces import Values
 from cea.reduced.products import like_times, real_times
 from cea.reduced.quadratic import quadratic_spectrum
+from cea.reduced.rounding import Rounding
 from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
 from cea.reduced.stiff_norm import StiffNorm, stiff_norm
 
 LOCAL = 1e-5
 """Part of an eigenvector of the larger basis that a local one leaves out, or of its forces."""
 
-Rounding = tuple[float, tuple[float, ...]]
+Seen = tuple[float, tuple[float, ...]]
 """What rounding does to eigenvalues of condition one (1/s^2), and the stiff coefficients there."""
 
 
@@ -41,6 +42,8 @@ class SmallPiece:
         Whether it is a stiffness that varies over decades.
     least
         Of such a one, its coefficient in the energy norm.
+    whole
+        On a local basis, V^T A V on the larger one that it was made of; None on that itself.
     """
 
     role: Role
@@ -51,6 +54,7 @@ class SmallPiece:
     lost: float
     stiff: bool = False
     least: float = 0.0
+    whole: Floats | None = None
 
     @property
     def symmetric(self) -> bool:
@@ -86,7 +90,7 @@ class SmallPencil:
 
     pieces: tuple[SmallPiece, ...]
     settings: Settings
-    roundings: tuple[Rounding, ...] = ()
+    roundings: tuple[Seen, ...] = ()
     axes: Floats | None = None
     norm: StiffNorm | None = None
 
@@ -112,11 +116,25 @@ class SmallPencil:
         return found if self.axes is None else found.lifted(self.axes)
 
     def derivatives(
-        self, found: ReducedSpectrum, values: Values, names: Sequence[str]
+        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
     ) -> Complexes:
         """Derivatives of eigenvalues lambda in parameters that change together, shape (n,).
 
-        - y^H (lambda^2 dM + lambda dD + dK) x / y^H (2 lambda M + D) x; infinite at a coalescence.
+        Infinite at a coalescence; parameters as of :meth:`slopes`.
+        """
+        slopes = self.slopes(found, values, rates)
+        if self.damped:
+            return slopes
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -slopes / (2 * found.eigenvalues)
+
+    def slopes(
+        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
+    ) -> Complexes:
+        """Derivatives of kappa, with damping of lambda, shape (n,); infinite at a coalescence.
+
+        y^H (dK - kappa dM) x / y^H M x, with damping
+        - y^H (lambda^2 dM + lambda dD + dK) x / y^H (2 lambda M + D) x.
 
         Parameters
         ----------
@@ -124,25 +142,31 @@ class SmallPencil:
             Eigenvalues, their coordinates in this basis or, of a local one, in the larger one.
         values
             Values of all parameters there.
-        names
-            The parameters.
+        rates
+            How fast each of the parameters changes.
         """
         x, y = self.coordinates(found.right), self.coordinates(found.left).conj()
         eigenvalues = found.eigenvalues
+        one: Complexes = np.ones(len(found), dtype=complex)
+        speeds = {"mass": -2 * eigenvalues, "damping": -one} if self.damped else {"mass": one}
         change: Complexes = np.zeros(len(found), dtype=complex)
         turned: Complexes = np.zeros(len(found), dtype=complex)
         for piece in self.pieces:
-            slope = sum(piece.coefficient.derivative(name, values) for name in names)
-            factor = piece.coefficient.at(values) if piece.role != "stiffness" else 0.0
+            slope = sum(
+                rate * piece.coefficient.derivative(name, values) for name, rate in rates.items()
+            )
+            factor = piece.coefficient.at(values) if piece.role in speeds else 0.0
             if not (slope or factor):
                 continue
             projected = np.einsum("ij,ij->j", y, real_times(piece.square, x))
-            change += slope * eigenvalues ** POWERS[piece.role] * projected
+            if self.damped or piece.role == "stiffness":
+                change += slope * eigenvalues ** POWERS[piece.role] * projected
+            else:
+                change -= slope * found.kappa * projected
             if factor:
-                speeds = 2 * eigenvalues if piece.role == "mass" else 1.0
-                turned += factor * speeds * projected
+                turned += factor * speeds[piece.role] * projected
         with np.errstate(divide="ignore", invalid="ignore"):
-            moved: Complexes = -change / turned
+            moved: Complexes = change / turned
         return moved
 
     def coordinates[T: (Floats, Complexes)](self, vectors: T) -> T:
@@ -200,6 +224,7 @@ class SmallPencil:
                     square=axes.T @ piece.square @ axes,
                     right=right,
                     left=right if piece.symmetric else next(lefts),
+                    whole=piece.square if piece.whole is None else piece.whole,
                 )
                 for piece, right in zip(self.pieces, columns, strict=False)
             ),
@@ -237,17 +262,30 @@ class SmallPencil:
         """Coefficients of the pieces that are stiff."""
         return [piece.coefficient.at(values) for piece in self.pieces if piece.stiff]
 
-    def _rounding(self, values: Values) -> float:
-        """What rounding does to eigenvalues of condition one (1/s^2).
+    def _rounding(self, values: Values) -> Rounding:
+        """What rounding does to eigenvalues.
 
-        Where it was seen at greater stiffness it is less in proportion, but no less than anywhere.
+        That of full solves is less in proportion where it was seen at greater stiffness, but no
+        less than anywhere.
         """
         stiff = self.stiffness(values)
         sizes = [
             size * max((min(1.0, a / b) for a, b in zip(stiff, at, strict=True)), default=1.0)
             for size, at in self.roundings
         ]
-        return max([min((size for size, _ in self.roundings), default=0.0), *sizes])
+        least = min((size for size, _ in self.roundings), default=0.0)
+        entries = {role: self._entries(role, values) for role in POWERS}
+        return Rounding(max([least, *sizes]), entries, self.axes)
+
+    def _entries(self, role: Role, values: Values) -> Floats:
+        """sum_j |c_j| |V^T A_j V| of one role on the larger basis."""
+        parts = []
+        for piece in self.pieces:
+            if piece.role == role:
+                square = piece.square if piece.whole is None else piece.whole
+                parts.append((abs(piece.coefficient.at(values)), np.abs(square)))
+        size = self.size if self.axes is None else len(self.axes)
+        return _weighted(parts, (size, size))
 
     def _sum(self, role: Role, values: Values) -> Residuals:
         parts = [

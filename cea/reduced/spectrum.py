@@ -22,6 +22,7 @@ from cea.eigen.modes import uncertainties_of
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Certificate, certify
 from cea.reduced.products import real_times
+from cea.reduced.rounding import Rounding
 from cea.reduced.stiff_norm import StiffNorm
 
 MARGIN = 1.15
@@ -172,14 +173,24 @@ class ReducedSpectrum:
 
     @property
     def worst(self) -> float:
+        """Largest error of a cluster's mean in the window that the basis makes, as `bound` has it.
+
+        Rounding is left aside: a larger basis does not help against it.
+        """
+        return self._largest(self.certificate.reduction)
+
+    @property
+    def bound(self) -> float:
         """Largest error of a cluster's mean in the window, of lambda relative to its speed.
 
-        It is what the basis makes; rounding is left aside. Infinite where there is no basis.
+        Infinite where there is no basis.
         """
+        return self._largest(self.certificate.means)
+
+    def _largest(self, errors: Floats) -> float:
         if not len(self.right):
             return np.inf
-        window = self.window
-        return float((window.certificate.reduction / (2 * window.speeds**2)).max(initial=0.0))
+        return float((errors / (2 * self.speeds**2))[self.inside].max(initial=0.0))
 
     def lifted(self, axes: Floats) -> "ReducedSpectrum":
         """With coordinates in the basis that a local one was taken from."""
@@ -193,7 +204,7 @@ def upper_root(kappa: Complexes) -> Complexes:
 
 
 def reduced_spectrum(
-    stiffness: Residuals, mass: Residuals, settings: Settings, rounding: float
+    stiffness: Residuals, mass: Residuals, settings: Settings, rounding: Rounding
 ) -> ReducedSpectrum:
     """Eigenvalues of a window and its margin.
 
@@ -204,7 +215,7 @@ def reduced_spectrum(
     settings
         What bounds are made with.
     rounding
-        What rounding does to eigenvalues of condition one (1/s^2).
+        What rounding does to eigenvalues.
     """
     if not len(mass.square):
         return without_a_basis(settings)

@@ -13,6 +13,10 @@ def solve(
     damping: Annotated[
         str | None, typer.Option(help="File of C, damping and gyroscopic parts alike.")
     ] = None,
+    symmetric: Annotated[
+        bool | None,
+        typer.Option(help="Mirror files of one triangle, or take them as they are."),
+    ] = None,
     growth_threshold: Annotated[
         float | None,
         typer.Option(help="Growth rate (1/s) above which a mode is unstable; 1e-4 of |lambda|."),
@@ -48,6 +52,7 @@ def solve(
         {
             "name": "solve",
             "files": files,
+            "symmetric": None if symmetric is None else dict.fromkeys(files, symmetric),
             "mass": {"M": 1.0},
             "damping": {"C": 1.0} if damping is not None else {},
             "stiffness": {"K": 1.0},
@@ -55,6 +60,8 @@ def solve(
         }
     )
     given: dict[str, Any] = {"mass": mass, "damping": damping, "stiffness": stiffness}
+    if symmetric is not None:
+        given["symmetric"] = symmetric
     if solver != "block":
         given["solver"] = solver
     report_matrices(scene, out, {**given, **analysis}, overwrite, report=report, solver=solver)

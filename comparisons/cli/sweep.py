@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from comparisons.sweep.axes import Axis
 
 
+IN_PART = 3
+"""Exit code of a command that answered in part."""
 _CONFIRM = 3
 """Thresholds of a map that are confirmed where no number is given."""
 
@@ -132,7 +134,7 @@ def _map(asked: Any, out: Path) -> None:
     from comparisons.cli.progress import working
     from comparisons.sweep.map_page import write_result
     from comparisons.sweep.map_study import run_map
-    from comparisons.sweep.map_tables import onsets_table, summary_table
+    from comparisons.sweep.map_tables import headline, summary_table, thresholds_table
     from scenes.out_folder import new_folder
 
     with working("map") as work:
@@ -140,12 +142,15 @@ def _map(asked: Any, out: Path) -> None:
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
         page = new.final(write_result(found, rows, new.part))
     store.discard()
+    typer.echo(headline(found))
     typer.echo(found["words"])
     print_table(summary_table(found))
-    print_table(onsets_table(found))
+    print_table(thresholds_table(found))
     print_warnings(found["warnings"])
     typer.echo(f"Every value: {out / 'sweep.nc'}")
     typer.echo(f"The page to open: {page}")
+    if found["unresolved"]:
+        raise typer.Exit(IN_PART)
 
 
 def _each_in_full(
@@ -224,9 +229,10 @@ def threshold(
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/threshold"),
 ) -> None:
-    """Find where flutter begins and ends along a field: a sweep whose thresholds are all confirmed.
+    """Find where modes begin and cease to grow along a field, each confirmed by a full solve.
 
-    Each is sought by root finding on the discriminant of its pair, and solved in full once there.
+    Every change of the number of growing modes is explained by a threshold, or its interval is
+    reported as unresolved: the exit code is 3 then.
     """
     from comparisons.cli.backend import with_backend
     from comparisons.sweep.axes import read_axis

@@ -21,7 +21,8 @@ class Axis:
     ----------
     name
         The field as it was given: a path such as ``contacts.pad_disc.mu``, with asterisks for any
-        name, or ``mu`` and ``P`` of every contact that can slide, ``E`` and ``rho`` of every body.
+        name, or ``mu``, ``P`` and ``p`` of every contact that can slide, ``E`` and ``rho`` of every
+        body.
     first, last
         The ends.
     count

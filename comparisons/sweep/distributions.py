@@ -137,6 +137,11 @@ class Drawn:
         """Least and greatest value."""
         return min(self.values), max(self.values)
 
+    @property
+    def logarithmic(self) -> bool:
+        """Whether values are evenly spaced in their logarithm."""
+        return False
+
 
 def draw(distributions: Sequence[Distribution], count: int, seed: int) -> tuple[Drawn, ...]:
     """Independent samples of some fields.

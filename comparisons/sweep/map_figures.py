@@ -50,7 +50,7 @@ def branches_figure(drawn: Data) -> Figure:
         spaces[name].set_xlabel(axis["name"])
         if _logarithmic(values):
             spaces[name].set_xscale("log")
-        for each in row.onsets:
+        for each in row.thresholds:
             spaces[name].axvline(each.value, color=AXIS, linewidth=0.5, linestyle=":")
     spaces["growth"].axhline(0.0, color=AXIS, linewidth=0.8)
     spaces["growth"].set_ylabel("growth rate (1/s)")
@@ -84,7 +84,7 @@ def growth_figure(drawn: Data) -> Figure:
     figure.colorbar(mesh, label="largest growth rate of an unstable mode (1/s)")
     for value, row in zip(y, rows, strict=True):
         for begins, look in ((True, "o"), (False, "x")):
-            at = [each.value for each in row.onsets if each.begins == begins]
+            at = [each.value for each in row.thresholds if each.begins == begins]
             space.plot(at, np.full(len(at), value), look, color=VERMILION, ms=2.5)
     for values, name, scale in (
         (x, data["axes"][0]["name"], space.set_xscale),
@@ -94,7 +94,14 @@ def growth_figure(drawn: Data) -> Figure:
             scale("log")
         (space.set_xlabel if scale == space.set_xscale else space.set_ylabel)(name)
     _mark_uncertified(space, data, rows, x, y)
-    space.set_title("White: no growth above the threshold. Dots: flutter begins; crosses: it ends")
+    above = np.isfinite(np.array([row.above_growth for row in rows]))
+    if above.any():
+        hatched = np.ma.masked_where(~above, np.ones(above.shape))
+        space.pcolor(x, y, hatched, shading="nearest", hatch="///", alpha=0.0)
+    told = ". Hatched: a mode grows just above the window" if above.any() else ""
+    space.set_title(
+        f"White: no growth above the threshold. Dots: growth begins; crosses: it ends{told}"
+    )
     return figure
 
 
@@ -110,7 +117,7 @@ def _mark_uncertified(
     """Grey crosses where no bound was reached."""
     tolerance = data["inputs"]["tolerance"]
     for value, row in zip(y, rows, strict=True):
-        left = x[row.worst > tolerance]
+        left = x[row.bound > tolerance]
         space.plot(left, np.full(len(left), value), "+", color=GREY, ms=4)
 
 

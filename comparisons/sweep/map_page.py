@@ -10,10 +10,11 @@ from comparisons.kit.page import REPORT, Image, write_page
 from comparisons.kit.plots import save
 from comparisons.sweep.map_figures import branches_figure, growth_figure
 from comparisons.sweep.map_tables import (
+    headline,
     modes_table,
-    onsets_table,
     snapshots_table,
     summary_table,
+    thresholds_table,
     values_table,
 )
 from comparisons.sweep.netcdf import write_map
@@ -46,9 +47,10 @@ def write_result(data: dict[str, Any], rows: Sequence[Row], out: Path) -> Path:
         name: [Image.of(file) for file in files] for name, files in _draw(data, rows, out).items()
     }
     sensitivities = sensitivities_table(data, rows)
-    tables = [onsets_table(data), snapshots_table(data), summary_table(data), sensitivities]
+    tables = [thresholds_table(data), snapshots_table(data), summary_table(data), sensitivities]
     shown = [replace(table, rows=table.rows[:_ON_PAGE]) for table in tables]
-    page = write_page(TEMPLATE, data, shown, out, images=images)
+    told = data | {"headline": headline(data)}
+    page = write_page(TEMPLATE, told, shown, out, images=images)
     for table in tables:
         table.write_csv(out)
     return page

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from cea.arrays import Floats
 from cea.reduced.greedy import Enrichment
 from comparisons.kit.run_warnings import merged_warnings
 from comparisons.sweep.confirmed import confirmed
 from comparisons.sweep.mapped import Mapped
+from comparisons.sweep.netcdf import INTERVALS, plain
 from comparisons.sweep.rows import Row
 
 
@@ -60,7 +62,8 @@ def record_of(
     spent
         What it took.
     """
-    worst = np.concatenate([row.worst for row in rows])
+    bound = np.concatenate([row.bound for row in rows])
+    of_basis = np.concatenate([row.worst for row in rows])
     return {
         "axes": [{"name": axis.name, "values": axis.values} for axis in scene.axes],
         "parameters": [list(each) for each in scene.names],
@@ -70,24 +73,39 @@ def record_of(
         "snapshots": [each.plain() for each in basis.snapshots],
         "stored_before": spent.stored,
         "failed": [{"point": dict(point), "reason": why} for point, why in basis.failed],
-        "values": len(worst),
-        "certified": int((worst <= basis.tolerance).sum()),
-        "worst": float(worst.max(initial=0.0)),
-        "onsets": [
-            {
-                **{axis.name: value for axis, value in zip(scene.axes[1:], others, strict=True)},
-                "value": each.value,
-                "error": each.error,
-                "frequency": each.eigenvalue.imag / (2 * np.pi),
-                "slope": each.slope,
-                "begins": each.begins,
-            }
-            for others, row in zip(scene.rows(), rows, strict=True)
-            for each in row.onsets
-        ],
-        "thresholds_lost": sum(row.lost for row in rows),
+        "values": len(bound),
+        "certified": int((bound <= basis.tolerance).sum()),
+        "lost_to_rounding": lost_to_rounding(bound, of_basis, basis.tolerance),
+        "worst": float(bound.max(initial=0.0)),
+        **{
+            kind: [
+                {**{axis.name: value for axis, value in zip(scene.axes[1:], others, strict=True)}}
+                | plain(each)
+                for others, row in zip(scene.rows(), rows, strict=True)
+                for each in getattr(row, kind)
+            ]
+            for kind in INTERVALS
+        },
+        "level": scene.growth_threshold or 0.0,
+        "growing_at_first": any(bool((row.growth[0] > row.uncertainty[0]).any()) for row in rows),
+        "resolution": max(row.resolution for row in rows),
+        "above": _above(scene, rows),
         "processor_seconds": spent.plain(),
     }
+
+
+def _above(scene: Mapped, rows: Sequence[Row]) -> dict[str, float] | None:
+    """The first value at which a mode grows just above the window's end, in the first such row."""
+    for row in rows:
+        there = np.flatnonzero(np.isfinite(row.above_growth))
+        if len(there):
+            i = int(there[0])
+            return {
+                "value": scene.axes[0].values[i],
+                "growth": float(row.above_growth[i]),
+                "frequency": float(row.above_frequency[i]),
+            }
+    return None
 
 
 def confirm_some(
@@ -99,16 +117,17 @@ def confirm_some(
 ) -> None:
     """Solve in full at some thresholds, far apart, and note by how much they differ."""
     places = [
-        (onset, others)
+        (threshold, others)
         for others, row in zip(scene.rows(), rows, strict=True)
-        for onset in row.onsets
+        for threshold in row.thresholds
     ]
     chosen = np.linspace(0, len(places) - 1, min(most, len(places))).round().astype(int)
     for number in np.unique(chosen).tolist():
         progress(f"threshold {number + 1} of {len(places)}, solved in full")
-        onset, others = places[number]
-        point = scene.point((onset.value, *others))
-        data["onsets"][number]["full_solve_differs"] = confirmed(scene.driver, point, onset)
+        threshold, others = places[number]
+        point = scene.point((threshold.value, *others))
+        differs = confirmed(scene.driver, point, threshold, data["level"], scene.max_frequency)
+        data["thresholds"][number]["full_solve_differs"] = differs
 
 
 def warnings_of(data: dict[str, Any], tolerance: float) -> list[dict[str, Any]]:
@@ -120,21 +139,46 @@ def warnings_of(data: dict[str, Any], tolerance: float) -> list[dict[str, Any]]:
             (
                 "not-certified",
                 f"{left} of {data['values']} values are not certified to {tolerance:g}: their "
-                "bounds say how far they may be off",
+                f"bounds say how far they may be off{of_rounding(data['lost_to_rounding'])}",
             )
         )
     if data["failed"]:
         found.append(("no-answer", f"{len(data['failed'])} full solves gave no answer"))
-    if data["thresholds_lost"]:
+    if data["unresolved"]:
         found.append(
             (
-                "thresholds-lost",
-                f"{data['thresholds_lost']} times a pair or a branch could not be followed to "
-                "where it begins or ends to grow: thresholds may be missing between two values",
+                "unresolved",
+                f"{len(data['unresolved'])} intervals are unresolved: thresholds may be missing "
+                "there",
+            )
+        )
+    if (above := data["above"]) is not None:
+        name = data["axes"][0]["name"]
+        found.append(
+            (
+                "above-window",
+                f"a mode at {above['frequency']:.6g} Hz grows by {above['growth']:.5g} 1/s at "
+                f"{name} = {above['value']:.5g}: above max_frequency = "
+                f"{data['max_frequency']:g} Hz; raise it",
             )
         )
     told = [{"kind": kind, "message": message, "data": {}} for kind, message in found]
     return told + of_full_solves(data["snapshots"])
+
+
+def lost_to_rounding(bound: Floats, of_basis: Floats, tolerance: float) -> int:
+    """Number of bounds that rounding alone takes above the tolerance."""
+    return int(((bound > tolerance) & (of_basis <= tolerance)).sum())
+
+
+def of_rounding(number: int) -> str:
+    """What is told of bounds that rounding takes above the tolerance."""
+    if not number:
+        return ""
+    return (
+        f"; {number} by rounding of the reduced matrices, as where a contact is stiff, against "
+        "which no larger basis helps: full solves are not subject to it"
+    )
 
 
 def of_full_solves(snapshots: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -14,31 +14,81 @@ _MODES = 200_000
 """Modes of a map up to which they are written as a table too."""
 
 
-def onsets_table(data: Data) -> Table:
-    """A row for each threshold."""
+def headline(data: Data) -> str:
+    """What a map says first, in one sentence or two."""
+    first, *others = data["axes"]
+    name, values = first["name"], first["values"]
+    begun = [each for each in data["thresholds"] if each["change"] > 0]
+    level = f"growth_threshold {data['level']:g} 1/s"
+    unresolved = len(data["unresolved"])
+    if others:
+        told = f"{len(data['thresholds'])} thresholds along {name} ({level})."
+    elif begun:
+        one = min(begun, key=lambda each: each["value"])
+        told = (
+            f"Growth from {name} = {one['value']:.4g} at {one['im'] / (2 * np.pi):.6g} Hz (first "
+            f"of {len(data['thresholds'])} thresholds for {name} = {min(values):g} to "
+            f"{max(values):g}; {level})."
+        )
+    else:
+        grows = "Nothing begins to grow" if data["growing_at_first"] else "No flutter"
+        sure = "" if unresolved else ", every interval resolved"
+        told = f"{grows} for {name} = {min(values):g} to {max(values):g}{sure} ({level})."
+    if unresolved:
+        told += f" {unresolved} intervals unresolved."
+    return told
+
+
+_WHAT = {
+    "flutter": ("flutter begins", "flutter ends"),
+    "divergence": ("divergence begins", "divergence ends"),
+    "window": (
+        "growing mode enters the window from above",
+        "growing mode leaves the window",
+    ),
+    "count": ("more modes grow", "fewer modes grow"),
+}
+"""What happens where growing modes become more, and where they become fewer."""
+
+
+def thresholds_table(data: Data) -> Table:
+    """A row for each threshold, and one for each interval that is unresolved."""
     first, *others = [axis["name"] for axis in data["axes"]]
+    found = [
+        (
+            *(each[name] for name in others),
+            each["value"],
+            each["error"],
+            each["im"] / (2 * np.pi),
+            _WHAT[each["kind"]][each["change"] < 0],
+            each.get("full_solve_differs"),
+        )
+        for each in data["thresholds"]
+    ]
+    found += [
+        (
+            *(each[name] for name in others),
+            (each["low"] + each["high"]) / 2,
+            (each["high"] - each["low"]) / 2,
+            None if each["im"] is None else each["im"] / (2 * np.pi),
+            f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after",
+            None,
+        )
+        for each in data["unresolved"]
+    ]
+    resolution = f"{data['resolution']:.1e}" if data["resolution"] else "no interval by count alone"
     return Table(
         "thresholds",
-        f"Where flutter begins and ends along {first}.",
+        f"Where the number of growing modes changes along {first}. Resolution: {resolution}.",
         (
             *(Column(name, name, shown(4)) for name in others),
             Column("value", first, shown(10)),
             Column("error", "bound on its error", shown(2)),
             Column("frequency", "frequency", shown(7), "Hz"),
-            Column("flutter", "flutter"),
+            Column("flutter", "what"),
             Column("full", "full solve differs by", shown(2, sign=True)),
         ),
-        [
-            (
-                *(each[name] for name in others),
-                each["value"],
-                each["error"],
-                each["frequency"],
-                "begins" if each["begins"] else "ends",
-                each.get("full_solve_differs"),
-            )
-            for each in data["onsets"]
-        ],
+        found,
     )
 
 
@@ -73,7 +123,7 @@ def summary_table(data: Data) -> Table:
         ("full solves", len(data["snapshots"])),
         ("values", data["values"]),
         ("values certified", data["certified"]),
-        ("worst bound of the basis, relative", data["worst"]),
+        ("worst bound, relative", data["worst"]),
         ("full solves, processor s", seconds["full_solves"]),
         ("basis, processor s", seconds["basis"]),
         ("values, processor s", seconds["values"]),
@@ -94,10 +144,10 @@ def values_table(data: Data, rows: Sequence[Row]) -> Table:
             Column("unstable", "unstable", shown(3)),
             Column("growth", "fastest growth", shown(5, sign=True), "1/s"),
             Column("frequency", "its frequency", shown(6), "Hz"),
-            Column("worst", "worst bound of the basis", shown(2)),
+            Column("worst", "worst bound", shown(2)),
         ),
         [
-            (*at, *_fastest(row.growth[i], row.frequency[i], row.verdict[i]), float(row.worst[i]))
+            (*at, *_fastest(row.growth[i], row.frequency[i], row.verdict[i]), float(row.bound[i]))
             for at, row, i in places(data, rows)
         ],
     )

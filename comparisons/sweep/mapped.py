@@ -20,7 +20,8 @@ from scenes.matrix_scene import is_of_matrices, load_matrices
 from scenes.plain import as_data
 from scenes.read import load_scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.swept import no_two_alike, parameters_meant
+from scenes.spec.contact import ContactSpec
+from scenes.swept import no_two_alike, parameters_meant, stiffnesses_meant
 
 
 class Varied(Protocol):
@@ -41,6 +42,11 @@ class Varied(Protocol):
         """Least and greatest value."""
         ...
 
+    @property
+    def logarithmic(self) -> bool:
+        """Whether values are evenly spaced in their logarithm."""
+        ...
+
 
 class NoMapError(InputError):
     """A scene that has no reduced model over some axes; it may be solved in full at each value."""
@@ -57,7 +63,8 @@ class Mapped:
     axes
         The axes.
     names
-        Parameters of the pencil that each axis means.
+        Parameters of the pencil that each axis means, and the factor of each on its values: P of a
+        contact has one where the axis is p.
     scene
         The scene as plain data, which warnings may hang on too.
     max_frequency
@@ -72,7 +79,7 @@ class Mapped:
 
     driver: KrylovSchur
     axes: tuple[Varied, ...]
-    names: tuple[tuple[str, ...], ...]
+    names: tuple[Mapping[str, float], ...]
     scene: Mapping[str, Any]
     max_frequency: float
     growth_threshold: float | None
@@ -90,12 +97,16 @@ class Mapped:
     def box(self) -> dict[str, tuple[float, float]]:
         """Least and greatest value of every parameter that varies."""
         pairs = zip(self.axes, self.names, strict=True)
-        return {name: axis.ends for axis, names in pairs for name in names}
+        return {
+            name: (factor * axis.ends[0], factor * axis.ends[1])
+            for axis, names in pairs
+            for name, factor in names.items()
+        }
 
     def point(self, values: Sequence[float]) -> dict[str, float]:
         """Parameters at a value of each axis."""
         pairs = zip(values, self.names, strict=True)
-        return {name: value for value, names in pairs for name in names}
+        return {name: factor * value for value, names in pairs for name, factor in names.items()}
 
     def rows(self) -> list[tuple[float, ...]]:
         """Values of all axes but the first, a row of the map each."""
@@ -117,7 +128,7 @@ def mapped(
     """
     if is_of_matrices(scene):
         matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
-        names = _names(matrices.driver.pencil, axes, ())
+        names = _names(matrices.driver.pencil, axes, {}, ())
         window = matrices.scene.window
         _check_definite(matrices.driver.pencil, axes, names, window.max_frequency)
         return Mapped(
@@ -134,16 +145,16 @@ def mapped(
         raise InputError("data", data, "left out: a scene of bodies reads no matrices")
     read = load_scene(scene, list(overrides))
     first = AssembledScene(read)
-    names = _names(first.driver.pencil, axes, first.bonded)
-    moved = [each for each in names if first.depends_on_state(each)]
+    names = _names(first.driver.pencil, axes, read.contacts, first.bonded)
+    moved = [name for each in names for name in each if first.depends_on_state([name])]
     if moved:
         first.free()
         allowed = "no parameter that moves a state of steady sliding"
-        raise _no_map(InputError("axis", moved[0][0], allowed))
+        raise _no_map(InputError("axis", moved[0], allowed))
     stiffest = {
-        name: axis.ends[1 if name.endswith(".P") else 0]
+        name: factor * axis.ends[1 if name.endswith(".P") else 0]
         for axis, each in zip(axes, names, strict=True)
-        for name in each
+        for name, factor in each.items()
     }
     assembled = first.with_forms_at(stiffest)
     if assembled is not first:
@@ -164,26 +175,39 @@ def mapped(
 
 
 def _names(
-    pencil: Pencil, axes: Sequence[Varied], bonded: Sequence[str]
-) -> tuple[tuple[str, ...], ...]:
-    names: tuple[tuple[str, ...], ...] = ()
+    pencil: Pencil,
+    axes: Sequence[Varied],
+    contacts: Mapping[str, ContactSpec],
+    bonded: Sequence[str],
+) -> tuple[Mapping[str, float], ...]:
+    p = [stiffnesses_meant(contacts, axis.name) for axis in axes]
+    names: tuple[Mapping[str, float], ...] = ()
     try:
-        names = tuple(tuple(parameters_meant(pencil, axis.name, bonded)) for axis in axes)
+        names = tuple(
+            _of_p(pencil, own) or dict.fromkeys(parameters_meant(pencil, axis.name, bonded), 1.0)
+            for axis, own in zip(axes, p, strict=True)
+        )
         check_pencil(pencil, [name for each in names for name in each])
     except InputError as error:
         raise _no_map(error) from error
     no_two_alike(names, [axis.name for axis in axes])
     for axis, each in zip(axes, names, strict=True):
-        for name in each:
+        for name, factor in each.items():
             for end in axis.ends:
-                pencil.parameter(name).check(end)
+                pencil.parameter(name).check(factor * end)
     return names
+
+
+def _of_p(pencil: Pencil, p: Mapping[str, float]) -> dict[str, float]:
+    """P of contacts and what it is for each unit of p, by the p that they have in the scene."""
+    paths = {f"contacts.{contact}.P": own for contact, own in p.items()}
+    return {path: pencil.parameter(path).value / own for path, own in paths.items()}
 
 
 def _check_definite(
     pencil: Pencil,
     axes: Sequence[Varied],
-    names: tuple[tuple[str, ...], ...],
+    names: tuple[Mapping[str, float], ...],
     max_frequency: float,
 ) -> None:
     """Refuse a damped pencil whose stiffness makes no norm where parameters are least.
@@ -193,7 +217,11 @@ def _check_definite(
     if not pencil.damped:
         return
     least, most = (
-        {name: axis.ends[end] for axis, group in zip(axes, names, strict=True) for name in group}
+        {
+            name: factor * axis.ends[end]
+            for axis, group in zip(axes, names, strict=True)
+            for name, factor in group.items()
+        }
         for end in (0, 1)
     )
     try:

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,14 @@ from typing import Any
 import numpy as np
 
 from cea.eigen.classify import WORDS
-from cea.reduced.onsets import Onset
+from cea.reduced.crossings import Threshold
+from cea.reduced.thresholds import Unresolved
 from comparisons.sweep.rows import Row
 
 ENGINE = "h5netcdf"
 """What reads and writes netCDF files."""
+INTERVALS = ("thresholds", "unresolved")
+"""What rows know of their thresholds."""
 _VARIABLES = {
     "growth": ("1/s", "growth rate"),
     "frequency": ("Hz", "frequency"),
@@ -24,6 +28,8 @@ _VARIABLES = {
     "worst": ("1", "worst error that the basis makes, relative"),
     "growth_slope": ("1/s", "derivative of the growth rate in each axis, in its unit"),
     "frequency_slope": ("Hz", "derivative of the frequency in each axis, in its unit"),
+    "above_growth": ("1/s", "fastest growth just above the window's end"),
+    "above_frequency": ("Hz", "frequency of that mode"),
 }
 """Unit and meaning of what is stored of each mode."""
 
@@ -96,17 +102,41 @@ def read_map(data: Mapping[str, Any], file: Path) -> list[Row]:
     }
     places = list(product(*(axis["values"] for axis in others)))
     names = [axis["name"] for axis in others]
-    onsets: dict[tuple[float, ...], list[Onset]] = {place: [] for place in places}
-    for each in data["onsets"]:
-        found = Onset(
-            value=each["value"],
-            error=each["error"],
-            eigenvalue=2j * np.pi * each["frequency"],
-            slope=each["slope"],
-            begins=each["begins"],
-        )
-        onsets[tuple(each[name] for name in names)].append(found)
+    thresholds: dict[tuple[float, ...], list[Threshold]] = {place: [] for place in places}
+    unresolved: dict[tuple[float, ...], list[Unresolved]] = {place: [] for place in places}
+    for each in data["thresholds"]:
+        thresholds[tuple(each[name] for name in names)].append(threshold_of(each))
+    for each in data["unresolved"]:
+        unresolved[tuple(each[name] for name in names)].append(unresolved_of(each))
     return [
-        Row(**{name: each[:, i] for name, each in flat.items()}, onsets=tuple(onsets[place]))
+        Row(
+            **{name: each[:, i] for name, each in flat.items()},
+            thresholds=tuple(thresholds[place]),
+            unresolved=tuple(unresolved[place]),
+        )
         for i, place in enumerate(places)
     ]
+
+
+def plain(found: Threshold | Unresolved) -> dict[str, Any]:
+    """A threshold or an unresolved interval as plain data; lambda as re and im (1/s)."""
+    told = asdict(found)
+    root = told.pop("eigenvalue")
+    return told | {
+        "re": None if root is None else root.real,
+        "im": None if root is None else root.imag,
+    }
+
+
+def threshold_of(told: Mapping[str, Any]) -> Threshold:
+    """A threshold from plain data."""
+    root = complex(told["re"], told["im"])
+    names = ("value", "error", "slope", "change", "kind")
+    return Threshold(eigenvalue=root, **{name: told[name] for name in names})
+
+
+def unresolved_of(told: Mapping[str, Any]) -> Unresolved:
+    """An unresolved interval from plain data."""
+    root = None if told["re"] is None else complex(told["re"], told["im"])
+    names = ("low", "high", "before", "after")
+    return Unresolved(eigenvalue=root, **{name: told[name] for name in names})

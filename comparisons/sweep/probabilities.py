@@ -12,7 +12,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from comparisons.sweep.filling import Filling
-from comparisons.sweep.map_record import of_full_solves
+from comparisons.sweep.map_record import lost_to_rounding, of_full_solves, of_rounding
 from comparisons.sweep.mapped import Mapped
 from comparisons.sweep.sampled import Flags, Sampled
 
@@ -78,7 +78,7 @@ def record_of(
     seconds
         Processor seconds of this rank.
     """
-    open_ = np.flatnonzero(found.worst > tolerance)
+    open_ = np.flatnonzero(found.bound > tolerance)
     largest = np.where(found.grows, found.growth, -np.inf).max(axis=1, initial=-np.inf)
     basis = filling.basis
     return {
@@ -92,10 +92,11 @@ def record_of(
         "snapshots": [each.plain() for each in basis.snapshots],
         "stored_before": filling.kept,
         "failed": [{"point": dict(point), "reason": why} for point, why in basis.failed],
-        "samples": len(found.worst),
-        "certified": len(found.worst) - len(open_),
+        "samples": len(found.bound),
+        "certified": len(found.bound) - len(open_),
+        "lost_to_rounding": lost_to_rounding(found.bound, found.worst, tolerance),
         "not_certified": open_[:_NAMED].tolist(),
-        "worst": float(found.worst.max()),
+        "worst": float(found.bound.max()),
         "any": probability(found.grows.any(axis=1), found.may_grow.any(axis=1), largest),
         "modes": of_modes(found),
         "processor_seconds": dict(seconds),
@@ -136,7 +137,8 @@ def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any
             (
                 "not-certified",
                 f"{left} of {data['samples']} samples are not certified to {tolerance:g}, the "
-                f"first of them {first}: their bounds say how far they may be off",
+                f"first of them {first}: their bounds say how far they may be off"
+                f"{of_rounding(data['lost_to_rounding'])}",
             )
         )
     if data["any"]["undecided"]:

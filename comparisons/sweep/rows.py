@@ -1,29 +1,28 @@
 """Rows of a map: all values along its first axis at one value of each other."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.classify import WORDS
-from cea.reduced.between import Between
+from cea.eigen.classify import GROWING, WORDS
 from cea.reduced.branches import Branches
-from cea.reduced.onsets import Onset, onset, span_of
-from cea.reduced.roots import PairLostError
+from cea.reduced.crossings import Threshold
+from cea.reduced.model_line import ModelLine
 from cea.reduced.rows import Line, in_parts
 from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
+from cea.reduced.thresholds import Unresolved, thresholds_along
 from cea.reduced.words import words_of
-from cea.reduced.zero_growth import zero_growth
 from comparisons.sweep.mapped import Mapped
 
-UNSTABLE, SLOW = WORDS.index("unstable"), WORDS.index("grows slowly")
-"""Words of modes as numbers: their places in :data:`cea.eigen.classify.WORDS`."""
+UNSTABLE = WORDS.index("unstable")
+"""The word as a number: its place in :data:`cea.eigen.classify.WORDS`."""
+HINT = 1.05
+"""Frequency, relative to the window's end, up to which growing modes above it are told."""
 
 
 Start = tuple[ReducedSpectrum, Ints, int]
@@ -52,10 +51,15 @@ class Row:
     growth_slope, frequency_slope
         Derivatives of growth rates (1/s) and frequencies (Hz) in the axes, in their units, shape
         (values, modes, axes).
-    onsets
-        Where flutter begins and ends.
-    lost
-        Thresholds between two values that could not be followed to where they are.
+    above_growth, above_frequency
+        Growth (1/s) and frequency (Hz) of the fastest mode that surely grows just above the
+        window's end, shape (values,); NaN where none does.
+    thresholds
+        Where the number of growing modes changes.
+    unresolved
+        Intervals without an answer.
+    resolution
+        Width of the widest interval that was not looked into further.
     """
 
     growth: Floats
@@ -67,8 +71,16 @@ class Row:
     worst: Floats
     growth_slope: Floats
     frequency_slope: Floats
-    onsets: tuple[Onset, ...]
-    lost: int = 0
+    above_growth: Floats
+    above_frequency: Floats
+    thresholds: tuple[Threshold, ...] = ()
+    unresolved: tuple[Unresolved, ...] = ()
+    resolution: float = 0.0
+
+    @property
+    def bound(self) -> Floats:
+        """Bound on the worst mean, with what rounding makes, relative to its speed."""
+        return np.fmax.reduce(np.column_stack([self.worst, self.mean_error]), axis=1)
 
 
 def map_row(
@@ -112,24 +124,57 @@ def map_row(
     branches.back_to(first, begun)
     numbers = [branches.follow(found) for found in spectra]
 
-    at, begins = [], 0
-    for line in parts:
-        own = values[begins : begins + len(line.spectra)]
-        at += [Between(small, line, own, parameters, tolerance)] * (len(own) - 1)
-        begins += len(own) - 1
-    seek = _crossings if small.damped else _coalescences
-    onsets, lost = [], 0
-    for sought in seek(at, values, spectra, numbers):
-        try:
-            onsets.append(sought())
-        except PairLostError:
-            lost += 1
     slopes = []
     for known, there, found in zip(solved_on, points, spectra, strict=True):
         window = found.window
         moved = [known.derivatives(window, there, names) for names in asked.names]
         slopes.append(np.stack(moved, axis=1))
-    return replace(_table(spectra, numbers, slopes, tuple(onsets), asked), lost=lost)
+    row = _table(spectra, numbers, slopes, asked)
+    return replace(row, **_thresholds(small, asked, others, parts, tolerance))
+
+
+def _thresholds(
+    small: SmallPencil,
+    asked: Mapped,
+    others: Sequence[float],
+    parts: Sequence[Line],
+    tolerance: float,
+) -> dict[str, Any]:
+    """Thresholds along a row, and what is not resolved; values in place of logarithms."""
+    axis = asked.axes[0]
+    line = ModelLine(
+        small,
+        [],
+        lambda value: asked.pencil.values(asked.point((value, *others))),
+        asked.names[0],
+        asked.growth_threshold or 0.0,
+        tolerance,
+        axis.logarithmic,
+    )
+    places, bases, begins = [line.place(value) for value in axis.values], [], 0
+    for part in parts:
+        end = begins + len(part.spectra) - 1
+        low, high = sorted((places[begins], places[end]))
+        bases.append((low, high, part.basis))
+        begins = end
+    found = thresholds_along(replace(line, bases=bases), places)
+    speed = [line.speed(each.value) for each in found.thresholds]
+    return {
+        "thresholds": tuple(
+            replace(
+                each,
+                value=line.value(each.value),
+                error=each.error * rate,
+                slope=each.slope / rate,
+            )
+            for each, rate in zip(found.thresholds, speed, strict=True)
+        ),
+        "unresolved": tuple(
+            replace(each, low=line.value(each.low), high=line.value(each.high))
+            for each in found.unresolved
+        ),
+        "resolution": found.resolution,
+    }
 
 
 def _joined(
@@ -146,69 +191,10 @@ def _joined(
     return spectra, solved_on
 
 
-def _coalescences(
-    at: Sequence[Between],
-    values: Sequence[float],
-    spectra: Sequence[ReducedSpectrum],
-    _: Sequence[Ints],
-) -> Iterator[Callable[[], Onset]]:
-    """What seeks each threshold of an undamped pencil."""
-    for still, flutters, pair in _beginnings(spectra):
-        near = at[min(still, flutters)]
-        yield partial(onset, near, values[still], values[flutters], span_of(pair), near.on)
-
-
-def _crossings(
-    at: Sequence[Between],
-    values: Sequence[float],
-    spectra: Sequence[ReducedSpectrum],
-    numbers: Sequence[Ints],
-) -> Iterator[Callable[[], Onset]]:
-    """What seeks each threshold of a damped pencil: branches whose growth surely changes sign."""
-    for i, (before, after) in enumerate(pairwise(spectra)):
-        _, here, there = np.intersect1d(numbers[i], numbers[i + 1], return_indices=True)
-        one, other = before[here], after[there]
-        changes = one.eigenvalues.real * other.eigenvalues.real < 0
-        for found in (one, other):
-            changes &= found.inside & (np.abs(found.eigenvalues.real) > found.uncertainties)
-        for mode in np.flatnonzero(changes)[:, None]:
-            ends = values[i], values[i + 1]
-            yield partial(zero_growth, at[i], ends, one[mode], other[mode], at[i].on)
-
-
-def _beginnings(spectra: Sequence[ReducedSpectrum]) -> Iterator[tuple[int, int, Any]]:
-    """Neighbours between which a pair begins or ends to flutter: where not, where, its vector."""
-    pairs = [_fluttering(found) for found in spectra]
-    for i in range(len(spectra) - 1):
-        for there, here in ((i, i + 1), (i + 1, i)):
-            for vector in pairs[here].T:
-                span = span_of(vector)
-                known = [np.linalg.norm(span.T @ other) for other in pairs[there].T]
-                if max(known, default=0.0) < _SAME:
-                    yield there, here, vector
-
-
-_SAME = 0.7
-"""Part of a vector of a pair in the span of the other from which on they are one."""
-
-
-def _fluttering(found: ReducedSpectrum) -> Any:
-    """Unit vectors of eigenvalues kappa in the window that are surely not real, one of a pair."""
-    window = found.window
-    chosen = window.kappa.imag > np.maximum(window.certificate.errors, _REAL * window.speeds**2)
-    vectors = window.right[:, chosen]
-    return vectors / np.linalg.norm(vectors, axis=0)
-
-
-_REAL = 1e-9
-"""Imaginary part of kappa, relative to its speed squared, up to which it is rounding."""
-
-
 def _table(
     spectra: Sequence[ReducedSpectrum],
     numbers: Sequence[Ints],
     slopes: Sequence[Complexes],
-    onsets: tuple[Onset, ...],
     asked: Mapped,
 ) -> Row:
     inside = [found.inside for found in spectra]
@@ -231,5 +217,20 @@ def _table(
     worst = np.array([found.worst for found in spectra])
     return Row(
         *(growth, frequency, uncertainty, mean, branch, verdict, worst),
-        *(growth_slope, frequency_slope, onsets),
+        *(growth_slope, frequency_slope, *_above(spectra, asked)),
     )
+
+
+def _above(spectra: Sequence[ReducedSpectrum], asked: Mapped) -> tuple[Floats, Floats]:
+    """Growth (1/s) and frequency (Hz) of the fastest growing mode just above the window's end."""
+    growth, frequency = np.full((2, len(spectra)), np.nan)
+    for i, found in enumerate(spectra):
+        end = found.settings.end
+        rates, words = found.eigenvalues.real, words_of(found, asked.growth_threshold)
+        above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
+        above &= np.isin(words, GROWING)
+        if above.any():
+            fastest = int(np.argmax(np.where(above, rates, -np.inf)))
+            growth[i] = found.eigenvalues[fastest].real
+            frequency[i] = found.eigenvalues[fastest].imag / (2 * np.pi)
+    return growth, frequency

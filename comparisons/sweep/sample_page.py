@@ -31,6 +31,7 @@ _VARIABLES = {
     "grows": ("1", "grows surely, or coalesced with one that does"),
     "may_grow": ("1", "may grow, or coalesced with one that may"),
     "worst": ("1", "worst error that the basis makes, relative"),
+    "bound": ("1", "worst error with that of rounding, relative"),
 }
 """Unit and meaning of what is stored of each mode."""
 

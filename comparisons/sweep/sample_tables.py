@@ -82,7 +82,7 @@ def samples_summary(data: Data) -> Table:
         ("full solves", len(data["snapshots"])),
         ("samples", data["samples"]),
         ("samples certified", data["certified"]),
-        ("worst bound of the basis, relative", data["worst"]),
+        ("worst bound, relative", data["worst"]),
         ("full solves, processor s", seconds["full_solves"]),
         ("basis, processor s", seconds["basis"]),
         ("samples, processor s", seconds["samples"]),
@@ -129,7 +129,7 @@ def samples_table(data: Data, drawn: Sequence[Drawn], found: Sampled) -> Table |
                 int(found.grows[i].sum()),
                 float(found.growth[i, top[i]]) if grows else None,
                 float(found.frequency[i, top[i]]) if grows else None,
-                float(found.worst[i]),
+                float(found.bound[i]),
             )
         )
     return Table(
@@ -140,7 +140,7 @@ def samples_table(data: Data, drawn: Sequence[Drawn], found: Sampled) -> Table |
             Column("grow", "modes that grow", shown(3)),
             Column("growth", "fastest growth", shown(5), "1/s"),
             Column("frequency", "its frequency", shown(6), "Hz"),
-            Column("worst", "worst bound of the basis", shown(2)),
+            Column("worst", "worst bound", shown(2)),
         ),
         rows,
     )

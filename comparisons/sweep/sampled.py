@@ -37,6 +37,8 @@ class Sampled:
         coalesced without damping, one growing as the other decays, both do.
     worst
         What the basis makes of the worst mean, relative to its speed, shape (samples,).
+    bound
+        Bound on the worst mean, with what rounding makes, relative to its speed, shape (samples,).
     """
 
     growth: Floats
@@ -46,6 +48,7 @@ class Sampled:
     grows: Flags
     may_grow: Flags
     worst: Floats
+    bound: Floats
 
 
 def solved(
@@ -89,8 +92,10 @@ def solved(
         number[i, :n] = continued(*middle, found)[inside]
         for flags, sign in ((grows, -1), (may_grow, 1)):
             flags[i, :n] = _growing(found, sign, growth_threshold)[inside]
-    worst = np.array([found.worst for found in spectra])
-    return Sampled(growth, frequency, uncertainty, number, grows, may_grow, worst)
+    worst, bound = (
+        np.array(each) for each in zip(*((f.worst, f.bound) for f in spectra), strict=True)
+    )
+    return Sampled(growth, frequency, uncertainty, number, grows, may_grow, worst, bound)
 
 
 def _growing(found: ReducedSpectrum, sign: int, threshold: float | None) -> Flags:

@@ -77,7 +77,7 @@ def sensitivities_figure(drawn: Data) -> Figure:
         if len(sizes) and (most := 1.2 * np.quantile(sizes, 0.9)) > 0:
             space.set_ylim(-most, most)
         space.axhline(0.0, color=AXIS, linewidth=0.8)
-        for each in row.onsets:
+        for each in row.thresholds:
             space.axvline(each.value, color=GREY, linewidth=0.5, linestyle=":")
         space.set_ylabel(f"d growth / d {axis['name']}")
     spaces[-1].set_xlabel(first["name"])

@@ -17,17 +17,16 @@ import numpy as np
 from cea.files import write_whole
 from cea.reduced.greedy import Snapshot
 from cea.reduced.model import Growth
-from cea.reduced.onsets import Onset
 from cea.reduced.stored import Arrays
 from cea.warned import ResultWarning
-from comparisons.sweep.netcdf import ENGINE
+from comparisons.sweep.netcdf import ENGINE, INTERVALS, plain, threshold_of, unresolved_of
 from comparisons.sweep.rows import Row
 
 _ABOUT = "map.json"
 _FIELDS = ("growth", "frequency", "uncertainty", "mean_error", "branch", "verdict", "worst")
 _SLOPES = ("growth_slope", "frequency_slope")
 _GROWN = ("basis", "residuals")
-_ONSET = ("value", "error", "slope")
+_ABOVE = ("above_growth", "above_frequency")
 
 
 class Store:
@@ -94,7 +93,6 @@ class Store:
         import xarray
 
         over = ("value", "mode")
-        onsets = row.onsets
         data = {
             "growth": (over, row.growth),
             "frequency": (over, row.frequency),
@@ -104,18 +102,15 @@ class Store:
             "verdict": (over, row.verdict),
             "worst": (("value",), row.worst),
             **{name: ((*over, "axis"), getattr(row, name)) for name in _SLOPES},
-            **{
-                f"onset_{name}": (("onset",), np.array([getattr(o, name) for o in onsets], float))
-                for name in _ONSET
-            },
-            "lost": ((), row.lost),
-            "onset_re": (("onset",), np.array([o.eigenvalue.real for o in onsets], float)),
-            "onset_im": (("onset",), np.array([o.eigenvalue.imag for o in onsets], float)),
-            "onset_begins": (("onset",), np.array([o.begins for o in onsets], np.int8)),
+            **{name: (("value",), getattr(row, name)) for name in _ABOVE},
+        }
+        told = {
+            kind: json.dumps([plain(each) for each in getattr(row, kind)]) for kind in INTERVALS
         }
         file = self._row(number)
         part = file.with_suffix(f".{os.getpid()}.part")
-        xarray.Dataset(data).to_netcdf(part, engine=ENGINE)
+        attributes = told | {"resolution": row.resolution}
+        xarray.Dataset(data, attrs=attributes).to_netcdf(part, engine=ENGINE)
         part.replace(file)
 
     def row(self, number: int) -> Row | None:
@@ -126,18 +121,16 @@ class Store:
             return None
         with xarray.open_dataset(self._row(number), engine=ENGINE) as data:
             get: dict[str, Any] = {name: np.array(data[name]) for name in data.variables}
-        onsets = tuple(
-            Onset(
-                value=float(get["onset_value"][i]),
-                error=float(get["onset_error"][i]),
-                eigenvalue=complex(get["onset_re"][i], get["onset_im"][i]),
-                slope=float(get["onset_slope"][i]),
-                begins=bool(get["onset_begins"][i]),
-            )
-            for i in range(len(get["onset_value"]))
+            told = dict(data.attrs)
+        fields = {name: get[name] for name in (*_FIELDS, *_SLOPES, *_ABOVE)}
+        thresholds = tuple(map(threshold_of, json.loads(told["thresholds"])))
+        unresolved = tuple(map(unresolved_of, json.loads(told["unresolved"])))
+        return Row(
+            **fields,
+            thresholds=thresholds,
+            unresolved=unresolved,
+            resolution=float(told["resolution"]),
         )
-        fields = {name: get[name] for name in (*_FIELDS, *_SLOPES)}
-        return Row(**fields, onsets=onsets, lost=int(get["lost"]))
 
     def discard(self) -> None:
         """Remove the folder: its map is finished."""

@@ -20,7 +20,7 @@ from scenes.read import load_scene
 from scenes.results import ModesResult
 from scenes.scene_error import SceneError
 from scenes.stored import record
-from scenes.swept import means_several, parameters_meant
+from scenes.swept import means_several, parameters_meant, stiffnesses_meant
 
 COMMAND = "sweep"
 _NEAR = 0.02
@@ -90,6 +90,7 @@ class Sweep:
             scene = load_scene(self.scene, self.overrides)
         except SceneError:  # a field may be given by the sweep alone
             scene = load_scene(self.scene, at_first)
+        stiffnesses_meant(scene.contacts, self.field)  # refuses p that is a field
         assembled = AssembledScene(scene)
         if several or self.field in assembled.driver.pencil.parameters:
             return assembled
@@ -100,13 +101,17 @@ class Sweep:
         """Paths of the fields that change together."""
         if not means_several(self.field):
             return [self.field]
-        bonded = assembled.bonded if isinstance(assembled, AssembledScene) else ()
+        bonded: Sequence[str] = ()
+        if isinstance(assembled, AssembledScene):
+            p = stiffnesses_meant(assembled.scene.contacts, self.field)
+            if p:
+                return [f"contacts.{each}.p" for each in p]
+            bonded = assembled.bonded
         pencil = assembled.driver.pencil
         try:
             return parameters_meant(pencil, self.field, bonded)
         except InputError as error:
-            allowed = f"no such field; there are {', '.join(pencil.parameters)}"
-            raise InputError(self.field, self.start, allowed) from error
+            raise InputError(self.field, self.start, error.allowed) from error
 
 
 def _solve(assembled: Assembled, paths: Sequence[str], value: float) -> Result:

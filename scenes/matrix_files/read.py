@@ -1,4 +1,4 @@
-"""Matrices read from files of other programs: MATLAB, Matrix Market, PETSc binary, scipy.
+"""Matrices read from files of other programs: MATLAB, Matrix Market, Abaqus, PETSc, scipy.
 
 Whatever a file holds, the result is a real square sparse matrix of finite numbers, or a refusal
 that names the file and says what is allowed.
@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, issparse
 
+from cea.arrays import Ints
 from cea.errors import InputError
+from scenes.matrix_files.abaqus import read_abaqus_matrix
 from scenes.matrix_files.matlab import read_variables
 from scenes.matrix_files.matrix_market import read_matrix_market
 
@@ -41,14 +43,17 @@ def split_name(text: str) -> tuple[str, str | None]:
     return text, None
 
 
-def read_matrix(file: str | Path, variable: str | None = None, *, field: str = "file") -> csr_array:
-    """Read a matrix.
+def read_labelled(
+    file: str | Path, variable: str | None = None, *, field: str = "file"
+) -> tuple[csr_array, Ints | None]:
+    """Read a matrix and what its rows stand for.
 
     Parameters
     ----------
     file
-        ``.mat``: MATLAB, versions 5 to 7.2. ``.mtx``, ``.mtx.gz``: Matrix Market. ``.npz``: a
-        sparse matrix of scipy. Any other ending: PETSc's binary format, indices of 32 or 64 bits.
+        ``.mat``: MATLAB, versions 5 to 7.2. ``.mtx``, ``.mtx.gz``: Matrix Market, or Abaqus where
+        there is no header. ``.npz``: a sparse matrix of scipy. Any other ending: PETSc's binary
+        format, indices of 32 or 64 bits.
     variable
         Name in a ``.mat`` file; None takes the only matrix there.
     field
@@ -56,8 +61,10 @@ def read_matrix(file: str | Path, variable: str | None = None, *, field: str = "
 
     Returns
     -------
-    csr_array
+    matrix : csr_array
         Shape (n, n), real, finite; entries summed and in order, without stored zeros.
+    labels : ndarray or None
+        Node and degree of freedom of each row, (n, 2), where the file tells them.
 
     Raises
     ------
@@ -67,7 +74,9 @@ def read_matrix(file: str | Path, variable: str | None = None, *, field: str = "
     path = Path(file)
     shown = f"{file}:{variable}" if variable else str(file)
     try:
-        return _checked(_read(path, variable))
+        found = _read(path, variable)
+        matrix, labels = found if isinstance(found, tuple) else (found, None)
+        return _checked(matrix), labels
     except _UnreadableError as error:
         raise InputError(field, shown, str(error)) from None
     except MemoryError:
@@ -75,6 +84,11 @@ def read_matrix(file: str | Path, variable: str | None = None, *, field: str = "
     except OSError as error:
         reason = f" ({error.strerror})" if error.strerror else ""
         raise InputError(field, shown, f"a whole file that can be read{reason}") from error
+
+
+def read_matrix(file: str | Path, variable: str | None = None, *, field: str = "file") -> csr_array:
+    """The matrix alone, as :func:`read_labelled` reads it."""
+    return read_labelled(file, variable, field=field)[0]
 
 
 def _read(path: Path, variable: str | None) -> Any:
@@ -135,7 +149,8 @@ def _matlab(path: Path, variable: str | None) -> Any:
 
 def _matrix_market(path: Path, _: str | None) -> Any:
     content = path.read_bytes()
-    return read_matrix_market(gzip.decompress(content) if path.suffix == ".gz" else content)
+    whole = gzip.decompress(content) if path.suffix == ".gz" else content
+    return read_matrix_market(whole) if whole.startswith(b"%%") else read_abaqus_matrix(whole)
 
 
 def _scipy(path: Path, _: str | None) -> Any:

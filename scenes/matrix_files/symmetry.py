@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags_array
 
 Kind = Literal["symmetric", "symmetric to rounding", "skew", "general"]
 
@@ -48,6 +48,26 @@ def symmetry_of(matrix: csr_array) -> Symmetry:
         return Symmetry("symmetric to rounding", worst)
     skew = not (matrix + transpose).count_nonzero()
     return Symmetry("skew" if skew else "general", worst)
+
+
+def half_of(matrix: csr_array) -> str | None:
+    """Which half of a symmetric matrix this may be: no entry beside the diagonal has its mirror.
+
+    None where one has, and of a diagonal matrix.
+    """
+    rows, columns = matrix.tocoo().coords
+    below, above = bool((rows > columns).any()), bool((rows < columns).any())
+    if not (below or above):
+        return None
+    if below != above:
+        return "lower triangle" if below else "upper triangle"
+    pattern = csr_array((matrix - diags_array(matrix.diagonal())) != 0)
+    return None if pattern.multiply(pattern.T).count_nonzero() else "half of mirrored entries"
+
+
+def mirrored(half: csr_array) -> csr_array:
+    """The symmetric matrix of which one half is given."""
+    return csr_array(half + half.T - diags_array(half.diagonal()))
 
 
 def mean_with_transpose(matrix: csr_array) -> csr_array:

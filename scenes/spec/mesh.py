@@ -113,7 +113,8 @@ class MeshSpec:
     iga
         NURBS discretisation.
     degree
-        Degree of the elements of a mesh from a file; by default the order of its cells.
+        Degree of the elements of a mesh from a file; by default the order of its cells, at least 2
+        where elements of several kinds are divided into tetrahedra.
     """
 
     fe: FeMesh | None = None

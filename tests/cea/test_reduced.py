@@ -12,6 +12,7 @@ from reduced_cases import (
     errors_of_means,
     grid,
     map_numbers,
+    model_line,
     random_pencil,
     three_blocks_pencil,
 )
@@ -25,10 +26,9 @@ from cea.eigen.thresholds import flutter_threshold
 from cea.errors import InputError
 from cea.reduced.branches import Branches
 from cea.reduced.greedy import largest_ratio
-from cea.reduced.onsets import onset, span_of
-from cea.reduced.roots import PairLostError
 from cea.reduced.rows import along
 from cea.reduced.spectrum import MARGIN, upper_root
+from cea.reduced.thresholds import thresholds_along
 
 TOP = 0.6
 ON_NURBS = pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
@@ -142,20 +142,12 @@ def test_near_a_coalescence_members_and_means_keep_their_bounds(seed):
             assert abs(mine.mean() - true.mean()) <= bounds.means[near].max() + 1e-11
             rows, columns = assign(np.abs(mine[:, None] - true))
             assert (np.abs(mine[rows] - true[columns]) <= bounds.errors[near] + 1e-9).all()
-    found = onset(
-        lambda s: built.at({FRICTION: s}),
-        float(grid_of[first - 1]),
-        float(grid_of[first]),
-        span_of(_growing(built.at({FRICTION: grid_of[first]}), mean)),
-    )
-    assert abs(found.value - critical) <= found.error + 1e-10
-    assert found.begins
-
-
-def _growing(found, mean):
-    """Vector of the eigenvalue nearest to a mean that is not real."""
-    turning = np.flatnonzero(np.abs(found.kappa.imag) > 1e-6)
-    return found.right[:, turning[np.argmin(np.abs(found.kappa[turning].real - mean))]]
+    found = thresholds_along(model_line(built, FRICTION), grid_of)
+    nearest = min(found.thresholds, key=lambda each: abs(each.value - critical))
+    assert abs(nearest.value - critical) <= nearest.error + 1e-10
+    assert nearest.begins
+    assert nearest.kind == "flutter"
+    assert not found.unresolved
 
 
 @ON_NURBS
@@ -202,7 +194,7 @@ def test_materials_are_parameters_too(backend):
     assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
 
 
-def test_an_onset_of_flutter_is_that_of_full_solves(backend):
+def test_a_threshold_of_flutter_is_that_of_full_solves(backend):
     """The threshold of the blocks, sought on the reduced model and by full solves."""
     from reduced_blocks import flutter_of_the_blocks
 
@@ -210,19 +202,13 @@ def test_an_onset_of_flutter_is_that_of_full_solves(backend):
     expected = flutter_threshold(driver, name, *bracket, max_frequency=top)
     built = enrichment(driver.pencil, {name: bracket}, top)
     built.cover([{name: value} for value in np.linspace(*bracket, 5)])
-    there = built.at({name: bracket[1]})
-    grows = int(np.argmax(there.eigenvalues.real))
-    found = onset(lambda value: built.at({name: value}), *bracket, span_of(there.right[:, grows]))
-    assert found.value == pytest.approx(expected.value, rel=1e-8)
-    assert found.eigenvalue == pytest.approx(expected.eigenvalue, rel=1e-8)
-    assert abs(found.value - expected.value) <= found.error + 1e-12
-    with pytest.raises(PairLostError):
-        onset(
-            lambda value: built.at({name: value}),
-            0.99 * bracket[1],
-            bracket[1],
-            span_of(there.right[:, grows]),
-        )
+    found = thresholds_along(model_line(built, name), np.linspace(*bracket, 5).tolist())
+    first = found.thresholds[0]
+    assert first.begins
+    assert first.value == pytest.approx(expected.value, rel=1e-8)
+    assert first.eigenvalue == pytest.approx(expected.eigenvalue, rel=1e-8)
+    assert abs(first.value - expected.value) <= first.error + 1e-12
+    assert not found.unresolved
 
 
 @ON_NURBS

@@ -1,18 +1,18 @@
 """Bases of reduced models: what they span, at which products, and what is found on smaller ones."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from reduced_cases import MU, P, blocks_pencil, enrichment, grid
+from reduced_cases import MU, P, blocks_pencil, enrichment, grid, model_line
 
 from cea.reduced import greedy
-from cea.reduced.between import Between
 from cea.reduced.model import ReducedModel
-from cea.reduced.onsets import onset, span_of
 from cea.reduced.products import real_times
-from cea.reduced.roots import PairLostError, root_of
 from cea.reduced.rows import along
 from cea.reduced.small import SmallPencil
 from cea.reduced.span import Span
+from cea.reduced.thresholds import thresholds_along
 
 TOP = 0.6
 RNG = np.random.default_rng(11)
@@ -62,27 +62,6 @@ def built():
     made = enrichment(pencil, {MU: (0.0, 1.0), P: (1.0, 1e8)}, TOP)
     assert made.cover(grid(mu=[0.0, 0.5, 1.0], P=np.geomspace(1, 1e8, 9))) <= made.tolerance
     return made
-
-
-@pytest.mark.parametrize("tolerance", [1e-8, pytest.param(1e-13, marks=pytest.mark.slow)])
-def test_spectra_between_neighbours_are_those_of_the_whole_basis(built, tolerance):
-    small, pencil, values = built.model.small, built.model.pencil, np.linspace(0, 1, 11).tolist()
-
-    def parameters(mu):
-        return pencil.values({MU: mu, P: 30.0})
-
-    line = along(small, [parameters(mu) for mu in values], tolerance, least=10)
-    at = Between(small, line, values, parameters, tolerance)
-    for mu in (0.003, 0.37, 0.371, 0.52, 0.999):
-        found, whole = at(mu).window, small.at(parameters(mu)).window
-        assert len(found) == len(whole)
-        assert found.right.shape[0] == small.size
-        mine, theirs = (np.sort_complex(each.kappa) for each in (found, whole))
-        doubt = found.certificate.errors.max() + whole.certificate.errors.max()
-        assert np.abs(mine - theirs).max() <= doubt
-        assert found.worst <= 2 * max(tolerance, whole.worst)
-        assert at(mu) is at(mu)
-    assert at(values[4]) is line.spectra[4]
 
 
 @pytest.mark.slow
@@ -136,57 +115,21 @@ def test_a_row_rests_on_few_values_of_the_whole_basis_however_stiff(built, sizes
     assert not line.whole
 
 
-def flutters(found):
-    return np.flatnonzero(found.inside & (found.kappa.imag > 1e-6 * found.speeds**2))
-
-
-def test_a_threshold_takes_few_spectra_and_is_that_of_many(built, sizes):
+def test_thresholds_on_a_smaller_basis_are_those_on_the_whole_one(built, sizes):
     small, pencil, values = built.model.small, built.model.pencil, np.linspace(0, 1, 11).tolist()
-
-    def parameters(mu):
-        return pencil.values({MU: mu, P: 30.0})
-
-    line = along(small, [parameters(mu) for mu in values], 1e-9, least=10)
-    first = next(i for i, found in enumerate(line.spectra) if len(flutters(found)))
-    grows = line.spectra[first]
-    pair = span_of(grows.right[:, flutters(grows)[0]])
-    ends = values[first - 1], values[first]
-    at = Between(small, line, values, parameters, 1e-9)
+    points = [pencil.values({MU: mu, P: 30.0}) for mu in values]
+    part = along(small, points, 1e-9, least=10)
+    whole = model_line(built, MU, {P: 30.0})
+    assert part.basis.size < small.size
     sizes.clear()
-    found = onset(at, *ends, pair, at.on)
-    assert sum(size > 20 for size in sizes) <= 4
-    sizes.clear()
-    slow = onset(lambda mu: small.at(parameters(mu)), *ends, pair)
-    assert sum(size > 20 for size in sizes) > 8
-    assert abs(found.value - slow.value) <= 1e-9 * slow.value
-    assert abs(found.value - slow.value) <= found.error
-    assert found.slope == pytest.approx(slow.slope, rel=1e-3)
-
-
-def test_what_few_vectors_lose_is_sought_on_all(built):
-    """A basis on which the pair cannot be told leads to the same root, by whole spectra."""
-    small, pencil = built.model.small, built.model.pencil
-
-    def at(mu):
-        return small.at(pencil.values({MU: mu, P: 30.0}))
-
-    def lost(_vectors):
-        def nothing(_):
-            raise PairLostError
-
-        return nothing
-
-    def lowest(found, mu):
-        return found.eigenvalues[0].imag - middle
-
-    middle = at(0.5).eigenvalues[0].imag
-    roots = [
-        root_of(at, lowest, (0.3, 0.8), lambda found, mu: found.right.real, on)[0]
-        for on in (lost, None)
-    ]
-    assert roots[0] == roots[1] == pytest.approx(0.5, rel=1e-9)
-    with pytest.raises(PairLostError):
-        root_of(at, lowest, (0.6, 0.8), lambda found, mu: found.right.real, None)
+    found = thresholds_along(replace(whole, bases=[(0.0, 1.0, part.basis)]), values)
+    assert sizes.count(small.size) < found.spectra / 2
+    slow = thresholds_along(whole, values)
+    assert found.thresholds
+    for mine, theirs in zip(found.thresholds, slow.thresholds, strict=True):
+        assert abs(mine.value - theirs.value) <= mine.error + theirs.error
+        assert mine.slope == pytest.approx(theirs.slope, rel=1e-3)
+        assert (mine.change, mine.kind) == (theirs.change, theirs.kind)
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from reduced_cases import (
     damped_numbers,
     dense_damped,
     enrichment,
+    model_line,
     random_damped_pencil,
 )
 from same_numbers import assert_same
@@ -25,7 +26,7 @@ from cea.reduced.greedy import largest_ratio
 from cea.reduced.pieces import Pieces
 from cea.reduced.rows import along
 from cea.reduced.spectrum import MARGIN
-from cea.reduced.zero_growth import zero_growth
+from cea.reduced.thresholds import thresholds_along
 
 TOP = 0.6
 RNG = np.random.default_rng(13)
@@ -151,21 +152,10 @@ def test_near_a_coalescence_members_and_means_keep_their_bounds():
 def test_a_threshold_of_growth_is_that_of_full_solves(maps, backend):
     built = maps(backend)
     point = {P: 40.0, ALPHA: 0.01, RATIO: 0.005}
-    values = np.linspace(0.5, 1, 9)
-    growths = [built.at(point | {MU: mu}).window.eigenvalues.real.max() for mu in values]
-    first = int(np.argmax(np.array(growths) > 0))
-    assert first > 0, "nothing begins to grow"
-    ends = float(values[first - 1]), float(values[first])
-    before, after = (built.at(point | {MU: mu}).window for mu in ends)
-    grows = int(np.argmax(after.eigenvalues.real))
-    near = int(np.argmin(np.abs(before.eigenvalues - after.eigenvalues[grows])))
-    found = zero_growth(
-        lambda mu: built.at(point | {MU: mu}),
-        ends,
-        before[np.array([near])],
-        after[np.array([grows])],
-    )
+    line = thresholds_along(model_line(built, MU, point), np.linspace(0.5, 1, 9).tolist())
+    found = line.thresholds[0]
     assert found.begins
+    assert not line.unresolved
     with KrylovSchur(damped_blocks_pencil(backend, point)) as driver:
         modes = driver.solve(TOP, {MU: found.value})
     own = int(np.argmin(np.abs(modes.eigenvalues - found.eigenvalue)))

@@ -71,8 +71,8 @@ def test_rows_of_a_band_are_those_of_the_whole_basis(maps, backend):
         frequency = other.frequency
         np.testing.assert_allclose(one.frequency, frequency, rtol=4e-7)
         np.testing.assert_array_equal(one.branch[0], other.branch[0])
-        assert len(one.onsets) == len(other.onsets)
-        for mine, theirs in zip(one.onsets, other.onsets, strict=True):
+        assert len(one.thresholds) == len(other.thresholds)
+        for mine, theirs in zip(one.thresholds, other.thresholds, strict=True):
             assert abs(mine.value - theirs.value) <= mine.error + theirs.error
 
 

@@ -5,15 +5,15 @@ from itertools import product
 import numpy as np
 import pytest
 from reduced_blocks import flutter_of_the_blocks
-from reduced_cases import enrichment, errors_of_means, three_blocks_pencil
+from reduced_cases import enrichment, errors_of_means, model_line, three_blocks_pencil
 
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.thresholds import flutter_threshold
 from cea.reduced.greedy import Enrichment, largest_ratio
 from cea.reduced.model import ReducedModel
-from cea.reduced.onsets import onset, span_of
 from cea.reduced.spectrum import MARGIN
+from cea.reduced.thresholds import thresholds_along
 from comparisons.sweep.axes import read_axis
 from comparisons.sweep.mapped import mapped
 
@@ -63,9 +63,8 @@ def test_next_to_the_threshold_of_the_blocks_bounds_hold(backend):
     expected = flutter_threshold(driver, name, *bracket, max_frequency=top)
     built = enrichment(driver.pencil, {name: bracket}, top)
     built.cover([{name: value} for value in np.linspace(*bracket, 5)])
-    there = built.at({name: bracket[1]})
-    pair = span_of(there.right[:, int(np.argmax(there.eigenvalues.real))])
-    found = onset(lambda value: built.at({name: value}), *bracket, pair)
+    values = np.linspace(*bracket, 5).tolist()
+    found = thresholds_along(model_line(built, name), values).thresholds[0]
     assert found.value == pytest.approx(expected.value, rel=1e-8)
     mean = -(expected.eigenvalue**2).real
     for distance, side in product((1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), (-1, 1)):

@@ -22,7 +22,7 @@ from comparisons.cli.app import main
 from comparisons.sweep.axes import Axis, read_axis
 from comparisons.sweep.map_page import write_result
 from comparisons.sweep.map_study import AskedMap, run_map
-from comparisons.sweep.map_tables import modes_table, onsets_table, summary_table, values_table
+from comparisons.sweep.map_tables import modes_table, summary_table, thresholds_table, values_table
 from comparisons.sweep.mapped import NoMapError, mapped
 from comparisons.sweep.netcdf import read_map
 from comparisons.sweep.sensitivities import sensitivities_table
@@ -46,6 +46,7 @@ def overrides(backend):
     return (
         "contacts.interface.mu='sin(pi*x/2)'",
         "analysis.max_frequency=0.4",
+        "analysis.growth_threshold=0.0",
         *(f"bodies.{name}.backend='{backend}'" for name in ("upper", "lower")),
         *plane_meshes(backend, 2, MESHES[backend]),
     )
@@ -100,15 +101,18 @@ def test_values_of_a_map_are_those_of_full_solves(made, backend):
 def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     wanted, data, rows, _ = made(backend)
     scene = mapped(wanted.scene, wanted.axes, wanted.overrides, None)
-    onsets = [each for each in data["onsets"] if each["begins"]]
-    assert onsets
-    assert len(onsets_table(data).rows) == sum(len(row.onsets) for row in rows)
+    begun = [
+        each for each in data["thresholds"] if each["kind"] == "flutter" and each["change"] > 0
+    ]
+    assert begun
+    assert len(thresholds_table(data).rows) == sum(len(row.thresholds) for row in rows)
+    assert not data["unresolved"]
     confirmed = [
-        each["full_solve_differs"] for each in data["onsets"] if "full_solve_differs" in each
+        each["full_solve_differs"] for each in data["thresholds"] if "full_solve_differs" in each
     ]
     assert confirmed
     assert np.abs(confirmed).max() < 1e-8
-    chosen = onsets[len(onsets) // 2]
+    chosen = begun[len(begun) // 2]
     pencil = scene.pencil
     parameters = [
         replace(each, value=chosen["P"]) if each.name == P else each
@@ -117,7 +121,7 @@ def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     driver = KrylovSchur(Pencil(pencil.terms, parameters, pencil.forces, leave_out=False))
     near = (0.999 * chosen["value"], 1.001 * chosen["value"])
     expected = flutter_threshold(
-        driver, MU, *near, max_frequency=0.4, frequency=chosen["frequency"]
+        driver, MU, *near, max_frequency=0.4, frequency=chosen["im"] / (2 * np.pi)
     )
     assert chosen["value"] == pytest.approx(expected.value, rel=1e-8)
     assert abs(chosen["value"] - expected.value) <= chosen["error"] + 1e-11
@@ -173,7 +177,7 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, mon
         width = other.growth.shape[1]
         np.testing.assert_array_equal(one.growth[:, :width], other.growth)
         np.testing.assert_array_equal(one.branch[:, :width], other.branch)
-        assert [each.value for each in one.onsets] == [each.value for each in other.onsets]
+        assert one.thresholds == other.thresholds
     (folder / "map.png").unlink()
     axes = ["mu=0:2:21", "P=0.5:500:log:4"]
     command = ["cea", "sweep", "blocks", *axes, "--redraw", "--out", str(folder)]
@@ -234,7 +238,7 @@ def test_the_command_threshold_confirms_what_it_finds(tmp_path, monkeypatch, cap
     with pytest.raises(SystemExit) as end:
         main()
     assert not end.value.code, capsys.readouterr().err
-    found = json.loads((tmp_path / "out" / "result.json").read_text())["onsets"]
+    found = json.loads((tmp_path / "out" / "result.json").read_text())["thresholds"]
     assert found
     assert all(abs(each["full_solve_differs"]) < 1e-8 for each in found)
 
@@ -257,7 +261,7 @@ def test_what_is_left_uncertified_is_told(tmp_path):
     assert len(data["snapshots"]) == 2
     assert data["certified"] < data["values"]
     assert "not-certified" in [each["kind"] for each in data["warnings"]]
-    assert max(row.worst.max() for row in rows) == data["worst"] > 1e-8
+    assert max(row.bound.max() for row in rows) == data["worst"] > 1e-8
 
 
 @pytest.mark.parametrize(
@@ -298,13 +302,13 @@ def test_axes_that_are_no_parameters_are_refused_or_solved_in_full():
 
 def test_a_field_without_a_map_is_solved_in_full(tmp_path, monkeypatch, capsys):
     settings = ["--set", "analysis.max_frequency=0.3", "--out", str(tmp_path / "out")]
-    axis = "contacts.interface.p=1:2:2"
+    axis = "bodies.upper.material.nu=0.2:0.3:2"
     monkeypatch.setattr(sys, "argv", ["cea", "sweep", "blocks", axis, *settings])
     with pytest.raises(SystemExit) as end:
         main()
     told = capsys.readouterr()
     assert not end.value.code, told.err
-    assert "Solved in full at each value: parameter = 'contacts.interface.p'" in told.out
+    assert "Solved in full at each value: parameter = 'bodies.upper.material.nu'" in told.out
 
 
 def test_short_names_are_solved_in_full_too():
@@ -320,14 +324,17 @@ def test_doublets_begin_to_flutter_with_friction_itself(tmp_path):
         f"bodies.{name}.mesh.iga={{degree=[2,2],elements=[2,12]}}" for name in ("outer", "inner")
     ]
     wanted = AskedMap(
-        "drum", (read_axis("mu=0:0.5:3"),), (*coarse, "analysis.max_frequency=0.3"), confirm=9
+        "drum",
+        (read_axis("mu=0:0.5:3"),),
+        (*coarse, "analysis.max_frequency=0.3", "analysis.growth_threshold=0.0"),
+        confirm=9,
     )
     data, _, _ = run_map(wanted, tmp_path / "out")
-    assert data["thresholds_lost"] == 0
-    at_once = [each for each in data["onsets"] if each["value"] == 0]
+    assert not data["unresolved"]
+    at_once = [each for each in data["thresholds"] if each["value"] == 0]
     assert at_once
     for each in at_once:
-        assert each["begins"]
+        assert each["change"] > 0
         assert 0 < each["error"] < 1e-6
         assert abs(each["full_solve_differs"]) < each["error"]
 
@@ -351,7 +358,8 @@ def test_warnings_of_full_solves_reach_the_map(tmp_path):
 
 def test_short_names_mean_every_contact_and_body():
     scene = mapped("blocks", [read_axis("E=1:2:3"), read_axis("P=1:2:3")], (), None)
-    assert scene.names == (("bodies.upper.material.E", "bodies.lower.material.E"), (P,))
+    both = ("bodies.upper.material.E", "bodies.lower.material.E")
+    assert scene.names == (dict.fromkeys(both, 1.0), {P: 1.0})
     assert parameters_meant(scene.pencil, "bodies.*.material.rho") == [
         "bodies.upper.material.rho",
         "bodies.lower.material.rho",

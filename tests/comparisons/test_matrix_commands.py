@@ -319,3 +319,20 @@ def test_the_stored_sweep_of_the_brake_is_what_is_computed():
             for each in (point, stored)
         )
         np.testing.assert_allclose(found, true, rtol=1e-11)
+
+
+@pytest.mark.parametrize("option", ["--symmetric", "--no-symmetric"])
+def test_solve_is_told_what_a_triangle_is(tmp_path, option):
+    """Eigenvalues of [[2, 1], [., 1]]: (3 +- sqrt(5)) / 2 of both triangles, 2 and 1 of one."""
+    mmwrite(tmp_path / "M.mtx", csr_array(np.eye(2)))
+    mmwrite(tmp_path / "K.mtx", csr_array([[2.0, 1.0], [0.0, 1.0]]), symmetry="general")
+    files = ["--mass", tmp_path / "M.mtx", "--stiffness", tmp_path / "K.mtx"]
+    refused = cea("solve", *files, "--max-frequency", 1)
+    assert refused.returncode
+    assert "--symmetric" in refused.stderr
+    done = cea("solve", *files, "--max-frequency", 1, option, "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    stored = json.loads((tmp_path / "result.json").read_text())
+    values = np.array([value["im"] for value in stored["eigenvalues"]])
+    expected = [(3 - 5**0.5) / 2, (3 + 5**0.5) / 2] if option == "--symmetric" else [1, 2]
+    np.testing.assert_allclose(np.sort(values**2), expected, rtol=1e-9)

@@ -1,6 +1,7 @@
 """Numbers of small NURBS bodies that must not depend on the number of ranks."""
 
 import numpy as np
+from closed_patches import annulus, as_shape
 from iga_data import STEEL, TURNED, body, turned
 
 from cea.eigen.krylov_schur import solve_modes
@@ -23,6 +24,13 @@ def cases(name):
             "pressures": [Pressure("outer", 0.3)],
         }
         return body(Ring(0.8, 1.7), (2, 12), (2, 3), **conditions), 0.12
+    if name == "closed":
+        conditions = {
+            "supports": [Support("inner", (0, 1))],
+            "springs": [Spring("outer", (1.0, 2.0))],
+            "pressures": [Pressure("outer", 0.3)],
+        }
+        return body(as_shape(annulus(0.8, 1.7)), (8, 2), (3, 2), **conditions), 0.5
     conditions = {
         "supports": [Support("bottom", (0, 2))],
         "springs": [Spring("top", (1.0, 2.0, 3.0))],

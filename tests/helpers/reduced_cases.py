@@ -1,5 +1,7 @@
 """Pencils of which maps are made, and what full and dense solves say of them."""
 
+from types import MappingProxyType
+
 import numpy as np
 from blocks import assemble, block, coarse, two_blocks
 from petsc_matrices import to_petsc
@@ -11,6 +13,7 @@ from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
+from cea.reduced.model_line import ModelLine
 from cea.reduced.spectrum import upper_root
 
 MU, P = "contacts.interface.mu", "contacts.interface.P"
@@ -64,6 +67,35 @@ def damped_blocks_pencil(backend, values=None, **contact):
     scene["bodies"]["lower"]["damping"] = {"modal": modal}
     scene["contacts"]["interface"] |= contact
     return assemble(scene, leave_out=False).pencil(leave_out=False)
+
+
+def plane_blocks_pencil(backend, contact, *, alpha=0.0):
+    """Two plane blocks, held at bottom and top, whose contact forces are unknowns."""
+
+    def body(size, origin, held, E, elements):
+        return {
+            "backend": backend,
+            "geometry": {"shape": "rectangle", "size": size, "origin": origin},
+            "material": {"E": E, "nu": 0.3, "rho": 1.0},
+            "supports": [{"surface": held}],
+            "mesh": {
+                "fe": {"cell": "quadrilateral", "degree": 2, "elements": elements},
+                "iga": {"degree": [2, 2], "elements": elements},
+            },
+        }
+
+    lower = body([2.0, 1.0], [0.0, -1.0], "y_min", 1.0, [5, 2])
+    upper = body([1.6, 0.4], [0.2, 0.0], "y_max", 0.3, [4, 2])
+    if alpha:
+        upper["damping"] = {"alpha": alpha, "beta": 0.0}
+    data = {
+        "name": "plane blocks",
+        "bodies": {"upper": upper, "lower": lower},
+        "contacts": {"interface": {"a": "upper.y_min", "b": "lower.y_max", "form": "saddle"}},
+        "analysis": {"kind": "cea", "max_frequency": 0.5},
+    }
+    data["contacts"]["interface"] |= contact
+    return assemble(data, leave_out=False).pencil(leave_out=False)
 
 
 def three_blocks_pencil(backend):
@@ -178,3 +210,11 @@ def map_numbers(backend):
         sums = np.array([found.kappa.sum(), (found.kappa**2).sum()])
         rows.append([len(found), *sums.real.tolist()])
     return {"rows": rows, "solves": len(built.snapshots)}
+
+
+def model_line(built, name, point=MappingProxyType({}), level=0.0):
+    """A reduced model along one parameter, at values of the others."""
+    small, pencil = built.model.small, built.model.pencil
+    return ModelLine(
+        small, [], lambda value: pencil.values({**point, name: value}), {name: 1.0}, level, 1e-8
+    )

@@ -132,12 +132,20 @@ def test_patches_that_touch_but_do_not_conform_are_refused(neighbour: NurbsPatch
         NurbsBody("part", [first, neighbour], {}, (2, 2, 2), material=STEEL)
 
 
-def test_patches_apart_or_sharing_an_edge_are_accepted() -> None:
+def test_patches_apart_or_sharing_an_edge_are_refused() -> None:
     first = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     for origin in ((1.1, 0.0, 0.0), (1.0, 1.0, 0.0)):
         other = box_patch(origin, (1.0, 1.0, 1.0))
-        part = NurbsBody("part", [first, other], {}, (2, 2, 2), material=STEEL)
-        assert part.num_scalar_dofs == 2 * 3 * 4 * 3
+        with pytest.raises(InputError, match="2 bodies that share no face"):
+            NurbsBody("part", [first, other], {}, (2, 2, 2), material=STEEL)
+
+
+def test_thin_patches_are_not_taken_for_gaps_between_their_faces() -> None:
+    """Two layers, a thousandth and less of their elements thick: one face of each is joined."""
+    for thick in (1e-3, 1e-5):
+        layers = [box_patch((0.0, 0.0, k * thick), (1.0, 1.0, thick)) for k in (0, 1)]
+        part = NurbsBody("part", layers, {}, (2, 2, 2), material=STEEL)
+        assert part.num_scalar_dofs == 2 * 3 * 4 * 3 - 3 * 4
 
 
 def test_bar_under_pressure_is_exact() -> None:

@@ -7,9 +7,9 @@ import pytest
 from mpi import on_ranks
 
 pytestmark = pytest.mark.mpi
-CASES = ("ring", "disc", "hub", "odd", "sector")
-QUICK = ("ring", "disc", "odd")
-"""Cases of the quick tests, on 2 ranks: plane, collapsed, joined whatever the parameters."""
+CASES = ("ring", "closed", "disc", "hub", "odd", "sector")
+QUICK = ("ring", "closed", "disc", "odd")
+"""Cases of the quick tests, on 2 ranks: plane, closed, collapsed, joined in another order."""
 
 
 @pytest.mark.parametrize(

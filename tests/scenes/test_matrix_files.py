@@ -99,7 +99,7 @@ BAD = {
     "text.mat": (b"no matrix at all" * 20, "whole MATLAB file"),
     "new.mat": (b"MATLAB 7.3 MAT-file" + b"\0" * 500, "-v7"),
     "hdf.mat": (b"\x89HDF\r\n\x1a\n" + b"\0" * 500, "-v7"),
-    "text.mtx": (b"1 2 3\n", "whole Matrix Market"),
+    "text.mtx": (b"1 2\n", "whole Matrix Market"),
     "cut.mtx": (
         b"%%MatrixMarket matrix coordinate real general\n3 3 3\n1 1 1.0\n",
         "whole Matrix",

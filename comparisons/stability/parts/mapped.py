@@ -46,7 +46,7 @@ class OfMap:
         eigenvalues, errors = found.eigenvalues, found.uncertainties
         verdicts = words_of(found, None)
         complete = all(each.complete for each in built.snapshots)
-        certified = found.worst <= TOLERANCE
+        certified = found.bound <= TOLERANCE
         return ModesAnswer(
             eigenvalues=eigenvalues,
             verdicts=tuple(verdicts),
@@ -55,7 +55,7 @@ class OfMap:
             uncertainties=errors,
             complete=complete,
             max_frequency=top,
-            residual=found.worst,
+            residual=found.bound,
             condition=float(found.certificate.conditions.max(initial=1.0)),
             warnings=() if certified else ("not-certified",),
             dofs=system.size,

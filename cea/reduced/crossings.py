@@ -1,0 +1,353 @@
+"""Where a mode or a pair begins or ceases to grow between three samples.
+
+A function is positive where modes grow: -kappa of an undamped mode, -s of an undamped pair, growth
+above a level otherwise (:mod:`cea.reduced.following`). Its roots are found on its interpolant, and
+then by Newton's method on the pencil itself.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.eigenvalue_matching import assign
+from cea.reduced.following import GRID, Sample, Unit, UnresolvedError, Window, error_of_half
+
+REAL = 1e-9
+"""Frequency, relative to the window's end, below which an eigenvalue is real."""
+_NEAR = 1e-3
+"""Part of an interval next to its samples in which a place counts as one of them."""
+_ROUNDING = 4.0
+"""Error of an interpolant, in that of its samples, up to which it is nothing but theirs."""
+_STEPS = 8
+"""Steps of Newton's method."""
+_CONVERGED = 1e-12
+"""Last step of it, relative to the parameter."""
+_SURELY = 1e-6
+"""Error of a root, relative to the interval, up to which it is one though steps have not ended."""
+_STRAY = 0.1
+"""Part of an interval by which Newton's steps may leave it."""
+_TINY = float(np.finfo(float).tiny)
+
+Function = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """A value at which the number of growing modes changes.
+
+    Parameters
+    ----------
+    value
+        Of the parameter.
+    error
+        Bound on its error.
+    eigenvalue
+        lambda there (1/s), Im lambda >= 0.
+    slope
+        Derivative in the parameter of what passes zero: growth rate (1/s), s of an undamped pair
+        (1/s^4), kappa of an undamped mode (1/s^2), frequency (rad/s) at the window's end; zero
+        where only the numbers of growing modes on both sides are known.
+    change
+        Change of the number of growing eigenvalues of the window, of both half planes, as the
+        parameter rises.
+    kind
+        "flutter", "divergence"; "window" where a growing mode passes the window's end; "count"
+        where only the numbers of growing modes on both sides are known.
+    """
+
+    value: float
+    error: float
+    eigenvalue: complex
+    slope: float
+    change: int
+    kind: str
+
+    @property
+    def begins(self) -> bool:
+        """Whether growing modes become more as the parameter rises."""
+        return self.change > 0
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """What one unit does between three samples.
+
+    Parameters
+    ----------
+    window
+        What is looked at.
+    at
+        Spectra of the pencil.
+    unit
+        The mode or the pair.
+    places
+        Values of the samples, rising.
+    """
+
+    window: Window
+    at: Callable[[float], Sample]
+    unit: Unit
+    places: tuple[float, float, float]
+
+    def thresholds(self) -> Iterator[Threshold]:
+        """All thresholds of the interval.
+
+        Raises
+        ------
+        UnresolvedError
+            When a sign is not sure, or Newton's method leaves the interpolant.
+        """
+        grid = self._grid
+        frequencies = self.window.roots(self.unit.members(grid)).imag
+        if (frequencies < -REAL * self.window.end).all():  # conjugates of others
+            return
+        if self.window.by_growth:
+            yield from self._by_growth()
+        else:
+            yield from self._undamped()
+        yield from self._through_the_end(frequencies)
+
+    @property
+    def _grid(self) -> Floats:
+        low, middle, high = self.places
+        return np.concatenate([np.linspace(low, middle, GRID), np.linspace(middle, high, GRID)[1:]])
+
+    @property
+    def _width(self) -> float:
+        return self.places[2] - self.places[0]
+
+    def _by_growth(self) -> Iterator[Threshold]:
+        """Growth rates through the level: of a pair the larger and the smaller one."""
+        for number in range(2 if self.unit.half is not None else 1):
+
+            def growth(at: Floats, number: int = number) -> Floats:
+                rates = self.window.growth(self.unit.members(at))
+                chosen: Floats = rates.min(axis=0) if number else rates.max(axis=0)
+                return chosen
+
+            for place, sign in self._roots(growth, self.unit.doubts):
+                z = self.unit.members(np.array([place]))[:, 0]
+                mode = int(np.argmin(np.abs(self.window.growth(z))))
+                root = complex(self.window.roots(z)[mode])
+                real = abs(root.imag) <= REAL * self.window.end
+                mirrored = len(z) == 2 and abs(z[0] - z[1].conj()) <= REAL * abs(z[0]) and not real
+                below = not mirrored and root.imag < -REAL * self.window.end
+                if (mirrored and number) or below or abs(root.imag) > self.window.end:
+                    continue
+                kind = "divergence" if real else "flutter"
+                yield self._threshold(place, growth, "growth", kind, sign * (1 if real else 2))
+
+    def _undamped(self) -> Iterator[Threshold]:
+        """Zeros of kappa, and of s where kappa is positive."""
+        unit = self.unit
+        if unit.half is None:
+            for place, sign in self._roots(lambda at: -unit.mean(at).real, unit.mean.error):
+                yield self._threshold(
+                    place, lambda at: -unit.mean(at).real, "zero", "divergence", sign
+                )
+            return
+        half = unit.half
+        for place, sign in self._roots(lambda at: -half(at).real, half.error):
+            mean = float(unit.mean(np.array([place]))[0].real)
+            if 0 < mean <= self.window.end**2:
+                yield self._threshold(
+                    place, lambda at: -half(at).real, "coalescence", "flutter", 2 * sign
+                )
+        for branch in (1.0, -1.0):
+
+            def through(at: Floats, branch: float = branch) -> Floats:
+                return -(unit.mean(at).real + branch * np.sqrt(np.maximum(half(at).real, 0.0)))
+
+            for place, sign in _signs(through, self._grid):
+                at = np.array([place])
+                if half(at)[0].real > half.error(at)[0]:
+                    yield self._threshold(place, through, "zero", "divergence", sign)
+
+    def _through_the_end(self, frequencies: Floats) -> Iterator[Threshold]:
+        """Growing modes through the window's end."""
+        conjugate = not self.window.damped and self.unit.half is not None
+        for branch in range(1 if conjugate else len(frequencies)):
+
+            def within(at: Floats, branch: int = branch) -> Floats:
+                return self.window.end - self.window.roots(self.unit.members(at))[branch].imag
+
+            for place, sign in _signs(within, self._grid):
+                if self._grows(place, branch):
+                    yield self._threshold(place, within, "end", "window", 2 * sign, branch)
+
+    def _grows(self, place: float, branch: int) -> bool:
+        at = np.array([place])
+        if not self.window.by_growth:
+            return self.unit.half is not None and bool(
+                self.unit.half(at)[0].real < -self.unit.half.error(at)[0]
+            )
+        growth = self.window.growth(self.unit.members(at))[branch, 0]
+        return bool(growth > self.unit.doubts(at)[0])
+
+    def _threshold(
+        self, place: float, function: Function, of: str, kind: str, change: int, branch: int = 0
+    ) -> Threshold:
+        """A root of an interpolant, improved on the pencil itself."""
+        step = 1e-4 * self._width
+        low, high = function(np.array([place - step, place + step]))
+        slope = abs(high - low) / (2 * step)
+        doubt = float(self._doubt(of, np.array([place]))[0])
+        value, error, root, own = self._newton(place, of, branch)
+        if of != "end" and abs(value - place) > 2 * doubt / max(slope, _TINY) + REAL * self._width:
+            raise UnresolvedError(place)
+        root = complex(max(root.real, 0.0) if of == "zero" else root.real, abs(root.imag))
+        return Threshold(value, error, root, own, change * self.unit.copies, kind)
+
+    def _doubt(self, of: str, at: Floats) -> Floats:
+        if of == "growth":
+            return self.unit.doubts(at)
+        if of == "coalescence" and self.unit.half is not None:
+            return self.unit.half.error(at)
+        error = self.unit.mean.error(at)
+        if self.unit.half is not None:
+            half = np.maximum(np.abs(self.unit.half(at)), _TINY)
+            error = error + self.unit.half.error(at) / (2 * np.sqrt(half))
+        return error
+
+    def _newton(self, place: float, of: str, branch: int) -> tuple[float, float, complex, float]:
+        """A root on the pencil itself, its error, lambda there, and the slope."""
+        low, _, high = self.places
+        stray, error = _STRAY * self._width, np.inf
+        for _ in range(_STEPS):
+            sample = self.at(place)
+            foreseen = self.unit.members(np.array([place]))[:, 0]
+            rows, columns = assign(np.abs(sample.z[:, None] - foreseen))
+            if len(rows) < len(foreseen):
+                raise UnresolvedError(place)
+            modes = rows[np.argsort(columns)]
+            value, slope, doubt, root = self._followed(sample, modes, of, branch, foreseen)
+            if not (np.isfinite(slope) and slope != 0):
+                raise UnresolvedError(place)
+            error, step = (abs(value) + doubt) / abs(slope), -value / slope
+            if abs(value) <= doubt or abs(step) <= _CONVERGED * max(abs(place), self._width):
+                return place, error, root, slope
+            if not low - stray <= place + step <= high + stray:
+                raise UnresolvedError(place)
+            place += step
+        if error > _SURELY * self._width:
+            raise UnresolvedError(place)
+        return place, error, root, slope
+
+    def _followed(
+        self, sample: Sample, modes: Ints, of: str, branch: int, foreseen: Complexes
+    ) -> tuple[float, float, float, complex]:
+        """What has a root, its slope and its error at a sample, and lambda."""
+        z, slopes, errors = sample.z[modes], sample.slopes[modes], sample.errors[modes]
+        if of == "coalescence":
+            half = (z[0] - z[1]) / 2
+            together = sample.clusters[modes[:1]] == sample.clusters[modes[1:]]
+            doubt = float(
+                error_of_half(np.abs([half]), errors.max(keepdims=True), together=together)[0]
+            )
+            root = complex(self.window.roots(np.array([z.mean().real + 0j]))[0])
+            return (half**2).real, (half * (slopes[0] - slopes[1])).real, doubt, root
+        roots = self.window.roots(z)
+        if of == "zero":
+            mode = int(np.argmin(np.abs(z)))
+            return z[mode].real, slopes[mode].real, float(errors[mode]), 0j
+        if of == "growth":
+            mode = int(np.argmin(np.abs(self.window.growth(z))))
+        else:
+            wanted = self.window.roots(foreseen)[branch]
+            mode = int(np.argmin(np.abs(roots - wanted)))
+        speed = slopes[mode] if self.window.damped else -slopes[mode] / (2 * roots[mode])
+        if not self.window.damped and roots[mode].real < 0:  # the root that grows
+            speed, roots = -speed.conjugate(), -roots.conj()
+        doubt = float(self.window.doubts(z[mode : mode + 1], errors[mode : mode + 1])[0])
+        if of == "growth":
+            value = float(roots[mode].real - self.window.level)
+            return value, float(speed.real), doubt, complex(roots[mode])
+        return (
+            float(roots[mode].imag - self.window.end),
+            float(speed.imag),
+            doubt,
+            complex(roots[mode]),
+        )
+
+    def _roots(self, function: Function, error: Function) -> Iterator[tuple[float, int]]:
+        """Roots of an interpolant with the sign after each; sure of the sign everywhere else.
+
+        Raises
+        ------
+        UnresolvedError
+            When it is not.
+        """
+        grid, width = self._grid, self._width
+        values, errors = function(grid), error(grid)
+        noise = _ROUNDING * float(error(np.array(self.places)).max())
+        signs = np.where(values > errors, 1, np.where(values < -errors, -1, 0))
+        sure = np.flatnonzero(signs)
+        if not len(sure):
+            if np.abs(values).max() > noise:
+                raise UnresolvedError
+            return  # zero within rounding throughout
+        for unsure in (grid[: sure[0]], grid[sure[-1] + 1 :]):
+            if len(unsure) and error(unsure).max() > noise:
+                raise UnresolvedError(float(unsure[len(unsure) // 2]))
+        for i, j in pairwise(sure):
+            if signs[i] != signs[j]:
+                rises = (np.diff(values[i : j + 1]) * signs[j] > 0).all()
+                if j > i + 1 and not rises and errors[i : j + 1].max() > noise:
+                    raise UnresolvedError(float(grid[(i + j) // 2]))
+                yield _root(function, grid[i], grid[j]), int(signs[j])
+                continue
+            nearest = min(values[i] * signs[i], values[j] * signs[i])
+            if j == i + 1 and nearest > 2 * abs(values[j] - values[i]) + errors[i] + errors[j]:
+                continue
+            sign = int(signs[i])
+            place, least = _least(lambda t, sign=sign: sign * function(t), grid[i], grid[j])
+            doubt = float(error(np.array([place]))[0])
+            if least < -doubt:
+                yield _root(function, grid[i], place), -sign
+                yield _root(function, place, grid[j]), sign
+            elif least <= doubt:
+                aside = min(abs(place - each) for each in self.places) > _NEAR * width
+                if doubt > noise or aside:
+                    raise UnresolvedError(place)
+
+
+def _signs(function: Function, grid: Floats) -> Iterator[tuple[float, int]]:
+    """Roots between places where a function has opposite signs, with the sign after each."""
+    values = function(grid)
+    for i in np.flatnonzero((values[:-1] > 0) != (values[1:] > 0)):
+        yield _root(function, grid[i], grid[i + 1]), 1 if values[i + 1] > 0 else -1
+
+
+def _root(function: Function, low: float, high: float) -> float:
+    if function(np.array([low]))[0] * function(np.array([high]))[0] >= 0:
+        return (low + high) / 2
+    scale = 1e-15 * max(abs(low), abs(high)) + _TINY
+    return float(brentq(lambda t: float(function(np.array([t]))[0]), low, high, xtol=scale))
+
+
+def _least(function: Callable[..., Floats], low: float, high: float) -> tuple[float, float]:
+    """Least value of a function in an interval, and where it is."""
+    options = {"xatol": 1e-12 * (high - low)}
+    found = minimize_scalar(
+        lambda t: float(function(np.array([t]))[0]),
+        bounds=(low, high),
+        method="bounded",
+        options=options,
+    )
+    return float(found.x), float(found.fun)
+
+
+def crossings_of(
+    window: Window, at: Callable[[float], Sample], units: Sequence[Unit], places: Sequence[float]
+) -> list[Threshold]:
+    """Thresholds of all units between three samples."""
+    low, middle, high = places
+    return [
+        each
+        for unit in units
+        for each in Crossings(window, at, unit, (low, middle, high)).thresholds()
+    ]

@@ -1,0 +1,276 @@
+"""Thresholds along a parameter: every change of the number of growing modes is explained.
+
+Intervals between given values are described by interpolants (:mod:`cea.reduced.following`). Each
+root of a function whose sign tells whether modes grow is found on its interpolant, and by Newton's
+method on the pencil itself. An interval is accepted where the roots explain by how much the numbers
+of growing modes at its ends differ, and where every interpolant is sure of its sign elsewhere;
+otherwise it is halved. What is left is reported as unresolved.
+
+Growing modes are counted in both half planes, so that a pair that becomes two real eigenvalues
+changes nothing.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from heapq import heapify, heappop, heappush
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.reduced.crossings import REAL, Threshold, crossings_of
+from cea.reduced.following import Sample, UnresolvedError, Window, units_of
+
+RESOLUTION = 1e-7
+"""Width of an interval, relative to the axis, below which it is not halved again."""
+BUDGET = 60
+"""Spectra for each given value, at most."""
+_ASIDE = 6e-4
+"""Step, relative to that between given values, by which an undecided one is moved."""
+_MOVES = 3
+"""Steps of that length, at most."""
+_CLOSER = 16.0
+"""Factor by which the place from which on modes surely grow comes nearer to an end."""
+_OFF_CENTRE = 0.0137
+"""The same of values within an interval, relative to its width."""
+_NEAR_SAMPLE = 1e-3
+"""Part of an interval next to its inner sample in which a place is that sample."""
+
+
+class Line(Protocol):
+    """Spectra along one parameter, on a reduced model or by full solves."""
+
+    @property
+    def window(self) -> Window:
+        """What is looked at."""
+        ...
+
+    def at(self, value: float) -> Sample:
+        """The spectrum at a value."""
+        ...
+
+
+@dataclass(frozen=True)
+class Unresolved:
+    """An interval in which thresholds may lie that were not found.
+
+    Parameters
+    ----------
+    low, high
+        Its ends.
+    before, after
+        Numbers of growing modes there, of both half planes.
+    eigenvalue
+        The growing lambda of either end with the least growth; None where there is none.
+    """
+
+    low: float
+    high: float
+    before: int
+    after: int
+    eigenvalue: complex | None
+
+
+@dataclass
+class Found:
+    """Thresholds along a line.
+
+    Parameters
+    ----------
+    thresholds
+        They, by rising value.
+    unresolved
+        Intervals without an answer.
+    resolution
+        Width of the widest interval that was accepted for the equal numbers of growing modes at
+        its ends alone; zero where there is none.
+    spectra
+        Spectra that were made.
+    """
+
+    thresholds: list[Threshold] = field(default_factory=list)
+    unresolved: list[Unresolved] = field(default_factory=list)
+    resolution: float = 0.0
+    spectra: int = 0
+
+
+def thresholds_along(
+    line: Line,
+    values: Sequence[float],
+    *,
+    resolution: float = RESOLUTION,
+    budget: int | None = None,
+) -> Found:
+    """All thresholds between the first and the last of some values.
+
+    Parameters
+    ----------
+    line
+        Spectra.
+    values
+        Values of the parameter, two or more.
+    resolution
+        Width of an interval, relative to the axis, below which it is not halved again.
+    budget
+        Spectra for each value, at most; None takes the usual number.
+    """
+    most = BUDGET if budget is None else budget
+    return _Search(line, sorted(values), resolution, most).run()
+
+
+class _Search:
+    """One search, with the spectra it has made."""
+
+    def __init__(self, line: Line, values: list[float], resolution: float, budget: int) -> None:
+        self._line, self._window, self._values = line, line.window, values
+        self._known: dict[float, Sample] = {}
+        self._least = resolution * (values[-1] - values[0])
+        self._most = budget * len(values)
+        self._found = Found()
+
+    def run(self) -> Found:
+        """Accept or halve intervals, the widest first."""
+        ends = self._ends()
+        queue = [
+            (ends[i] - ends[min(i + 2, len(ends) - 1)], *ends[i : i + 3])
+            for i in range(0, len(ends) - 1, 2)
+        ]
+        heapify(queue)
+        while queue:
+            _, *places = heappop(queue)
+            low, high = places[0], places[-1]
+            if len(self._known) >= self._most:
+                self._found.unresolved.append(self._unresolved(low, high))
+                continue
+            middle = places[1] if len(places) == 3 else (low + high) / 2
+            try:
+                self._found.thresholds += self._explained(low, middle, high)
+            except UnresolvedError as why:
+                if high - low <= self._least:
+                    self._accept_by_count(low, high)
+                    continue
+                parts = sorted({low, high, *self._cuts(low, middle, high, why.at)})
+                for one, other in pairwise(parts):
+                    heappush(queue, (one - other, one, other))
+        self._found.thresholds.sort(key=lambda each: each.value)
+        self._found.unresolved.sort(key=lambda each: each.low)
+        self._found.spectra = len(self._known)
+        return self._found
+
+    def _at(self, value: float) -> Sample:
+        if value not in self._known:
+            self._known[value] = self._line.at(value)
+        return self._known[value]
+
+    def _growing(self, value: float) -> NDArray[np.bool_]:
+        """Eigenvalues of the window that surely grow."""
+        sample, window = self._at(value), self._window
+        z, errors = sample.z, sample.errors
+        if window.by_growth:
+            grows = window.growth(z) > window.doubts(z, errors)
+        else:
+            grows = np.where(z.imag != 0, np.abs(z.imag) > errors, z.real < -errors)
+        growing: NDArray[np.bool_] = grows & ~window.far(z, 1.0)
+        return growing
+
+    def _number(self, value: float) -> int:
+        """Growing eigenvalues of both half planes: of each kappa one root may grow."""
+        return int(self._growing(value).sum())
+
+    def _undecided(self, value: float) -> bool:
+        """Whether anything vanishes within its error there."""
+        sample, window = self._at(value), self._window
+        z, inside = sample.z, ~window.far(sample.z, 1.0)
+        if window.by_growth:
+            doubts = window.doubts(z, sample.errors)
+            return bool((np.abs(window.growth(z)) <= 2 * doubts)[inside].any())
+        if (np.abs(z) <= sample.errors)[z.imag == 0].any():
+            return True
+        errors = np.maximum(sample.errors[:, None], sample.errors)
+        near = np.abs(z[:, None] - z) <= 4 * errors
+        np.fill_diagonal(near, False)
+        return bool(near[np.ix_(inside, inside)].any())
+
+    def _decided_near(self, value: float, step: float) -> float:
+        """A value near another at which nothing is undecided, or the last that was tried."""
+        for move in range(_MOVES):
+            if not self._undecided(value + move * step):
+                return value + move * step
+        return value + _MOVES * step
+
+    def _ends(self) -> list[float]:
+        """The given values, those that are undecided moved a little inwards."""
+        values, ends = self._values, list[float]()
+        for number, value in enumerate(values):
+            last = number == len(values) - 1
+            other = values[number - 1] if last else values[number + 1]
+            moved = self._decided_near(value, _ASIDE * (other - value))
+            if moved != value and number in (0, len(values) - 1):
+                self._at_the_end(value, moved)
+            ends.append(moved)
+        return ends
+
+    def _at_the_end(self, value: float, moved: float) -> None:
+        """Modes that surely grow beside an end of the axis and do not at it begin to there."""
+        before, after = self._number(value), self._number(moved)
+        error, window = moved - value, self._window
+        while abs(error) > self._least and self._number(value + error / _CLOSER) == after > before:
+            error /= _CLOSER
+        z = self._at(value + error).z[self._growing(value + error)]
+        z = z[np.argsort(window.growth(z))]
+        more = after - before
+        for each in z[z.imag >= 0 if window.damped else z.imag <= 0]:
+            if more <= 0:
+                return
+            root = complex(window.roots(each[None])[0])
+            real = abs(root.imag) <= REAL * window.end
+            slope = float(window.growth(each[None])[0]) if window.by_growth else -(each.imag**2)
+            change, kind = (1, "divergence") if real else (2, "flutter")
+            self._found.thresholds.append(
+                Threshold(
+                    value=value,
+                    error=abs(error),
+                    eigenvalue=complex(0.0, abs(root.imag)),
+                    slope=0.0 if real else float(slope / error),
+                    change=change if error > 0 else -change,
+                    kind=kind,
+                )
+            )
+            more -= change
+
+    def _cuts(self, low: float, middle: float, high: float, at: float | None) -> list[float]:
+        """Where an interval is cut: at its inner sample and at a place that was named."""
+        width, cuts = high - low, [middle]
+        if at is not None and low + _NEAR_SAMPLE * width < at < high - _NEAR_SAMPLE * width:
+            cuts = [at] if abs(at - middle) <= _NEAR_SAMPLE * width else [middle, at]
+        return [self._decided_near(each, _OFF_CENTRE * width) for each in cuts]
+
+    def _unresolved(self, low: float, high: float) -> Unresolved:
+        before, after = self._number(low), self._number(high)
+        growing = [self._at(each).z[self._growing(each)] for each in (low, high)]
+        roots = self._window.roots(np.concatenate(growing))
+        least = complex(roots[np.argmin(roots.real)]) if len(roots) else None
+        return Unresolved(low, high, before, after, least)
+
+    def _accept_by_count(self, low: float, high: float) -> None:
+        """Take a narrow interval for a threshold where the numbers at its ends differ."""
+        self._found.resolution = max(self._found.resolution, high - low)
+        told = self._unresolved(low, high)
+        if told.after != told.before:
+            middle, half = (low + high) / 2, (high - low) / 2
+            root = told.eigenvalue or 0j
+            change = told.after - told.before
+            self._found.thresholds.append(Threshold(middle, half, root, 0.0, change, "count"))
+
+    def _explained(self, low: float, middle: float, high: float) -> list[Threshold]:
+        """Thresholds of an interval."""
+        samples = [self._at(each) for each in (low, middle, high)]
+        units = units_of(self._window, samples)
+        found = crossings_of(self._window, self._at, units, (low, middle, high))
+        sure = [each for each in (low, middle, high) if not self._undecided(each)]
+        for one, other in pairwise(sure):
+            change = sum(each.change for each in found if one < each.value <= other)
+            if self._number(other) - self._number(one) != change:
+                raise UnresolvedError
+        return found

@@ -1,0 +1,222 @@
+"""Content of a mesh file, the same for every format: nodes, elements, sets of both, faces."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.errors import require
+from cea.mesh import DIMENSION, SIMPLICES, Cell, lattice
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Role = Literal["solid", "mark", "structural"]
+
+
+DIVIDED = {"wedge": 6, "pyramid": 5}
+"""Corners of cells that a mesh has as tetrahedra alone (:mod:`meshes.files.tetrahedra`)."""
+
+
+@dataclass(frozen=True, eq=False)
+class ElementBlock:
+    """Elements of one kind.
+
+    Parameters
+    ----------
+    kind
+        What the file calls them, e.g. C3D20R.
+    cell
+        Their cell, ``wedge``, ``pyramid`` or ``line``; another word for what makes no body.
+    order
+        Order of their geometry.
+    numbers
+        Their numbers in the file, (n,).
+    nodes
+        Rows of their nodes among the points, (n, n_nodes): in the order of a
+        :class:`cea.mesh.Mesh`, -1 where the element has none of its nodes, as in the middle of
+        faces of 20-node hexahedra. Of wedges and pyramids, corners and middles of edges and faces
+        as VTK lists them; of lines and other elements, as the file has them.
+    role
+        ``solid``: what bodies are made of, and where solids of more dimensions are there, marks of
+        their faces; ``mark``: of faces alone; ``structural``: shells, beams, springs and the like.
+    """
+
+    kind: str
+    cell: str
+    order: int
+    numbers: Ints
+    nodes: Ints
+    role: Role = "solid"
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    @property
+    def dim(self) -> int:
+        """Dimension of its cells; 0 of what is none."""
+        if self.cell in DIVIDED:
+            return 3
+        return {"line": 1, **{str(cell): dim for cell, dim in DIMENSION.items()}}.get(self.cell, 0)
+
+    @property
+    def corners(self) -> Ints:
+        """Corners of each element, (n, n_corners)."""
+        if self.cell not in DIMENSION:
+            return self.nodes[:, : DIVIDED.get(self.cell, 2)]  # lines begin with their ends
+        return self.nodes[:, corner_places(self.cell, self.order)]
+
+
+class Sets(Mapping[str, Ints]):
+    """Sets by name, each worked out when it is asked for.
+
+    Parameters
+    ----------
+    items
+        What each is made of.
+    make
+        Makes its members of it.
+    """
+
+    def __init__(self, items: Mapping[str, Any], make: Callable[[Any], Ints]) -> None:
+        self._items, self._make = items, make
+
+    def __getitem__(self, name: str) -> Ints:
+        return self._make(self._items[name])
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._items
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+
+@dataclass(frozen=True, eq=False)
+class FileContent:
+    """What a mesh file holds.
+
+    Parameters
+    ----------
+    points
+        Positions of the nodes in the unit of the file, (n, 3).
+    node_numbers
+        Numbers of the nodes in the file, (n,).
+    blocks
+        The elements.
+    element_sets
+        Elements of each set, counted through the blocks.
+    node_sets
+        Nodes of each set, as rows of the points.
+    face_sets
+        Faces of each set: elements, and which of their faces, 0 for S1 as
+        :data:`meshes.files.kinds.FACES` counts them, or -1 for all that are free, (n, 2).
+    told
+        What the file has that was left out.
+    """
+
+    points: Floats
+    node_numbers: Ints
+    blocks: Sequence[ElementBlock]
+    element_sets: Mapping[str, Ints] = field(default_factory=dict)
+    node_sets: Mapping[str, Ints] = field(default_factory=dict)
+    face_sets: Mapping[str, Ints] = field(default_factory=dict)
+    told: Sequence[str] = ()
+
+    @property
+    def starts(self) -> Ints:
+        """Number of the first element of each block, and of all elements, (blocks + 1,)."""
+        return np.concatenate([[0], np.cumsum([len(block) for block in self.blocks])]).astype(int)
+
+    @property
+    def dim(self) -> int:
+        """Dimension of the elements that bodies are made of."""
+        return max((b.dim for b in self.blocks if b.role == "solid" and len(b)), default=0)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all sets."""
+        return tuple(dict.fromkeys([*self.face_sets, *self.element_sets, *self.node_sets]))
+
+    def with_others(self, kinds: Sequence[str]) -> "FileContent":
+        """The content with a structural element of each kind that was not read."""
+        none = np.empty((1, 0), dtype=np.int64)
+        others = [
+            ElementBlock(kind, "other", 1, np.zeros(1, dtype=np.int64), none, "structural")
+            for kind in kinds
+        ]
+        return replace(self, blocks=[*self.blocks, *others])
+
+
+def corner_places(cell: Cell | str, order: int) -> Ints:
+    """Places of the corners among the nodes of a cell, in C order of the reference cell."""
+    places = lattice(DIMENSION[cell], order, cell in SIMPLICES)  # type: ignore[index]
+    if cell in SIMPLICES:
+        at_corner = (places == order).any(axis=1) | (places == 0).all(axis=1)
+    else:
+        at_corner = np.isin(places, (0, order)).all(axis=1)
+    return np.flatnonzero(at_corner)
+
+
+def without_copies(content: FileContent) -> FileContent:
+    """The content with elements that are there again, for another set, made one with the first."""
+    marks = np.append(node_marks(len(content.points)), np.uint64(0))
+    cells = {cell: i for i, cell in enumerate(sorted({block.cell for block in content.blocks}))}
+    keys = np.concatenate(
+        [np.empty(0, dtype=np.uint64)]
+        + [
+            marks[b.nodes].sum(axis=1, dtype=np.uint64) + np.uint64(cells[b.cell])
+            for b in content.blocks
+        ]
+    )
+    _, first, same = np.unique(keys, return_index=True, return_inverse=True)
+    if len(first) == len(keys):
+        return content
+    kept = np.zeros(len(keys), dtype=bool)
+    kept[first] = True
+    number = (np.cumsum(kept) - 1)[first][same]
+    blocks = [
+        replace(block, numbers=block.numbers[own], nodes=block.nodes[own])
+        for block, own in zip(content.blocks, np.split(kept, content.starts[1:-1]), strict=True)
+    ]
+    sets = {name: np.unique(number[members]) for name, members in content.element_sets.items()}
+    return replace(content, blocks=blocks, element_sets=sets)
+
+
+def node_marks(n_points: int) -> NDArray[np.uint64]:
+    """A random number for each node: sums tell apart facets without sorting their corners."""
+    return np.random.default_rng(0).integers(2**63, size=n_points, dtype=np.uint64)
+
+
+def rows_of(numbers: Ints, wanted: Ints, what: str) -> Ints:
+    """Rows of wanted numbers among numbers in any order, of any shape."""
+    order = np.argsort(numbers, kind="stable")
+    rising = numbers[order]
+    twice = np.flatnonzero(np.diff(rising) == 0)
+    if len(twice):
+        require(False, "file", int(rising[twice[0]]), f"numbers of {what} that are there once")
+    place = np.minimum(np.searchsorted(rising, wanted), max(len(rising) - 1, 0))
+    known = rising[place] == wanted if len(rising) else np.zeros(wanted.shape, dtype=bool)
+    if not known.all():
+        first = int(wanted[~known].flat[0])
+        require(False, "file", first, f"a number of {what} that the file has: it is used")
+    return order[place].astype(np.int64)
+
+
+def known_rows(numbers: Ints, wanted: Ints) -> Ints:
+    """Rows of those wanted numbers that are there, (n,); sets may name what a file left out."""
+    if not len(numbers):
+        return np.empty(0, dtype=np.int64)
+    order = np.argsort(numbers, kind="stable")
+    place = np.minimum(np.searchsorted(numbers[order], wanted), len(numbers) - 1)
+    return order[place[numbers[order][place] == wanted]].astype(np.int64)
+
+
+def shown(names: Iterable[str], limit: int = 20) -> str:
+    """Names for a message, not more than fit."""
+    known = list(names)
+    more = f" and {len(known) - limit} more" if len(known) > limit else ""
+    return ", ".join(known[:limit]) + more if known else "none"

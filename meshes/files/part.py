@@ -1,0 +1,194 @@
+"""The elements of a mesh file that make a body."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from cea.errors import InputError, require
+from cea.mesh import Cell
+from meshes.files.content import DIVIDED, ElementBlock, FileContent, Floats, Ints, Sets, shown
+
+_SAME = 1e-6
+"""Distance below which nodes are one, relative to the shortest edge."""
+_FLAT = 1e-9
+"""Size of a plane mesh across its plane, relative to its extent."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Elements that make a body.
+
+    Parameters
+    ----------
+    blocks
+        The elements, one block for each kind of cell.
+    elements
+        Which they are, counted through the blocks of the file, in the order of these blocks, (n,).
+    """
+
+    blocks: tuple[ElementBlock, ...]
+    elements: Ints
+
+    @property
+    def is_divided(self) -> bool:
+        """Whether its mesh has its elements divided into tetrahedra."""
+        return len(self.blocks) > 1 or self.blocks[0].cell in DIVIDED
+
+    @property
+    def cell(self) -> Cell:
+        """Cells of its mesh."""
+        return "tetrahedron" if self.is_divided else self.blocks[0].cell  # type: ignore[return-value]
+
+    @property
+    def order(self) -> int:
+        """Order of their geometry."""
+        return self.blocks[0].order
+
+    @property
+    def dim(self) -> int:
+        """Dimension of its cells."""
+        return self.blocks[0].dim
+
+    @cached_property
+    def numbers(self) -> Ints:
+        """Numbers of its elements in the file, (n,)."""
+        return np.concatenate([block.numbers for block in self.blocks])
+
+    @cached_property
+    def used(self) -> Ints:
+        """Nodes that it has in the file, as rows of the points, rising."""
+        nodes = np.unique(np.concatenate([block.nodes.ravel() for block in self.blocks]))
+        return nodes[nodes >= 0]
+
+    @property
+    def incomplete(self) -> bool:
+        """Whether its elements have not all nodes of Lagrange cells, as 20-node hexahedra."""
+        return any(bool((block.nodes < 0).any()) for block in self.blocks)
+
+
+_SOLIDS = "triangles, quadrilaterals, tetrahedra, pyramids, wedges or hexahedra"
+"""Elements that bodies are made of."""
+
+
+def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[str] = ()) -> Part:
+    """Elements of a set, or all solid ones of a file, checked to be those of a body."""
+    starts, dim = content.starts, content.dim
+    chosen = np.ones(starts[-1], dtype=bool)
+    if name is not None:
+        known = shown(content.element_sets)
+        require(name in content.element_sets, "part", name, f"a set of elements: {known}")
+        chosen[:] = False
+        chosen[content.element_sets[name]] = True
+    taken = np.zeros(starts[-1], dtype=bool)
+    for mark in marks:
+        taken[content.element_sets.get(mark, np.empty(0, dtype=int))] = True
+    of_block = [chosen[a:b] for a, b in pairwise(starts)]
+    free = [(chosen & ~taken)[a:b] for a, b in pairwise(starts)]
+    every = list(zip(content.blocks, of_block, free, starts, strict=False))
+
+    others = {b.kind for b, _, left, _ in every if b.role == "structural" and left.any()}
+    if others:
+        allowed = f"a set of solid elements alone, here are {shown(sorted(others))} too"
+        raise InputError("part", name, f"{allowed}; sets: {shown(content.element_sets)}")
+    solid = [
+        (b, own, start)
+        for b, own, _, start in every
+        if b.role == "solid" and own.any() and b.dim in (0, dim)
+    ]
+    cells = sorted({(b.cell, b.order) for b, _, _ in solid})
+    kinds = shown(sorted({b.kind for b, _, _ in solid}))
+    strange = shown(sorted({b.kind for b, _, _ in solid if b.dim == 0}))
+    if strange != "none":
+        where = f" in the part {name}" if name else ""
+        raise InputError("file", f"{file}: {strange}{where}", f"solid elements that are {_SOLIDS}")
+    orders = {order for _, order in cells}
+    mixed = len(cells) > 1 or (len(cells) == 1 and cells[0][0] in DIVIDED)
+    if dim < 2 or not cells or (mixed and (dim < 3 or len(orders) > 1 or max(orders) > 2)):
+        allowed = (
+            f"solid elements, {_SOLIDS}, of one kind; or of several in space, all of order 1 or "
+            f"all of order 2; in {file} are: {kinds}"
+        )
+        sets = shown(content.element_sets)
+        raise InputError("part", name, f"{allowed}; sets of elements: {sets}")
+    blocks, elements = [], []
+    for cell, order in cells:
+        alike = [(b, own, start) for b, own, start in solid if (b.cell, b.order) == (cell, order)]
+        numbers, nodes = (
+            np.concatenate([getattr(b, field)[own] for b, own, _ in alike])
+            for field in ("numbers", "nodes")
+        )
+        blocks.append(ElementBlock(alike[0][0].kind, cell, order, numbers, nodes))
+        elements += [start + np.flatnonzero(own) for _, own, start in alike]
+    return Part(tuple(blocks), np.concatenate(elements))
+
+
+def merged(content: FileContent, distance: float) -> FileContent:
+    """The content with nodes nearer than a distance (unit of the file) made one."""
+    cells = [block.corners for block in content.blocks if block.dim > 1 and len(block)]
+    shortest = min((float(_edges(content.points, c).min()) for c in cells), default=np.inf)
+    allowed = f"less than half the shortest edge of an element, {shortest:g}"
+    require(distance < shortest / 2, "merge_nodes", distance, allowed)
+    pairs = cKDTree(content.points).query_pairs(distance, output_type="ndarray")
+    n = len(content.points)
+    links = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(n, n))
+    _, group = connected_components(links, directed=False)
+    first = np.full(group.max() + 1, n, dtype=np.int64)
+    np.minimum.at(first, group, np.arange(n))
+    number = np.append(first[group], -1)  # the last one stands for nodes that are not there
+    blocks = [replace(block, nodes=number[block.nodes]) for block in content.blocks]
+    sets = Sets(content.node_sets, lambda rows: np.unique(number[rows]))
+    return replace(content, blocks=blocks, node_sets=sets)
+
+
+def check_nodes(content: FileContent, part: Part, name: str | None) -> None:
+    """Refuse parts that fall apart, nodes in one place, and plane meshes out of their plane."""
+    used, x, shortest = part.used, content.points, np.inf
+    for block in part.blocks:
+        corners = block.corners
+        edges = _edges(x, corners)
+        twice = (np.diff(np.sort(corners, axis=1), axis=1) == 0).any(axis=1)
+        if twice.any() or not edges.min() > 0:
+            worst = int(block.numbers[np.argmax(twice) if twice.any() else np.argmin(edges)])
+            raise InputError("file", f"element {worst}", "elements whose corners are apart")
+        shortest = min(shortest, float(edges.min()))
+    pairs = cKDTree(x[used]).query_pairs(_SAME * shortest, output_type="ndarray")
+    told = f"{len(pairs)} pairs of nodes lie in one place"
+    bodies = _bodies(part, len(x))
+    if bodies > 1:
+        allowed = f"one body: these elements make {bodies} that share no nodes"
+        sets = shown(content.element_sets)
+        merge = f"; or give merge_nodes: {told}" if len(pairs) else ""
+        raise InputError("part", name, f"{allowed}; choose one of the sets: {sets}{merge}")
+    if len(pairs):
+        both = content.node_numbers[used[pairs[0]]].tolist()
+        allowed = "a distance within which nodes are made one, in the unit of the file"
+        raise InputError("merge_nodes", None, f"{allowed}: {told}, as {both}")
+    if part.dim == 2:
+        across = float(np.abs(x[used, 2]).max())
+        flat = across <= _FLAT * float(np.ptp(x[used, :2], axis=0).max())
+        require(flat, "file", across, "plane meshes in the plane z = 0")
+
+
+def _edges(points: Floats, corners: Ints) -> Floats:
+    """Least distance of the first corner of each element to the others, (n,)."""
+    first = points[corners[:, 0]]
+    lengths = [np.linalg.norm(points[other] - first, axis=1) for other in corners.T[1:]]
+    return np.stack(lengths).min(axis=0)
+
+
+def _bodies(part: Part, n_points: int) -> int:
+    """Number of groups of cells that share no nodes."""
+    n = len(part.elements)
+    counts = np.concatenate([np.full(len(b), b.corners.shape[1]) for b in part.blocks])
+    rows = np.repeat(np.arange(n), counts)
+    columns = n + np.concatenate([block.corners.ravel() for block in part.blocks])
+    size = n + n_points
+    graph = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(size, size))
+    _, group = connected_components(graph, directed=False)
+    return len(np.unique(group[:n]))

@@ -1,0 +1,120 @@
+"""Bounds where a contact is stiff: rounding of the reduced matrices counts, entry by entry."""
+
+import numpy as np
+import pytest
+from dense_reference import dense_eigenvalues
+from petsc_matrices import to_numpy
+from reduced_cases import MU, P, enrichment, grid, plane_blocks_pencil
+
+from cea.eigen.eigenvalue_matching import assign
+from cea.reduced.greedy import TOLERANCE
+from cea.reduced.rounding import Rounding
+from cea.reduced.rows import along
+
+TOP = 0.4
+BONDED = {"formulation": {"method": "bonded"}, "P": 1e6, "mu": 0.0}
+RUBBING = {
+    "formulation": {"method": "gpts", "points": 3},
+    "P": 1e6,
+    "mu": 0.4,
+    "friction_direction_on_a": {"vector": [1.0, 0.0]},
+}
+
+
+def inverse_of_the_saddle(matrices):
+    """K^-1 on displacements with the contact forces beside them: accurate however stiff."""
+    K, forces = to_numpy(matrices.stiffness), matrices.multipliers
+    if matrices.unsymmetric is not None:
+        K = K + to_numpy(matrices.unsymmetric)
+    J, L, C = (to_numpy(getattr(forces, name)) for name in ("closure", "reaction", "compliance"))
+    n, m = len(K), len(C)
+    right = np.vstack([np.eye(n), np.zeros((m, n))])
+    return np.linalg.solve(np.block([[K, L.T], [J, -C]]), right)[:n]
+
+
+def dense_damped(matrices):
+    """Eigenvalues lambda of the companion form of the inverse."""
+    inverse = inverse_of_the_saddle(matrices)
+    D, M = to_numpy(matrices.damping), to_numpy(matrices.mass)
+    n = len(M)
+    companion = np.block([[-inverse @ D, -inverse @ M], [np.eye(n), np.zeros((n, n))]])
+    return 1 / np.linalg.eigvals(companion)
+
+
+def truth(pencil, point):
+    """Dense eigenvalues: kappa, or lambda of a damped pencil."""
+    matrices = pencil.at(point)
+    if pencil.damped:
+        return dense_damped(matrices)
+    return dense_eigenvalues(matrices, (2 * np.pi * TOP) ** 2).kappa
+
+
+def ratios(found, true):
+    """Errors of kappa of a window relative to their bounds, clusters by their means."""
+    damped, window = found.settings.decay < np.inf, found.window
+    mine = window.eigenvalues if damped else window.kappa
+    rows, columns = assign(np.abs(mine[:, None] - true))
+    assert len(rows) == len(window)
+    errors = (mine[rows] - true[columns]) * (2 * window.speeds[rows] if damped else 1.0)
+    certificate = window.certificate[rows]
+    return [
+        abs(errors[certificate.clusters == each].mean())
+        / certificate.means[certificate.clusters == each].max()
+        for each in np.unique(certificate.clusters)
+    ]
+
+
+@pytest.mark.parametrize("damped", [False, True])
+@pytest.mark.parametrize("contact", [BONDED, RUBBING], ids=["bonded", "rubbing"])
+def test_no_bound_is_passed_however_stiff_a_contact_is(backend, contact, damped):
+    pencil = plane_blocks_pencil(backend, contact, alpha=0.02 * damped)
+    assert pencil.forces
+    assert pencil.damped == damped
+    stiff = np.geomspace(1e4, 1e9, 6).tolist()
+    box = {P: (stiff[0], stiff[-1])}
+    points = [{P: p} for p in stiff]
+    if contact is RUBBING:
+        box[MU], points = (0.0, 1.0), grid(mu=[0.0, 0.5, 1.0], P=stiff)
+    built = enrichment(pencil, box, TOP)
+    built.cover(points)
+    small = built.model.small
+    bounds = {}
+    for point in points:
+        found, true = small.at(pencil.values(point)), truth(pencil, point)
+        assert max(ratios(found, true)) < 1
+        bounds.setdefault(point[P], []).append(found.bound)
+    assert min(bounds[stiff[-1]]) > TOLERANCE  # it says what it cannot tell
+    assert min(min(each) for each in bounds.values()) < TOLERANCE
+    line = [pencil.values({P: p}) for p in np.geomspace(1e5, 1e9, 9)]
+    for values, found in zip(line, along(small, line, TOLERANCE, least=0).spectra, strict=True):
+        assert max(ratios(found, truth(pencil, {P: values[P]}))) < 1
+
+
+@pytest.mark.parametrize("local", [False, True])
+def test_perturbations_of_entries_move_no_eigenvalue_farther(local):
+    """Eigenvalues of a small dense pencil, entries of its stiffness off by as much as is said."""
+    rng = np.random.default_rng(3)
+    n, k = 12, 5
+    K = rng.standard_normal((n, n)) + np.diag(np.arange(1.0, n + 1) * 20)
+    axes = np.linalg.qr(rng.standard_normal((n, k)))[0] if local else None
+    basis = np.eye(n) if axes is None else axes
+    eps = 1e-8
+    entries = {"stiffness": np.abs(K) * eps / (np.sqrt(n) * np.finfo(float).eps)}
+
+    def reduced(matrix):
+        return basis.T @ matrix @ basis
+
+    kappa, right = np.linalg.eig(reduced(K))
+    left = np.linalg.inv(right).conj().T  # y^H x = 1: its condition is in its length
+    sizes = Rounding(0.0, entries, axes)
+    bounds = sizes.of_pairs(left, right, np.sqrt(np.abs(kappa)))
+    largest = np.zeros(len(kappa))
+    for _ in range(200):
+        moved = np.linalg.eigvals(reduced(K * (1 + eps * rng.choice([-1.0, 1.0], (n, n)))))
+        rows, columns = assign(np.abs(kappa[:, None] - moved))
+        off = np.abs(kappa[rows] - moved[columns])
+        largest[rows] = np.maximum(largest[rows], off)
+    assert (largest <= bounds * 1.001).all()
+    assert (largest >= 0.02 * bounds).all()
+    pair = sizes.of_block(left[:, :2], right[:, :2], 1.0)
+    assert bounds[:2].max() <= pair * (1 + 1e-12)

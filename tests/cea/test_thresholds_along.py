@@ -1,0 +1,154 @@
+"""Thresholds along a parameter beside dense eigenvalues at very many values."""
+
+import numpy as np
+import pytest
+from random_lines import (
+    DenseLine,
+    constant,
+    coupled_pairs,
+    disagreements,
+    linear,
+    random_line,
+    scan,
+)
+
+from cea.reduced.thresholds import thresholds_along
+
+UNIT = np.linspace(0, 1, 1001)
+
+
+def check(line, values, dense=UNIT):
+    """Thresholds, none of which is missing, and none of which is one too many."""
+    found = thresholds_along(line, list(values))
+    numbers = scan(line, dense)
+    wrong = disagreements(found, dense, numbers)
+    assert not len(wrong), f"at {dense[wrong[:4]]}: {found.thresholds}"
+    return found
+
+
+def near(found, value, slack=1e-7):
+    """Thresholds at a value."""
+    return [each for each in found.thresholds if abs(each.value - value) <= slack]
+
+
+SYSTEMS = {
+    "undamped": {},
+    "damped": {"damping": 1.0},
+    "hardly damped": {"damping": 1e-4},
+    "a level": {"level": 0.05},
+    "a level and damping": {"damping": 1.0, "level": 0.05},
+    "M(t) and sines": {"nonlinear": True},
+    "M(t) and sines, damped": {"damping": 1.0, "nonlinear": True},
+}
+
+
+@pytest.mark.parametrize("kind", SYSTEMS)
+@pytest.mark.parametrize(("seed", "count"), [(1, 11), (2, 3), (3, 5)])
+def test_random_systems_have_the_thresholds_of_a_scan(kind, seed, count):
+    found = check(random_line(seed, **SYSTEMS[kind]), np.linspace(0, 1, count))
+    assert not found.unresolved
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(1, 1001, 100))
+def test_a_thousand_random_systems_have_the_thresholds_of_a_scan(first):
+    """No threshold is missing in silence, none is one too many, few intervals are unresolved."""
+    kinds = list(SYSTEMS.values())
+    counts = (3, 5, 11, 41)
+    unresolved = intervals = 0
+    for seed in range(first, first + 100):
+        values = np.linspace(0, 1, counts[seed % len(counts)])
+        found = check(random_line(seed, **kinds[seed % len(kinds)]), values)
+        unresolved += len(found.unresolved)
+        intervals += len(values) - 1
+    assert unresolved <= 0.01 * intervals
+
+
+def pairs(**options):
+    """A pair w +- c sqrt((t - t0) (t - t1)) flutters between t0 and t1."""
+    return lambda where: coupled_pairs(where, end=3.0, **options)
+
+
+DAMPINGS = [None, 1e-6, 1e-3]
+
+
+@pytest.mark.parametrize("damping", DAMPINGS)
+@pytest.mark.parametrize(
+    "where",
+    [
+        [(1.0, 0.5, 0.31, 2.0), (4.0, 0.5, 0.3101, 2.0)],
+        [(1.0, 0.5, 0.31, 2.0), (4.0, 0.5, 0.31, 2.0)],
+        [(1.0, 0.5, 0.52, 0.520001)],
+        [(1.0, 0.5, 0.5, 2.0)],
+        [(1.0, 0.5, -1.0, 0.25), (1.3, 0.5, 0.75, 2.0)],
+    ],
+    ids=["1e-4 apart", "two alike", "a dip of 1e-6", "on a sample", "ends and begins"],
+)
+def test_constructed_pairs_begin_where_they_were_made_to(where, damping):
+    line = coupled_pairs(where, end=3.0, damping=damping)
+    found = check(line, np.linspace(0, 1, 11))
+    assert not found.unresolved
+    if damping is None:
+        for _, _, t0, t1 in where:
+            for t in (t0, t1):
+                assert not 0 < t < 1 or near(found, t)
+
+
+def test_a_fluttering_pair_that_three_modes_cross_stays_one():
+    singles = [(0.6, 0.9), (1.6, -1.1), (0.2, 1.3)]
+    line = coupled_pairs([(1.0, 0.3, 0.2, 2.0)], end=3.0, singles=singles)
+    found = check(line, np.linspace(0, 1, 5))
+    assert [each.kind for each in near(found, 0.2)] == ["flutter"]
+
+
+@pytest.mark.parametrize("damping", DAMPINGS)
+def test_modes_that_diverge_are_told_apart_from_flutter(damping):
+    line = coupled_pairs([(1.0, 0.3, 5.0, 6.0)], end=3.0, singles=[(0.4, -1.0)], damping=damping)
+    found = check(line, np.linspace(0, 1, 4))
+    (only,) = found.thresholds
+    assert only.kind == "divergence"
+    assert only.value == pytest.approx(0.4, abs=1e-9)
+    assert abs(only.eigenvalue) < 1e-4
+
+
+@pytest.mark.parametrize("level", [0.0, 0.5])
+def test_growth_of_a_single_mode_reaches_a_level_where_it_should(level):
+    """(lambda - t/2)^2 = -w^2: growth t / 2, whatever the samples."""
+    zero, one = np.zeros((2, 2)), np.eye(2)
+    w = np.diag([1.0, 2.0])
+    line = DenseLine(
+        [*constant(w**2), (lambda t: t * t / 4, lambda t: t / 2, one)],
+        constant(one),
+        linear(zero, -one),
+        3.0,
+        level,
+    )
+    dense = np.linspace(-2, 2.3, 2001)
+    found = check(line, np.linspace(-2, 2.3, 6), dense)
+    assert [each.value for each in found.thresholds] == pytest.approx([2 * level] * 2, abs=1e-9)
+    found = check(line, np.linspace(-2, 2, 5), dense[dense <= 2])
+    assert [each.value for each in found.thresholds] == pytest.approx([2 * level] * 2, abs=1e-9)
+
+
+def test_modes_that_enter_the_window_growing_are_told():
+    line = coupled_pairs([(8.0, 1.0, -1.0, 2.0)], end=3.0, singles=[])
+    line.stiffness = [*line.stiffness, (lambda t: 4 * t, lambda t: 4.0, np.eye(2))]
+    found = check(line, np.linspace(0, 1, 6))
+    (only,) = found.thresholds
+    assert (only.kind, only.change) == ("window", -2)
+    assert only.eigenvalue.imag == pytest.approx(3.0, rel=1e-9)
+
+
+def test_a_term_that_is_switched_off_is_no_reason_to_stop():
+    line = random_line(4)
+    line.stiffness = [line.stiffness[0], (lambda t: t**2, lambda t: 2 * t, line.stiffness[1][2])]
+    check(line, np.linspace(0, 1, 6))
+
+
+def test_what_is_not_resolved_for_its_price_is_told():
+    line = random_line(2)
+    assert thresholds_along(line, [0.0, 0.5, 1.0]).thresholds
+    found = thresholds_along(line, [0.0, 0.5, 1.0], budget=1)
+    assert found.unresolved
+    dense = np.linspace(0, 1, 301)
+    assert not len(disagreements(found, dense, scan(line, dense)))

@@ -1,0 +1,384 @@
+"""Nastran files: spellings of cards, points in coordinate systems, elements, sets, refusals."""
+
+import time
+
+import numpy as np
+import pytest
+from mixed_blocks import mixed_blocks
+from mixed_files import listed
+
+from cea.errors import InputError
+from meshes.files.kinds import wanted_nodes
+from meshes.mesh_file import MeshFile
+from meshes.read_mesh_file import read_mesh_file
+
+CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
+                 [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float)  # fmt: skip
+X = CUBE * [0.02, 0.015, 0.01] - [0.0, 0.015, 0.0]
+CARDS = [["GRID", i, "", *x] for i, x in enumerate(X.tolist(), 1)]
+CARDS += [["CHEXA", 1, 7, *range(1, 9)]]
+
+
+def number(value):
+    return f"{value:.4f}" if isinstance(value, float) else str(value)
+
+
+def exponent(letter):
+    """1.5-2 or 1.5D-2 for 0.015."""
+
+    def text(value):
+        if not isinstance(value, float):
+            return str(value)
+        return f"{value:.1e}".replace("e-0", f"{letter}-").replace("e+0", f"{letter}+")
+
+    return text
+
+
+def small(cards, first="+", text=number, end=""):
+    lines = []
+    for name, *fields in cards:
+        for i in range(0, len(fields), 8):
+            head = name if i == 0 else first
+            row = "".join(f"{text(field):>8}" for field in fields[i : i + 8])
+            lines.append(f"{head:<8}{row}{end}")
+    return "\n".join(lines) + "\n"
+
+
+def large(cards, marks=False):
+    lines = []
+    for n, (name, *fields) in enumerate(cards):
+        parts = [fields[i : i + 4] for i in range(0, len(fields), 4)]
+        parts += [[]] * (len(parts) % 2)  # large cards have an even number of lines
+        for i, part in enumerate(parts):
+            head = f"{name}*" if i == 0 else f"*N{n}{i - 1}" if marks else "*"
+            row = "".join(f"{number(field):>16}" for field in part)
+            mark = f"*N{n}{i}" if marks else ""
+            lines.append(f"{head:<8}{row:<64}{mark}".rstrip())
+    return "\n".join(lines) + "\n"
+
+
+def free(cards, first="+", last="", between=","):
+    lines = []
+    for name, *fields in cards:
+        for i in range(0, len(fields), 8):
+            part = [name if i == 0 else first, *map(number, fields[i : i + 8])]
+            lines.append(between.join(part) + (last if fields[i + 8 :] else ""))
+    return "\n".join(lines) + "\n"
+
+
+def without_zeros(cards):
+    return [[*card[:3], *("" if x == 0 else x for x in card[3:])] for card in cards]
+
+
+SPELLINGS = {
+    "fixed fields": small(CARDS),
+    "blank first fields": small(CARDS, ""),
+    "named marks": small(CARDS, "+E1").replace("       6\n", "       6+E1\n"),
+    "numbers in columns 73 to 80": small(CARDS[:-1], end=" " * 24 + "    1000") + small(CARDS[-1:]),
+    "exponents without E": small(CARDS, text=exponent("")),
+    "exponents with D": small(CARDS, text=exponent("D")),
+    "zeros left out": small(without_zeros(CARDS)),
+    "comments behind fields": small(CARDS, end="  $ last") + "$ GRID, 1, 5\n",
+    "lower case": small(CARDS).lower(),
+    "name moved": " " + small(CARDS).replace("GRID ", "GRID").replace("\nGRID", "\n GRID"),
+    "cards moved": "".join(f" {line}\n" if line[0] == "G" else f"{line}\n"
+                           for line in small(CARDS).splitlines()),
+    "large fields": large(CARDS),
+    "large fields with marks": large(CARDS, marks=True),
+    "free fields": free(CARDS),
+    "free fields, marks at the end": free(CARDS, last=",+"),
+    "free fields, blank first": free(CARDS, ""),
+    "free fields with blanks": free(CARDS, between="  , "),
+    "large free fields": "".join(f"GRID*,{i},,{x},{y}\n*,{z}\n" for i, (x, y, z) in
+                                 enumerate(X.tolist(), 1)) + free(CARDS[-1:]),
+    "tabs": free(CARDS, between="\t"),
+    "tabs behind full fields": free(CARDS, between="\t").replace("0.0200", "0.020000"),
+    "tabs and blanks": small(CARDS).replace("GRID    ", "GRID\t"),
+    "elements first": small(CARDS[-1:]) + small(CARDS[:-1]) + "SPOINT,99\n",
+    "carriage returns": small(CARDS).replace("\n", "\r\n"),
+    "no end of the last line": small(CARDS)[:-1],
+    "sections": "SOL 103\nCEND\nTITLE = a plate\nSUBCASE 1\n  SPC = 1\nBEGIN BULK\n" + small(CARDS)
+    + "ENDDATA\nwhatever follows\n",
+    "what the scene says": small(CARDS) + "MAT1,1,2.+11,,.3\nPSOLID,7,1\nSPC1,1,123,1,THRU,4\n"
+    "FORCE,1,1,,1.,1.,,\nEIGRL,1,,,10\nPARAM,POST,-1\nTEMPD,1,20.\n",
+    "underscores of meshio": small(CARDS).replace("CHEXA ", "CHEXA_"),
+}  # fmt: skip
+
+
+def written(folder, text):
+    file = folder / "a.bdf"
+    file.write_bytes(text.encode())
+    return file
+
+
+def content(folder, text):
+    return read_mesh_file(written(folder, text))
+
+
+@pytest.mark.parametrize("name", SPELLINGS)
+def test_every_spelling_is_the_same_mesh(tmp_path, name):
+    found = content(tmp_path, SPELLINGS[name])
+    order = np.argsort(found.node_numbers)
+    assert found.node_numbers[order].tolist() == list(range(1, 9))
+    np.testing.assert_allclose(found.points[order], X, rtol=0, atol=1e-16)
+    (block,) = found.blocks
+    corners = found.points[block.nodes[0]]
+    box = wanted_nodes("hexahedron", 1) * [0.02, 0.015, 0.01] - [0.0, 0.015, 0.0]
+    np.testing.assert_allclose(corners, box, rtol=0, atol=1e-16)
+    assert {name: rows.tolist() for name, rows in found.element_sets.items()} == {"PSOLID 7": [0]}
+    assert MeshFile(str(tmp_path / "a.bdf"), "m").num_cells == 1
+
+
+EDGES = {
+    "CTETRA": ("tetrahedron", 4, "12 23 31 14 24 34"),
+    "CPYRAM": ("pyramid", 5, "12 23 34 41 15 25 35 45"),
+    "CPENTA": ("wedge", 6, "12 23 31 14 25 36 45 56 64"),
+    "CHEXA": ("hexahedron", 8, "12 23 34 41 15 26 37 48 56 67 78 85"),
+}
+"""Corners between which Nastran's Quick Reference Guide puts the points behind the corners."""
+CORNERS = {
+    "tetrahedron": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    "pyramid": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]],
+    "wedge": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]],
+    "hexahedron": CUBE.tolist(),
+}
+
+
+@pytest.mark.parametrize("first", ["+", ""])
+@pytest.mark.parametrize("card", EDGES)
+def test_quadratic_elements_have_every_point_where_it_belongs(tmp_path, card, first):
+    cell, count, edges = EDGES[card]
+    at = np.array(CORNERS[cell], dtype=float)
+    middles = [at[[int(i) - 1 for i in edge]].mean(axis=0) for edge in edges.split()]
+    points = np.array([*at, *middles])
+    cards = [["GRID", i, "", *x] for i, x in enumerate(points.tolist(), 1)]
+    cards.append([card, 1, 1, *range(1, len(points) + 1)])
+    (block,) = content(tmp_path, small(cards, first)).blocks
+    assert (block.cell, block.order, len(points) - count) == (cell, 2, len(edges.split()))
+    nodes, given = block.nodes[0], block.nodes[0] >= 0
+    assert sorted(nodes[given]) == list(range(len(points)))
+    np.testing.assert_allclose(points[nodes[given]], wanted_nodes(cell, 2)[given], atol=1e-15)
+
+
+NAMES = {"tetrahedron": "CTETRA", "pyramid": "CPYRAM", "wedge": "CPENTA", "hexahedron": "CHEXA"}
+LISTED = {15: [*range(9), 12, 13, 14, 9, 10, 11], 20: [*range(12), *range(16, 20), *range(12, 16)]}
+"""Nastran's order of the nodes of wedges and hexahedra, whose upright edges come before the top."""
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, order):
+    points, blocks = mixed_blocks(order)
+    cards, number_of = [["GRID", i, "", *x] for i, x in enumerate(points.tolist(), 1)], 0
+    for each in blocks:
+        nodes = listed(each)[1] + 1
+        for row in nodes[:, LISTED.get(nodes.shape[1], range(nodes.shape[1]))].tolist():
+            number_of += 1
+            cards.append([NAMES[each.cell], number_of, 1, *row])
+    mesh = MeshFile(str(written(tmp_path, small(cards))), "m", part="PSOLID 1").mesh([])
+    corners = mesh.points[mesh.cells[:, {1: [0, 3, 2, 1], 2: [0, 9, 5, 2]}[order]]]
+    volume = np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / 6
+    assert (mesh.cell, mesh.order) == ("tetrahedron", order)
+    assert volume == pytest.approx(18.0, rel=1e-12)
+
+
+A, B, C = np.array([0.1, 0.2, 0.3]), np.array([0.4, -0.2, 0.9]), np.array([1.0, 0.5, 0.2])
+
+
+def axes():
+    """Axes of the system of A, B and C by Gram and Schmidt."""
+    z = (B - A) / np.linalg.norm(B - A)
+    x = (C - A) - ((C - A) @ z) * z
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z])
+
+
+def coordinates(kind, points):
+    """Coordinates of points in the system of A, B and C."""
+    x, y, z = ((points - A) @ axes().T).T
+    if kind == "R":
+        return np.stack([x, y, z], axis=1)
+    if kind == "C":
+        return np.stack([np.hypot(x, y), np.degrees(np.arctan2(y, x)), z], axis=1)
+    r = np.sqrt(x * x + y * y + z * z)
+    return np.stack([r, np.degrees(np.arccos(z / r)), np.degrees(np.arctan2(y, x))], axis=1)
+
+
+def free_line(*fields):
+    return ",".join(repr(float(f)) if isinstance(f, float) else str(f) for f in fields) + "\n"
+
+
+def system(way, kind):
+    """Cards that define the system 5."""
+    if way == "2":
+        text = free_line(f"CORD2{kind}", 5, 0, *A, *B)
+        return text + free_line("", *C)
+    points = "".join(free_line("GRID", 91 + i, 0, *x) for i, x in enumerate((A, B, C)))
+    return points + f"CORD1{kind},8,91,92,93,5,91,92,93\n"  # the second of two systems
+
+
+@pytest.mark.parametrize("default", [False, True])
+@pytest.mark.parametrize("kind", "RCS")
+@pytest.mark.parametrize("way", "12")
+def test_points_in_coordinate_systems_are_where_they_were(tmp_path, way, kind, default):
+    given = coordinates(kind, CUBE)
+    cp = "" if default else 5
+    text = "GRDSET,,5\n" if default else ""
+    text += "".join(free_line("GRID", i, cp, *x) for i, x in enumerate(given, 1))
+    found = content(tmp_path, text + system(way, kind) + free(CARDS[-1:]))
+    own = found.node_numbers < 90
+    np.testing.assert_allclose(found.points[own], CUBE, rtol=0, atol=1e-14)
+    if way == "1":
+        np.testing.assert_allclose(found.points[~own], [A, B, C], rtol=0, atol=1e-15)
+
+
+def test_systems_in_systems_and_points_that_leave_the_default(tmp_path):
+    """A cylindrical system given in a cylindrical one, and points of the basic system by 0."""
+    outer = "CORD2C,1,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n"
+    # A = (1, 90 deg, 0) is (0, 1, 0); B above it; C = (1, 90 deg, ...) turned: (0, 2, 0).
+    inner = "CORD2C,2,1,1.,90.,0.,1.,90.,1.\n,2.,90.,0.\n"
+    text = "GRDSET,,2\n" + outer + inner
+    text += "".join(free_line("GRID", i, 0, *x) for i, x in enumerate(CUBE, 1))
+    text += "GRID,9,,1.,0.,0.5\nGRID,10,,1.,90.,0.\n" + free(CARDS[-1:])
+    found = content(tmp_path, text)
+    np.testing.assert_allclose(found.points[:8], CUBE, atol=1e-15)
+    np.testing.assert_allclose(found.points[8:], [[0, 2, 0.5], [-1, 1, 0]], atol=1e-15)
+
+
+def test_properties_are_sets_and_shells_mark_faces(tmp_path):
+    text = free(CARDS) + "CQUAD4,2,3,5,6,7,8\nCTRIA3,3,4,1,2,3\nCHEXA,4,,1,2,3,4,5,6,\n,7,8\n"
+    found = content(tmp_path, text + "PCOMP,3,0.\nPLSOLID,7,1\n")
+    sets = {name: rows.tolist() for name, rows in found.element_sets.items()}
+    assert sets == {"PLSOLID 7": [0], "PSOLID 4": [1], "PSHELL 4": [2], "PCOMP 3": [3]}
+    file = written(tmp_path, free(CARDS) + "CQUAD8,2,3,5,6,7,8,,\n")
+    with pytest.raises(InputError, match="here are CQUAD8"):
+        MeshFile(str(file), "m")
+    mesh = MeshFile(str(file), "m", faces={"top": "PSHELL 3"}).mesh(["top"])
+    np.testing.assert_allclose(mesh.points[mesh.surfaces["top"]][..., 2], 0.01)
+
+
+def test_files_are_included_from_their_folder_or_that_of_the_job(tmp_path):
+    (tmp_path / "parts" / "deep").mkdir(parents=True)
+    lines = free(CARDS).splitlines()
+    (tmp_path / "parts" / "points.bdf").write_text("\n".join(lines[:4]) + "\n")
+    (tmp_path / "parts" / "deep" / "more.bdf").write_text("\n".join(lines[4:8]) + "\n")
+    (tmp_path / "parts" / "all.bdf").write_text(
+        "include 'points.bdf'\nINCLUDE 'parts/deep\n/more.bdf' $ from the folder of the job\n"
+    )
+    text = "BEGIN BULK\nINCLUDE 'parts\\all.bdf'\n" + "\n".join(lines[8:])
+    np.testing.assert_allclose(content(tmp_path, text).points, X, atol=1e-16)
+    (tmp_path / "parts" / "deep" / "more.bdf").write_text("INCLUDE '../all.bdf'\n")
+    with pytest.raises(InputError, match="include each other"):
+        content(tmp_path, text + "\n")
+    with pytest.raises(InputError, match="a file that is included"):
+        content(tmp_path, "INCLUDE none.bdf\n")
+    with pytest.raises(InputError, match="a file"):
+        content(tmp_path, "INCLUDE '/dev/zero'\n")
+
+
+BAR = "RBE2,9,1,123,2\n"
+
+
+@pytest.mark.parametrize(
+    "card",
+    [
+        "CELAS2,99,1.+3,1,1", "CONM2,9,1,,1.0", "CBAR,9,1,1,2", BAR[:-1], "RBE3,9,,1,123,1.,123,2",
+        "MPC,1,1,1,1.,2,1,-1.", "GENEL,9,,1,1", "DMIG,K2GG,0,6,1,0", "NSM,1,PSOLID,7,1.",
+        "RBAR,9,1,2", "CHEXAA,9,1,1,2", "CORD3G,1,E313,0,0,0,0", "BEGIN SUPER=1", "BGSET,1,2,3",
+    ],
+)  # fmt: skip
+def test_any_other_card_is_told_and_left_out_by_the_choice_of_a_part(tmp_path, card):
+    file = written(tmp_path, free(CARDS) + card.replace("BEGIN ", "BEGIN,") + "\n")
+    name = card.partition(",")[0].partition(" ")[0]
+    with pytest.raises(InputError, match=f"here are {name} too") as refused:
+        MeshFile(str(file), "m")
+    assert refused.value.field == "part"
+    assert MeshFile(str(file), "m", part="PSOLID 7").num_cells == 1
+
+
+def test_elements_of_a_fluid_are_no_body(tmp_path):
+    file = written(tmp_path, free(CARDS) + "PSOLID,7,1,,,,,PFLUID\n")
+    with pytest.raises(InputError, match="here are CHEXA too"):
+        MeshFile(str(file), "m")
+
+
+GOOD = free(CARDS)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (GOOD.replace("GRID,3,,", "GRID,3,5,"), "CP 5'.* a coordinate system of the file"),
+        (GOOD.replace("GRID,3,,", "GRID,2,,"), "numbers of a point that are there once"),
+        (GOOD.replace("GRID,3,,", "GRID,,,"), "a whole number in field 1 after"),
+        (GOOD.replace("GRID,3,,", "GRID,3,,1e999,"), "a number in field 3 after .* not '1e999'"),
+        (GOOD.replace("GRID,3,,", "GRID,3,,nan,"), "a number in field 3 after .* not 'nan'"),
+        (GOOD.replace("+,7,8", "+,7,9"), "a number of a point that the file has"),
+        (GOOD.replace("+,7,8", "+,7"), "a whole number in field 10 after"),
+        (GOOD.replace("+,7,8", "+,7,8,1"), "8 or 20 points"),
+        (GOOD.replace("+,7,8", "=,=,*(1)"), "the name of a card at the beginning"),
+        (GOOD.replace("+,7,8", "+,7,8,,,,,,,,,1"), "at most 8 fields"),
+        (GOOD + GOOD.splitlines()[-2] + "\n+,7,8\n", "numbers of an element that are there once"),
+        (GOOD.replace("CHEXA", "\n,,,9\nCHEXA"), "GRID 8.* eight fields at most"),
+        ("+,7,8\n" + GOOD, "a line that continues the one before"),
+        (small(CARDS, "+E2").replace("       6\n", "       6+E1\n"), "ends with 'E1'"),
+        (GOOD + "GRDSET,,1\nGRDSET,,1\n", "one of these cards"),
+        (GOOD + "CORD2R,1,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n" * 2, "a number of its own"),
+        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD2R,1,,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\n",
+         "not on one line"),
+        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD2R,1,1,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
+         "not defined by itself"),
+        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,3\n", "not defined by itself"),
+        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,99\n", "of the file, not 99"),
+        ("GRID 1 0. 0. 0.\n", "the name of a card at the beginning"),
+        (" GRID          10       0" + "0.150001" * 3 + "\n", "begins in the first column"),
+        ("GRID,1,,0.,0.,0.\n", "no elements"),
+        ("CHEXA,1,1,1,2,3,4,5,6\n,7,8\n", "no GRID"),
+        ("BEGIN BULK\nENDDATA\n", "no GRID"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(tmp_path, text, words):
+    with pytest.raises(InputError, match=words) as refused:
+        content(tmp_path, text)
+    assert refused.value.field == "file"
+
+
+def broken(text, rng):
+    """A file with bytes dropped or changed, lines dropped, swapped or given twice."""
+    data, kind = bytearray(text.encode()), rng.integers(5)
+    lines = text.encode().splitlines(keepends=True)
+    for _ in range(int(rng.integers(1, 6))):
+        i, j = rng.integers(len(lines), size=2)
+        k = int(rng.integers(len(data) - 9))
+        if kind == 0:
+            del data[k : k + int(rng.integers(1, 9))]
+        elif kind == 1:
+            data[k] = int(rng.integers(256))
+        elif kind == 2:
+            lines[i], lines[j] = lines[j], lines[i]
+        elif kind == 3:
+            lines[i] = lines[j]
+        else:
+            lines[i] = b""
+    return bytes(data) if kind < 2 else b"".join(lines)
+
+
+@pytest.mark.slow
+def test_broken_files_are_read_or_refused_in_words_and_soon(tmp_path):
+    places = np.random.default_rng(0).random((20, 3)).tolist()
+    quadratic = [["GRID", i, "", *x] for i, x in enumerate(places, 1)]
+    quadratic.append(["CHEXA", 1, 1, *range(1, 21)])
+    whole = [*SPELLINGS.values(), small(quadratic), large(quadratic), free(quadratic)]
+    whole += ["GRDSET,,5\n" + system(way, kind) + GOOD for way in "12" for kind in "RCS"]
+    worst, longest = 0.0, 0
+    for seed in range(500):
+        rng = np.random.default_rng(seed)
+        file = tmp_path / f"{seed}.bdf"
+        file.write_bytes(broken(whole[seed % len(whole)], rng))
+        began = time.perf_counter()
+        try:
+            MeshFile(str(file), "m").mesh([])
+        except InputError as error:
+            longest = max(longest, len(str(error)))
+        worst = max(worst, time.perf_counter() - began)
+    assert worst < 20.0
+    assert longest < 2000

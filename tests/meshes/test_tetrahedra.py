@@ -1,0 +1,115 @@
+"""Bodies of several kinds of solid elements divided into tetrahedra."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from basix import CellType, LagrangeVariant, make_quadrature
+from basix.ufl import element as lagrange
+from mixed_blocks import mixed_blocks
+
+from cea.errors import InputError
+from cea.mesh import Mesh, facet_nodes, node_order
+from meshes.files.checks import check_elements
+from meshes.files.kinds import FACES, full_order
+from meshes.files.tetrahedra import tetrahedra
+
+RULE = np.array([0.5 - np.sqrt(15) / 10, 0.5, 0.5 + np.sqrt(15) / 10]), np.array([5, 8, 5]) / 18
+
+
+def bent(x):
+    """A quadratic map, which elements of second order hold exactly."""
+    x, y, z = x.T
+    return np.stack([x + 0.02 * y * z, y + 0.015 * x * x, z + 0.02 * x * y - 0.01 * z * z], axis=1)
+
+
+def bent_volume():
+    """Volume that the map makes of the box, by Gauss points that are exact for it."""
+    at = [(length * RULE[0], length * RULE[1]) for length in (3, 2, 3)]
+    x, y, z = np.meshgrid(*(p for p, _ in at), indexing="ij")
+    weights = np.einsum("i,j,k->ijk", *(w for _, w in at))
+    one, none = np.ones_like(x), np.zeros_like(x)
+    rows = [
+        [one, 0.02 * z, 0.02 * y],
+        [0.03 * x, one, none],
+        [0.02 * y, 0.02 * x, one - 0.02 * z],
+    ]
+    return (weights * np.linalg.det(np.moveaxis(np.array(rows), (0, 1), (-2, -1)))).sum()
+
+
+def volumes(points, cells, order):
+    """Volumes of tetrahedra, by a rule of degree 5."""
+    at, weights = make_quadrature(CellType.tetrahedron, 5)
+    shapes = lagrange("Lagrange", "tetrahedron", order, lagrange_variant=LagrangeVariant.equispaced)
+    slopes = shapes.tabulate(1, at)[1:]
+    theirs = shapes._element.points
+    ours = np.argsort(node_order("tetrahedron", order, theirs))
+    jacobians = np.einsum("dqn,cni->cqid", slopes, points[cells[:, ours]])
+    return np.einsum("q,cq->c", weights, np.linalg.det(jacobians))
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("seed", range(5))
+def test_tetrahedra_fill_the_body_and_match_across_faces(order, seed):
+    points, blocks = mixed_blocks(order, seed, bent if order == 2 else lambda x: x)
+    made = tetrahedra(points, blocks)
+    found = volumes(made.points, made.cells, order)
+    assert found.min() > 0
+    assert found.sum() == pytest.approx(bent_volume() if order == 2 else 18.0, rel=1e-13)
+    sides = np.concatenate([made.cells[:, f] for f in facet_nodes("tetrahedron", order)])
+    _, times = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
+    assert times.max() == 2
+    assert (times == 1).sum() == 2 * 2 * (3 * 2 + 3 * 2 + 3 * 3)  # two triangles on each square
+    Mesh("tetrahedron", order, made.points, made.cells, {})
+    check_elements("tetrahedron", order, made.points, made.cells, made.elements)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_each_tetrahedron_tells_its_element_and_the_faces_it_lies_on(order):
+    points, blocks = mixed_blocks(order)
+    made = tetrahedra(points, blocks)
+    assert (np.diff(made.elements) >= 0).all()
+    elements = [(b, row) for b in blocks for row in range(len(b))]
+    seen = {}
+    facets = facet_nodes("tetrahedron", order)
+    for cell, element, sides in zip(made.cells, made.elements, made.sides, strict=True):
+        own, row = elements[element]
+        listed = own.nodes[row, full_order(own.cell, order)]
+        for facet, side in zip(facets, sides, strict=True):
+            if side >= 0:
+                corners = made.points[listed[list(FACES[own.cell][side])]]
+                normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+                off = (made.points[cell[facet]] - corners[0]) @ normal
+                assert np.abs(off).max() < 1e-12
+                seen[element, int(side)] = seen.get((element, int(side)), 0) + 1
+    expected = {
+        (i, side): len(face) - 2
+        for i, (own, _) in enumerate(elements)
+        for side, face in enumerate(FACES[own.cell])
+    }
+    assert seen == expected
+
+
+def test_nodes_that_elements_have_are_kept_and_no_others_double():
+    points, blocks = mixed_blocks(2, nodes=[27, 18, 14, 10], move=bent)
+    made = tetrahedra(points, blocks)
+    assert len(made.points) == len(points)  # middles of faces and cells were all there
+    lacking, fewer = mixed_blocks(2, move=bent)
+    added = tetrahedra(lacking, fewer)
+    used = np.unique(made.cells)
+    assert len(np.unique(added.cells)) == len(used)
+    places = [p[np.unique(c)] for p, c in ((made.points, made.cells), (added.points, added.cells))]
+    order = [np.lexsort(np.round(each, 9).T) for each in places]
+    np.testing.assert_allclose(places[0][order[0]], places[1][order[1]], rtol=0, atol=1e-14)
+
+
+def test_elements_of_two_orders_or_without_middles_are_refused():
+    points, blocks = mixed_blocks(1)
+    _, others = mixed_blocks(2)
+    with pytest.raises(InputError, match="all of order 1 or all of order 2"):
+        tetrahedra(points, [blocks[0], others[1]])
+    points, (first, *rest) = mixed_blocks(2)
+    nodes = first.nodes.copy()
+    nodes[1, full_order("hexahedron", 2)[9]] = -1
+    with pytest.raises(InputError, match=r"element 2.*middles of all edges"):
+        tetrahedra(points, [replace(first, nodes=nodes), *rest])

@@ -1,0 +1,173 @@
+"""Files as people write them: one plate in every spelling, its frequencies known from elsewhere."""
+
+import numpy as np
+import pytest
+
+from cea.errors import InputError
+from meshes.mesh_file import MeshFile
+from scenes.read import read_scene
+from scenes.run import run_modes
+from scenes.scene_error import SceneError
+
+FREQUENCIES = [2096.2054, 3939.5816, 6647.2061]
+"""Of the plate of 4 x 2 x 1 trilinear hexahedra, held at x = 0 (Hz), found without this program."""
+X = [[x, y, z] for z in (0, 0.01) for y in (0, 0.015, 0.03) for x in (0, 0.02, 0.04, 0.06, 0.08)]
+FIRST = [1, 2, 3, 4, 6, 7, 8, 9]
+CELLS = [[n, n + 1, n + 6, n + 5, n + 15, n + 16, n + 21, n + 20] for n in FIRST]
+NODES = "".join(f"{i}, {x:.5f}, {y:.5f}, {z:.5f}\n" for i, (x, y, z) in enumerate(X, 1))
+ROWS = [f"{i}, " + ", ".join(map(str, row)) + "\n" for i, row in enumerate(CELLS, 1)]
+ELEMENTS = "".join(ROWS)
+CLAMP = "1, 6, 11, 16, 21, 26\n"
+HEAD = f"*NODE\n{NODES}"
+BODY = f"{HEAD}*ELEMENT, TYPE=C3D8R, ELSET=PLATE\n{ELEMENTS}"
+HELD = f"*NSET, NSET=CLAMP\n{CLAMP}"
+SHELLS = "*ELEMENT, TYPE=S4, ELSET=ENDFACE\n101, 1, 6, 21, 16\n102, 6, 11, 26, 21\n"
+PART = f"*PART, NAME=plate\n{BODY}*END PART\n*ASSEMBLY, NAME=all\n*INSTANCE, NAME=Plate-1, PART="
+PLACED = "0.5, 0, 0\n0.5, 0, 0, 0.5, 0, 1, 90\n*END INSTANCE\n"
+UPPER, LOWER = ROWS[:4], ROWS[4:]
+SPARSE = "".join(
+    f"{i}, " + ", ".join(f"{c:.5f}" if c else "" for c in x).rstrip(", ") + "\n"
+    for i, x in enumerate(X, 1)
+)
+
+DECKS = {
+    "sets of elements spelt in two ways": (
+        f"{HEAD}*Element, type=C3D8, elset=Plate\n{''.join(UPPER)}"
+        f"*ELEMENT, TYPE=C3D8, ELSET=PLATE\n{''.join(LOWER)}{HELD}", {"part": "plate"}),
+    "sets of nodes spelt in two ways": (
+        BODY + "*NSET, NSET=Clamp\n1, 6, 11\n*NSET, NSET=CLAMP\n16, 21, 26\n", {}),
+    "parts and instances spelt in two ways": (
+        f"{PART}PLATE\n{PLACED}*NSET, NSET=CLAMP, INSTANCE=PLATE-1\n{CLAMP}", {"part": "plate-1"}),
+    "sets of whole instances": (
+        f"{PART}plate, ELSET=EALL, NSET=NALL\n{PLACED}*NSET, NSET=CLAMP, INSTANCE=plate-1\n{CLAMP}",
+        {"part": "EALL"}),
+    "nodes of instances in sets": (
+        f"{PART}plate\n{PLACED}*NSET, NSET=CLAMP\n"
+        "plate-1.1, plate-1.6, plate-1.11, plate-1.16, plate-1.21, plate-1.26\n", {}),
+    "surfaces before their sets, spelt otherwise": (
+        f"*SURFACE, NAME=Clamp, TYPE=ELEMENT\nclamp, S6\n{BODY}*ELSET, ELSET=CLAMP\n1, 5\n", {}),
+    "surfaces of surfaces": (
+        BODY + "*SURFACE, NAME=A\n1, S6\n*SURFACE, NAME=B\n5, S6\n"
+        "*SURFACE, NAME=CLAMP, COMBINE=UNION\na, b\n", {}),
+    "what is left of a surface": (
+        BODY + "*ELSET, ELSET=E\n1, 5\n*SURFACE, NAME=A\nE, S6\n1, S1\n*SURFACE, NAME=B\n1, S1\n"
+        "*SURFACE, NAME=CLAMP, COMBINE=DIFFERENCE\nA, B\n", {}),
+    "what surfaces share": (
+        BODY + "*ELSET, ELSET=E\n1, 5\n*SURFACE, NAME=A\nE, S6\n1, S1\n*SURFACE, NAME=B\nE, S6\n"
+        "*SURFACE, NAME=CLAMP, COMBINE=INTERSECTION\nA, B\n", {}),
+    "surfaces of an unknown kind that nothing uses": (
+        BODY + HELD + "*SURFACE, NAME=A, COMBINE=SUM\nX, Y\n*SURFACE, NAME=B, TRIM=YES\nZ, S1\n",
+        {}),
+    "nodes of sets of elements": (
+        f"{BODY}{SHELLS}*NSET, NSET=CLAMP, ELSET=Endface\n", {"part": "PLATE"}),
+    "coordinates left out": (BODY.replace(NODES, SPARSE) + HELD, {}),
+    "nodes in a file": (BODY.replace(f"*NODE\n{NODES}", "*NODE, INPUT=nodes.txt\n") + HELD, {}),
+    "elements in a file": (
+        f"{HEAD}*ELEMENT, TYPE=C3D8R, ELSET=PLATE, INPUT=elements.txt\n{HELD}", {}),
+    "sets in files": (
+        BODY + "*NSET, NSET=CLAMP, INPUT=clamp.txt\n*ELSET, ELSET=ALL, INPUT=all.txt\n",
+        {"part": "all"}),
+    "more numbers than nodes": (
+        BODY.replace(ELEMENTS, "".join(row.replace("\n", ", 7, 8\n") for row in ROWS)) + HELD, {}),
+    "comments in keywords, CRLF and tabs": (
+        (f"*NODE,\n** here\n NSET=NALL\n{NODES}*ELEMENT,\n type=C3D8,\n** a body\n elset=PLATE\n"
+         + ELEMENTS.replace(", ", ",\t") + HELD).replace("\n", "\r\n"), {}),
+    "files in files, by the folder of the deck": (f"*INCLUDE, INPUT=mesh/all.inp\n{HELD}", {}),
+    "files in files, by the folder of the file": (f"*INCLUDE, INPUT=mesh/near.inp\n{HELD}", {}),
+    "backslashes": (
+        f"*INCLUDE, INPUT=mesh\\nodes.inp\n*INCLUDE, INPUT=mesh\\elements.inp\n{HELD}", {}),
+}  # fmt: skip
+
+
+def plate(folder, deck, **geometry):
+    """A scene of the plate that a deck holds."""
+    (folder / "plate.inp").write_bytes(deck.encode())
+    for name, text in (("nodes", NODES), ("elements", ELEMENTS), ("clamp", CLAMP)):
+        (folder / f"{name}.txt").write_text(text)
+    (folder / "all.txt").write_text("1, 2, 3, 4, 5, 6, 7, 8")
+    (folder / "mesh").mkdir()
+    (folder / "mesh/nodes.inp").write_text(HEAD)
+    (folder / "mesh/elements.inp").write_text(f"*ELEMENT, TYPE=C3D8\n{ELEMENTS}")
+    for name, place in (("all", "mesh/"), ("near", "")):
+        lines = [f"*INCLUDE, INPUT={place}{each}.inp\n" for each in ("nodes", "elements")]
+        (folder / f"mesh/{name}.inp").write_text("".join(lines))
+    file = {"shape": "mesh_file", "file": str(folder / "plate.inp"), "unit": "m", **geometry}
+    body = {"backend": "fe", "geometry": file, "material": {"E": 2e11, "nu": 0.3, "rho": 7800}}
+    body["supports"] = [{"surface": "Clamp" if "NAME=Clamp" in deck else "CLAMP"}]
+    analysis = {"kind": "cea", "max_frequency": 12000}
+    return {"name": "plate", "bodies": {"plate": body}, "analysis": analysis}
+
+
+@pytest.mark.parametrize("name", DECKS)
+def test_one_plate_in_every_spelling(tmp_path, name):
+    deck, geometry = DECKS[name]
+    result = run_modes(read_scene(plate(tmp_path, deck, **geometry)))
+    np.testing.assert_allclose(result.modes.frequencies, FREQUENCIES, rtol=1e-7)
+    told = result.skipped.get("mesh files", "")
+    assert ("8 elements C3D8R" in told) == (name == "more numbers than nodes")
+    assert result.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("deck", "words"),
+    [
+        (f"{BODY}{HELD}*ELEMENT, TYPE=MASS, ELSET=LUMP\n900, 30\n*MASS, ELSET=LUMP\n0.5\n", "MASS"),
+        (f"{BODY}{HELD}*NSET, NSET=OLD\nGONE\n", "GONE"),
+        (f"*INCLUDE, INPUT=mesh/Nodes.inp\n{HELD}", "mesh/Nodes.inp.*capitals"),
+        (f"{BODY}{HELD}*ELSET, ELSET=LUMP\n900\n*ELEMENT, TYPE=MASS\n900, 30\n", "MASS"),
+        (f"*INCLUDE, INPUT=plate.inp\n{HELD}", "include each other"),
+        (f"{PART}plate, LIBRARY=old\n{PLACED}", "LIBRARY=old"),
+        (f"{BODY}{HELD}*IMPERFECTION, FILE=modes, STEP=1\n1, 0.1\n", "IMPERFECTION"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(tmp_path, deck, words):
+    with pytest.raises(SceneError, match=words):
+        read_scene(plate(tmp_path, deck))
+
+
+def test_masses_in_the_set_of_a_body_are_not_lost(tmp_path):
+    deck = f"{BODY}{HELD}*ELSET, ELSET=ALL\nPLATE, 900\n*ELEMENT, TYPE=MASS\n900, 30\n"
+    with pytest.raises(SceneError, match="MASS"):
+        read_scene(plate(tmp_path, deck, part="ALL"))
+
+
+@pytest.mark.parametrize("more", ["2, 30\n", "2, 3, 4, 5\n"])
+def test_nodes_of_a_support_that_make_no_face_are_told(tmp_path, more):
+    result = run_modes(read_scene(plate(tmp_path, BODY + HELD.rstrip() + ", " + more)))
+    np.testing.assert_allclose(result.modes.frequencies, FREQUENCIES, rtol=1e-7)
+    (told,) = result.warnings
+    assert (told.kind, told.data["nodes"]) == ("nodes-left-out", len(more.split(",")))
+    assert told.data["surface"] == "CLAMP"
+
+
+def test_nodes_that_make_no_face_at_all_are_refused(tmp_path):
+    scene = read_scene(plate(tmp_path, BODY + "*NSET, NSET=CLAMP\n1, 6, 30\n"))
+    with pytest.raises(InputError, match="nowhere on the boundary"):
+        run_modes(scene)
+
+
+def test_units_that_do_not_fit_the_metres_of_a_file_are_told(tmp_path):
+    deck = HEAD.replace(NODES, "".join(
+        f"{i}, {1e3 * x}, {1e3 * y}, {1e3 * z}\n" for i, (x, y, z) in enumerate(X, 1)
+    )) + f"*ELEMENT, TYPE=C3D8\n{ELEMENTS}{HELD}"  # fmt: skip
+    for index, (unit, E, rho, high, told) in enumerate((
+        ("mm", 2e11, 7800, 12000, []),
+        ("m", 2e5, 7.8e-9, 12000, []),  # mm, t, s
+        ("mm", 2e5, 7.8e-9, 1.2e7, ["doubtful-units"]),
+    )):  # fmt: skip
+        folder = tmp_path / str(index)
+        folder.mkdir()
+        scene = plate(folder, deck, unit=unit)
+        scene["bodies"]["plate"]["material"] = {"E": E, "nu": 0.3, "rho": rho}
+        scene["analysis"]["max_frequency"] = high
+        result = run_modes(read_scene(scene))
+        assert [warning.kind for warning in result.warnings] == told
+        if not told:
+            np.testing.assert_allclose(result.modes.frequencies, FREQUENCIES, rtol=1e-7)
+
+
+def test_the_last_spelling_is_no_name_of_its_own(tmp_path):
+    """Half of a body is not the body: all elements of both spellings are meant."""
+    (tmp_path / "a.inp").write_text(DECKS["sets of elements spelt in two ways"][0])
+    for part in ("Plate", "PLATE", "plate"):
+        assert MeshFile(str(tmp_path / "a.inp"), "m", part=part).num_cells == 8
