@@ -97,6 +97,7 @@ def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str,
     ``mode`` is the number of a mode, from 1: entry ``mode - 1`` of the list ``eigenvalues``.
     """
     rows = modes.table(growth_threshold)
+    bounded = np.zeros(len(rows), bool) if modes.bounded is None else modes.bounded
     return {
         "unstable_count": sum(row["verdict"] == "unstable" for row in rows),
         "unstable": [
@@ -110,6 +111,7 @@ def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str,
             if row["verdict"] == "unstable"
         ],
         "verdict": modes.verdict(growth_threshold),
+        "hints": modes.hints,
         "window": _window(modes.window),
         "eigenvalues": [
             {
@@ -123,8 +125,9 @@ def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str,
                 "uncertainty": row["uncertainty"],
                 "verdict": row["verdict"],
                 "rigid": row["rigid"],
+                "bounded": bool(cannot),
             }
-            for row, value in zip(rows, modes.eigenvalues, strict=True)
+            for row, value, cannot in zip(rows, modes.eigenvalues, bounded, strict=True)
         ],
     }
 

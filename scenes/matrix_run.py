@@ -10,6 +10,7 @@ from cea.eigen.disc_searches import Solver
 from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
+from cea.eigen.run_window import run_window
 from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
 from cea.petsc import MPI
@@ -167,7 +168,8 @@ class AssembledMatrices:
                 raise InputError(name, getattr(scene, name), allowed)
         timer, window = StageTimer(listener), scene.window
         self._check_mass(scene.values, timer)
-        modes = self._driver.solve(
+        modes = run_window(
+            self._driver,
             window.max_frequency,
             scene.values,
             min_growth=window.min_growth,

@@ -18,7 +18,7 @@ from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.richer import richer_scene
-from scenes.run import coupled, result_of_modes
+from scenes.run import RunOptions, coupled, result_of_modes, run_modes
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 
 
@@ -74,14 +74,16 @@ def estimate_errors(
 ) -> ErrorEstimate:
     """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
 
-    One factorisation of the richer scene, and a block of solves for the right vectors and one for
-    the left ones, two each with damping or rotation; no eigenproblem (:mod:`cea.nested.estimate`).
-    What the contact rule of the richer scene does better is part of the error.
+    Where the left vectors that this takes are missing, the scene is solved once more with them:
+    ``run_modes(scene, left=True)`` saves that. One factorisation of the richer scene, and a block
+    of solves for the right vectors and one for the left ones, two each with damping or rotation;
+    no eigenproblem (:mod:`cea.nested.estimate`). What the contact rule of the richer scene does
+    better is part of the error.
 
     Parameters
     ----------
     result
-        Modes of the scene with left vectors: ``run_modes(scene, left=True)``.
+        Modes of the scene.
     richer
         A richer scene; by default the same with a degree more (:mod:`scenes.richer`).
     steps
@@ -95,11 +97,21 @@ def estimate_errors(
     Raises
     ------
     InputError
-        When modes or their left vectors are missing, or the scenes are not of the same bodies.
+        When there are no modes, or the scenes are not of the same bodies.
     """
     scene = richer if richer is not None else richer_scene(result.scene)
+    own = result.scene
+    one_sided = own.damped or own.rotates or any(each.mu for each in own.contacts.values())
+    if one_sided and result.modes.left is None and len(result.modes):
+        options: RunOptions = {
+            "listener": listener,
+            "bodies": result.bodies,
+            "interfaces": result.interfaces,
+        }
+        result = run_modes(own, left=True, **options)
     with _on(scene, result, listener) as (matrices, step, timer), timer("krylov"):
-        return error_estimate(result.modes, matrices, step, steps=steps, allowed=allowed)
+        found = error_estimate(result.modes, matrices, step, steps=steps, allowed=allowed)
+        return replace(found, growth_threshold=result.analysis.growth_threshold)
 
 
 def eigenvalues_in(

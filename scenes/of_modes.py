@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.classify import RunWord
 from cea.eigen.mode_table import SIGNS, ModeTable, html_table
-from cea.eigen.spectrum import Spectrum, Verdict
+from cea.eigen.spectrum import Spectrum
 from cea.errors import InputError
 from scenes.matrix_scene import MatrixScene
 from scenes.names import backend_name
@@ -57,12 +58,12 @@ class OfModes(ABC):
 
     @property
     def unstable(self) -> NDArray[np.bool_]:
-        """Modes that grow faster than the scene's threshold and their errors explain, (n,)."""
+        """Modes that are called unstable with the scene's threshold, shape (n,)."""
         return self.modes.unstable(self.analysis.growth_threshold)
 
     @property
-    def verdict(self) -> Verdict:
-        """Of the whole window: stable, unstable, or undecided."""
+    def verdict(self) -> RunWord:
+        """The word of the whole window, as :func:`cea.eigen.classify.classify_run` has it."""
         return self.modes.verdict(self.analysis.growth_threshold)
 
     @property
@@ -112,9 +113,13 @@ class OfModes(ABC):
 
     @property
     def summary(self) -> str:
-        """How many modes are unstable, and the verdict, in a line."""
-        headline = self.modes.headline(self.analysis.growth_threshold)
-        return f"{self.scene.name}: {headline}; verdict: {self.verdict}"
+        """How many modes have which word, the threshold and the verdict, in a line."""
+        return f"{self.scene.name}: {self.modes.headline(self.analysis.growth_threshold)}"
+
+    @property
+    def first_lines(self) -> list[str]:
+        """The summary, and a hint where modes grow just above the window."""
+        return [self.summary, *self.modes.hints]
 
     def title(self, index: int) -> str:
         """A mode, by its index, in words: backend, number from 1, frequency and growth rate."""
@@ -135,9 +140,9 @@ class OfModes(ABC):
         return [f"{self.dofs} dofs", evidence, *self.steady_lines(), *warnings]
 
     def __repr__(self) -> str:
-        return "\n".join([self.summary, repr(self.table()), SIGNS, *self._notes()])
+        return "\n".join([*self.first_lines, repr(self.table()), SIGNS, *self._notes()])
 
     def _repr_html_(self) -> str:
         notes = "<br>".join(escape(line) for line in (SIGNS, *self._notes()))
-        summary = f"<p><b>{escape(self.summary)}</b></p>"
-        return f"{summary}{html_table(self.table())}<p>{notes}</p>"
+        first = "<br>".join(escape(line) for line in self.first_lines)
+        return f"<p><b>{first}</b></p>{html_table(self.table())}<p>{notes}</p>"

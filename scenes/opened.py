@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
@@ -211,6 +211,7 @@ class _Eigenvalue(TypedDict):
     residual: float
     condition: float
     uncertainty: float
+    bounded: NotRequired[bool]
 
 
 class _Modes(_Run):
@@ -268,7 +269,12 @@ def _spectrum(data: _Modes, warnings: Iterable[Mapping[str, Any]]) -> Spectrum:
         for name in ("re", "im", "residual", "condition", "uncertainty")
     )
     told = tuple(_checked(_WARNING, warning) for warning in warnings)
-    return Spectrum(re + 1j * im, residual, condition, uncertainty, data["window"], warnings=told)
+    bounded = np.array([value.get("bounded", False) for value in data["eigenvalues"]], dtype=bool)
+    return Spectrum(
+        *(re + 1j * im, residual, condition, uncertainty, data["window"]),
+        bounded=bounded,
+        warnings=told,
+    )
 
 
 def _stress(stress: _Stress) -> StoredStress:

@@ -9,6 +9,7 @@ from cea.contact.interface import Interface
 from cea.eigen.disc_searches import Solver
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
+from cea.eigen.run_window import run_window
 from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.system.contact_stresses import contact_stresses
@@ -148,7 +149,8 @@ def solved(
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
     with storage.kept():
         try:
-            modes = driver.solve(
+            modes = run_window(
+                driver,
                 analysis.max_frequency,
                 values,
                 min_growth=analysis.min_growth,

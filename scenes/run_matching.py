@@ -196,4 +196,4 @@ def _alone(values: Complexes) -> list[dict[str, float]]:
 def _rows(shapes: list[Complexes]) -> Complexes:
     """Displacements of several surfaces, a row for each component of each point."""
     every = np.concatenate(shapes)
-    return every.reshape(-1, every.shape[-1])
+    return every.reshape(len(every) * every.shape[1], every.shape[-1])

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.classify import classify
 from cea.eigen.thresholds import Threshold, ThresholdDriver, names_of
 from cea.errors import ConvergenceError, InputError
 
@@ -72,12 +73,12 @@ def growth_threshold(
             values[np.argmax(values.real)] if len(values) else -2 * np.pi * max_frequency
         )
 
-    for name, value, sign in (("stable", stable, -1), ("unstable", unstable, 1)):
+    for name, value in (("stable", stable), ("unstable", unstable)):
         values, uncertainties = at(value)
-        sure = sign * values.real - uncertainties > 0
-        if not (sure.all() if sign < 0 else sure.any()):
-            word = "every mode decays" if sign < 0 else "a mode grows"
-            raise InputError(name, value, f"a value of {told} at which {word}")
+        words = classify(values.real, uncertainties, 0.0, False)
+        if not (set(words) <= {"stable"} if name == "stable" else name in words):
+            needed = "every mode decays" if name == "stable" else "a mode grows"
+            raise InputError(name, value, f"a value of {told} at which {needed}")
     scale = max(abs(stable), abs(unstable))
     value = float(brentq(lambda each: fastest(each).real, stable, unstable, xtol=tolerance * scale))
     return Threshold(

@@ -301,6 +301,10 @@ class KrylovSchur:
         """Whether the pencil is damped or rotates at given parameters."""
         return self._kept.matrices(self.pencil.values(changes)).quadratic
 
+    def conservative(self, changes: Mapping[str, float] | None = None) -> bool:
+        """Whether there is neither friction nor damping at given parameters."""
+        return self._kept.matrices(self.pencil.values(changes)).conservative
+
     def mass(self, values: Mapping[str, float]) -> Any:
         """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
         return self._kept.matrices(self.pencil.values(values)).mass

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from cea.errors import InputError
 
-MARKS = {"unstable": "▲", "undecided": "◆", "stable": ""}
-"""What stands beside a mode, by its verdict."""
+MARKS: dict[str, str] = {"unstable": "▲", "grows slowly": "△", "undecided": "◆"}
+"""What stands beside a mode, or a run, by its word; nothing beside others."""
 SIGNS = (
-    "▲ unstable, ◆ undecided; a growth rate Re lambda above 0 grows, and so does a damping ratio "
-    "-Re lambda / |lambda| below 0"
+    "▲ unstable, △ grows slowly, ◆ undecided; growth rate Re lambda, damping ratio "
+    "-Re lambda / |lambda|; errors are algebraic (residual and rounding): cea converge tells those "
+    "of the mesh"
 )
 """Marks and signs in words."""
 TITLES = {
@@ -29,7 +30,7 @@ TITLES = {
     "growth_rate": "growth rate (1/s)",
     "damping_ratio": "damping ratio",
     "verdict": "verdict",
-    "uncertainty": "uncertainty (1/s)",
+    "uncertainty": "algebraic error (1/s)",
     "residual": "residual",
     "condition": "condition",
 }
@@ -41,7 +42,7 @@ _RATIO = 1e-3
 """Damping ratio below which four do."""
 _FEWEST, _MOST = 3, 9
 """Digits after the point of frequencies (Hz)."""
-_COLOURS = {"unstable": "#c0392b", "undecided": "#9a6700"}
+_COLOURS = {"unstable": "#c0392b", "grows slowly": "#b3541e", "undecided": "#9a6700"}
 """Of rows in HTML."""
 
 
@@ -102,7 +103,7 @@ def shown_cells(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
             "frequency": f"{row['frequency']:.{places}f}",
             "growth_rate": growth_text(row["growth_rate"]),
             "damping_ratio": ratio_text(row["damping_ratio"]),
-            "verdict": f"{row['verdict']}, rigid" if row["rigid"] else row["verdict"],
+            "verdict": row["verdict"],
             "uncertainty": f"{row['uncertainty']:.1e}",
             "residual": f"{row['residual']:.1e}",
             "condition": f"{row['condition']:.1f}",
@@ -127,7 +128,7 @@ def aligned(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Lines of a table of modes: its headings, and a line for each mode with its mark."""
     cells = [list(TITLES.values()), *(list(row.values()) for row in shown_cells(rows))]
     widths = [max(len(line[i]) for line in cells) for i in range(len(TITLES))]
-    marks = [" ", *(MARKS[row["verdict"]] or " " for row in rows)]
+    marks = [" ", *(MARKS.get(row["verdict"], " ") for row in rows)]
     return [
         "  ".join([mark, *(text.rjust(width) for text, width in zip(line, widths, strict=True))])
         for mark, line in zip(marks, cells, strict=True)
@@ -141,7 +142,7 @@ def html_table(rows: Sequence[Mapping[str, Any]]) -> str:
     for row, cells in zip(rows, shown_cells(rows), strict=True):
         colour = _COLOURS.get(row["verdict"])
         style = f' style="color:{colour};font-weight:bold"' if colour else ""
-        parts = [MARKS[row["verdict"]], *(escape(text) for text in cells.values())]
+        parts = [MARKS.get(row["verdict"], ""), *(escape(text) for text in cells.values())]
         lines.append(f"<tr{style}>{''.join(f'<td>{part}</td>' for part in parts)}</tr>")
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
 

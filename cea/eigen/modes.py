@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.classify import cannot_grow
 from cea.eigen.eigenpairs import Eigenpairs
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.sensitivity import LeftVectors, derivatives
@@ -53,7 +54,8 @@ class Modes(Spectrum):
             residuals=self.residuals[modes],
             conditions=self.conditions[modes],
             growth_uncertainties=self.growth_uncertainties[modes],
-            vectors=self.vectors[:, modes],
+            bounded=None if self.bounded is None else self.bounded[modes],
+            vectors=_columns(self.vectors, modes),
             forces=self.forces[:, modes],
             left=self.left[modes] if self.left is not None else None,
         )
@@ -126,6 +128,7 @@ def modes_of(
         residuals=pairs.residuals[order],
         conditions=conditions[order],
         growth_uncertainties=uncertainties_of(eigenvalues, errors)[order],
+        bounded=cannot_grow(pairs.kappa, errors, symmetric=matrices.symmetric)[order],
         vectors=_columns(pairs.vectors, order),
         forces=pairs.forces[:, order],
         left=left[order] if left is not None else None,

@@ -102,6 +102,11 @@ class Matrices:
         return not unsymmetric and (self.multipliers is None or self.multipliers.symmetric)
 
     @property
+    def conservative(self) -> bool:
+        """True without friction, circulatory pieces and damping: rotation may be there."""
+        return self.symmetric and self.damping is None and self.low_rank is None
+
+    @property
     def quadratic(self) -> bool:
         """True with damping or rotation: the problem is not linear in kappa = -lambda^2."""
         return not (self.damping is None and self.gyroscopic is None and self.low_rank is None)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, times
+from cea.eigen.classify import cannot_grow
 from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
 from cea.eigen.modes import Modes, refuse_what_is_lost, warnings_of
 from cea.eigen.pencil import Matrices, Pencil
@@ -283,6 +284,9 @@ def _modes_of(
     eigenvalues = np.where(real, eigenvalues.real, eigenvalues)
     inside = (eigenvalues.imag >= 0) & (eigenvalues.imag <= window.upper)
     inside &= eigenvalues.real >= window.min_growth
+    bounded = np.zeros(len(eigenvalues), dtype=bool)
+    if matrices.conservative:
+        bounded = cannot_grow(-1j * eigenvalues, uncertainties, symmetric=False)
     order: Any = np.lexsort((eigenvalues.real, eigenvalues.imag))
     order = order[inside[order]]
     modes = Modes(
@@ -290,6 +294,7 @@ def _modes_of(
         residuals=pairs.residuals[order],
         conditions=np.maximum(2 * np.abs(eigenvalues) * slopes, 1.0)[order],
         growth_uncertainties=uncertainties[order],
+        bounded=bounded[order],
         vectors=pairs.vectors[:, order],
         forces=pairs.forces[:, order],
         left=left[order] if left is not None else None,

@@ -2,21 +2,19 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.classify import RunWord, Word, classify, classify_run, counted_words, thresholds
 from cea.eigen.mode_table import SIGNS, ModeTable, aligned
 from cea.warned import ResultWarning
 
-Verdict = Literal["stable", "unstable", "undecided"]
-
-RELATIVE_GROWTH = 1e-4
-"""Growth rate relative to abs(lambda) above which a mode is called unstable by default."""
 SLOW = 0.1
-"""Modes slower than this part of the window are judged by it: rigid motions have no speed."""
+"""Errors of modes slower than this part of the window are relative to it: rigid motions have no
+speed."""
 _TRUSTED = 1e-2
 """Uncertainty of lambda, relative likewise, up to which a mode is trusted."""
 
@@ -54,6 +52,11 @@ class Window:
     slices
         Shifts from which most of the eigenvalues were found, where there are very many
         (:mod:`cea.eigen.slices`); 0 where one shift found them.
+    growing_above
+        Frequency (Hz) and growth rate (1/s) of modes up to 5 percent above the window's end whose
+        growth is above their errors.
+    lowest
+        Frequency (Hz) of the lowest mode above an empty window, where it was found.
     """
 
     max_frequency: float
@@ -68,6 +71,8 @@ class Window:
     found_below: int
     symmetric_count: int | None
     slices: int = field(default=0, kw_only=True)
+    growing_above: tuple[tuple[float, float], ...] = field(default=(), kw_only=True)
+    lowest: float | None = field(default=None, kw_only=True)
 
     @property
     def complete(self) -> bool:
@@ -75,6 +80,12 @@ class Window:
         if self.symmetric_count is not None:
             return self.found_below == self.symmetric_count
         return self.bounded and not self.odd
+
+    @property
+    def missing(self) -> bool:
+        """Whether a mode is known to be missing."""
+        counted = self.symmetric_count
+        return self.odd or (counted is not None and self.found_below != counted)
 
     @property
     def evidence(self) -> str:
@@ -117,6 +128,9 @@ class Spectrum:
         (1/s), shape (n,).
     window
         What was searched.
+    bounded
+        Modes that cannot grow for the structure of the problem, shape (n,), as
+        :func:`cea.eigen.classify.cannot_grow` says; None where that is not known of any.
     warnings
         What they must be read with.
     """
@@ -126,6 +140,7 @@ class Spectrum:
     conditions: Floats
     growth_uncertainties: Floats
     window: Window
+    bounded: NDArray[np.bool_] | None = field(default=None, kw_only=True)
     warnings: tuple[ResultWarning, ...] = field(default=(), kw_only=True)
 
     def __len__(self) -> int:
@@ -159,7 +174,7 @@ class Spectrum:
 
     @property
     def slowest(self) -> float:
-        """Tenth of the window (1/s): what slower modes are judged by, or zero without window.
+        """Tenth of the window (1/s): what errors of slower modes are relative to, else zero.
 
         Rigid motions have lambda = 0 but for rounding, and no speed of their own.
         """
@@ -182,32 +197,29 @@ class Spectrum:
         Parameters
         ----------
         threshold
-            The same for all (1/s); None takes 1e-4 of :attr:`speeds`.
+            The same for all (1/s); None takes 1e-4 of abs(lambda) of each.
         """
-        if threshold is None:
-            return RELATIVE_GROWTH * self.speeds
-        return np.full(len(self), float(threshold))
+        return thresholds(self.eigenvalues, threshold)
 
     def unstable(self, threshold: float | None = None) -> NDArray[np.bool_]:
-        """Modes that grow faster than a threshold whatever their errors, shape (n,)."""
-        return self.growth_rates - self.growth_uncertainties > self.thresholds(threshold)
+        """Modes that are called unstable, shape (n,)."""
+        return np.array([word == "unstable" for word in self.verdicts(threshold)], dtype=bool)
 
-    def verdicts(self, threshold: float | None = None) -> list[Verdict]:
-        """For each mode whether it is stable, unstable, or its errors leave that open."""
-        limits = self.thresholds(threshold)
-        above = self.growth_rates - self.growth_uncertainties > limits
-        below = self.trusted & (self.growth_rates + self.growth_uncertainties <= limits)
-        return [
-            "unstable" if grows else "stable" if decays else "undecided"
-            for grows, decays in zip(above.tolist(), below.tolist(), strict=True)
-        ]
+    def verdicts(self, threshold: float | None = None) -> list[Word]:
+        """The word of each mode, with its algebraic error (:func:`cea.eigen.classify.classify`)."""
+        return classify(
+            self.growth_rates,
+            self.growth_uncertainties,
+            self.thresholds(threshold),
+            np.zeros(len(self), dtype=bool) if self.bounded is None else self.bounded,
+            self.rigid,
+        )
 
-    def verdict(self, threshold: float | None = None) -> Verdict:
-        """Of the whole window: stable only where it is complete and every mode is stable."""
+    def verdict(self, threshold: float | None = None) -> RunWord:
+        """The word of the whole window (:func:`cea.eigen.classify.classify_run`)."""
+        window = self.window
         each = self.verdicts(threshold)
-        if "unstable" in each:
-            return "unstable"
-        return "stable" if self.window.complete and "undecided" not in each else "undecided"
+        return classify_run(each, complete=window.complete, missing=window.missing)
 
     def table(self, threshold: float | None = None) -> ModeTable:
         """A row for each mode: its number from 1, frequency (Hz), growth rate (1/s), errors.
@@ -234,14 +246,30 @@ class Spectrum:
         return ModeTable(dict(zip(columns, row, strict=True)) for row in rows)
 
     def headline(self, threshold: float | None = None) -> str:
-        """How many modes are unstable, undecided and rigid, in words."""
-        each, rigid = self.verdicts(threshold), int(self.rigid.sum())
-        counts = [(each.count("undecided"), "undecided"), (rigid, "rigid")]
-        line = f"{each.count('unstable')} of {len(self)} modes up to "
-        line += f"{self.window.max_frequency:g} Hz unstable"
-        return ", ".join([line, *(f"{count} {name}" for count, name in counts if count)])
+        """How many modes have which word, the threshold that decided, and the run's word."""
+        window, word = self.window, self.verdict(threshold)
+        top = f"{window.max_frequency:g} Hz"
+        if not len(self):
+            near = "" if window.lowest is None else f"; the lowest is near {window.lowest:.5g} Hz"
+            return f"no modes below {top}{near}"
+        counts = counted_words(self.verdicts(threshold), self.growth_rates.tolist(), threshold)
+        modes = "mode" if len(self) == 1 else "modes"
+        line = f"{len(self)} {modes} up to {top}: {counts}; verdict: {word}"
+        if word == "no unstable mode found":
+            line += f" up to a growth rate of {window.max_growth:.4g} 1/s"
+        return line
+
+    @property
+    def hints(self) -> list[str]:
+        """What to know of modes just above the window, a line where some grow there."""
+        above = self.window.growing_above
+        if not above:
+            return []
+        modes = "a mode grows" if len(above) == 1 else f"{len(above)} modes grow"
+        told = ", ".join(f"{growth:+.3g} 1/s at {frequency:.6g} Hz" for frequency, growth in above)
+        return [f"hint: {modes} just above the end of the window: {told}"]
 
     def text(self, threshold: float | None = None) -> str:
-        """How many modes are unstable, and all of them in a table with marks."""
+        """The headline, and all modes in a table with marks."""
         lines = aligned(self.table(threshold))
-        return "\n".join([self.headline(threshold), *lines, SIGNS])
+        return "\n".join([self.headline(threshold), *self.hints, *lines, SIGNS])

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.classify import Word, classify, thresholds
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Matrices
-from cea.eigen.spectrum import Verdict
 from cea.errors import InputError
 from cea.nested.approximation import Approximation
 from cea.nested.block_steps import BlockSteps, middle_shift
@@ -51,6 +51,8 @@ class ErrorEstimate:
         Whether it is symmetric and undamped: nothing flutters.
     dofs
         Unknowns of the richer space.
+    growth_threshold
+        Growth rate (1/s) above which a mode is called unstable; None takes 1e-4 of abs(lambda).
     """
 
     eigenvalues: Complexes
@@ -61,6 +63,7 @@ class ErrorEstimate:
     damped: bool
     symmetric: bool
     dofs: int
+    growth_threshold: float | None = None
 
     @property
     def errors(self) -> Floats:
@@ -78,34 +81,25 @@ class ErrorEstimate:
         return np.abs(self.corrected.real - self.eigenvalues.real)
 
     @property
-    def verdicts(self) -> list[Verdict]:
-        """For each mode whether it grows, as far as its error decides that.
+    def verdicts(self) -> list[Word]:
+        """The word of each mode, with its estimated error (:func:`cea.eigen.classify.classify`).
 
         Without damping a mode whose kappa is real, and apart from all others beyond their errors,
         cannot grow; a pair that nearly meets is decided by the sign of its splitting. Without
         friction nothing grows.
         """
-        verdicts: list[Verdict] = ["undecided"] * len(self.eigenvalues)
-        for cluster in self.clusters:
-            for member in cluster.members.tolist():
-                verdicts[member] = self._verdict(member, cluster)
-        return verdicts
-
-    def _verdict(self, mode: int, cluster: Cluster) -> Verdict:
-        growth, size = self.corrected[mode].real, len(cluster.members)
-        if self.symmetric:
-            return "stable"
-        if not self.damped:
-            if size == 2 and cluster.meets:
-                if not cluster.decided:
-                    return "undecided"
-                return "unstable" if cluster.flutters and growth > 0 else "stable"
-            if size == 1 and growth == 0:
-                return "stable"
-        bar = self.growth_errors[mode] + self.remaining[mode] + self.uncertainties[mode]
-        if abs(growth) <= bar:
-            return "undecided"
-        return "unstable" if growth > 0 else "stable"
+        bars = self.growth_errors + self.remaining + self.uncertainties
+        bounded = np.full(len(bars), self.symmetric)
+        for cluster in () if self.damped or self.symmetric else self.clusters:
+            members = cluster.members
+            if len(members) == 2 and cluster.meets:
+                bars[members] = 0.0 if cluster.decided else np.inf
+                bounded[members] = cluster.decided and not cluster.flutters
+            elif len(members) == 1:
+                bounded[members] = self.corrected[members].real == 0
+        rigid = np.abs(self.eigenvalues) <= self.uncertainties
+        limits = thresholds(self.corrected, self.growth_threshold)
+        return classify(self.corrected.real, bars, limits, bounded, rigid)
 
 
 def error_estimate(

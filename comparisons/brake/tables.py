@@ -139,7 +139,7 @@ def unstable_table(data: Data) -> Table:
         Column("frequency", "frequency", decimals(1), "Hz"),
         Column("growth", "growth rate", shown(4), "1/s"),
         Column("damping_ratio", "damping ratio", shown(3)),
-        Column("uncertainty", "uncertainty", shown(1), "1/s"),
+        Column("uncertainty", "algebraic error", shown(1), "1/s"),
     )
     return Table("brake_unstable", "Unstable pairs up to the end of the window.", columns, rows)
 

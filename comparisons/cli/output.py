@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 console = Console(highlight=False)
 
-_COLOURS = {"unstable": "bold red", "undecided": "yellow", "stable": None}
+_COLOURS = {"unstable": "bold red", "grows slowly": "red", "undecided": "yellow"}
 _FIRST = ("mode", "frequency", "growth_rate", "damping_ratio", "verdict")
 """Columns of modes, the most important first; others follow where the terminal has room."""
 _NEEDED = 3
@@ -105,8 +105,10 @@ def _print_modes(result: "ModesResult | MatrixResult", to: Console) -> None:
 
     rows = result.table()
     texts = shown_cells(rows)
-    summary = " ".join(part for part in (MARKS[result.verdict], result.summary) if part)
-    say(to, summary, _COLOURS[result.verdict])
+    summary = f"{MARKS.get(result.verdict, '')} {result.summary}".strip()
+    say(to, summary, _COLOURS.get(result.verdict))
+    for hint in result.modes.hints:
+        say(to, hint, "yellow")
     for index in result.most_unstable(len(rows)) if result.unstable.any() else ():
         cells = texts[index]
         say(
@@ -115,15 +117,18 @@ def _print_modes(result: "ModesResult | MatrixResult", to: Console) -> None:
             f"{cells['growth_rate']} 1/s, damping ratio {cells['damping_ratio']}",
             _COLOURS["unstable"],
         )
+    if not rows:
+        say(to, f"window: {result.modes.window.evidence}")
+        return
     names = [*_FIRST, *(name for name in TITLES if name not in _FIRST)]
-    marks = ShownColumn("", [MARKS[row["verdict"]] for row in rows], number=False)
+    marks = ShownColumn("", [MARKS.get(row["verdict"], "") for row in rows], number=False)
     columns = [
         ShownColumn(TITLES[name], [line[name] for line in texts], name != "verdict")
         for name in names
     ]
     shown = _fitting([marks, *columns], width_of(to))
     (block,) = blocks(shown, None)
-    _print(block.table(styles=[_COLOURS[row["verdict"]] for row in rows]), to)
+    _print(block.table(styles=[_COLOURS.get(row["verdict"]) for row in rows]), to)
     left_out = [TITLES[name] for name in names[len(shown) - 1 :]]
     if left_out:
         say(to, f"no room for: {', '.join(left_out)} (in result.json)")

@@ -143,6 +143,7 @@ def _map(asked: Any, out: Path) -> None:
         page = new.final(write_result(found, rows, new.part))
     store.discard()
     typer.echo(headline(found))
+    typer.echo(found["words"])
     print_table(summary_table(found))
     print_table(thresholds_table(found))
     print_warnings(found["warnings"])

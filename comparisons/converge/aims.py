@@ -5,9 +5,10 @@ from math import inf, log, tau
 import numpy as np
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.classify import GROWING, thresholds
 from comparisons.converge.bars import SAFETY
 from comparisons.converge.following import Sequence
-from comparisons.converge.judged import SLOW_GROWTH, Judged, frequency_shortfall, shortfall
+from comparisons.converge.judged import Judged, frequency_shortfall, shortfall
 from comparisons.converge.leanest import Wanted
 from comparisons.converge.parts import Parts, taken_off
 from comparisons.converge.quantities import Member
@@ -31,7 +32,7 @@ def is_asked(member: Member, request: Request, scene: Scene) -> bool:
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
     if member.value.imag > tau * analysis.max_frequency:
         return False
-    return not (request.unstable and member.verdict == "stable")
+    return not (request.unstable and member.verdict in ("stable", "rigid"))
 
 
 def need_of(member: Member, request: Request, scene: Scene) -> float:
@@ -160,7 +161,7 @@ def _of_splitting(
     omega, growth = abs(member.value.imag), abs(member.value.real)
     if parts.damped:
         return None
-    if member.verdict == "unstable" or (member.value.real > 0 and not known):
+    if member.verdict in GROWING or (member.value.real > 0 and not known):
         scale = _scale_of_growth(np.array(member.value), scene)
         if modes is None or not known:
             modes, of_lambda = None, parts.of_mean(None)
@@ -184,6 +185,5 @@ def _scale_of_growth(eigenvalues: Complexes, scene: Scene) -> Floats:
     """Growth rates (1/s) that digits of growth are relative to, of the shape of the eigenvalues."""
     analysis = scene.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
-    floor = analysis.growth_threshold
-    slow = SLOW_GROWTH * np.abs(eigenvalues) if floor is None else floor
-    return np.maximum(np.abs(eigenvalues.real), slow)
+    slow = thresholds(np.atleast_1d(eigenvalues), analysis.growth_threshold)
+    return np.maximum(np.abs(eigenvalues.real), slow.reshape(np.shape(eigenvalues)))

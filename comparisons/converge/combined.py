@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from cea.eigen.classify import GROWING, Word
 from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.spectrum import Verdict
 from comparisons.converge.following import Sequence, matched
 from comparisons.converge.judged import Judged, frequency_of
 from comparisons.converge.quantities import Member
@@ -135,7 +135,7 @@ def _mode(
         frequency <= a.frequency_bar + b.frequency_bar and growth <= a.growth_bar + b.growth_bar
     )
     verdicts = {a.verdict, b.verdict}
-    verdict: Verdict = best.verdict
+    verdict: Word = best.verdict
     if not agree:
         best = replace(
             best,
@@ -143,6 +143,6 @@ def _mode(
             growth_bar=max(best.growth_bar, growth),
         )
         verdict = best.verdict if len(verdicts) == 1 else "undecided"
-    elif {"stable", "unstable"} <= verdicts:
+    elif "stable" in verdicts and not verdicts.isdisjoint(GROWING):
         verdict = "undecided"
     return Mode(backend, replace(best, verdict=verdict), members, agree, changed)

@@ -6,6 +6,7 @@ from math import log10, tau
 import numpy as np
 
 from cea.arrays import Ints
+from cea.eigen.classify import GROWING, thresholds
 from cea.eigen.eigenvalue_matching import connected
 from comparisons.converge.following import Cluster, Sequence, clusters
 from comparisons.converge.histories import Window, window_of
@@ -15,8 +16,6 @@ from scenes.read import Scene
 
 _ROUNDS = 4
 """Times that clusters are widened at most."""
-SLOW_GROWTH = 1e-4
-"""Growth rate relative to abs(lambda) up to which its digits are not asked for but its size is."""
 
 
 @dataclass(frozen=True)
@@ -54,14 +53,17 @@ def judge(sequence: Sequence, scene: Scene) -> Judged:
     """
     damped = scene.damped or scene.rotates
     grows = damped or any(contact.mu for contact in scene.contacts.values())
+    assert scene.analysis.kind == "cea"
+    threshold = scene.analysis.growth_threshold
     joined: list[Ints] = []
     for _ in range(_ROUNDS):
         found = clusters(sequence, joined)
         window = window_of(found, sequence, damped=damped)
         members: list[Member | None] = [None] * len(sequence.last.eigenvalues)
         for cluster in found:
-            options = {"damped": damped, "grows": grows}
-            of_cluster = members_of(cluster, sequence, window, **options)
+            of_cluster = members_of(
+                cluster, sequence, window, damped=damped, grows=grows, threshold=threshold
+            )
             for number, member in zip(cluster.newest, of_cluster, strict=True):
                 members[number] = member
         known = [member for member in members if member is not None]
@@ -99,9 +101,9 @@ def shortfall(member: Member, request: Request, threshold: float | None) -> floa
         Growth rate (1/s) below which errors are relative to it; None takes 1e-4 of abs(lambda).
     """
     of_frequency = frequency_shortfall(member, request)
-    if member.rigid or member.verdict != "unstable":
+    if member.verdict not in GROWING:
         return of_frequency
-    floor = SLOW_GROWTH * abs(member.value) if threshold is None else threshold
+    floor = thresholds(np.array([member.value]), threshold)[0]
     scale = max(abs(member.value.real), floor)
     return float(max(of_frequency, member.growth_bar / (request.growth_tolerance * scale)))
 

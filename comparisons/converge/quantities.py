@@ -11,8 +11,8 @@ from math import inf, sqrt
 
 import numpy as np
 
-from cea.eigen.spectrum import Verdict
-from comparisons.converge.bars import Bar, bar
+from cea.eigen.classify import Word, classify, thresholds
+from comparisons.converge.bars import bar
 from comparisons.converge.following import Cluster, Sequence
 from comparisons.converge.histories import History, Window, history_of
 
@@ -31,7 +31,7 @@ class Member:
     frequency_bar, growth_bar
         Errors of Im lambda and of Re lambda (1/s).
     verdict
-        Sign of its growth, as far as the bars decide it.
+        Its word, with the bar of its growth as error (:func:`cea.eigen.classify.classify`).
     rate
         Observed order over that of theory; None where none is seen.
     levels
@@ -43,14 +43,20 @@ class Member:
     value: complex
     frequency_bar: float
     growth_bar: float
-    verdict: Verdict
+    verdict: Word
     rate: float | None
     levels: int
     rigid: bool = False
 
 
 def members_of(
-    cluster: Cluster, sequence: Sequence, window: Window, *, damped: bool, grows: bool
+    cluster: Cluster,
+    sequence: Sequence,
+    window: Window,
+    *,
+    damped: bool,
+    grows: bool,
+    threshold: float | None = None,
 ) -> list[Member]:
     """The modes of a cluster with their bars, in the order of :attr:`Cluster.newest`.
 
@@ -66,29 +72,33 @@ def members_of(
         Whether lambda itself is followed, not its square.
     grows
         Whether anything can grow: something damps, rotates or rubs.
+    threshold
+        Growth rate (1/s) above which a mode is called unstable; None takes 1e-4 of abs(lambda).
     """
     history = history_of(cluster, sequence)
     if history.rigid:
         return _rigid(history)
     if damped:
-        return _each(history, window, of_squares=False)
+        return _each(history, window, threshold, of_squares=False)
     if not grows:
-        return _each(history, window, of_squares=True)
+        return _each(history, window, threshold, of_squares=True)
     if len(cluster.newest) == 2:
-        return _pair(history, window)
-    return _undamped(history, window)
+        return _pair(history, window, threshold)
+    return _undamped(history, window, threshold)
 
 
 def _rigid(history: History) -> list[Member]:
     """Motions that nothing holds: every mesh has them, and lambda = 0 but for rounding."""
     bars = np.abs(history.values[-1]) + history.rounding
     return [
-        Member(complex(value), bar, bar, "stable", None, len(history.values), rigid=True)
+        Member(complex(value), bar, bar, "rigid", None, len(history.values), rigid=True)
         for value, bar in zip(history.values[-1], bars.tolist(), strict=True)
     ]
 
 
-def _each(history: History, window: Window, *, of_squares: bool) -> list[Member]:
+def _each(
+    history: History, window: Window, threshold: float | None, *, of_squares: bool
+) -> list[Member]:
     """Members one by one; undamped and without friction none of them grows."""
     found = []
     for column, rounding in zip(history.values.T, history.rounding, strict=True):
@@ -96,17 +106,17 @@ def _each(history: History, window: Window, *, of_squares: bool) -> list[Member]
         usual = history.usual(window) * abs(value)
         frequency = bar(column.imag.tolist(), history.positions, window.rate, rounding, usual)
         if of_squares:
-            found.append(
-                Member(1j * value.imag, frequency.size, 0.0, "stable", frequency.rate, count)
-            )
+            value = 1j * value.imag
+            word = _word(value, 0.0, threshold, bounded=True)
+            found.append(Member(value, frequency.size, 0.0, word, frequency.rate, count))
             continue
         growth = bar(column.real.tolist(), history.positions, window.rate, rounding, usual)
-        verdict = sign_of(value.real, growth.size)
-        found.append(Member(value, frequency.size, growth.size, verdict, frequency.rate, count))
+        word = _word(value, growth.size, threshold)
+        found.append(Member(value, frequency.size, growth.size, word, frequency.rate, count))
     return found
 
 
-def _undamped(history: History, window: Window) -> list[Member]:
+def _undamped(history: History, window: Window, threshold: float | None) -> list[Member]:
     """Members of clusters other than pairs, by their lambda^2.
 
     One alone is stable: without damping a mode grows only beside a partner that decays. Where more
@@ -125,20 +135,17 @@ def _undamped(history: History, window: Window) -> list[Member]:
         )
         error = _root_error(value**2, squares.size)
         still = bool(np.all(column.real == 0))
-        if alone and still and np.isfinite(error):
-            member = Member(value, error, 0.0, "stable", squares.rate, len(column))
-        else:
-            verdict = sign_of(value.real, error)
-            member = Member(value, error, error, verdict, squares.rate, len(column))
-        found.append(member)
+        bounded = bool(alone and still and np.isfinite(error))
+        word = _word(value, error, threshold, bounded=bounded)
+        of_growth = 0.0 if bounded else error
+        found.append(Member(value, error, of_growth, word, squares.rate, len(column)))
     return found
 
 
-def sign_of(growth: float, error: float) -> Verdict:
-    """Whether a growth rate is above zero, below it, or either."""
-    if growth > error:
-        return "unstable"
-    return "stable" if growth < -error else "undecided"
+def _word(value: complex, bar: float, threshold: float | None, *, bounded: bool = False) -> Word:
+    """The word of one mode whose growth has an error bar."""
+    limits = thresholds(np.array([value]), threshold)
+    return classify(value.real, bar, limits, bounded)[0]
 
 
 def _root_error(square: complex, error: float) -> float:
@@ -149,7 +156,7 @@ def _root_error(square: complex, error: float) -> float:
     return sqrt(size) - sqrt(size - error) if error < size else sqrt(size + error)
 
 
-def _pair(history: History, window: Window) -> list[Member]:
+def _pair(history: History, window: Window, threshold: float | None) -> list[Member]:
     """A pair by its mean and its squared splitting."""
     squares = history.values**2
     mean = squares.mean(axis=1)
@@ -171,45 +178,31 @@ def _pair(history: History, window: Window) -> list[Member]:
         2 * sqrt(abs(last)) * of_member + of_member**2,
         history.usual_splitting(window) * 4 * size * sqrt(abs(last)),
     )
-    apart = sqrt(abs(last))
     error = _root_error(last, of_splitting.size)
-    if abs(last) <= of_splitting.size:
-        verdicts: tuple[Verdict, Verdict] = ("undecided", "undecided")
-    elif last > 0:
-        verdicts = ("stable", "stable")
-    else:
-        verdicts = ("unstable", "stable")
+    rate = min((r for r in (of_mean.rate, of_splitting.rate) if r is not None), default=None)
     members = []
-    values = history.values[-1]
-    for value in values:
-        verdict = verdicts[0] if value.real >= 0 else verdicts[1]
-        members.append(_of_pair(complex(value), of_mean, of_splitting, (apart, error), verdict))
-    return [
-        Member(m.value, m.frequency_bar, m.growth_bar, m.verdict, m.rate, len(history.positions))
-        for m in members
-    ]
+    for value in history.values[-1].tolist():
+        of_frequency, of_growth = _bars_of_member(value, of_mean.size, error)
+        is_open = abs(last) <= of_splitting.size
+        if is_open:  # the sign of the splitting is not known: nothing is known of growth
+            speed = max(abs(value), np.finfo(float).tiny)
+            of_frequency, of_growth = (of_mean.size + error) / (2 * speed), error / (2 * speed)
+        still = not is_open and value.real == 0
+        word = _word(value, inf if is_open else of_growth, threshold, bounded=still)
+        members.append(Member(value, of_frequency, of_growth, word, rate, len(history.positions)))
+    return members
 
 
-def _of_pair(
-    value: complex,
-    of_mean: Bar,
-    of_splitting: Bar,
-    splitting: tuple[float, float],
-    verdict: Verdict,
-) -> Member:
-    """A member of a pair: lambda^2 = m +- sqrt(s), so 2 lambda dlambda = dm +- d sqrt(s)."""
-    _, error = splitting
-    speed = max(abs(value), np.finfo(float).tiny)
-    by_mean, by_splitting = of_mean.size / (2 * speed), error / (2 * speed)
-    rates = [rate for rate in (of_mean.rate, of_splitting.rate) if rate is not None]
-    rate = min(rates, default=None)
-    undecided = verdict == "undecided"
-    if undecided:
-        return Member(value, by_mean + by_splitting, by_splitting, verdict, rate, 0)
-    if value.real == 0:
-        return Member(value, by_mean + by_splitting, 0.0, verdict, rate, 0)
-    # Of a pair that flutters lambda = (g + i w): m = g^2 - w^2, sqrt(-s) = 2 g w.
+def _bars_of_member(value: complex, of_mean: float, of_root: float) -> tuple[float, float]:
+    """Bars of Im and Re lambda, lambda^2 = m +- sqrt(s), from those of m and of sqrt(s)."""
     growth, frequency = abs(value.real), abs(value.imag)
-    of_frequency = (frequency * of_mean.size + growth * error) / (2 * speed**2)
-    of_growth = (frequency * error + growth * of_mean.size) / (2 * speed**2)
-    return Member(value, of_frequency, of_growth, verdict, rate, 0)
+    speed = max(abs(value), np.finfo(float).tiny)
+    if growth == 0:
+        return (of_mean + of_root) / (2 * speed), 0.0
+    if frequency == 0:
+        return 0.0, (of_mean + of_root) / (2 * speed)
+    # Of a pair that flutters lambda = (g + i w): m = g^2 - w^2, sqrt(-s) = 2 g w.
+    return (
+        (frequency * of_mean + growth * of_root) / (2 * speed**2),
+        (frequency * of_root + growth * of_mean) / (2 * speed**2),
+    )

@@ -3,6 +3,7 @@
 from math import floor, isfinite, log10
 from typing import Any
 
+from cea.eigen.classify import threshold_text
 from comparisons.converge.request import half_unit
 from comparisons.kit.interactive import sign
 from comparisons.kit.numbers import MISSING, decimals, number, shown
@@ -45,8 +46,9 @@ def modes_table(data: Data) -> Table:
         )
     return Table(
         "modes",
-        "Modes with error bars. The verdict is on the sign of growth: undecided where its bar "
-        "holds zero.",
+        "Modes with error bars. Unstable: growth above its bar and above the "
+        f"{threshold_text(data.get('growth_threshold'))}; it grows slowly above its bar alone; "
+        "undecided where its bar holds zero.",
         (
             Column("mode", "mode", number),
             Column("frequency_with_bar", "frequency ± bar (Hz)"),

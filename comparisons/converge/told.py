@@ -40,6 +40,7 @@ def data_of(
     scenes = {f"finest_{b}": c.sequence.last for b, c in courses.items() if c.sequence.levels}
     if for_sweeps is not None:
         scenes["for_sweeps"] = for_sweeps
+    assert scene.analysis.kind == "cea"
     return {
         "modes": [mode.plain() for mode in modes],
         "levels": [level.plain() | errors for level, errors in levels],
@@ -52,6 +53,7 @@ def data_of(
         "mortar": moved_to_mortar(scene),
         "scenes": {name: scene_text(level.scene) for name, level in scenes.items()},
         "max_frequency": highest_of(scene),
+        "growth_threshold": scene.analysis.growth_threshold,
     }
 
 

@@ -1,5 +1,6 @@
 """What a record says, in sentences."""
 
+from cea.eigen.classify import counted_words
 from comparisons.converge.tables import SINGULAR_RATE, degree_text, elements_text
 from comparisons.kit.numbers import capitalised, counted, listed, number
 from comparisons.kit.tables import Data
@@ -7,11 +8,14 @@ from scenes.names import backend_name
 
 
 def verdict(data: Data) -> str:
-    """How many modes are unstable, undecided, stable."""
-    each = [mode["verdict"] for mode in data["modes"]]
-    counts = [f"{each.count(name)} {name}" for name in ("unstable", "undecided", "stable")]
+    """How many modes have which word, with their error bars."""
+    words = [mode["verdict"] for mode in data["modes"]]
+    growth = [mode["growth"] for mode in data["modes"]]
     up_to = f"{number(data['max_frequency'])} Hz"
-    return f"Of {counted(len(each), 'mode')} up to {up_to} {listed(counts)}."
+    if not words:
+        return f"No modes below {up_to}."
+    counts = counted_words(words, growth, data.get("growth_threshold"))
+    return f"{capitalised(counted(len(words), 'mode'))} up to {up_to}: {counts}."
 
 
 def held(data: Data) -> list[str]:

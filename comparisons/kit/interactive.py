@@ -22,8 +22,10 @@ _SCRIPTS = ("tables.js", "contents.js", "plots.js", "shapes.js", "viewer.js", "s
 
 VERDICT_MARKS = {
     "unstable": ("triangle-up", VERMILION, "▲"),
+    "grows slowly": ("triangle-up-open", VERMILION, "△"),
     "undecided": ("diamond", ORANGE, "◆"),
     "stable": ("circle", BLUE, "●"),
+    "rigid": ("circle-open", GREY, "○"),
 }
 """Marker, colour and sign of each verdict: none is told by colour alone."""
 
@@ -106,8 +108,8 @@ def marks(verdict: str, **options: Any) -> dict[str, Any]:
 
 
 def sign(verdict: str) -> str:
-    """A verdict with its sign."""
-    return f"{VERDICT_MARKS[verdict][2]} {verdict}"
+    """The word of a mode, or of a run, with its sign where it has one."""
+    return f"{VERDICT_MARKS[verdict][2]} {verdict}" if verdict in VERDICT_MARKS else verdict
 
 
 @cache

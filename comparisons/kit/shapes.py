@@ -12,6 +12,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.contact.operators import Contact
+from cea.eigen.classify import BY_URGENCY, GROWING
 from comparisons.kit.binary import STEPS, Binary, quantised
 from comparisons.kit.interactive import literal
 from comparisons.kit.numbers import growth, number
@@ -191,16 +192,15 @@ def _told(result: ModesResult, mode: int, title: str) -> dict[str, Any]:
 
 
 def by_importance(result: ModesResult) -> list[int]:
-    """Numbers of modes from 0: unstable ones first, the fastest growing before, then undecided."""
-    order = ("unstable", "undecided", "stable")
+    """Numbers of modes from 0: growing ones first, the fastest growing before, then undecided."""
     rows = enumerate(result.table())
     return [
         i
         for i, row in sorted(
             rows,
             key=lambda item: (
-                order.index(item[1]["verdict"]),
-                -item[1]["growth_rate"] if item[1]["verdict"] == "unstable" else item[0],
+                BY_URGENCY.index(item[1]["verdict"]),
+                -item[1]["growth_rate"] if item[1]["verdict"] in GROWING else item[0],
             ),
         )
     ]

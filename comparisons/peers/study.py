@@ -18,6 +18,7 @@ import numpy as np
 
 from cea.arrays import Complexes
 from cea.contact.formulations import Segments
+from cea.eigen.classify import classify, thresholds
 from cea.errors import InputError
 from cea.petsc import MPI
 from comparisons.kit.progress import Progress
@@ -39,8 +40,6 @@ MASS_QUADRATURE = 2
 MODES = 20
 _WIDER = 1.01
 """Window of this program over the last frequency of CalculiX."""
-_UNSTABLE = 1e-4
-"""Growth rate over abs(lambda) above which a mode counts as unstable."""
 _RIGID = 1e-6
 """Modes with abs(lambda) below this part of the largest are rigid, and zero but for rounding."""
 
@@ -192,11 +191,12 @@ def _modes(theirs: Complexes, same: Complexes, exact: Complexes) -> list[dict[st
 
 def _unstable(values: Complexes) -> list[dict[str, float]]:
     """Modes that grow."""
-    slowest = _RIGID * np.abs(values).max(initial=0.0)
+    rigid = np.abs(values) <= _RIGID * np.abs(values).max(initial=0.0)
+    words = classify(values.real, 0.0, thresholds(values), False, rigid)
     return [
         {"frequency": float(v.imag / (2 * np.pi)), "growth": float(v.real)}
-        for v in values
-        if v.real > _UNSTABLE * abs(v) > _UNSTABLE * slowest
+        for v, word in zip(values, words, strict=True)
+        if word == "unstable"
     ]
 
 

@@ -2,28 +2,30 @@
 
 from math import tau
 
+from cea.eigen.classify import GROWING, counted_words
 from comparisons.kit.numbers import capitalised, counted, listed, number
 from comparisons.kit.tables import Data
 
 
 def unstable(data: Data) -> str:
-    """How many modes are unstable, and which grows fastest."""
+    """How many modes have which word, and which grows fastest."""
     values = data["eigenvalues"]
     top = number(data["window"]["max_frequency"], 4)
-    grows = [v for v in values if v["verdict"] == "unstable"]
-    open_ = sum(v["verdict"] == "undecided" for v in values)
-    of = f"of {counted(len(values), 'mode')} up to {top} Hz"
-    if not grows:
-        text = f"No mode is unstable, {of}"
-    else:
-        fastest = max(grows, key=lambda v: v["re"])
-        text = (
-            f"{capitalised(counted(len(grows), 'mode is', 'modes are'))} unstable, {of}; mode "
-            f"{values.index(fastest) + 1} grows fastest, by {number(fastest['re'], 4)} 1/s at "
-            f"{number(fastest['im'] / tau, 5)} Hz"
-        )
-    more = f"; {number(open_)} cannot be decided with the digits there are" if open_ else ""
-    return f"{text}{more}."
+    if not values:
+        return f"{capitalised(data['summary'].partition(': ')[2])}."
+    counts = counted_words(
+        [v["verdict"] for v in values],
+        [v["re"] for v in values],
+        data["scene"]["analysis"].get("growth_threshold"),
+    )
+    fastest = max(values, key=lambda v: v["re"])
+    more = (
+        f"; mode {values.index(fastest) + 1} grows fastest, by {number(fastest['re'], 4)} 1/s at "
+        f"{number(fastest['im'] / tau, 5)} Hz"
+        if fastest["verdict"] in GROWING
+        else ""
+    )
+    return f"{capitalised(counted(len(values), 'mode'))} up to {top} Hz: {counts}{more}."
 
 
 def window(data: Data) -> str:

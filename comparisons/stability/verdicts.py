@@ -219,7 +219,9 @@ class _Claims:
 
     @staticmethod
     def _false(said: str, true: complex, threshold: float, slack: float) -> bool:
-        if said == "stable":
+        if said == "grows slowly" and true.real < -slack:
+            return True
+        if said in ("stable", "grows slowly", "rigid"):
             return true.real > _CLEAR * threshold + slack
         return said == "unstable" and true.real <= threshold / _CLEAR - slack
 

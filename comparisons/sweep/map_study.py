@@ -19,6 +19,7 @@ from comparisons.sweep.bands import Bands
 from comparisons.sweep.filling import AT_FIRST, Filling, check_effort
 from comparisons.sweep.fingerprints import fingerprint
 from comparisons.sweep.map_record import Spent, confirm_some, record_of, warnings_of
+from comparisons.sweep.map_words import words_where_most_grows
 from comparisons.sweep.mapped import Mapped, mapped
 from comparisons.sweep.rows import Row, Start, map_row
 from comparisons.sweep.store import Store
@@ -130,6 +131,7 @@ def run_map(
         run.fill()
         rows = run.rows()
         data = run.told(rows)
+        data["words"] = words_where_most_grows(data, rows, scene.growth_threshold)
         confirm_some(data, scene, rows, asked.confirm, progress)
     except BasisTooDearError:
         store.discard()
@@ -267,7 +269,7 @@ class _Run:
 def _worst_apart(row: Row, values: Sequence[float], tolerance: float) -> list[float]:
     """Values of a row that are not certified, the worst of each third of it."""
     worst = []
-    for numbers in np.array_split(np.arange(len(values)), _MENDED):
+    for numbers in np.array_split(np.arange(len(values)), min(_MENDED, len(values))):
         number = int(numbers[np.argmax(row.worst[numbers])])
         if row.worst[number] > tolerance:
             worst.append(values[number])

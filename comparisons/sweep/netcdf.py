@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cea.eigen.classify import WORDS
 from cea.reduced.crossings import Threshold
 from cea.reduced.thresholds import Unresolved
 from comparisons.sweep.rows import Row
@@ -65,7 +66,8 @@ def write_map(rows: Sequence[Row], axes: Sequence[Mapping[str, Any]], file: Path
         dims = [*names, "mode", "axis"][: whole.ndim]
         data[name] = (dims, whole, {"units": unit, "long_name": about})
     data["verdict"][2].update(
-        flag_values=np.array([0, 1, 2], np.int8), flag_meanings="stable unstable undecided"
+        flag_values=np.arange(len(WORDS), dtype=np.int8),
+        flag_meanings=" ".join(word.replace(" ", "_") for word in WORDS),
     )
     coordinates = {each["name"]: each["values"] for each in axes} | {"axis": names}
     write_whole(xarray.Dataset(data, coordinates), file)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.spectrum import RELATIVE_GROWTH
+from cea.eigen.classify import GROWING, WORDS
 from cea.reduced.branches import Branches
 from cea.reduced.crossings import Threshold
 from cea.reduced.model_line import ModelLine
@@ -16,10 +16,11 @@ from cea.reduced.rows import Line, in_parts
 from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.thresholds import Unresolved, thresholds_along
+from cea.reduced.words import words_of
 from comparisons.sweep.mapped import Mapped
 
-STABLE, UNSTABLE, UNDECIDED = 0, 1, 2
-"""Verdicts as numbers."""
+UNSTABLE = WORDS.index("unstable")
+"""The word as a number: its place in :data:`cea.eigen.classify.WORDS`."""
 HINT = 1.05
 """Frequency, relative to the window's end, up to which growing modes above it are told."""
 
@@ -44,7 +45,7 @@ class Row:
     branch
         Numbers of branches, shape (values, modes).
     verdict
-        0 stable, 1 unstable, 2 undecided, shape (values, modes).
+        0 stable, 1 unstable, 2 undecided, 3 grows slowly, 4 rigid, shape (values, modes).
     worst
         What the basis makes of the worst mean, relative to its speed, shape (values,).
     growth_slope, frequency_slope
@@ -212,12 +213,7 @@ def _table(
         uncertainty[i, :n] = window.uncertainties
         mean[i, :n] = window.certificate.means / (2 * window.speeds**2)
         branch[i, :n] = number[chosen]
-        limit = RELATIVE_GROWTH * window.speeds
-        if asked.growth_threshold is not None:
-            limit = np.full(n, asked.growth_threshold)
-        surely = window.eigenvalues.real - window.uncertainties > limit
-        may = window.eigenvalues.real + window.uncertainties > limit
-        verdict[i, :n] = np.where(surely, UNSTABLE, np.where(may, UNDECIDED, STABLE))
+        verdict[i, :n] = [WORDS.index(word) for word in words_of(window, asked.growth_threshold)]
     worst = np.array([found.worst for found in spectra])
     return Row(
         *(growth, frequency, uncertainty, mean, branch, verdict, worst),
@@ -230,9 +226,9 @@ def _above(spectra: Sequence[ReducedSpectrum], asked: Mapped) -> tuple[Floats, F
     growth, frequency = np.full((2, len(spectra)), np.nan)
     for i, found in enumerate(spectra):
         end = found.settings.end
-        rates = found.eigenvalues.real - (asked.growth_threshold or 0.0)
+        rates, words = found.eigenvalues.real, words_of(found, asked.growth_threshold)
         above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
-        above &= rates > np.maximum(found.uncertainties, RELATIVE_GROWTH * found.speeds)
+        above &= np.isin(words, GROWING)
         if above.any():
             fastest = int(np.argmax(np.where(above, rates, -np.inf)))
             growth[i] = found.eigenvalues[fastest].real

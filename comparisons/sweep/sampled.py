@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
-from cea.eigen.spectrum import RELATIVE_GROWTH
+from cea.eigen.classify import thresholds
 from cea.reduced.pieces import Values
 from cea.reduced.rows import along
 from cea.reduced.small import SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
+from cea.reduced.words import words_of
 from comparisons.sweep.cells import Cell, continued
 
 Flags = NDArray[np.bool_]
@@ -99,8 +100,11 @@ def solved(
 
 def _growing(found: ReducedSpectrum, sign: int, threshold: float | None) -> Flags:
     """Which modes grow, surely (-1) or perhaps (+1), with those they coalesced with."""
-    limit = RELATIVE_GROWTH * found.speeds if threshold is None else threshold
-    grows = found.eigenvalues.real + sign * found.uncertainties > limit
+    if sign < 0:
+        grows = np.array([word == "unstable" for word in words_of(found, threshold)], dtype=bool)
+    else:
+        limit = thresholds(found.eigenvalues, threshold)
+        grows = found.eigenvalues.real + found.uncertainties > limit
     if found.settings.decay < np.inf:
         return grows
     distance = np.abs(found.kappa[:, None] - found.kappa.conj())

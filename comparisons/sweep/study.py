@@ -141,10 +141,11 @@ def run_sweep(
     Returns
     -------
     dict
-        The record: ``field``, ``why`` where it was told, ``points`` with ``value``, ``failed`` (the
-        reason, or "") and ``modes``, each with ``curve``, a number that modes of one curve share,
-        ``re``, ``im``, ``uncertainty`` and ``verdict``; ``warnings`` are those of all values,
-        merged (:func:`comparisons.kit.run_warnings.merged_warnings`).
+        The record: ``field``, ``growth_threshold`` (1/s, None where it is relative), ``why`` where
+        it was told, ``points`` with ``value``, ``failed`` (the reason, or "") and ``modes``, each
+        with ``curve``, a number that modes of one curve share, ``re``, ``im``, ``uncertainty`` and
+        ``verdict``; ``warnings`` are those of all values, merged
+        (:func:`comparisons.kit.run_warnings.merged_warnings`).
     """
     begun = perf_counter()
     assembled = sweep.assembled()
@@ -152,6 +153,7 @@ def run_sweep(
     points: list[dict[str, Any]] = []
     runs: list[Run] = []
     curves = Curves()
+    threshold = None
     for value in sweep.values:
         progress(f"{sweep.field} = {value:g}")
         try:
@@ -161,6 +163,7 @@ def run_sweep(
             curves.interrupt()
             continue
         runs.append(({sweep.field: value}, [warning.plain() for warning in result.warnings]))
+        threshold = result.analysis.growth_threshold
         points.append(_point(value, result, curves.follow(result.eigenvalues)))
     assembled.free()
     inputs = {
@@ -172,7 +175,9 @@ def run_sweep(
         "set": list(sweep.overrides),
         "data": sweep.data,
     }
-    data = {"field": sweep.field, "points": points} | ({"why": why} if why else {})
+    data = {"field": sweep.field, "growth_threshold": threshold, "points": points} | (
+        {"why": why} if why else {}
+    )
     seconds = perf_counter() - begun
     warnings = merged_warnings(runs, f"values of {sweep.field}")
     return record(COMMAND, data, inputs=inputs, seconds=seconds, warnings=warnings)

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from cea.eigen.classify import GROWING, threshold_text
 from comparisons.kit.numbers import shown
 from comparisons.kit.run_warnings import kinds_at
 from comparisons.kit.tables import Column, Data, Table
@@ -11,7 +12,7 @@ from comparisons.sweep.study import curves_of
 
 
 def values_table(data: Data) -> Table:
-    """A row for each value: how many modes are unstable, the fastest, what it warns of."""
+    """A row for each value: how many modes grow, the fastest, what it warns of."""
     rows: list[tuple[Any, ...]] = []
     for point in data["points"]:
         modes = point["modes"]
@@ -20,7 +21,7 @@ def values_table(data: Data) -> Table:
             (
                 point["value"],
                 len(modes) if not point["failed"] else None,
-                sum(mode["verdict"] == "unstable" for mode in modes),
+                *(sum(mode["verdict"] == word for mode in modes) for word in GROWING),
                 fastest["re"] if fastest else None,
                 fastest["im"] / (2 * np.pi) if fastest else None,
                 ", ".join(kinds_at(data["warnings"], {data["field"]: point["value"]})),
@@ -29,11 +30,12 @@ def values_table(data: Data) -> Table:
         )
     return Table(
         "sweep",
-        f"Modes along {data['field']}.",
+        f"Modes along {data['field']}; {threshold_text(data.get('growth_threshold'))}.",
         (
             Column("value", data["field"], shown(6)),
             Column("modes", "modes", shown(3)),
             Column("unstable", "unstable", shown(3)),
+            Column("grows_slowly", "grow slowly", shown(3)),
             Column("growth", "fastest growth", shown(4, sign=True), "1/s"),
             Column("frequency", "its frequency", shown(5), "Hz"),
             Column("warnings", "warnings"),
@@ -98,7 +100,7 @@ def modes_table(data: Data) -> Table:
             Column("curve", "curve", shown(3)),
             Column("frequency", "frequency", shown(6), "Hz"),
             Column("growth", "growth rate", shown(5, sign=True), "1/s"),
-            Column("uncertainty", "uncertainty", shown(2), "1/s"),
+            Column("uncertainty", "algebraic error", shown(2), "1/s"),
             Column("verdict", "verdict"),
         ),
         rows,

@@ -38,7 +38,9 @@ def test_what_nothing_holds_is_rigid_and_has_no_damping_ratio():
     assert np.isnan(modes.damping_ratios[:2]).all()
     assert [row["damping_ratio"] for row in modes.table()][:2] == [None, None]
     assert np.isnan(modes.table().column("damping_ratio")[:2]).all()
-    assert modes.headline() == "0 of 5 modes up to 100 Hz unstable, 1 undecided, 2 rigid"
+    assert modes.verdicts() == ["rigid", "rigid", "unstable", "undecided", "undecided"]
+    for part in ("5 modes up to 100 Hz", "1 unstable", "2 rigid"):
+        assert part in modes.headline()
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
@@ -48,9 +50,9 @@ def test_two_free_blocks_in_contact_have_nine_rigid_motions(backend, mu):
     data["analysis"]["max_frequency"] = 0.4
     result = run_modes(read_scene(data))
     assert np.flatnonzero(result.modes.rigid).tolist() == list(range(9))
-    assert ", 9 rigid" in result.summary
+    assert "9 rigid" in result.summary
     cells = shown_cells(result.table())
-    assert all(cell["verdict"].endswith(", rigid") for cell in cells[:9])
+    assert all(cell["verdict"] == "rigid" for cell in cells[:9])
     assert {cell["damping_ratio"] for cell in cells[:9]} == {"-"}
     assert cells[9]["verdict"] == "stable"
     assert result.title(8).endswith("mode 9: rigid motion")

@@ -106,7 +106,8 @@ def test_what_was_not_searched_is_told(monkeypatch):
     modes = solve_modes(pencil_of(blocks), HERTZ)
     assert not modes.window.complete
     assert modes.window.max_growth == pytest.approx(np.sqrt(0.8 * 3.0))
-    assert modes.verdict() == "undecided"
+    assert modes.verdict() == "no unstable mode found"
+    assert f"up to a growth rate of {modes.window.max_growth:.4g} 1/s" in modes.headline()
     assert set(modes.verdicts()) == {"stable"}
     assert "not excluded" in modes.window.evidence
 
@@ -121,7 +122,7 @@ def test_copies_are_all_found(copies, rubs):
     assert (np.abs(kappa - 0.7) < 1e-9).sum() == copies
     assert (np.abs(kappa) < 1e-9).sum() == copies
     assert modes.window.complete
-    assert set(modes.verdicts()) == ({"stable", "unstable"} if rubs else {"stable"})
+    assert set(modes.verdicts()) == {"stable", "rigid", *(["unstable"] * rubs)}
 
 
 @pytest.mark.parametrize("form", ["penalty", "saddle"])

@@ -301,6 +301,15 @@ def test_the_richer_scene_keeps_all_but_the_spaces():
         assert all(richer.bodies[name].mesh != b.mesh for name, b in scene.bodies.items())
 
 
+def test_errors_of_a_result_without_left_vectors_are_those_with_them(backend):
+    scene = coarse_modes("blocks", backend, 2, 2.0).scene
+    plain, with_left = run_modes(scene), run_modes(scene, left=True)
+    assert plain.modes.left is None
+    found, expected = estimate_errors(plain), estimate_errors(with_left)
+    assert found.corrected == pytest.approx(expected.corrected, rel=1e-9)
+    assert found.verdicts == expected.verdicts
+
+
 def test_what_cannot_be_done_is_refused():
     scene = load_scene(Path("blocks"), [], "fe")
     with pytest.raises(InputError, match="by = 'smooth': 'degree' or 'bisection' for upper"):
@@ -318,9 +327,6 @@ def test_what_cannot_be_done_is_refused():
         estimate_errors(coarse, steps=0)
     with pytest.raises(InputError, match="steps = 0: 1 or more"):
         continued_modes(coarse, richer_scene(coarse.scene), steps=0)
-    without = replace(coarse, modes=replace(coarse.modes, left=None))
-    with pytest.raises(InputError, match="left = False: True where coarse modes"):
-        estimate_errors(without)
     with pytest.raises(InputError, match=r"upper.backend = .*one backend for both"):
         estimate_errors(coarse, coarse_modes("blocks", "iga", 2, 2.0).scene)
     other = coarse_modes("drum", "fe", 1, 0.5, elements={"outer": [1, 8], "inner": [1, 8]}).scene

@@ -109,12 +109,19 @@ def test_what_is_printed_begins_with_the_unstable_modes(result):
     assert [row["frequency"] for row in table] == result.frequencies.tolist()
     assert [row["unstable"] for row in table] == result.unstable.tolist()
     first, *_ = str(result).splitlines()
-    count = int(result.unstable.sum())
-    for fact in ("two blocks", f"{count} of {len(table)}", "1 Hz", result.verdict):
+    for fact in (
+        "two blocks",
+        f"{len(table)} modes",
+        "1 Hz",
+        "; threshold 10 1/s; verdict: ",
+        result.verdict,
+    ):
         assert fact in first
+    hints = result.modes.hints
     told = str(result.modes).splitlines()
-    assert len(told) == len(table) + 3
-    frequencies = [float(line[1:].split()[1]) for line in told[2:-1]]
+    assert told[1 : 1 + len(hints)] == hints
+    assert len(told) == len(table) + 3 + len(hints)
+    frequencies = [float(line[1:].split()[1]) for line in told[2 + len(hints) : -1]]
     np.testing.assert_allclose(frequencies, result.frequencies, rtol=0, atol=5e-7)
     for fact in (str(result.dofs), result.modes.window.evidence):
         assert fact in str(result)

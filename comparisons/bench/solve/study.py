@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from cea.arrays import Complexes
+from cea.eigen.classify import classify, thresholds
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from comparisons.bench.launch import asked
@@ -27,8 +28,6 @@ COMMAND = "bench solve"
 OURS = "this driver"
 _PROCESS = "comparisons.bench.solve.process"
 _GIGA = 10**9
-_SLOW = 1e-6
-"""Growth over frequency from which on a mode counts as unstable."""
 
 
 @dataclass(frozen=True)
@@ -193,7 +192,7 @@ def unstable(kappa: Complexes) -> int:
     """How many modes grow."""
     speeds = np.sqrt(-kappa.astype(complex))
     speeds = np.where(speeds.imag < 0, -speeds, speeds)
-    return int(np.sum(speeds.real > _SLOW * np.abs(speeds)))
+    return classify(speeds.real, 0.0, thresholds(speeds), False).count("unstable")
 
 
 def _complex(pairs: list[Mapping[int, float]] | Any) -> Complexes:

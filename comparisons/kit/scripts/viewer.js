@@ -1,6 +1,6 @@
 // Views in space: bodies with their meshes, and modes that vibrate.
 
-const SIGNS = { unstable: "▲", undecided: "◆", stable: "●" };
+const SIGNS = { unstable: "▲", "grows slowly": "△", undecided: "◆", stable: "●", rigid: "○" };
 const BODY_COLOURS = ["#8fbcd9", "#e6b06c", "#93c9a8", "#d4a5c3", "#c9c36b", "#b0b7bf"];
 const PERIOD = 2.4; // seconds of a period on the screen
 const LIGHT = {

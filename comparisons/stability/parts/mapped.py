@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from cea.eigen.classify import classify_run, thresholds
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.pencil import Pencil
-from cea.eigen.spectrum import RELATIVE_GROWTH, Verdict
 from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
+from cea.reduced.words import words_of
 from comparisons.stability.parts.answers import ModesAnswer
 from scenes.read import read_scene
 from scenes.run import coupled
@@ -43,25 +44,14 @@ class OfMap:
         built = _built(pencil, self.axes, top, data["analysis"].get("min_growth"))
         found = built.at({}).window
         eigenvalues, errors = found.eigenvalues, found.uncertainties
-        limits = RELATIVE_GROWTH * found.speeds
-        verdicts: list[Verdict] = [
-            "unstable" if surely else "undecided" if may else "stable"
-            for surely, may in zip(
-                (eigenvalues.real - errors > limits).tolist(),
-                (eigenvalues.real + errors > limits).tolist(),
-                strict=True,
-            )
-        ]
+        verdicts = words_of(found, None)
         complete = all(each.complete for each in built.snapshots)
         certified = found.bound <= TOLERANCE
-        whole: Verdict = "unstable" if "unstable" in verdicts else "stable"
-        if whole == "stable" and ("undecided" in verdicts or not complete):
-            whole = "undecided"
         return ModesAnswer(
             eigenvalues=eigenvalues,
             verdicts=tuple(verdicts),
-            verdict=whole,
-            thresholds=limits,
+            verdict=classify_run(verdicts, complete=complete),
+            thresholds=thresholds(eigenvalues),
             uncertainties=errors,
             complete=complete,
             max_frequency=top,
