@@ -147,6 +147,14 @@ class Body(Protocol):
         """What springs are of that, PETSc AIJ (full x full), N/m; None without any."""
         ...
 
+    def full_gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s of all dofs, PETSc AIJ (full x full), kg; made anew."""
+        ...
+
+    def full_convective_stiffness(self, rotation: Rotation) -> Any:
+        """Z of a rotation of all dofs, PETSc AIJ (full x full), kg; made anew."""
+        ...
+
     def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
         """Forces of each support, along the directions that it holds and no other.
 

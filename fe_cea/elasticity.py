@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cea.arrays import Floats
 from cea.checks import check_density
 from cea.material import IsotropicMaterial
-from cea.matrices import destroy
+from cea.matrices import antisymmetrised, destroy
 from cea.petsc import PETSc
 from cea.rotation import Rotation
 from cea.supports.boundary import Spring
@@ -111,9 +111,7 @@ class Elasticity:
         """What springs are of that (full x full), N/m, or None without any; made anew."""
         if not self._springs:
             return None
-        springs = assemble_matrix(self._spring_form)
-        springs.assemble()
-        return springs
+        return _full(self._spring_form)
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""
@@ -124,6 +122,14 @@ class Elasticity:
         form = convective_form(self._space, self._density, rotation)
         return self._restriction.symmetric(form, with_zeros=False)
 
+    def full_gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s of all dofs (full x full), kg; made anew."""
+        return antisymmetrised(_full(gyroscopic_form(self._space, self._density, rotation)))
+
+    def full_convective(self, rotation: Rotation) -> Any:
+        """Z of a rotation of all dofs (full x full), kg; made anew."""
+        return _full(convective_form(self._space, self._density, rotation))
+
     def geometric(self, displacement: Floats) -> Any:
         """Stiffness that stresses of a displacement (m) of all dofs make, N/m."""
         u = Function(self._space)
@@ -132,6 +138,13 @@ class Elasticity:
         u.x.array[: dim * (last - first)] = displacement[dim * first : dim * last]
         u.x.scatter_forward()
         return self._restriction.symmetric(geometric_form(u, self._material))
+
+
+def _full(form: Any) -> Any:
+    """Matrix of a form (dolfinx) on all dofs."""
+    matrix = assemble_matrix(form)
+    matrix.assemble()
+    return matrix
 
 
 def _with_springs(stiffness: Any, springs: Any | None) -> Any:

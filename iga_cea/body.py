@@ -192,6 +192,14 @@ class NurbsBody:
         """What springs are of that, PETSc AIJ (full x full), N/m; None without any."""
         return self._elasticity.full_springs()
 
+    def full_gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s of all dofs, PETSc AIJ (full x full), kg; made anew."""
+        return self._elasticity.full_gyroscopic(rotation)
+
+    def full_convective_stiffness(self, rotation: Rotation) -> Any:
+        """Z of a rotation of all dofs, PETSc AIJ (full x full), kg; made anew."""
+        return self._elasticity.full_convective(rotation)
+
     def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
         """Forces of each support at the dofs that they hold (N), from their sum on all dofs."""
         return self._constraints.support_forces(force, len(self._supports))

@@ -113,6 +113,14 @@ class Elasticity:
         )
         return self._restricted(whole)
 
+    def full_gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s of all dofs (full x full), kg; made anew."""
+        return transport.gyroscopic(*self._space, self._density, rotation, self._comm)
+
+    def full_convective(self, rotation: Rotation) -> Any:
+        """Z of a rotation of all dofs (full x full), kg; made anew."""
+        return transport.convective_stiffness(*self._space, self._density, rotation, self._comm)
+
     def geometric(self, displacement: Floats) -> Any:
         """Stiffness that stresses of a displacement (m) of all dofs make, N/m."""
         u = displacement.reshape(-1, self._multipatch.dim)

@@ -50,12 +50,16 @@ class Circulatory:
         """
         if transposed:
             return transposed_times(self.right, self._solved(transposed_times(self.left, x)))
-        return times(self.left, self._solved(times(self.right, x)))
+        return times(self.left, self.inner(x))
+
+    def inner(self, x: NDArray[Any]) -> NDArray[Any]:
+        """N^-1 J times a block of vectors, the rows of this rank."""
+        return self._solved(times(self.right, x))
 
     def sizes(self, x: NDArray[Any]) -> Floats:
         """abs(L) abs(N^-1 J x), what the parts of its product with a block come to."""
         left = absolute(self.left)
-        size = times(left, np.abs(self._solved(times(self.right, x))))
+        size = times(left, np.abs(self.inner(x)))
         destroy(left)
         return size
 

@@ -62,7 +62,8 @@ class BodyPieces:
     @cached_property
     def terms(self) -> tuple[Term, ...]:
         """K of each body, M, C and Y, and the sparse part of what rotates with it."""
-        return (*self._of_each(), *self._rotating[0])
+        rotating = (term for each in self.rotating.values() for term in each.pieces[0])
+        return (*self._of_each(), *rotating)
 
     def _of_each(self) -> Iterator[Term]:
         for name, body in self.bodies.items():
@@ -72,7 +73,7 @@ class BodyPieces:
     @property
     def circulatory(self) -> tuple[CirculatoryTerm, ...]:
         """What damping that rotates with its body makes of displacements, but for sparse terms."""
-        return self._rotating[1]
+        return tuple(term for each in self.rotating.values() for term in each.pieces[1])
 
     @cached_property
     def modal_terms(self) -> tuple[LowRankTerm, ...]:
@@ -105,15 +106,16 @@ class BodyPieces:
         }
 
     @cached_property
-    def _rotating(self) -> tuple[tuple[Term, ...], tuple[CirculatoryTerm, ...]]:
-        """What damping that rotates with its body makes of displacements, sparse and full."""
-        terms, full = list[Term](), list[CirculatoryTerm]()
-        for name, body in self.bodies.items():
-            motion = self.motion(name)
-            if motion.circulates:
-                modes = self._damped_modes[name] if motion.modal is not None else None
-                damping = RotatingDamping(f"bodies.{name}", body, motion, modes, self.among[name])
-                found = damping.pieces()
-                terms += found[0]
-                full += found[1]
-        return tuple(terms), tuple(full)
+    def rotating(self) -> dict[str, RotatingDamping]:
+        """Damping that rotates with its body, of each body that has any."""
+        return {
+            name: RotatingDamping(
+                f"bodies.{name}",
+                body,
+                self.motion(name),
+                self._damped_modes.get(name),
+                self.among[name],
+            )
+            for name, body in self.bodies.items()
+            if self.motion(name).circulates
+        }

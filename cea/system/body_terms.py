@@ -44,6 +44,11 @@ class Motion:
         return damped and self.rotation is not None
 
     @property
+    def turns_modes(self) -> bool:
+        """Whether modal damping is carried along by a rotation."""
+        return self.modal is not None and self.rotation is not None
+
+    @property
     def in_equilibrium(self) -> bool:
         """Whether it acts on displacements that are at rest in space."""
         convective = self.rotation is not None and self.rotation.convective_stiffness

@@ -6,9 +6,18 @@ over all dofs of a body is what its supports put on it: it is divided among them
 directions that each holds (:mod:`cea.supports.constraint_forces`). Elastic forces do no work on a
 rigid motion: the resultants of loads, springs, contacts and supports, and their moments, add up to
 zero, and so do the forces of a contact on its two sides.
+
+Of a body that rotates (:mod:`cea.rotation`) the displacement u at rest in space is seen by its
+material to change with Omega R u. Forces on all dofs are then, on the body and from outside,
+
+    convective stiffness    Omega^2 Z u
+    damping of the mass     - alpha Omega B u
+
+and elastic forces are K (u + beta Omega M^-1 B u), K without springs. What modal damping does at
+held dofs its modes do not tell: M phi and K phi / omega^2 are the same at free dofs alone.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +28,7 @@ from cea.body import Body
 from cea.contact.body_forces import SideForces, forces_on_bodies
 from cea.errors import ConvergenceError
 from cea.matrices import absolute, destroy, gather
+from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem
 
 _BALANCED = 1e-8
@@ -115,8 +125,8 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
     -------
     dict
         By body, shape (supports, dim), in their order; bodies without supports are left out, and
-        those whose rotation puts forces on displacements at rest in space, which are not known at
-        held dofs. A direction that several supports hold at a dof is shared evenly among them.
+        those that rotate with modal damping. A direction that several supports hold at a dof is
+        shared evenly among them.
 
     Raises
     ------
@@ -143,9 +153,11 @@ def balances(system: CoupledSystem, x: Any, multipliers: Floats) -> list[Balance
     displacements = {name: system.displacement(x, name) for name in system.bodies}
     sides = list(forces_on_bodies(system.contacts, displacements, x, multipliers))
     found = [
-        _on_body(name, body, displacements[name], [side for side in sides if side.body == name])
-        for name, body in system.bodies.items()
-        if not system.pieces.motion(name).in_equilibrium
+        _on_body(
+            system, name, x, displacements[name], [side for side in sides if side.body == name]
+        )
+        for name in system.bodies
+        if not system.pieces.motion(name).turns_modes
     ]
     for contact in dict.fromkeys(side.contact for side in sides):
         both = [side for side in sides if side.contact == contact]
@@ -153,24 +165,30 @@ def balances(system: CoupledSystem, x: Any, multipliers: Floats) -> list[Balance
     return found
 
 
-def _on_body(name: str, body: Body, u: Floats, sides: Sequence[SideForces]) -> Balance:
-    stiffness, springs, load = body.full_stiffness(), body.full_spring_stiffness(), body.full_load()
-    sizes = absolute(stiffness)
-    elastic, loads = _times(stiffness, u, body), gather(load).reshape(-1, body.dim)
-    size = np.linalg.norm(_times(sizes, np.abs(u), body) + np.abs(loads), axis=1)
+def _on_body(
+    system: CoupledSystem, name: str, x: Any, u: Floats, sides: Sequence[SideForces]
+) -> Balance:
+    body, load = system.bodies[name], system.bodies[name].full_load()
+    loads = gather(load).reshape(-1, body.dim)
+    destroy(load)
+    strained = u + _strain(system, name, x)
+    elastic, size = _times(body.full_stiffness(), strained, body)
     parts = [("loads", loads)]
-    if springs is not None:
-        parts.append(("springs", -_times(springs, u, body)))
-        destroy(springs)
-    destroy(stiffness, sizes, load)
-    rest = elastic - loads
+    if (springs := body.full_spring_stiffness()) is not None:
+        elastic -= _product(springs, strained, body)
+        parts.append(("springs", -_times(springs, u, body)[0]))
+    size += np.linalg.norm(loads, axis=1)
+    for label, factor, matrix in _of_rotation(body, system.pieces.motion(name)):
+        product, size_of_product = _times(matrix, u, body)
+        parts.append((label, factor * product))
+        size += abs(factor) * size_of_product
     for side in sides:
         parts.append((f"contact {side.contact}", side.forces))
-        rest -= side.forces
         size += np.linalg.norm(side.forces, axis=1) + side.sizes
+    rest = elastic - sum(part for _, part in parts)
     dofs, reactions = body.support_forces(rest)
-    x = body.dof_positions
-    arms = None if x is None else x - x.mean(axis=0)
+    positions = body.dof_positions
+    arms = None if positions is None else positions - positions.mean(axis=0)
     forces = [_applied(label, part, arms) for label, part in parts]
     at_dofs = None if arms is None else arms[dofs]
     forces += [
@@ -209,7 +227,42 @@ def _applied(label: str, force: Floats, arms: Floats | None) -> Applied:
     return Applied(label, resultant, moment)
 
 
-def _times(matrix: Any, u: Floats, body: Body) -> Floats:
+def _strain(system: CoupledSystem, name: str, x: Any) -> Floats:
+    """What damping that rotates with a body adds to the displacement that strains it (m)."""
+    rotating = system.pieces.rotating.get(name)
+    strain = None if rotating is None else rotating.strain(x)
+    if strain is None:
+        return np.zeros(1)
+    everywhere = gather(strain)
+    destroy(strain)
+    return everywhere
+
+
+def _of_rotation(body: Body, motion: Motion) -> Iterator[tuple[str, float, Any]]:
+    """Forces of a rotation on a body at rest in space: labels, and factors on matrices (kg)."""
+    rotation, damping = motion.rotation, motion.damping
+    if rotation is None:
+        return
+    if rotation.convective_stiffness:
+        matrix = body.full_convective_stiffness(rotation)
+        yield "convective stiffness", rotation.rate**2, matrix
+    if damping is not None and damping.alpha:
+        matrix = body.full_gyroscopic(rotation.of_material)
+        yield "damping", -0.5 * damping.alpha * rotation.rate, matrix
+
+
+def _times(matrix: Any, u: Floats, body: Body) -> tuple[Floats, Floats]:
+    """A matrix of all dofs, which is freed, times a displacement of them, and its size.
+
+    Shapes (num_scalar_dofs, dim) and (num_scalar_dofs,); the size is abs(matrix) abs(u).
+    """
+    sizes = absolute(matrix)
+    image, size = (_product(each, v, body) for each, v in ((matrix, u), (sizes, np.abs(u))))
+    destroy(matrix, sizes)
+    return image, np.linalg.norm(size, axis=1)
+
+
+def _product(matrix: Any, u: Floats, body: Body) -> Floats:
     """A matrix of all dofs times a displacement of them, shape (num_scalar_dofs, dim)."""
     vector, image = matrix.createVecs()
     first, last = vector.getOwnershipRange()

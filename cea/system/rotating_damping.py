@@ -10,6 +10,8 @@ where they are in space.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 from cea.body import Body
 from cea.eigen.blocks import image_of
@@ -47,6 +49,7 @@ class RotatingDamping:
     modes: DampedModes | None
     among: Embedding
 
+    @cached_property
     def pieces(self) -> tuple[list[Term], list[CirculatoryTerm]]:
         """Pieces of the stiffness, sparse ones and full ones."""
         assert self.motion.rotation is not None
@@ -59,6 +62,29 @@ class RotatingDamping:
             )
             full.append(self._of_stiffness(B))
         return terms, full
+
+    def strain(self, x: Any) -> Any | None:
+        """Displacement that elastic forces of beta K belong to: beta Omega M^-1 B of one in space.
+
+        Parameters
+        ----------
+        x
+            Displacements of all unknowns (m), PETSc vector.
+
+        Returns
+        -------
+        PETSc.Vec
+            Displacement of all dofs of the body (m); None without damping of its stiffness.
+        """
+        damping, rotation = self.motion.damping, self.motion.rotation
+        if damping is None or rotation is None or not damping.beta * rotation.rate:
+            return None
+        piece = self.pieces[1][-1].piece
+        free, full = self.body.expansion.createVecs()
+        free.array[:] = damping.beta * rotation.rate * piece.inner(x.array_r[:, None])[:, 0]
+        self.body.expansion.mult(free, full)
+        destroy(free)
+        return full
 
     @property
     def _rate(self) -> str:

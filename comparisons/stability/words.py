@@ -47,6 +47,7 @@ def references(data: Data) -> str:
     without = sum(run["reference"] is None for run in data["runs"])
     words = {
         "dense": "dense eigenvalues of bodies and contact points (scipy)",
+        "at rest": "dense eigenvalues of the body at rest, carried along by its rotation",
         "benign": "dense eigenvalues of the same scene in benign units or at benign parameters",
         "exact": "exact eigenvalues",
         "formula": "closed formulas",

@@ -38,4 +38,5 @@ def numbers(backend, damping):
         "re": result.eigenvalues.real[order].tolist(),
         "im": result.eigenvalues.imag[order].tolist(),
         "slopes": np.abs(slopes).tolist(),
+        "reactions": np.concatenate(list(result.reactions.values())).tolist(),
     }

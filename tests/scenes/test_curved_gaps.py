@@ -4,8 +4,11 @@ Truths are Lame's rings in closed form, distances between circles, and NURBS, wh
 those of the shapes.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
+from covering import covering
 from curved_scenes import (
     MORTAR,
     SEGMENTS,
@@ -161,6 +164,65 @@ def test_shoes_and_shafts_agree_with_nurbs(scene):
             assert "geometry-error" in kinds(result)
         else:
             assert result.warnings == () or degree == 1
+
+
+@cache
+def by_nurbs(scene):
+    """Normal force, peak and mean pressure of a shoe or a shaft on a fine mesh of NURBS."""
+    _, state, mean = pressed(scene("iga", 2, 8))
+    return state.normal_force, state.pressure.max(), mean
+
+
+MESHES = [(1, 2), (1, 4), (2, 1), (2, 2), (3, 1), (3, 2)]
+"""Degrees and refinements of working meshes."""
+
+
+@pytest.mark.parametrize(
+    ("scene", "mesh", "source"),
+    covering((shoe, shaft), MESHES, ("shapes", "files", "with NURBS", "on NURBS")),
+)
+def test_working_meshes_agree_with_nurbs_or_say_that_they_may_not(scene, mesh, source, tmp_path):
+    """Normal force and pressure to two per cent, or a warning that names the geometry.
+
+    The shoe has corners, where its pressure has no bound. What is compared is the mean, weighted by
+    the pressure itself, and of the shaft the peak too.
+    """
+    data = scene("fe", *mesh)
+    first, second = data["bodies"]
+    if source == "files":
+        in_files(data, tmp_path)
+    elif source != "shapes":
+        name = second if source == "on NURBS" else first
+        data["bodies"][name] = scene("iga", 2, 2)["bodies"][name]
+    result, state, mean = pressed(data)
+    force, peak, fine = by_nurbs(scene)
+    errors = [state.normal_force / force - 1, mean / fine - 1]
+    if scene is shaft:
+        errors.append(state.pressure.max() / peak - 1)
+    close = np.abs(errors).max() < 0.02
+    assert close or "geometry-error" in kinds(result)
+    assert close or mesh[0] == 1 or source == "files"
+
+
+@pytest.mark.convergence
+@pytest.mark.parametrize(
+    ("scene", "degree", "rate", "last"),
+    [
+        (shoe, 1, 1.5, 0.05),
+        (shaft, 1, 1.5, 2e-3),
+        (shoe, 2, 1.5, 1e-4),
+        (shaft, 2, 0.7, 1e-3),
+        pytest.param(shoe, 3, 1.5, 1e-4, marks=pytest.mark.slow),
+        pytest.param(shaft, 3, 1.5, 1e-3, marks=pytest.mark.slow),
+    ],
+)
+def test_pressures_of_shoes_and_shafts_converge(scene, degree, rate, last):
+    """Towards NURBS; the end of a closed zone and corners leave no higher order."""
+    sizes = np.array([2, 4, 8] if degree == 1 else [1, 2, 4])
+    means = np.array([pressed(scene("fe", degree, k))[2] for k in sizes])
+    errors = np.abs(means / by_nurbs(scene)[2] - 1)
+    assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] < -rate
+    assert errors[-1] < last
 
 
 @pytest.mark.parametrize("degree", [1, 2])

@@ -251,6 +251,6 @@ def test_numbers_do_not_depend_on_the_ranks(ranks, backend, damping):
         on_ranks(n, "rotating_numbers.numbers", backend, damping) for n in (1, ranks)
     )
     assert max(each["residual"] for each in (alone, together)) < 1e-10
-    for key in ("force", "pressure", "re", "im", "slopes"):
+    for key in ("force", "pressure", "re", "im", "slopes", "reactions"):
         size = np.abs(alone[key]).max()
         np.testing.assert_allclose(together[key], alone[key], rtol=1e-8, atol=1e-8 * size)

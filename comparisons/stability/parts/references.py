@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes
+from comparisons.stability.parts.carried import carried_eigenvalues
 from comparisons.stability.parts.dense import dense_eigenvalues
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
 
@@ -23,7 +24,7 @@ class Reference:
     Parameters
     ----------
     name
-        Where it comes from: "dense", "exact", "benign", "formula".
+        Where it comes from: "dense", "at rest", "exact", "benign", "formula".
     values
         Computes it: lambda (1/s) of every mode with Im >= 0, far beyond the window; or the normal
         stress (N/m^2) of a static scene.
@@ -41,6 +42,11 @@ def dense(scene: Mapping[str, Any]) -> Reference:
 def damped(scene: Mapping[str, Any]) -> Reference:
     """Dense eigenvalues of the assembled matrices of a scene with damping or rotation (scipy)."""
     return Reference("dense", lambda: _damped(_key(scene)))
+
+
+def carried(scene: Mapping[str, Any]) -> Reference:
+    """Dense eigenvalues at rest of a damped body, carried along by its rotation (scipy)."""
+    return Reference("at rest", lambda: _carried(_key(scene)))
 
 
 def benign(scene: Mapping[str, Any], factor: float = 1.0) -> Reference:
@@ -99,6 +105,13 @@ def _key(scene: Mapping[str, Any]) -> str:
 @cache
 def _damped(scene: str) -> Complexes:
     values = damped_eigenvalues(json.loads(scene))
+    values.flags.writeable = False
+    return values
+
+
+@cache
+def _carried(scene: str) -> Complexes:
+    values = carried_eigenvalues(json.loads(scene))
     values.flags.writeable = False
     return values
 
