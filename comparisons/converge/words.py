@@ -12,6 +12,8 @@ def verdict(data: Data) -> str:
     words = [mode["verdict"] for mode in data["modes"]]
     growth = [mode["growth"] for mode in data["modes"]]
     up_to = f"{number(data['max_frequency'])} Hz"
+    if not data["levels"]:
+        return f"No mesh was solved: nothing is known of modes up to {up_to}."
     if not words:
         return f"No modes below {up_to}."
     counts = counted_words(words, growth, data.get("growth_threshold"))

@@ -299,7 +299,7 @@ def test_rigid_motions_are_known_to_their_rounding():
     assert rigid.rigid
     assert not moving.rigid
     assert rigid.frequency_bar == rigid.growth_bar == pytest.approx(1.3e-14)
-    assert rigid.verdict == "stable"
+    assert rigid.verdict == "rigid"
     assert shortfall(rigid, Request("blocks", digits=10), None) == 0.0
 
 

@@ -27,7 +27,7 @@ def test_the_lines_for_a_notebook_run(tmp_path, monkeypatch, capsys):
     names = {}
     exec(compile(code, "python.md", "exec"), names)
     told = capsys.readouterr().out.splitlines()
-    assert told[0].startswith("disc_pad: 1 of 14 modes up to 7000 Hz unstable")
+    assert told[0].startswith("disc_pad: 14 modes up to 7000 Hz: 1 unstable")
     assert [line.split()[0] for line in told[-3:]] == ["0.0", "0.2", "0.4"]
     assert Image.open("mode_14.png").size == (1500, 900)
     opened = scenes.open_result("results/mine/result.json")

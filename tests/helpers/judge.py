@@ -101,7 +101,7 @@ def judge(found: Found, dense: Dense, threshold: float | None) -> list[Fault]:
     def limit(values):
         if threshold is not None:
             return np.full(len(values), threshold)
-        return 1e-4 * np.maximum(np.abs(values), 0.1 * found.top)
+        return 1e-4 * np.abs(values)
 
     faults = []
     for ours, theirs in _groups(found, dense):

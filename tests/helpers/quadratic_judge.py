@@ -55,7 +55,7 @@ def judge_quadratic(modes, values, errors) -> list[Fault]:
     calls = np.array(modes.verdicts(), dtype=object)
     calls = np.append(calls, calls[twins])
     margin = _SAFETY * errors
-    limit = 1e-4 * np.maximum(np.abs(values), 0.1 * top)
+    limit = 1e-4 * np.abs(values)
     surely = (
         (np.abs(values.imag) < top - margin)
         & (values.real > window.min_growth + margin)
