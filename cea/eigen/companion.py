@@ -11,8 +11,8 @@ and its inverse at a shift s takes one solve with P(s) = s^2 M + s D + K:
        [ b ] = [ (a + s x) / gamma ],     P(s) x = -(gamma M b + s M a + D a).
 
 Vectors are real about a real shift and complex about a complex one; matrices and factors are real.
-The scale gamma is the end of the window: there x and z are equally large, in an inner product that is M for both, and residuals
-are backward errors.
+The scale gamma is the end of the window: there x and z are equally large, in an inner product that
+is M for both, and residuals are backward errors.
 """
 
 from typing import Any

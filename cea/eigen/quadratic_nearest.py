@@ -14,7 +14,7 @@ from cea.eigen.block_krylov import BlockSearch
 from cea.eigen.companion import CompanionSearch
 from cea.eigen.krylov_run import KrylovRun
 from cea.eigen.pencil import Matrices
-from cea.eigen.quadratic_search import MARGIN, upper_half
+from cea.eigen.quadratic_search import upper_half
 from cea.eigen.quadratic_shifted import QuadraticShifted
 from cea.eigen.quadratic_window import QuadraticWindow
 from cea.eigen.subspace import InvariantSubspace

@@ -6,8 +6,8 @@ down to a decay d. A disc about a real shift c > 0,
     abs(lambda - c)^2 <= (c + d)^2 + omega^2,
 
 holds all of it up to the growth 2 c + d, and the conjugates: matrices, factors and vectors are
-real. It is searched until nothing more comes beside what was found. Where eigenvalues may grow faster (:mod:`cea.eigen.quadratic_coverage`), further discs follow
-to the right.
+real. It is searched until nothing more comes beside what was found. Where eigenvalues may grow
+faster (:mod:`cea.eigen.quadratic_coverage`), further discs follow to the right.
 """
 
 import sys
