@@ -37,9 +37,11 @@ _ON_DISK = 0.35
 """Part of the factors that is in memory at once where the rest is on disk: the largest fronts."""
 _FILES = 1.0
 """Bytes of factors on disk relative to those in memory: two sets of them for a while."""
-_COMPLEX = 4.0
-"""Entries of matrices and factors of a complex shift in real numbers, and of its complex vectors of
-displacements and velocities, relative to those of a real one."""
+_QUADRATIC = 4.0
+"""Entries of the vectors of a damped or rotating system relative to those of a linear one: of
+displacements and velocities, for each mode and its conjugate."""
+_VELOCITIES = 2.0
+"""Matrices of such a system that are alive beside those of a linear one, in stiffness matrices."""
 _VECTORS = 6.0
 """Vectors held for each mode sought: a Krylov basis of twice the number, its restart, the modes."""
 _MODAL, _UPDATE = 8.0, 48.0
@@ -136,16 +138,16 @@ def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
     modes = 1.0 if static else min(max(modes, _FEWEST), dofs)
     unsymmetric = any(contact.mu for contact in scene.contacts.values())
     quadratic = not static and (scene.damped or scene.rotates)
-    numbers, kept = (_COMPLEX, 1.0) if quadratic else (1.0, 1.0 if unsymmetric else _SYMMETRIC)
-    alive = _MATRICES[scene.analysis.kind] + (_COMPLEX if quadratic else 0.0)
+    kept = 1.0 if unsymmetric or quadratic else _SYMMETRIC
+    alive = _MATRICES[scene.analysis.kind] + (_VELOCITIES if quadratic else 0.0)
     return MemoryEstimate(
         dofs,
         nonzeros,
         entries,
         modes,
         matrices=alive * _ENTRY * nonzeros,
-        factors=_FACTORS * kept * numbers * _NUMBER * entries,
-        vectors=_VECTORS * numbers * _NUMBER * modes * dofs,
+        factors=_FACTORS * kept * _NUMBER * entries,
+        vectors=_VECTORS * (_QUADRATIC if quadratic else 1.0) * _NUMBER * modes * dofs,
         modal=modal + _UPDATE * damped * dofs,
     )
 

@@ -22,10 +22,11 @@ from scenes.spec.body import BodySpec
 
 _START, _ELEMENT_ENTRY, _NURBS_ENTRY = 0.03, 1.7e-7, 2.0e-7
 _FACTOR_ENTRY, _FACTOR_ENTRY_A_MODE, _OPERATION = 3.1e-8, 1.3e-9, 3.5e-11
-_COMPLEX = 4.0
-"""Entries of factors at a complex shift, in real numbers, relative to those of a real one."""
+_QUADRATIC = 8.0
+"""Work in the Krylov space of a damped or rotating system relative to that of a linear problem: of
+four times the columns, of displacements and velocities."""
 _SHIFTS = 3.0
-"""Complex shifts of a damped or rotating system, where a linear problem has one."""
+"""Shifts of a damped or rotating system, where a linear problem has one."""
 _NEWTON = 10.0
 """Factorisations on the way to steady sliding: its steps of load times those of Newton's method."""
 
@@ -47,7 +48,7 @@ def estimated_seconds(scene: Scene, memory: MemoryEstimate) -> float:
     if not static:
         krylov = _FACTOR_ENTRY_A_MODE * modes * entries
         if scene.damped or scene.rotates:
-            seconds += _SHIFTS * (_COMPLEX**1.5 * factorisation + _COMPLEX * krylov)
+            seconds += _SHIFTS * factorisation + _QUADRATIC * krylov
         else:
             seconds += krylov
     if scene.slides_steadily:

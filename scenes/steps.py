@@ -102,7 +102,7 @@ def _solve(scene: Scene) -> dict[str, str]:
         return {} if scene.slides_steadily else {"solve": "displacement under the loads"}
     symmetric = not any(contact.mu for contact in scene.contacts.values())
     if scene.damped or scene.rotates:
-        kind = "quadratic in lambda: velocities count; at complex shifts"
+        kind = "quadratic in lambda: velocities count; at real shifts"
     else:
         kind = f"linear in lambda^2, {'symmetric' if symmetric else 'unsymmetric by friction'}"
     return {"eigenvalues": f"to {analysis.max_frequency:g} Hz; {kind}"}

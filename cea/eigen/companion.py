@@ -1,4 +1,4 @@
-"""Block Krylov search of a quadratic problem about a complex shift, by its companion form.
+"""Block Krylov search of a quadratic problem about a shift, by its companion form.
 
 With x, and z = lambda x / gamma beside it, (lambda^2 M + lambda D + K) x = 0, D = C + Y, is linear,
 
@@ -10,9 +10,9 @@ and its inverse at a shift s takes one solve with P(s) = s^2 M + s D + K:
     OP [ a ]   [         x         ]
        [ b ] = [ (a + s x) / gamma ],     P(s) x = -(gamma M b + s M a + D a).
 
-Vectors are complex as the shift is; matrices and factors stay real. The scale gamma is the end of
-the window: there x and z are equally large, in an inner product that is M for both, and residuals
-are backward errors.
+Vectors are real about a real shift and complex about a complex one; matrices and factors are real.
+The scale gamma is the end of the window: there x and z are equally large, in an inner product that
+is M for both, and residuals are backward errors.
 """
 
 from typing import Any
@@ -29,7 +29,7 @@ from cea.timing import StageTimer
 
 
 class CompanionSearch(BlockSearch):
-    """Searches of (lambda^2 M + lambda D + K) x = 0 around a complex shift.
+    """Searches of (lambda^2 M + lambda D + K) x = 0 around a shift.
 
     Vectors are [x; z], on each rank its rows of both.
 
@@ -49,7 +49,7 @@ class CompanionSearch(BlockSearch):
         Whether vectors of P^T are searched: conjugates of left ones.
     """
 
-    unknown, dtype = "lambda", complex
+    unknown = "lambda"
     cleansing = 2
 
     def __init__(
@@ -75,6 +75,7 @@ class CompanionSearch(BlockSearch):
         )
         self._mass, self._factors, self._transposed = matrices.mass, factors, transposed
         self._scale, self.most = scale, most
+        self.dtype = complex if np.iscomplexobj(factors.shift) else float
         self._damping = Damping(matrices, transposed=transposed)
 
     def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:

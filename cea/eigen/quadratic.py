@@ -20,7 +20,7 @@ from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.quadratic_damping import Damping
 from cea.eigen.quadratic_nearest import nearest_subspace, neighbours
 from cea.eigen.quadratic_pairs import QuadraticPairs, checked_pairs, inverse_step
-from cea.eigen.quadratic_search import MARGIN, QuadraticSearch
+from cea.eigen.quadratic_search import MARGIN, QuadraticSearch, upper_half
 from cea.eigen.quadratic_two_sided import judged_by_both, one_sided
 from cea.eigen.quadratic_window import QuadraticFound, QuadraticWindow
 from cea.eigen.sensitivity import SAME, LeftVectors, dual_norms
@@ -109,15 +109,16 @@ class QuadraticDriver:
         """Modes of what was found; None for ``left`` searches no left vectors whatever is found."""
         assert search.factors is not None
         with self.timer("post-processing"):
-            pairs = checked_pairs(self.matrices, search.factors, found.subspace, end)
-        pairs, vectors = self._by_left(search, found.subspace, pairs, end, left=left)
+            subspace = upper_half(found.subspace, end)
+            pairs = checked_pairs(self.matrices, search.factors, subspace, end)
+        pairs, vectors = self._by_left(search, subspace, pairs, end, left=left)
         inside = (pairs.eigenvalues.imag >= 0) & (pairs.eigenvalues.imag <= end)
         first = found.discs[0] if found.discs else None
         window = QuadraticWindow(
             max_frequency=end / (2 * np.pi),
-            shift=float(np.real(first.centre)) if first else 0.0,
+            shift=first.centre if first else 0.0,
             radius=first.radius if first else 0.0,
-            found=found.subspace.size,
+            found=subspace.size,
             discs=len(found.discs),
             max_growth=np.inf if found.bounded else found.growth,
             bounded=found.bounded,

@@ -9,13 +9,12 @@ import sys
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import schur
 
 from cea.eigen.block_krylov import BlockSearch
 from cea.eigen.companion import CompanionSearch
 from cea.eigen.krylov_run import KrylovRun
 from cea.eigen.pencil import Matrices
-from cea.eigen.quadratic_search import MARGIN
+from cea.eigen.quadratic_search import upper_half
 from cea.eigen.quadratic_shifted import QuadraticShifted
 from cea.eigen.quadratic_window import QuadraticWindow
 from cea.eigen.subspace import InvariantSubspace
@@ -49,17 +48,7 @@ class NearestCompanionSearch(CompanionSearch):
         """
         with self._timer("krylov"):
             rows = 2 * self._mass.getLocalSize()[0]
-            return self.upper(_NearestRun(self, rows, wanted).complete())
-
-    def upper(self, found: InvariantSubspace) -> InvariantSubspace:
-        """Without the eigenvalues below the real axis that are not next to it."""
-        if not found.size:
-            return found
-        low = -MARGIN * self._scale
-        form, vectors, kept = schur(
-            found.projected, output="complex", sort=lambda value: bool(value.imag >= low)
-        )
-        return InvariantSubspace(found.basis @ vectors[:, :kept], form[:kept, :kept], False)
+            return upper_half(_NearestRun(self, rows, wanted).complete(), self._scale)
 
 
 class _NearestRun(KrylovRun):

@@ -116,6 +116,8 @@ def checked_pairs(
         Its gamma (1/s).
     """
     values, vectors = subspace.eigenpairs()
+    # Left vectors are scaled by lambda. About a real shift it may be zero to the last digit.
+    values = np.where(values == 0, 1j * np.finfo(float).eps * scale, values)
     x = vectors[: len(vectors) // 2]
     damping = Damping(matrices)
     x, f = _normalised(matrices, damping, factors, values, x)

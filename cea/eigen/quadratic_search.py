@@ -1,21 +1,23 @@
 """Search of a window of a damped or rotating pencil, and what shows that nothing is missing.
 
 The window holds the lambda with 0 <= Im lambda <= omega and Re lambda >= -d: of any growth, and
-down to a decay d. A disc about c + i omega / 2,
+down to a decay d. A disc about a real shift c > 0,
 
-    (Re lambda - c)^2 + (Im lambda - omega / 2)^2 <= (c + d)^2 + (omega / 2)^2,
+    abs(lambda - c)^2 <= (c + d)^2 + omega^2,
 
-holds all of it up to the growth 2 c + d. It is searched until nothing more comes beside what was
-found. Where eigenvalues may grow faster (:mod:`cea.eigen.quadratic_coverage`), further discs follow
-to the right.
+holds all of it up to the growth 2 c + d, and the conjugates: matrices, factors and vectors are
+real. It is searched until nothing more comes beside what was found. Where eigenvalues may grow
+faster (:mod:`cea.eigen.quadratic_coverage`), further discs follow to the right.
 """
 
 import sys
 
 import numpy as np
+from scipy.linalg import schur
 
 from cea.arrays import Complexes
 from cea.eigen.companion import CompanionSearch
+from cea.eigen.dense_products import combined
 from cea.eigen.krylov_run import CrowdedError
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_coverage import bounded_growth, first_shift, largest_growth
@@ -38,8 +40,10 @@ _CROWD = 1000
 """Unknowns up to which a disc may hold any number of eigenvalues."""
 _CROWDED, _FEW = 4, 100
 """Eigenvalues in a disc that are too many: modes of the window without damping, and a number."""
-_ATTEMPTS, _AWAY = 4, 4.0
-"""Shifts tried where eigenvalues crowd, and growth of their real part from one to the next."""
+_ATTEMPTS, _AWAY = 6, 4.0
+"""Shifts tried where eigenvalues crowd, and growth of the shift from one to the next."""
+_SLIM = 2.0
+"""Shift relative to omega from which on a disc reaches little beyond the decay asked for."""
 _FARTHER = 8.0
 """Growth of the shift from one disc to the next."""
 _SMALL = 10_000
@@ -103,7 +107,7 @@ class QuadraticSearch:
         self._searches = 0
         self._discs: list[ShiftedDisc] = []
         self._most = sys.maxsize
-        self._farthest: dict[complex, float] = {}
+        self._farthest: dict[float, float] = {}
         self._farthest_lambda = np.inf
 
     def window(self) -> QuadraticFound:
@@ -129,7 +133,7 @@ class QuadraticSearch:
         while not bounded and known.size < self._finite and len(self._discs) <= most:
             left, centre = growth, _FARTHER * centre
             try:
-                known = self._beside(known, *self._disc(centre, left))
+                known = self._beside(known, centre, self._radius(centre, left))
             except CrowdedError:
                 break
             growth = 2 * centre - left
@@ -146,16 +150,15 @@ class QuadraticSearch:
     def _finite(self) -> int:
         return 2 * (self._matrices.size - self._matrices.tied)
 
-    def _disc(self, centre: float, left: float) -> tuple[complex, float]:
-        """Shift and radius of a disc that holds the window to the right of a real part."""
-        half = (0.5 + MARGIN) * self._end
-        return complex(centre, 0.5 * self._end), float(np.hypot(centre - left, half))
+    def _radius(self, centre: float, left: float) -> float:
+        """Radius of a disc that holds the window to the right of a real part."""
+        return float(np.hypot(centre - left, (1 + MARGIN) * self._end))
 
     def _not_crowded(self, centre: float) -> tuple[InvariantSubspace, float]:
         """Eigenvalues of the first disc, and the real part of its shift.
 
         Overdamped modes may crowd at one rate of decay. From farther to the right a disc reaches
-        less beyond the decay asked for, and that is reduced where nobody asked.
+        less beyond the decay asked for; where that does not help it is reduced, if nobody asked.
         """
         for _ in range(_ATTEMPTS):
             try:
@@ -164,9 +167,9 @@ class QuadraticSearch:
                 crowded = error
             self.free()
             self._farthest.clear()
-            centre *= _AWAY
-            if not self._asked:
+            if centre >= _SLIM * self._end and not self._asked:
                 self.decay /= _AWAY
+            centre *= _AWAY
         raise ConvergenceError(
             f"{crowded}: modes crowd near or above the growth rate {-self.decay:.4g} 1/s; a higher "
             "min_growth leaves them out"
@@ -174,7 +177,7 @@ class QuadraticSearch:
 
     def _first(self, centre: float, left: float) -> InvariantSubspace:
         """Eigenvalues of the first disc, whose shift steps aside where it is one."""
-        shift, radius = self._disc(centre, left)
+        shift, radius = centre, self._radius(centre, left)
         for _ in range(_STEPS_ASIDE):
             self.factors = self._factorised(shift)
             if self.factors is not None:
@@ -190,7 +193,7 @@ class QuadraticSearch:
         self.factors = None
         raise ConvergenceError(f"the pencil is singular at every shift near {shift:.4g} 1/s")
 
-    def _factorised(self, shift: complex) -> QuadraticShifted | None:
+    def _factorised(self, shift: float) -> QuadraticShifted | None:
         """Factors at a shift; None where it is an eigenvalue."""
         self.factorisations += 1
         with self._timer("factorisation"):
@@ -199,7 +202,7 @@ class QuadraticSearch:
             except ConvergenceError:
                 return None
 
-    def _beside(self, known: InvariantSubspace, shift: complex, radius: float) -> InvariantSubspace:
+    def _beside(self, known: InvariantSubspace, shift: float, radius: float) -> InvariantSubspace:
         """The known with what lies in another disc."""
         factors = self._factorised(shift)
         if factors is None:
@@ -228,7 +231,7 @@ class QuadraticSearch:
             most=self._most,
             transposed=transposed,
         )
-        centre = krylov.shift
+        centre = float(factors.shift.real)
         for _ in range(_MOST_SEARCHES):
             before = known.size
             known = krylov.search(known, radius, self._searches, both_ends=True)
@@ -295,3 +298,13 @@ class QuadraticSearch:
     def _nothing(self) -> InvariantSubspace:
         rows = 2 * self._matrices.stiffness.getLocalSize()[0]
         return InvariantSubspace.empty(rows, symmetric=False)
+
+
+def upper_half(found: InvariantSubspace, end: float) -> InvariantSubspace:
+    """Without the eigenvalues below the real axis that are not next to it, beside omega (1/s)."""
+    if not found.size:
+        return found
+    form, vectors, kept = schur(
+        found.projected, output="complex", sort=lambda value: bool(value.imag >= -MARGIN * end)
+    )
+    return InvariantSubspace(combined(found.basis, vectors[:, :kept]), form[:kept, :kept], False)

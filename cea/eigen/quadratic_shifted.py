@@ -10,8 +10,8 @@ of P. There are four times the factors of a real shift, and a solve takes twice 
 Re P with steps of GMRES instead take some thirty steps a solve and are slower by far. Contact
 forces that are unknowns stand beside the displacements (:mod:`cea.eigen.shifted`). Pieces of C of
 low rank stay out of the factors (:mod:`cea.eigen.low_rank_update`), and so do circulatory pieces of
-K at a complex shift where they are small (:mod:`cea.eigen.neumann`); otherwise they are unknowns
-beside the forces.
+K where they are small (:mod:`cea.eigen.neumann`); otherwise they are unknowns beside the forces.
+Windows are searched about real shifts, single eigenvalues about complex ones.
 """
 
 from collections.abc import Callable
@@ -64,7 +64,7 @@ class QuadraticShifted:
         self._factors: _Factors | None = None
         self._update: LowRankUpdate | None = None
         circulatory = matrices.circulatory
-        if circulatory is None or not (self._complex and self._is_small(circulatory)):
+        if circulatory is None or not self._is_small(circulatory):
             if circulatory is not None:
                 self._forces = with_circulatory(matrices.multipliers, circulatory)
             self._solver: Solver = self._factorised()
@@ -160,8 +160,9 @@ class QuadraticShifted:
         """Whether the number of real eigenvalues beyond a real shift is odd (1) or even (0).
 
         The determinant of P(s) with m contact forces has the sign of (-1)^m far to the right, and
-        changes it at each real eigenvalue. None where that is not known: for symmetric matrices,
-        complex shifts, forces without compliance.
+        changes it at each real eigenvalue. Pieces that a Neumann series brings in do not change it:
+        with any part of them the matrix is regular. None where it is not known: for symmetric
+        matrices, complex shifts, forces without compliance.
         """
         if self._symmetric or complex(self.shift).imag:
             return None

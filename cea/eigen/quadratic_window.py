@@ -16,7 +16,7 @@ class ShiftedDisc:
         In 1/s.
     """
 
-    centre: complex
+    centre: float
     radius: float
 
 
@@ -50,8 +50,9 @@ class QuadraticWindow(Window):
     """What was searched of a quadratic problem, and why it is believed complete.
 
     The window holds the modes with 0 <= Im lambda <= omega of any growth, down to a decay. Shift
-    and radius are those of the first disc of lambda, about shift + i omega / 2 (1/s); ``upper`` is
-    omega (1/s), and ``found_below`` counts the lambda found with 0 <= Im lambda <= omega.
+    and radius are those of the first disc of lambda (1/s), ``found`` counts what it holds without
+    conjugates; ``upper`` is omega (1/s), and ``found_below`` counts the lambda found with
+    0 <= Im lambda <= omega.
 
     Parameters
     ----------

@@ -280,29 +280,46 @@ def test_many_copies_of_damped_modes_are_all_found():
     assert modes.verdict() == "stable"
 
 
-def overdamped(n, end):
-    """A string of which modes beyond a fifth of the window crowd at one rate of decay."""
+def overdamped(n, end, rate=0.1):
+    """A string of which modes crowd at one rate of decay, relative to the end of the window."""
     ones = np.ones(n)
     K = diags_array([2 * ones, -ones[1:], -ones[1:]], offsets=[0, 1, -1]) * (n + 1.0) ** 2
     return Pencil(
         [
             Term("mass", to_petsc(eye_array(n))),
             Term("stiffness", to_petsc(K)),
-            Term("damping", to_petsc(10 / end * K)),
+            Term("damping", to_petsc(K / (rate * end))),
         ]
     )
+
+
+def exact_overdamped(n, end, rate=0.1):
+    """Its eigenvalues."""
+    kappa = 4 * (n + 1) ** 2 * np.sin(np.arange(1, n + 1) * np.pi / (2 * (n + 1))) ** 2
+    drag = kappa / (2 * rate * end)
+    return np.concatenate([-drag + s * np.sqrt(drag**2 - kappa + 0j) for s in (1, -1)])
 
 
 def test_overdamped_modes_that_crowd_are_left_out():
     n, end = 1200, 20.5 * np.pi
     modes = solve_modes(overdamped(n, end), end / (2 * np.pi))
-    kappa = 4 * (n + 1) ** 2 * np.sin(np.arange(1, n + 1) * np.pi / (2 * (n + 1))) ** 2
-    drag = 5 / end * kappa
-    exact = np.concatenate([-drag + s * np.sqrt(drag**2 - kappa + 0j) for s in (1, -1)])
+    exact = exact_overdamped(n, end)
     asked = (exact.imag >= 0) & (exact.real >= modes.window.min_growth)
     assert modes.eigenvalues == pytest.approx(exact[asked], abs=1e-8)
     assert -0.1 * end < modes.window.min_growth < 0
     assert modes.verdict() == "stable"
+
+
+@pytest.mark.parametrize("rate", [0.3, 0.5, 0.7])
+def test_modes_that_crowd_beyond_the_window_do_not_shorten_it(rate):
+    n, end = 1200, 20.5 * np.pi
+    modes = solve_modes(overdamped(n, end, rate), end / (2 * np.pi))
+    exact = exact_overdamped(n, end, rate)
+    asked = (exact.imag >= 0) & (exact.imag <= end) & (exact.real >= -0.1 * end)
+    assert len(modes) == asked.sum() > 0
+    expected = exact[asked][np.argsort(exact[asked].imag)]
+    assert modes.eigenvalues == pytest.approx(expected, abs=1e-8)
+    assert modes.window.min_growth == pytest.approx(-0.1 * end)
 
 
 @pytest.mark.slow

@@ -35,3 +35,8 @@ def test_five_hundred_random_pencils_with_modes_damped():
 @pytest.mark.slow
 def test_a_thousand_random_damped_pencils():
     _judged(range(1000))
+
+
+def test_free_motions_whose_lambda_is_zero_to_the_last_digit_are_modes():
+    """Left vectors, which are scaled by lambda, judge them."""
+    _judged([226, 496, 939])
