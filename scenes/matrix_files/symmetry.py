@@ -53,8 +53,11 @@ def symmetry_of(matrix: csr_array) -> Symmetry:
 def half_of(matrix: csr_array) -> str | None:
     """Which half of a symmetric matrix this may be: no entry beside the diagonal has its mirror.
 
-    None where one has, and of a diagonal matrix.
+    None where one has, of a diagonal matrix, and where the diagonal is empty, as of friction forces
+    along one direction from pressures along another.
     """
+    if not matrix.diagonal().any():
+        return None
     rows, columns = matrix.tocoo().coords
     below, above = bool((rows > columns).any()), bool((rows < columns).any())
     if not (below or above):

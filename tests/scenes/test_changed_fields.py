@@ -65,7 +65,7 @@ SECOND = {"surface": "x_max", "components": ["x"]}
 TURN = {"rate": 0.1}
 ROWS = [
     # the scene, its analysis, what is written of it
-    Row("linear", {"name": "another", "description": "in other words"}),
+    Row("linear", {"name": "another", "description": "in other words", "units": "other"}),
     Row("linear", {"output.pictures": 2, "output.paraview": 1}),
     Row("linear", {"output": {"pictures": 1}}),
     Row("linear", {"analysis.max_frequency": 0.6}),
