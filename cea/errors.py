@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from typing import Any
+from unicodedata import category
 
 _LONGEST = 300
 """Characters of a value or a name that a message shows, at most."""
@@ -31,7 +32,8 @@ def _line(text: str) -> str:
 
 def printable(text: str) -> str:
     """Text whose signs that a terminal would obey are written out, but for ends of lines."""
-    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in text)
+    kept = (c.isprintable() or c == "\n" or category(c) == "Zs" for c in text)
+    return "".join(c if keep else ascii(c)[1:-1] for c, keep in zip(text, kept, strict=True))
 
 
 class InputError(ValueError):

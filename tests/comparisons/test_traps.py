@@ -178,6 +178,7 @@ def test_a_terminal_obeys_no_name(cea, scene_file, tmp_path):
 def test_signs_that_terminals_obey_are_written_out():
     assert printable("a\x1b[2J\r\x9bb\n") == "a\\x1b[2J\\r\\x9bb\n"
     assert printable("µ = 0.3 → ±") == "µ = 0.3 → ±"
+    assert printable("1\u202f104") == "1\u202f104"
 
 
 @pytest.mark.parametrize(
