@@ -27,7 +27,7 @@ RELATIVE_GROWTH = 1e-4
 """Growth rate relative to abs(lambda) above which a mode is called unstable by default."""
 
 
-_FINE = 1e-10
+_FINE = 1e-9
 """Relative error of kappa up to which its condition is fine: where modes coalesce the error is the
 root of rounding, some 1e-8."""
 

@@ -50,7 +50,7 @@ def patch_test() -> Iterator[Run]:
                 OfScene(way.of(_pressed(P))),
                 true,
                 tolerance=max(_TOLERANCE, lost),
-                warnings=MESH_AND_PENALTY,
+                warnings=(*MESH_AND_PENALTY, "large-displacement"),
             )
     for way in chosen(MORTAR, "mortar, saddle"):
         yield Run("P infinite", way, OfScene(way.of(_pressed(inf))), true, tolerance=_TOLERANCE)
