@@ -224,7 +224,7 @@ def test_modes_of_which_much_remains_take_one_step_more(backend):
     late = one.remaining > allowed
     assert 0 < late.sum() < len(late)
     fell = more.remaining[late] / one.remaining[late]
-    assert np.median(fell) < 0.15  # by the slowest of those nearer to the shift
+    assert np.median(fell) < 0.15  # bounded by the slowest mode nearer to the shift
     assert (fell < 0.5).all()  # modes near the end of the window converge slowest
     assert more.remaining[~late] == pytest.approx(one.remaining[~late])
     searched = paired(more.corrected, run_modes(richer).eigenvalues)

@@ -57,6 +57,7 @@ def damped_rotation() -> Iterator[Run]:
                 ring = _ring(E, rho, part * _STANDS * omega, damping, decay)
                 row = f"{material}, damped by {words}, {part:g} of the rate of a standing wave"
                 for way in ALONE:
-                    data, may = way.of(ring), (*MESH, "centrifugal-stresses", "undecided")
+                    data, lost = way.of(ring), ("undecided",) if part else ()
+                    may = (*MESH, "centrifugal-stresses", *lost)
                     problem, true = OfScene(data), carried(data)
                     yield Run(row, way, problem, true, tolerance=1e-3, warnings=may)
