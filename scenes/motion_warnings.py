@@ -11,7 +11,6 @@ from cea.rotation import Rotation
 from cea.warned import ResultWarning
 from scenes.read import Scene
 
-
 _SURFACE_WAVES = 0.8
 """Speed relative to shear waves from which rims may outrun surface waves: those of Rayleigh travel
 at 0.87 (nu = 0) to 0.96 (nu = 0.5), short ones of a mesh a little slower."""
