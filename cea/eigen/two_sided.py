@@ -26,7 +26,7 @@ import numpy as np
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import column_blocks, columns_inner, image_of, times
 from cea.eigen.clusters import cluster_bounds, clusters
-from cea.eigen.dense_products import combined
+from cea.eigen.blocks import combined
 from cea.eigen.eigenpairs import Eigenpairs, internal_forces
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.pencil import Matrices
@@ -65,7 +65,7 @@ def one_sided(
     """
     if matrices.symmetric or not subspace.size:
         return False
-    if pairs.conditions.max() > ILL or cancels(matrices.mass, pairs.vectors):
+    if subspace.graded or pairs.conditions.max() > ILL or cancels(matrices.mass, pairs.vectors):
         return True
     return _left_out(matrices, factors, subspace) > PLAIN
 

@@ -14,7 +14,7 @@ import numpy as np
 from cea.arrays import Complexes
 from cea.eigen.eigenpairs import checked
 from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.found import nearest_window
+from cea.eigen.spectrum import nearest_window
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.pencil import Pencil
 from cea.eigen.sensitivity import dual_norms, left_vectors_of

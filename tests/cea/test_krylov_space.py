@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cea.eigen.columns import Columns
-from cea.eigen.dense_products import beside, combined, inner, subtract
+from cea.eigen.blocks import beside, combined, inner, subtract
 from cea.eigen.krylov_space import KrylovSpace
 
 
