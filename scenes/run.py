@@ -82,9 +82,7 @@ def run_scene(scene: Scene, **options: Unpack[RunOptions]) -> ModesResult | Stat
     return run_static(scene, **options)
 
 
-def run_modes(
-    scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
-) -> ModesResult:
+def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]) -> ModesResult:
     """Modes of a scene whose analysis asks for them.
 
     Parameters

@@ -14,7 +14,6 @@ random vectors are appended.
 """
 
 import sys
-from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +22,7 @@ from scipy.linalg import schur
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import combined
 from cea.eigen.dense import Radius, dense_subspace
-from cea.eigen.krylov_space import InnerProduct, KrylovSpace
+from cea.eigen.krylov_space import KrylovSpace, ShiftInvert
 from cea.eigen.options import KrylovOptions
 from cea.eigen.subspace import InvariantSubspace, small_eigenpairs, symmetric_part
 from cea.errors import ConvergenceError
@@ -35,6 +34,8 @@ _TINY = 1e-20
 """Square of a direction of start vectors, relative to the largest, from which on it is rounding."""
 _CLEAR = 3.0
 """Residuals by which an eigenvalue outside a disc must lie outside."""
+NEAR_SHIFT = 1e-6
+"""Distance of an eigenvalue from the shift, relative to it, at which all others lose digits."""
 _PAIR = 1e-9
 """Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
 
@@ -52,38 +53,8 @@ class CrowdedError(ConvergenceError):
         super().__init__(f"a disc holds {number} eigenvalues or more")
 
 
-class ShiftInvert(InnerProduct, Protocol):
-    """An operator OP with eigenvalues theta = 1 / (mu - s), and its inner product.
-
-    Attributes
-    ----------
-    rows, local, finite
-        Rows of its vectors on all ranks and on this one, and number of finite eigenvalues mu.
-    shift
-        s.
-    comm, rank
-        Communicator (mpi4py), and this rank.
-    symmetric
-        Whether OP is selfadjoint in the inner product.
-    powers
-        Times that OP must be applied to take infinite eigenvalues out of a vector.
-    negligible
-        theta relative to the largest below which an eigenvalue counts as infinite.
-    """
-
-    rows: int
-    local: int
-    finite: int
-    shift: float
-    comm: Any
-    rank: int
-    symmetric: bool
-    powers: int
-    negligible: float
-
-    def outside(self, theta: Complexes, errors: Floats) -> NDArray[np.bool_]:
-        """Which theta belong to eigenvalues outside of the window, whatever their errors."""
-        ...
+class NearShiftError(ConvergenceError):
+    """An eigenvalue so near to the shift that others lose digits."""
 
 
 def krylov_schur(
@@ -123,11 +94,19 @@ def krylov_schur(
         When eigenvalues of the disc do not converge; ``best`` is the invariant subspace so far.
     CrowdedError
         When the disc holds more than ``most`` eigenvalues.
+    NearShiftError
+        When an eigenvalue is next to the shift.
     """
     of_theta = radius if callable(radius) else lambda _: radius
     locked = locked or InvariantSubspace.empty(op.local, symmetric=op.symmetric)
     if op.rows <= options.dense_limit:
-        return locked if locked.size else dense_subspace(op, of_theta, disc_only=not verify)
+        if locked.size:
+            return locked
+        found = dense_subspace(op, of_theta, disc_only=not verify)
+        distances = np.abs(found.eigenvalues() - op.shift)
+        if distances.min(initial=np.inf) < NEAR_SHIFT * abs(op.shift):
+            raise NearShiftError(f"{op.shift:.6g} is next to an eigenvalue")
+        return found
     if locked.size >= op.finite:
         return locked
     return _KrylovSchur(op, of_theta, options, locked, seed, most, verify=verify).complete()
@@ -183,13 +162,18 @@ class _KrylovSchur:
             sizes, least = np.abs(theta), 1 / self._radius(theta)
             inside = sizes >= least
             converged = residuals <= options.tolerance * sizes
+            nearly = residuals <= options.loose * sizes
+            if (nearly & (NEAR_SHIFT * abs(self._op.shift) * sizes > 1)).any():
+                raise NearShiftError(f"{self._op.shift:.6g} is next to an eigenvalue")
             if exhausted:
-                return self._lock(theta, inside & (sizes > self._op.negligible * sizes.max()))
+                return self._lock(
+                    theta, inside & (sizes * abs(self._op.shift) > self._op.negligible)
+                )
             number = int(inside.sum())
             if number > self._most:
                 raise CrowdedError(number)
             wanted = self._wanted(theta, inside)
-            loose = bool((residuals <= options.loose * sizes)[wanted].all())
+            loose = bool(nearly[wanted].all())
             if self._steps_left is not None and size >= self._steps_left:
                 verified, self._steps_left = verified or number <= counted, None
             seen = converged | ~wanted & self._surely_outside(theta, residuals)

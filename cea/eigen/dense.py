@@ -8,7 +8,7 @@ then orthogonal in units of their own, and only left vectors tell the errors.
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, matrix_balance, schur, solve_triangular
@@ -16,20 +16,20 @@ from scipy.linalg.lapack import dtrsen
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import column_blocks
+from cea.eigen.krylov_space import ShiftInvert
 from cea.eigen.subspace import InvariantSubspace, symmetric_part
-
-if TYPE_CHECKING:
-    from cea.eigen.block_krylov import ShiftInvert
 
 type Radius = Callable[[Complexes], float]
 """Radius of the disc about the shift that is searched, from the theta that are known."""
 
+_ROUNDING = 1e-13
+"""theta relative to the largest that may be rounding of zero."""
 _GRADED = 64.0
 """Ratio of the factors of balancing from which on norms say nothing."""
 
 
 def dense_subspace(
-    op: "ShiftInvert", radius: Radius, *, disc_only: bool = False
+    op: ShiftInvert, radius: Radius, *, disc_only: bool = False
 ) -> InvariantSubspace:
     """The eigenvalues of a disc about the shift, and all others of the window; collective.
 
@@ -62,7 +62,7 @@ def dense_subspace(
     return InvariantSubspace(own, projected, op.symmetric, whole=not disc_only, graded=graded)
 
 
-def _gathered(op: "ShiftInvert") -> tuple[Floats, Floats, slice]:
+def _gathered(op: ShiftInvert) -> tuple[Floats, Floats, slice]:
     """L^T OP L^-T on every rank, L of the inner product L L^T, and the rows of this rank."""
     counts = op.comm.allgather(op.local)
     first = sum(counts[: op.rank])
@@ -79,12 +79,12 @@ def _gathered(op: "ShiftInvert") -> tuple[Floats, Floats, slice]:
     return scaled, root, slice(first, first + op.local)
 
 
-def _kept(op: "ShiftInvert", radius: Radius, disc_only: bool, theta: Complexes) -> Any:
+def _kept(op: ShiftInvert, radius: Radius, disc_only: bool, theta: Complexes) -> Any:
     """Which of all theta are in the disc or in the window; infinite eigenvalues are not."""
     sizes = np.abs(theta)
     finite = np.zeros(len(theta), dtype=bool)
     finite[np.argsort(-sizes)[: op.finite]] = True
-    finite &= sizes > op.negligible * sizes.max(initial=0.0)
+    finite &= sizes > max(_ROUNDING * sizes.max(initial=0.0), op.negligible / abs(op.shift))
     disc = sizes * radius(theta[finite]) >= 1
     others = False if disc_only else ~op.outside(theta, np.zeros(len(theta)))
     return finite & (disc | others)
@@ -96,9 +96,7 @@ def _leading(operator: Floats, chosen: Callable[[Complexes], Any]) -> tuple[Floa
     every = np.ones(len(form), dtype=np.int32)
     _, _, re, im, *_ = dtrsen(every, form, vectors, job="N")
     kept = chosen(re + 1j * im)
-    form, vectors, _, _, number, _, _, info = dtrsen(
-        kept.astype(np.int32), form, vectors, job="N"
-    )
+    form, vectors, _, _, number, _, _, info = dtrsen(kept.astype(np.int32), form, vectors, job="N")
     if info:
         raise LinAlgError("eigenvalues of a small matrix cannot be told from others")
     return form[:number, :number], vectors[:, :number]

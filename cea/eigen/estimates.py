@@ -57,9 +57,8 @@ class EigenProblem:
             if self.matrices.quadratic:
                 subspace = upper_half(found, self.end)
                 pairs = checked_pairs(self.matrices, op.factors, subspace, self.end)
-                values = pairs.eigenvalues
-                window = QuadraticNeighbours.of(op.shift, values)
-                return _damped_modes(self, pairs, None, window)
+                place = QuadraticNeighbours.of(op.shift, pairs.eigenvalues)
+                return _damped_modes(self, pairs, None, place)
             kappa, vectors = found.eigenpairs()
             own = checked(self.matrices, op.factors, kappa, vectors)
             window = nearest_window(op.shift, kappa)
@@ -112,7 +111,7 @@ def _undamped(
             if left or not unsure:
                 raise
     with timer("post-processing"):
-        if left and left_vectors is not None and not matrices.symmetric:
+        if left and left_vectors is not None and not (matrices.symmetric or subspace.graded):
             conditions = dual_norms(matrices.mass, left_vectors.vectors)
             pairs = replace(pairs, conditions=conditions)
         if unsure:
@@ -140,9 +139,7 @@ def _window(found: Found, end: float, kappa: Complexes) -> Window:
     )
 
 
-def _damped(
-    problem: EigenProblem, found: Found, search: WindowSearch, left: bool | None
-) -> Modes:
+def _damped(problem: EigenProblem, found: Found, search: WindowSearch, left: bool | None) -> Modes:
     matrices, timer, end = problem.matrices, problem.timer, problem.end
     assert isinstance(search, DampedSearch)
     factors = search.near.factors
@@ -271,7 +268,8 @@ def _damped_modes(
     real = _real(eigenvalues, uncertainties, near)
     eigenvalues = np.where(real, eigenvalues.real, eigenvalues)
     inside = (eigenvalues.imag >= 0) & (eigenvalues.imag <= window.upper)
-    inside &= eigenvalues.real >= window.min_growth
+    rigid = np.abs(eigenvalues) <= uncertainties
+    inside &= (eigenvalues.real >= window.min_growth) | rigid
     bounded = np.zeros(len(eigenvalues), dtype=bool)
     if matrices.conservative:
         bounded = cannot_grow(-1j * eigenvalues, uncertainties, symmetric=False)

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.blocks import all_inner, image_of
-from cea.eigen.blocks import combined, subtract
+from cea.eigen.blocks import all_inner, combined, image_of, subtract
 from cea.eigen.eliminated_forces import EliminatedForces, mean_and_half
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps

@@ -116,7 +116,7 @@ class KrylovSchur:
         except np.linalg.LinAlgError as error:
             raise _too_far_apart(error) from error
         except ConvergenceError as error:
-            if isinstance(error.best, InvariantSubspace) and error.best.size and search.discs:
+            if isinstance(error.best, InvariantSubspace) and error.best.size:
                 error.best = modes_found(problem, Found(error.best), search, left=None)
             raise
         finally:

@@ -3,12 +3,12 @@
 A block is projected twice: where friction acts, what an operator makes of it lies in all vectors.
 """
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Floats
+from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import beside, combined, subtract
 
 _NOISE = 1e-12
@@ -40,6 +40,40 @@ class InnerProduct(Protocol):
 
     def inner(self, left: Floats, right: Floats) -> Floats:
         """Inner products of every column of one block with every column of another."""
+        ...
+
+
+class ShiftInvert(InnerProduct, Protocol):
+    """An operator OP with eigenvalues theta = 1 / (mu - s), and its inner product.
+
+    Attributes
+    ----------
+    rows, local, finite
+        Rows of its vectors on all ranks and on this one, and number of finite eigenvalues mu.
+    shift
+        s.
+    comm, rank
+        Communicator (mpi4py), and this rank.
+    symmetric
+        Whether OP is selfadjoint in the inner product.
+    powers
+        Times that OP must be applied to take infinite eigenvalues out of a vector.
+    negligible
+        theta times the shift from which down eigenvalues count as infinite.
+    """
+
+    rows: int
+    local: int
+    finite: int
+    shift: float
+    comm: Any
+    rank: int
+    symmetric: bool
+    powers: int
+    negligible: float
+
+    def outside(self, theta: Complexes, errors: Floats) -> NDArray[np.bool_]:
+        """Which theta belong to eigenvalues outside of the window, whatever their errors."""
         ...
 
 

@@ -32,6 +32,7 @@ _WORTH, _EXACT = 3.0, 1e-13
 _UNSOLVED = 1e-2
 """Relative error of a known solution beyond which the sum counts as singular."""
 
+
 @dataclass(frozen=True)
 class LowRank:
     """W diag(d) W^T on some of the displacements.

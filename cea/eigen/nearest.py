@@ -90,7 +90,7 @@ def nearest_damped(
         distances = np.sort(np.abs(values - place)[values.imag >= 0])
         if len(distances) < min(wanted, matrices.size - matrices.tied):
             return np.inf
-        return _EDGE * float(abs(place - shift) + distances[: wanted][-1])
+        return _EDGE * float(abs(place - shift) + distances[:wanted][-1])
 
     op = Companion(matrices, shift, abs(place))
     op.reach = np.inf

@@ -18,8 +18,6 @@ The scale g is the end of the window: there x and z are equally large, in an inn
 M for both, and residuals are backward errors. All of it is real.
 """
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,7 +34,7 @@ and the first mode beyond it, and conjugates of those next to the real axis."""
 
 
 class Undamped:
-    """(K - sigma M)^-1 M; attributes are those of :class:`cea.eigen.block_krylov.ShiftInvert`.
+    """(K - sigma M)^-1 M; attributes are those of :class:`cea.eigen.krylov_space.ShiftInvert`.
 
     ``reach`` is the end of the window (1/s); infinite where there is none.
 
@@ -65,12 +63,15 @@ class Undamped:
     ) -> None:
         self.matrices, self.shift, self._end = matrices, shift, end
         self.reach = end
-        self.factors = of.factors if of else Shifted(matrices, shift)
+        self.factors: Shifted = of.factors if of else self._factorised()
         self._transposed = of is not None
         self.comm = matrices.stiffness.comm.tompi4py()
         self.rank, self.symmetric = self.comm.rank, matrices.symmetric
         self.rows, self.finite = matrices.size, matrices.size - matrices.tied
         self.local = matrices.stiffness.getLocalSize()[0]
+
+    def _factorised(self) -> Shifted:
+        return Shifted(self.matrices, self.shift)
 
     def apply(self, _: Floats, image: Floats) -> Floats:
         """OP on a block whose product with M is given."""
@@ -128,11 +129,13 @@ class Companion(Undamped):
         of: "Undamped | None" = None,
         decay: float = np.inf,
     ) -> None:
-        self.factors = of.factors if of else Shifted.quadratic(matrices, shift)
-        super().__init__(matrices, shift, end, self)
-        self._transposed, self._decay, self.symmetric = of is not None, decay, False
+        super().__init__(matrices, shift, end, of)
+        self._decay, self.symmetric = decay, False
         self.rows, self.finite, self.local = 2 * self.rows, 2 * self.finite, 2 * self.local
         self._damping = Damping(matrices, transposed=self._transposed)
+
+    def _factorised(self) -> Shifted:
+        return Shifted.quadratic(self.matrices, self.shift)
 
     def apply(self, block: Floats, image: Floats) -> Floats:
         """OP on a block [a; b] whose image [M a; M b] is given."""

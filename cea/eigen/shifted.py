@@ -100,9 +100,7 @@ class Shifted:
             return self._factors
         root = self.matrices.low_rank.root()
         try:
-            self._update = LowRankUpdate(
-                self._factors, root, self.rate, symmetric=self._symmetric
-            )
+            self._update = LowRankUpdate(self._factors, root, self.rate, symmetric=self._symmetric)
         except ConvergenceError:
             self.free()
             raise

@@ -24,9 +24,8 @@ from dataclasses import replace
 import numpy as np
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import column_blocks, columns_inner, image_of, times
+from cea.eigen.blocks import column_blocks, columns_inner, combined, image_of, times
 from cea.eigen.clusters import cluster_bounds, clusters
-from cea.eigen.blocks import combined
 from cea.eigen.eigenpairs import Eigenpairs, internal_forces
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.pencil import Matrices
@@ -209,6 +208,8 @@ def judged_by_both(
         unknown = np.full(len(pairs.kappa), np.inf)
         return replace(pairs, errors=unknown, bounds=unknown)
     errors, conditions = two_sided_errors(matrices, pairs, left[1])
+    if subspace.graded:  # lengths say something in the units that the subspace was found in
+        conditions = pairs.conditions
     errors = np.maximum(errors, conditions * _disagreement(pairs.kappa, left[0], conditions, top))
     errors, bounds = bounds_widened(subspace, pairs.kappa, errors, pairs.conditions)
     told = np.minimum(pairs.errors * pairs.conditions, pairs.bounds)

@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.block_krylov import CrowdedError, krylov_schur
+from cea.eigen.block_krylov import CrowdedError, NearShiftError, krylov_schur
 from cea.eigen.coverage import Disc, distance_of_cone, distance_within, touching_disc, upper_end
 from cea.eigen.field_of_values import FieldOfValues, field_of_values, has_cone
 from cea.eigen.options import KrylovOptions
@@ -53,7 +53,7 @@ disc reaches little beyond the decay asked for."""
 _ATTEMPTS = 6
 """Shifts tried at most, where they are eigenvalues and where eigenvalues crowd."""
 _ASIDE = 1e-3
-"""Step of a shift aside relative to itself, from an eigenvalue that is the square as near."""
+"""Step of a shift aside from an eigenvalue, relative to itself."""
 _INSIDE = 1 + SAME
 """Radius of a disc of left eigenvalues relative to the farthest right one in it: those that are the
 same but for rounding, which is large of rigid motions and near coalescence, are inside."""
@@ -155,7 +155,8 @@ class WindowSearch(ABC):
     @property
     def near(self) -> Undamped:
         """An operator near the window, by which modes are judged."""
-        if self._op is not None and self._op.shift in [each.centre for each in self.discs[:2]]:
+        near = [each.centre for each in self.discs[:2]]
+        if self._op is not None and (not near or self._op.shift in near):
             return self._op
         return self.at(self.discs[0].centre)
 
@@ -163,26 +164,29 @@ class WindowSearch(ABC):
         """Search a disc; its shift steps aside where it is an eigenvalue."""
         before = self.known
         for _ in range(_ATTEMPTS):
+            op = self._at_regular(centre)
             try:
-                op = self.at(centre)
-            except ConvergenceError:
-                op = None
-            if op is not None:
-                with self._timer("krylov"):
-                    found = krylov_schur(
-                        op, radius, self._options, before, seed=len(self.discs), most=most
-                    )
-                new = found.eigenvalues(before.size if before else 0)
-                if np.abs(new - centre).min(initial=np.inf) > _ASIDE**2 * abs(centre):
-                    self.known = found
+                if op is not None:
+                    with self._timer("krylov"):
+                        self.known = krylov_schur(
+                            op, radius, self._options, before, seed=len(self.discs), most=most
+                        )
                     self.discs.append(Disc(centre, radius))
                     return
+            except NearShiftError:
                 self._parities.pop(centre, None)
             radius += _ASIDE * abs(centre)
             centre *= 1 + _ASIDE
         raise ConvergenceError(
             f"the pencil is singular at every shift near {centre:.4g}", best=before
         )
+
+    def _at_regular(self, shift: float) -> Undamped | None:
+        """The operator at a shift; None where that is an eigenvalue."""
+        try:
+            return self.at(shift)
+        except ConvergenceError:
+            return None
 
     @property
     def whole(self) -> bool:
@@ -210,7 +214,9 @@ class WindowSearch(ABC):
         """
         assert self.known is not None
         values, found = self.known.eigenvalues(), None
-        for disc in sorted(self.discs, key=lambda each: self._op is None or each.centre != self._op.shift):
+        for disc in sorted(
+            self.discs, key=lambda each: self._op is None or each.centre != self._op.shift
+        ):
             distances = np.abs(values - disc.centre)
             inside = distances < disc.radius * _INSIDE
             farthest = max(float(distances[inside].max(initial=0.0)), _ASIDE * disc.radius)
@@ -442,4 +448,3 @@ class DampedSearch(WindowSearch):
         self.factorisations += 1
         with self._timer("factorisation"):
             return bounded_growth(self._matrices, growth, self._end)
-

@@ -1,7 +1,7 @@
 """The command ``cea solve``: modes of matrices given as files."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 
