@@ -102,7 +102,7 @@ def krylov_schur(
     if op.rows <= options.dense_limit:
         if locked.size:
             return locked
-        found = dense_subspace(op, of_theta, disc_only=not verify)
+        found = dense_subspace(op, of_theta, disc_only=not (verify and np.isfinite(op.reach)))
         distances = np.abs(found.eigenvalues() - op.shift)
         if distances.min(initial=np.inf) < NEAR_SHIFT * abs(op.shift):
             raise NearShiftError(f"{op.shift:.6g} is next to an eigenvalue")

@@ -235,7 +235,7 @@ def _dual(
         inertia = all_inner(left[:, members], times(matrices.mass, x[:, members]), comm)
         drag = all_inner(left[:, members], damping.times(x[:, members]), comm)
         overlap = (own[:, None] + own) * inertia + drag
-        left[:, members] = left[:, members] @ np.linalg.inv(overlap).conj().T * (2 * own.conj())
+        left[:, members] = left[:, members] @ np.linalg.pinv(overlap).conj().T * (2 * own.conj())
     return left
 
 

@@ -58,6 +58,8 @@ class ShiftInvert(InnerProduct, Protocol):
         Whether OP is selfadjoint in the inner product.
     powers
         Times that OP must be applied to take infinite eigenvalues out of a vector.
+    reach
+        End of the window that is searched; infinite where all of a disc is wanted.
     negligible
         theta times the shift from which down eigenvalues count as infinite.
     """
@@ -70,6 +72,7 @@ class ShiftInvert(InnerProduct, Protocol):
     rank: int
     symmetric: bool
     powers: int
+    reach: float
     negligible: float
 
     def outside(self, theta: Complexes, errors: Floats) -> NDArray[np.bool_]:

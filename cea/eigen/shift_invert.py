@@ -36,7 +36,8 @@ and the first mode beyond it, and conjugates of those next to the real axis."""
 class Undamped:
     """(K - sigma M)^-1 M; attributes are those of :class:`cea.eigen.krylov_space.ShiftInvert`.
 
-    ``reach`` is the end of the window (1/s); infinite where there is none.
+    ``reach`` is the end of the window (1/s); infinite where all of a disc is wanted, as it is of
+    left eigenvectors.
 
     Parameters
     ----------
@@ -62,7 +63,7 @@ class Undamped:
         self, matrices: Matrices, shift: float, end: float, of: "Undamped | None" = None
     ) -> None:
         self.matrices, self.shift, self._end = matrices, shift, end
-        self.reach = end
+        self.reach = np.inf if of else end
         self.factors: Shifted = of.factors if of else self._factorised()
         self._transposed = of is not None
         self.comm = matrices.stiffness.comm.tompi4py()
@@ -163,7 +164,7 @@ class Companion(Undamped):
 
     def transposed(self) -> "Companion":
         """The same of P^T, whose vectors are conjugates of left ones."""
-        return Companion(self.matrices, self.shift, self._end, self, self._decay)
+        return Companion(self.matrices, self.shift, self._end, self)
 
     def free(self) -> None:
         """Free what is its own."""

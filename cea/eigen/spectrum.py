@@ -175,7 +175,7 @@ class Spectrum:
     def damping_ratios(self) -> Floats:
         """-Re lambda / abs(lambda), shape (n,): below zero where a mode grows, NaN where rigid."""
         ratios = np.full(len(self), np.nan)
-        moving = ~self.rigid
+        moving = ~self.rigid & (self.eigenvalues != 0)
         ratios[moving] = 0.0 - self.growth_rates[moving] / np.abs(self.eigenvalues[moving])
         return ratios
 

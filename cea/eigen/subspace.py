@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
+from scipy.linalg import svd
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import beside, combined
@@ -154,7 +155,7 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
         if real and mean.imag < -rounding:
             continue  # they are mended with those they are the conjugates of
         shift = mean.real if real and mean.imag <= rounding else mean
-        _, sizes, axes = np.linalg.svd(matrix - shift * np.eye(len(matrix)))
+        _, sizes, axes = svd(matrix - shift * np.eye(len(matrix)), lapack_driver="gesvd")
         if sizes[-len(members)] <= rounding:
             own = axes[-len(members) :].conj().T
             vectors[:, members] = own

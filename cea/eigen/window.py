@@ -218,7 +218,7 @@ class WindowSearch(ABC):
             self.discs, key=lambda each: self._op is None or each.centre != self._op.shift
         ):
             distances = np.abs(values - disc.centre)
-            inside = distances < disc.radius * _INSIDE
+            inside = self.whole | (distances < disc.radius * _INSIDE)
             farthest = max(float(distances[inside].max(initial=0.0)), _ASIDE * disc.radius)
             op = self.at(disc.centre).transposed()
             with self._timer("krylov"):
