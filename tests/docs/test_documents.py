@@ -9,7 +9,7 @@ import pytest
 import cea
 
 ROOT = Path(__file__).parents[2]
-DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 ROOMS = ("cea", "fe_cea", "iga_cea", "exact_cea", "meshes", "scenes", "comparisons")
 PLACES = (*ROOMS, "docs", "examples", "tests")
 
@@ -42,7 +42,8 @@ def test_who_wants_to_change_something_finds_the_file():
 
 def test_the_index_names_every_document():
     text = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    others = {path.name for path in (ROOT / "docs").glob("*.md")} - {"index.md"}
+    folder = ROOT / "docs"
+    others = {str(path.relative_to(folder)) for path in folder.rglob("*.md")} - {"index.md"}
     assert others == {name for name in others if f"]({name})" in text}
     assert len(others) >= 4
 
