@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import image_of, inner
+from cea.eigen.blocks import all_inner, combined, image_of, inner, times
 from cea.eigen.coverage import outside_of_window, upper_end
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
@@ -56,13 +56,15 @@ class Undamped:
         When the pencil is singular at the shift.
     """
 
+    damped = False
+    damping: Damping | None = None
     powers = 1
     negligible = 1e-10
 
     def __init__(
         self, matrices: Matrices, shift: float, end: float, of: "Undamped | None" = None
     ) -> None:
-        self.matrices, self.shift, self._end = matrices, shift, end
+        self.matrices, self.shift, self.scale = matrices, shift, end
         self.reach = np.inf if of else end
         self.factors: Shifted = of.factors if of else self._factorised()
         self._transposed = of is not None
@@ -92,9 +94,42 @@ class Undamped:
             kappa = self.shift + 1 / theta
         return outside_of_window(upper_end(self.reach**2), kappa, errors)
 
+    def square(self, values: NDArray[Any]) -> NDArray[Any]:
+        """lambda^2 of eigenvalues."""
+        return -values
+
+    def distance(self, values: NDArray[Any]) -> Floats:
+        """What the length of (K - sigma M)^-1 r is multiplied by as a backward error."""
+        return np.abs(values - self.shift)
+
+    def inverse_step(
+        self, values: NDArray[Any], x: NDArray[Any], *, transposed: bool = False
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        """One step of inverse iteration: displacements and contact forces, scaled as x is."""
+        inertia = times(self.matrices.mass, x * (values - self.shift))
+        return self.factors.solve_with_forces(inertia, transposed=transposed)
+
+    def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
+        """What a subspace leaves out of its left vectors: W = Q - A^-T M Q (R - sigma)^T.
+
+        Parameters
+        ----------
+        basis, mixed, moved
+            Q, columns, and (R - sigma)^T times them.
+        """
+        load = image_of(self.matrices.mass, combined(basis, moved))
+        return combined(basis, mixed) - self.factors.solve_block(load, transposed=True)
+
+    def pairing(
+        self, values: Complexes, left: Complexes, right: Complexes
+    ) -> tuple[Complexes, Complexes]:
+        """Y^H M X, and what its diagonal is to be; with damping as :class:`LeftVectors` has it."""
+        inertia = all_inner(left, times(self.matrices.mass, right), self.matrices.mass.comm)
+        return inertia, np.ones(len(values), dtype=complex)
+
     def transposed(self) -> "Undamped":
         """The same of K^T, whose eigenvectors are left ones, of conjugate eigenvalues."""
-        return type(self)(self.matrices, self.shift, self._end, self)
+        return type(self)(self.matrices, self.shift, self.scale, self)
 
     def free(self) -> None:
         """Free the factors, but of a transposed operator."""
@@ -119,6 +154,7 @@ class Companion(Undamped):
         Decay (1/s) down to which eigenvalues are of the window.
     """
 
+    damped = True
     powers = 2
     negligible = 1e-6
 
@@ -133,7 +169,7 @@ class Companion(Undamped):
         super().__init__(matrices, shift, end, of)
         self._decay, self.symmetric = decay, False
         self.rows, self.finite, self.local = 2 * self.rows, 2 * self.finite, 2 * self.local
-        self._damping = Damping(matrices, transposed=self._transposed)
+        self.damping = Damping(matrices, transposed=self._transposed)
 
     def _factorised(self) -> Shifted:
         return Shifted.quadratic(self.matrices, self.shift)
@@ -141,10 +177,10 @@ class Companion(Undamped):
     def apply(self, block: Floats, image: Floats) -> Floats:
         """OP on a block [a; b] whose image [M a; M b] is given."""
         rows = len(block) // 2
-        load = -(self._end * image[rows:] + self.shift * image[:rows])
-        load -= self._damping.times(block[:rows])
+        load = -(self.scale * image[rows:] + self.shift * image[:rows])
+        load -= self.damping.times(block[:rows])
         x = self.factors.solve_block(load, transposed=self._transposed)
-        return np.asfortranarray(np.vstack([x, (block[:rows] + self.shift * x) / self._end]))
+        return np.asfortranarray(np.vstack([x, (block[:rows] + self.shift * x) / self.scale]))
 
     def image(self, block: Floats) -> Floats:
         """[M a; M b] of a block [a; b]."""
@@ -162,11 +198,43 @@ class Companion(Undamped):
         fast = np.abs(values.imag) - errors > (1 + MARGIN) * self.reach
         return np.asarray(fast | (values.real + errors < -self._decay))
 
+    def square(self, values: NDArray[Any]) -> NDArray[Any]:
+        """lambda^2 of eigenvalues."""
+        return values**2
+
+    def distance(self, values: NDArray[Any]) -> Floats:
+        """What the length of P(s)^-1 r is multiplied by, beside s / g times it in the second half."""
+        return np.asarray(np.abs(values - self.shift) * np.hypot(1.0, self.shift / self.scale))
+
+    def inverse_step(
+        self, values: NDArray[Any], x: NDArray[Any], *, transposed: bool = False
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        """P(s) x' + L^T f = (s - lambda) ((lambda + s) M + D) x, which is (P(s) - P(lambda)) x."""
+        load = times(self.matrices.mass, x * (values + self.shift))
+        load += self.damping.times(x, transposed=transposed)
+        return self.factors.solve_with_forces(load * (self.shift - values), transposed=transposed)
+
+    def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
+        """The same of the z of left vectors, which are y, by the adjoint of OP."""
+        rows, scale = len(basis) // 2, self.scale
+        whole = combined(basis, moved)
+        load = times(self.matrices.mass, whole[:rows] + self.shift / scale * whole[rows:])
+        w = self.factors.solve_block(np.asfortranarray(load), transposed=True)
+        return combined(basis[rows:], mixed) + scale * w
+
+    def pairing(
+        self, values: Complexes, left: Complexes, right: Complexes
+    ) -> tuple[Complexes, Complexes]:
+        """Y^H ((lambda_i + lambda_j) M + D) X, and 2 lambda."""
+        inertia, _ = super().pairing(values, left, right)
+        drag = all_inner(left, self.damping.times(right), self.matrices.mass.comm)
+        return (values[:, None] + values) * inertia + drag, 2 * values
+
     def transposed(self) -> "Companion":
         """The same of P^T, whose vectors are conjugates of left ones."""
-        return Companion(self.matrices, self.shift, self._end, self)
+        return Companion(self.matrices, self.shift, self.scale, self)
 
     def free(self) -> None:
         """Free what is its own."""
-        self._damping.free()
+        self.damping.free()
         super().free()

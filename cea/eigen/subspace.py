@@ -54,32 +54,41 @@ class InvariantSubspace:
         """kappa, shape (k,), or those added since the subspace had a size."""
         return self._values if first == 0 else self._values_of(self.projected[first:, first:])
 
-    def eigenpairs(self) -> tuple[Complexes, Complexes]:
-        """kappa, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k).
+    def eigenpairs(self, rows: int | None = None) -> tuple[Complexes, Complexes]:
+        """Eigenvalues, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k).
 
-        They rise with Im lambda, kappa = -lambda^2. Of a real subspace that of a conjugate, which
-        follows its eigenvalue, is the conjugate.
+        A conjugate follows its eigenvalue, and its vector is the conjugate. Undamped ones rise with
+        Im lambda, kappa = -lambda^2.
+
+        Parameters
+        ----------
+        rows
+            Of vectors; None takes all.
         """
         values, small = self._pairs
-        if np.iscomplexobj(self.basis):
-            return values, combined(self.basis, small)
-        vectors = np.zeros((len(self.basis), self.size), dtype=complex, order="F")
+        basis = self.basis[:rows]
+        vectors = np.zeros((len(basis), self.size), dtype=complex, order="F")
         if not self.size:
             return values, vectors
         twins = _twins(values)
         own = np.setdiff1d(np.arange(self.size), twins)
         turned = own[small.imag[:, own].any(axis=0)]
-        vectors.real[:, own] = combined(self.basis, small.real[:, own])
-        vectors.imag[:, turned] = combined(self.basis, small.imag[:, turned])
+        vectors.real[:, own] = combined(basis, small.real[:, own])
+        vectors.imag[:, turned] = combined(basis, small.imag[:, turned])
         vectors[:, twins] = vectors[:, twins - 1].conj()
         return values, vectors
 
-    def conditions(self) -> Floats:
-        """Condition numbers of the eigenvalues within the subspace, in the order of the pairs."""
-        if self.symmetric:
-            return np.ones(self.size)
+    def duals(self) -> Complexes:
+        """Small vectors of the dual basis of the eigenvectors, shape (k, k): lengths are conditions.
+
+        They are those of eigenvectors of unit length, in the order of the pairs.
+        """
         vectors = self._pairs[1]
-        return conditions_of(vectors.conj().T @ vectors)
+        if self.symmetric:
+            return vectors
+        sizes, axes = np.linalg.eigh(vectors.conj().T @ vectors)
+        sizes = np.maximum(sizes, np.finfo(float).eps * sizes.max(initial=1.0))
+        return np.asarray(vectors @ ((axes / sizes) @ axes.conj().T))
 
     @cached_property
     def _values(self) -> Complexes:
@@ -96,7 +105,7 @@ class InvariantSubspace:
         values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
         if not self.symmetric:
             _tell_apart(self.projected, values, vectors)
-        order = _rising(values, in_pairs=not np.iscomplexobj(self.projected))
+        order = _rising(values)
         return values[order], vectors[:, order]
 
     def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: float) -> Self:
@@ -126,13 +135,9 @@ def _twins(values: Complexes) -> Ints:
     return 1 + np.flatnonzero(values.imag > 0)
 
 
-def _rising(values: Complexes, *, in_pairs: bool) -> Ints:
-    """Order of kappa by Re sqrt(kappa), which is Im lambda.
-
-    Where they come in pairs one with Im kappa > 0 is followed by what is its conjugate, maybe but
-    for rounding, and stays so.
-    """
-    twins = _twins(values) if in_pairs else np.empty(0, dtype=np.int64)
+def _rising(values: Complexes) -> Ints:
+    """Order of kappa by Re sqrt(kappa), which is Im lambda; conjugates stay together."""
+    twins = _twins(values)
     firsts = np.setdiff1d(np.arange(len(values)), twins)
     firsts = firsts[np.lexsort((-values[firsts].real, np.sqrt(values[firsts]).real))]
     followed = np.isin(firsts + 1, twins)
@@ -147,20 +152,19 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
     Where that is so orthonormal ones stand for them, if they are as good.
     """
     rounding = _EQUAL * np.finfo(float).eps * float(np.linalg.norm(matrix))
-    real = not np.iscomplexobj(matrix)
     for members in _equal(values, rounding):
         if np.linalg.svd(vectors[:, members], compute_uv=False)[-1] >= _APART:
             continue
         mean = values[members].mean()
-        if real and mean.imag < -rounding:
+        if mean.imag < -rounding:
             continue  # they are mended with those they are the conjugates of
-        shift = mean.real if real and mean.imag <= rounding else mean
+        shift = mean.real if mean.imag <= rounding else mean
         _, sizes, axes = svd(matrix - shift * np.eye(len(matrix)), lapack_driver="gesvd")
         if sizes[-len(members)] <= rounding:
             own = axes[-len(members) :].conj().T
             vectors[:, members] = own
             values[members] = np.einsum("ij,ij->j", own.conj(), matrix @ own)
-            if real and mean.imag > rounding:
+            if mean.imag > rounding:
                 vectors[:, members + 1], values[members + 1] = own.conj(), values[members].conj()
 
 
@@ -176,10 +180,3 @@ def _equal(values: Complexes, rounding: float) -> list[Ints]:
             if len(members) > 1:
                 groups.append(members)
     return groups
-
-
-def conditions_of(gram: Complexes) -> Floats:
-    """Condition numbers from the Gram matrix of unit eigenvectors: sqrt of diag of its inverse."""
-    values, vectors = np.linalg.eigh(gram)
-    values = np.maximum(values, np.finfo(float).eps * values.max(initial=1.0))
-    return np.sqrt(np.maximum((np.abs(vectors) ** 2 / values).sum(axis=1), 1.0))

@@ -26,7 +26,7 @@ from cea.eigen.field_of_values import FieldOfValues, field_of_values, has_cone
 from cea.eigen.options import KrylovOptions
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_coverage import bounded_growth, first_shift, largest_growth
-from cea.eigen.sensitivity import SAME
+from cea.eigen.left_vectors import SAME
 from cea.eigen.shift_invert import MARGIN, Companion, Undamped
 from cea.eigen.shifted import count_below
 from cea.eigen.subspace import InvariantSubspace
@@ -204,8 +204,13 @@ class WindowSearch(ABC):
     def _beyond(self, values: Complexes, shift: float) -> int:
         """Number of eigenvalues beyond a shift."""
 
-    def left(self) -> tuple[Complexes, Complexes]:
+    def left(self, rows: int) -> tuple[Complexes, Complexes]:
         """Eigenvectors of the transposed pencil, and their eigenvalues, of all that was found.
+
+        Parameters
+        ----------
+        rows
+            Displacements of this rank: the rows of the vectors.
 
         Raises
         ------
@@ -225,7 +230,7 @@ class WindowSearch(ABC):
                 found = krylov_schur(op, _INSIDE * farthest, self._options, found, seed=len(values))
             op.free()
         assert found is not None
-        return found.eigenpairs()
+        return found.eigenpairs(rows)
 
     def free(self) -> None:
         """Free the factors."""

@@ -18,7 +18,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.pencil import Role
-from cea.eigen.sensitivity import POWERS
+from cea.eigen.left_vectors import POWERS
 
 
 @dataclass(frozen=True)
