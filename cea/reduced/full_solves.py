@@ -318,7 +318,7 @@ def _passes_zero(
     near = (root or 1j * window.end * _ASIDE) * (1 + _ASIDE)
     quadratic = driver.quadratic(point)
     at = -(near**2) if quadratic else float(-(near**2).real)
-    modes = driver.nearest(at, _NEIGHBOURS, point)
+    modes = driver.nearest(at, 1 if window.by_growth else _NEIGHBOURS, point)
     nearest = complex(modes.eigenvalues[np.argmin(np.abs(modes.eigenvalues - root))])
     if found.kind == "window":
         return nearest.imag - window.end, nearest
