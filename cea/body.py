@@ -1,30 +1,40 @@
-"""What a body must offer, however it is discretised; its surfaces in :mod:`cea.surface`.
+"""Elastic bodies, and what a backend must offer to make one; its surfaces in :mod:`cea.surface`.
 
-A body has scalar basis functions numbered 0 .. ``num_scalar_dofs`` - 1 over all ranks. Its *full*
-displacement vector holds component c of scalar dof i at ``dim * i + c``; the *free* vector is what
-remains when supports are removed, and ``expansion`` (full x free) goes from one to the other.
+A space has scalar basis functions numbered 0 .. ``num_scalar_dofs`` - 1 over all ranks. A *full*
+displacement vector holds component c of function i at ``dim * i + c``; the *free* vector of a body
+is what its supports leave, and its expansion Z (full x free) goes from one to the other. A backend
+knows full matrices only: a body adds material, supports, springs and loads, and reduces once, to
+Z^T A Z.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
+from cea.checks import check_density
 from cea.material import IsotropicMaterial
+from cea.matrices import antisymmetrised, destroy, symmetrised, total
+from cea.petsc import PETSc
 from cea.rotation import Rotation
+from cea.supports.boundary import Force, Pressure, Spring, Support, check_boundary, through_body
+from cea.supports.constraints import Constraints
+from cea.supports.loads import foundation, surface_forces
 from cea.surface import Surface
 from cea.volume import VolumeCells, VolumeSample
 
 
-class Body(Protocol):
-    """An elastic body: matrices without its supports' dofs, loads, named surfaces."""
+class Space(Protocol):
+    """Displacements of a body on one discretisation: all that a backend implements.
 
-    @property
-    def name(self) -> str:
-        """Name of the body."""
-        ...
+    Matrices are PETSc AIJ of all dofs (full x full), made anew at each call and given away; making
+    one is collective. Symmetric and skew ones are so to the last bit.
+    """
 
     @property
     def dim(self) -> int:
@@ -37,46 +47,67 @@ class Body(Protocol):
         ...
 
     @property
-    def material(self) -> IsotropicMaterial:
-        """Its material."""
-        ...
-
-    @property
-    def num_scalar_dofs(self) -> int:
-        """Scalar basis functions over all ranks."""
+    def ranges(self) -> Ints:
+        """First scalar dof of each rank, and the end of the last, rising, shape (ranks + 1,)."""
         ...
 
     @property
     def surfaces(self) -> Mapping[str, Surface]:
-        """Named surfaces."""
+        """Named surfaces, the same on every rank."""
         ...
 
-    @property
-    def expansion(self) -> Any:
-        """PETSc AIJ matrix (full x free): displacement of every dof from the free ones."""
+    def constrain(self, supports: Sequence[Support], field: str) -> Constraints:
+        """What supports leave free.
+
+        Parameters
+        ----------
+        supports
+            What is held.
+        field
+            Name of the supports in messages.
+        """
         ...
 
-    def stiffness(self) -> Any:
-        """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
+    def stiffness(self, lame: tuple[float, float]) -> Any:
+        """Elastic stiffness (N/m), symmetric.
+
+        Parameters
+        ----------
+        lame
+            Lame parameters (lambda, mu) (N/m^2).
+        """
         ...
 
-    def spring_stiffness(self) -> Any | None:
-        """What springs are of the stiffness, PETSc AIJ (free x free), N/m; None without any."""
+    def mass(self, rho: float) -> Any:
+        """Consistent mass at a density (kg/m^3), symmetric, kg; components are not coupled."""
         ...
 
-    def mass(self) -> Any:
-        """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
+    def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`) at a density (kg/m^3), skew, kg."""
+        ...
 
-        Raises
-        ------
-        InputError
-            When the material has no density.
+    def convective(self, rho: float, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`) at a density (kg/m^3), symmetric, kg."""
+        ...
+
+    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+        """Stiffness that stresses make: int sigma_ij d_i u . d_j v, symmetric, N/m.
+
+        Sigma is the stress of a displacement by the law of the material (Wriggers, Nonlinear Finite
+        Element Methods, 2008, sec. 4.2.3).
+
+        Parameters
+        ----------
+        lame
+            Lame parameters (lambda, mu) (N/m^2).
+        displacement
+            Displacement of all dofs (m), the same on every rank, shape (dim * num_scalar_dofs,).
         """
         ...
 
     @property
     def dof_positions(self) -> Floats | None:
-        """Coefficients of the position x in the trial space (m), on every rank; collective.
+        """Coefficients of the position x in the space (m), on every rank; collective.
 
         Shape (num_scalar_dofs, dim); None where x does not lie in it, so that a rotation does not.
         """
@@ -90,70 +121,254 @@ class Body(Protocol):
         """
         ...
 
-    def part(self, nodes: NDArray[np.bool_]) -> tuple[Any, Any]:
-        """Stiffness without springs (N/m) and mass (kg) of a part alone, of free ends elsewhere.
-
-        PETSc AIJ (free x free), symmetric; what is left of those of the body without it is positive
-        semidefinite.
+    def part(self, nodes: NDArray[np.bool_]) -> "Space":
+        """The space integrated over those cells alone whose dofs are all among some.
 
         Parameters
         ----------
         nodes
-            Which scalar dofs of this rank all cells of the part are among, shape (n_local,).
+            Whether each scalar dof of this rank is among them, shape (n_local,).
 
         Raises
         ------
         InputError
-            When the material has no density, or no part can be assembled alone.
+            When no part can be assembled alone.
         """
         ...
 
-    def gyroscopic(self, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew.
+    def prolongation(self, coarse: Any) -> tuple[csr_array, float]:
+        """Functions of a coarser space in this one.
+
+        Parameters
+        ----------
+        coarse
+            A space of the same backend and body, on the same ranks.
+
+        Returns
+        -------
+        tuple
+            The coefficients of all coarse functions on the scalar dofs of this rank, shape
+            (n_local, coarse num_scalar_dofs), and the largest difference that was found between a
+            coarse function and these, relative to its coefficients.
 
         Raises
         ------
         InputError
-            When the material has no density.
+            When the spaces are not those of one body.
         """
         ...
 
-    def convective_stiffness(self, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric.
+    def volume_sample(self, subdivisions: int) -> VolumeSample:
+        """Sample of the whole body, each cell or knot span divided so many times a direction.
 
-        Raises
-        ------
-        InputError
-            When the material has no density.
+        Gathered: complete on rank 0.
         """
         ...
+
+    def volume_cells(self) -> VolumeCells:
+        """Cells of the whole body with its geometry and functions as they are.
+
+        Gathered: complete on rank 0.
+        """
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """Elastic body: matrices without its supports' dofs, loads, named surfaces.
+
+    Matrices are made when first asked for; stiffness, mass and load are kept. Asking is collective.
+
+    Parameters
+    ----------
+    name
+        Name of the body.
+    space
+        Its discretisation.
+    material
+        Material.
+    supports, springs, pressures, forces
+        What holds and loads the named surfaces; springs are part of the stiffness.
+
+    Raises
+    ------
+    InputError
+        When a surface is unknown, or a component, spring or force does not suit the dimension.
+
+    Examples
+    --------
+    A steel cube of one hexahedron, held at its bottom:
+
+    >>> from cea.mesh import Mesh
+    >>> from fe_cea import LagrangeSpace
+    >>> corners = [[x, y, z] for x in (0, 0.1) for y in (0, 0.1) for z in (0, 0.1)]
+    >>> surfaces = {"bottom": [[0, 2, 4, 6]], "top": [[1, 3, 5, 7]]}
+    >>> mesh = Mesh("hexahedron", 1, corners, [range(8)], surfaces)
+    >>> steel = IsotropicMaterial(E=2.1e11, nu=0.3, rho=7800.0)
+    >>> space = LagrangeSpace.from_mesh(mesh, degree=2)
+    >>> body = Body("cube", space, steel, supports=[Support("bottom")])
+    >>> stiffness, mass = body.stiffness(), body.mass()
+    """
+
+    name: str
+    space: Space
+    material: IsotropicMaterial
+    supports: Sequence[Support] = ()
+    springs: Sequence[Spring] = ()
+    pressures: Sequence[Pressure] = ()
+    forces: Sequence[Force] = ()
+
+    def __post_init__(self) -> None:
+        check_boundary(
+            self.supports,
+            self.springs,
+            self.pressures,
+            self.forces,
+            self.surfaces,
+            self.dim,
+            f"bodies.{self.name}",
+        )
 
     @property
+    def dim(self) -> int:
+        """Dimension of space, 2 or 3."""
+        return self.space.dim
+
+    @property
+    def comm(self) -> Any:
+        """MPI communicator (mpi4py)."""
+        return self.space.comm
+
+    @property
+    def num_scalar_dofs(self) -> int:
+        """Scalar basis functions over all ranks."""
+        return int(self.space.ranges[-1])
+
+    @property
+    def surfaces(self) -> Mapping[str, Surface]:
+        """Named surfaces."""
+        return self.space.surfaces
+
+    @property
+    def density(self) -> float:
+        """Density (kg/m^3).
+
+        Raises
+        ------
+        InputError
+            When the material has none.
+        """
+        return check_density(self.material, f"bodies.{self.name}.material")
+
+    @property
+    def _own(self) -> tuple[int, int]:
+        """First scalar dof of this rank, and that of the next."""
+        first, last = self.space.ranges[self.comm.rank : self.comm.rank + 2]
+        return int(first), int(last)
+
+    @cached_property
+    def constraints(self) -> Constraints:
+        """What supports leave free."""
+        return self.space.constrain(self.supports, f"bodies.{self.name}.supports")
+
+    @cached_property
+    def expansion(self) -> Any:
+        """Z, PETSc AIJ (full x free): displacement of every dof from the free ones."""
+        return self.constraints.expansion(*self._own, self.comm)
+
+    def reduced(self, matrix: Any, exactly: Callable[[Any], Any] = symmetrised) -> Any:
+        """Z^T A Z of a matrix A of all dofs, PETSc AIJ (free x free); A is freed.
+
+        Parameters
+        ----------
+        matrix
+            A, symmetric or skew to the last bit.
+        exactly
+            Makes a matrix so again where Z is more than a selection of dofs.
+        """
+        free = self.constraints.restrict(matrix, self.expansion)
+        if free is not matrix:
+            destroy(matrix)
+        return free if self.constraints.selects else exactly(free)
+
+    def stiffness(self) -> Any:
+        """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
+        return self._stiffness
+
+    @cached_property
+    def _stiffness(self) -> Any:
+        return self.reduced(self.full_stiffness())
+
+    def full_stiffness(self) -> Any:
+        """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
+        stiffness = self.space.stiffness(self.material.lame)
+        if (springs := self.full_spring_stiffness()) is not None:
+            stiffness.axpy(1.0, springs, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+            destroy(springs)
+        return stiffness
+
+    def spring_stiffness(self) -> Any | None:
+        """What springs are of the stiffness, PETSc AIJ (free x free), N/m; None without any."""
+        return self._spring_stiffness
+
+    @cached_property
+    def _spring_stiffness(self) -> Any | None:
+        springs = self.full_spring_stiffness()
+        return None if springs is None else self.reduced(springs)
+
+    def full_spring_stiffness(self) -> Any | None:
+        """What springs are of that of all dofs, PETSc AIJ (full x full), N/m; None without any."""
+        if not self.springs:
+            return None
+        own = slice(*(self.dim * number for number in self._own))
+        parts = [foundation(self.surfaces[s.surface], s, own, self.comm) for s in self.springs]
+        whole = total(parts)
+        destroy(*parts)
+        return whole
+
+    def mass(self) -> Any:
+        """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
+
+        Raises
+        ------
+        InputError
+            When the material has no density.
+        """
+        return self._mass
+
+    @cached_property
+    def _mass(self) -> Any:
+        return self.reduced(self.space.mass(self.density))
+
+    def part(self, nodes: NDArray[np.bool_]) -> tuple[Any, Any]:
+        """Stiffness without springs (N/m) and mass (kg) of a part alone, of free ends elsewhere.
+
+        PETSc AIJ (free x free), symmetric; what is left of those of the body without it is positive
+        semidefinite. Nodes as for :meth:`Space.part`.
+        """
+        part = self.space.part(nodes)
+        stiffness = self.reduced(part.stiffness(self.material.lame))
+        return stiffness, self.reduced(part.mass(self.density))
+
+    def gyroscopic(self, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
+        return self.reduced(self.space.gyroscopic(self.density, rotation), antisymmetrised)
+
+    def convective_stiffness(self, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
+        return self.reduced(self.space.convective(self.density, rotation))
+
+    def geometric_stiffness(self, displacement: Floats) -> Any:
+        """Stiffness that stresses of a displacement make, PETSc AIJ (free x free), N/m."""
+        return self.reduced(self.space.geometric_stiffness(self.material.lame, displacement))
+
+    @cached_property
     def prescribed(self) -> Any | None:
-        """Displacement of all dofs that supports prescribe (m), PETSc vector (full).
+        """u_D, displacement of all dofs that supports prescribe (m), PETSc vector (full).
 
         None where they hold all at zero. The displacement is this and what the free dofs add.
         """
-        ...
-
-    def full_stiffness(self) -> Any:
-        """Elastic stiffness with springs of all dofs, held ones too, PETSc AIJ (full x full), N/m.
-
-        Made anew at each call.
-        """
-        ...
-
-    def full_spring_stiffness(self) -> Any | None:
-        """What springs are of that, PETSc AIJ (full x full), N/m; None without any."""
-        ...
-
-    def full_gyroscopic(self, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s of all dofs, PETSc AIJ (full x full), kg; made anew."""
-        ...
-
-    def full_convective_stiffness(self, rotation: Rotation) -> Any:
-        """Z of a rotation of all dofs, PETSc AIJ (full x full), kg; made anew."""
-        ...
+        return self.constraints.prescribed_displacement(*self._own, self.expansion)
 
     def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
         """Forces of each support, along the directions that it holds and no other.
@@ -170,42 +385,51 @@ class Body(Protocol):
             body there (N), shape (supports, m, dim); their sum is the given one at these dofs where
             the free dofs are in equilibrium.
         """
-        ...
+        return self.constraints.support_forces(force, len(self.supports))
 
     def load(self) -> Any:
-        """Forces of pressures, on surfaces and on every part, PETSc vector (free), N.
+        """Z^T (F - K u_D): forces of loads and of prescribed displacements, PETSc (free), N."""
+        return self._load
 
-        With those of prescribed displacements, - Z^T K u_D (:mod:`cea.supports.prescribed`).
-        """
-        ...
+    @cached_property
+    def _load(self) -> Any:
+        force, free = self.full_load(), self.expansion.createVecRight()
+        if self.prescribed is not None:
+            stiffness, held = self.full_stiffness(), force.duplicate()
+            stiffness.mult(self.prescribed, held)
+            force.axpy(-1.0, held)
+            destroy(stiffness, held)
+        self.expansion.multTranspose(force, free)
+        destroy(force)
+        return free
 
     def full_load(self) -> Any:
-        """The same on all dofs, without those of prescribed displacements, PETSc vector (full)."""
-        ...
+        """F: forces of loads on all dofs, PETSc vector (full), N."""
+        shape = (self.num_scalar_dofs, self.dim)
+        forces = surface_forces(self.surfaces, self.pressures, self.forces, shape)
+        full = self.expansion.createVecLeft()
+        full.setArray(forces[slice(*self._own)].ravel())
+        if (through := through_body(self.forces)) is not None:
+            volumes, uniform = self.space.mass(1.0), full.duplicate()
+            uniform.setArray(np.tile(through, full.getLocalSize() // self.dim))
+            volumes.multAdd(uniform, full, full)
+            destroy(volumes, uniform)
+        return full
 
-    def geometric_stiffness(self, displacement: Floats) -> Any:
-        """Stiffness that stresses make: int sigma_ij d_i u . d_j v, PETSc AIJ (free x free), N/m.
+    @property
+    def dof_positions(self) -> Floats | None:
+        """Coefficients of the position x in the space (m), as :attr:`Space.dof_positions`."""
+        return self.space.dof_positions
 
-        Symmetric; sigma is the stress of a displacement by the law of the material (Wriggers,
-        Nonlinear Finite Element Methods, 2008, sec. 4.2.3).
-
-        Parameters
-        ----------
-        displacement
-            Displacement of all dofs (m), the same on every rank, shape (dim * num_scalar_dofs,).
-        """
-        ...
+    @property
+    def node_positions(self) -> Floats | None:
+        """Where the scalar dofs of this rank lie (m), as :attr:`Space.node_positions`."""
+        return self.space.node_positions
 
     def volume_sample(self, subdivisions: int) -> VolumeSample:
-        """Sample of the whole body, each cell or knot span divided so many times a direction.
-
-        Gathered: complete on rank 0.
-        """
-        ...
+        """Sample of the whole body, as :meth:`Space.volume_sample`."""
+        return self.space.volume_sample(subdivisions)
 
     def volume_cells(self) -> VolumeCells:
-        """Cells of the whole body with its geometry and trial space as they are.
-
-        Gathered: complete on rank 0.
-        """
-        ...
+        """Cells of the whole body, as :meth:`Space.volume_cells`."""
+        return self.space.volume_cells()

@@ -108,7 +108,7 @@ def test_linear_fields_have_their_integrals(backend, coriolis, placement):
 def positions(part):
     """Nodes, or control points, of the scalar dofs: where linear fields are taken."""
     if hasattr(part, "control_points"):
-        return part.control_points
+        return part.dof_positions
     return part._space.tabulate_dof_coordinates()[:, : part.dim]
 
 
