@@ -20,9 +20,9 @@ from scipy.sparse import csr_array, eye_array, kron
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.body.unknowns import free_operator
 from cea.errors import InputError
 from cea.matrices import block_diagonal, destroy, gather, identity
-from cea.unknowns import free_operator
 
 _EXACT = 1e-10
 """Defect up to which a prolongation counts as exact: what rounding makes is far below."""

@@ -62,7 +62,9 @@ def independent(mesh, degree, springs=()):
     ds = ufl.Measure("ds", mesh, subdomain_data=sides(mesh))
     for spring in springs:
         k = ufl.as_vector(spring.stiffness)
-        stiffness += sum(k[i] * u[i] * v[i] for i in range(dim)) * ds(1, degree=2 * q + 1, scheme="Gauss-Jacobi")
+        stiffness += sum(k[i] * u[i] * v[i] for i in range(dim)) * ds(
+            1, degree=2 * q + 1, scheme="Gauss-Jacobi"
+        )
     mass = MATERIAL.rho * ufl.inner(u, v) * ufl.dx(metadata={"quadrature_degree": 2 * q})
     found = []
     for expression in (stiffness, mass):

@@ -11,7 +11,7 @@ from mpi4py import MPI
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import eigsh, spsolve
 
-import cea.body
+import cea.body.body
 from cea.body import Body
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
@@ -207,7 +207,7 @@ def test_a_bar_of_cells_from_elsewhere_has_its_frequency():
 
 
 def test_the_example_of_the_docstring_runs():
-    tests = doctest.DocTestFinder().find(Body, globs=vars(cea.body))
+    tests = doctest.DocTestFinder().find(Body, globs=vars(cea.body.body))
     results = [doctest.DocTestRunner().run(test) for test in tests if test.examples]
     assert [(r.failed, r.attempted > 4) for r in results] == [(0, True)]
 
