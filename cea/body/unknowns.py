@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array, hstack
 
 from cea.arrays import Ints
-from cea.body import Body
+from cea.body.body import Body
 from cea.matrices import destroy, distributed, local_part
 from cea.petsc import PETSc
 
