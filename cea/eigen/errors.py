@@ -18,11 +18,12 @@ M, or what it is in the inverse problem, which is the one that was solved: witho
 
     abs(kappa - sigma) || (K - sigma M)^-1 r ||_M.
 
-Far from the shift the first is the smaller one. Rounding of the entries adds u abs(x)^T abs(P) abs(x).
+Far from the shift the first is the smaller one. Rounding of the entries adds
+u abs(x)^T abs(P) abs(x).
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,19 +99,43 @@ def error_estimates(op: Undamped, subspace: InvariantSubspace) -> Eigenpairs:
     subspace
         Invariant subspace.
     """
-    matrices, comm = op.matrices, op.matrices.stiffness.comm
-    values, vectors = subspace.eigenpairs(matrices.stiffness.getLocalSize()[0])
-    duals, kept = subspace.duals(), np.arange(len(values))
+    values, vectors = subspace.eigenpairs(op.matrices.stiffness.getLocalSize()[0])
+    duals = subspace.duals()
     if op.damped:
         kept = np.flatnonzero(values.imag >= -MARGIN * op.scale)
         values, vectors, duals = values[kept], vectors[:, kept], duals[:, kept]
         # Left vectors are scaled by lambda, which may be zero to the last digit.
         values = np.where(values == 0, 1j * np.finfo(float).eps * op.scale, values)
-    values, n = values.copy(), len(values)
     conditions = np.maximum(np.linalg.norm(duals, axis=0), 1.0)
+    slopes = _slopes(op, subspace, duals) if op.damped else conditions
+    pairs = checked(op, values, vectors, conditions, slopes)
+    if op.symmetric:
+        return pairs
+    within = pairs.errors * pairs.slopes / conditions
+    bounds = cluster_bounds(subspace.projected, pairs.values, within, conditions)
+    return replace(pairs, bounds=bounds)
+
+
+def checked(
+    op: Undamped, values: Complexes, vectors: Complexes, conditions: Floats, slopes: Floats
+) -> Eigenpairs:
+    """Eigenpairs normalised, with residuals and backward errors.
+
+    Parameters
+    ----------
+    op
+        The operator, near to the eigenvalues.
+    values, vectors
+        Eigenvalues, shape (n,), and their vectors, the rows of this rank, shape (n_local, n), which
+        are normalised in place. That of a conjugate which follows its eigenvalue is the conjugate.
+    conditions, slopes
+        Those of vectors of unit length of the operator, shape (n,).
+    """
+    matrices, comm = op.matrices, op.matrices.stiffness.comm
+    values, n = values.copy(), len(values)
+    slopes = slopes.copy()
     forces = np.empty((op.factors.multipliers, n), dtype=complex)
     lengths, residuals, errors, least = np.empty((4, n))
-    slopes = _slopes(op, subspace, duals) if op.damped else conditions.copy()
     sizes, root = Sizes(matrices, op.damping), _root_of_diagonal(matrices)
     twins = _twins(values)
     for block, x in _blocks(values, vectors, twins):
@@ -126,7 +151,7 @@ def error_estimates(op: Undamped, subspace: InvariantSubspace) -> Eigenpairs:
         if matrices.multipliers is None:
             lengths[block] = size
         vectors[:, block], forces[:, block] = x, f
-        if matrices.symmetric and not op.damped:  # it has the square of the vector's error
+        if op.symmetric:  # it has the square of the vector's error
             value = columns_inner(x, force, comm).real
             values[block] = value
         square, speed = op.square(value), np.sqrt(np.abs(op.square(value)))
@@ -163,9 +188,6 @@ def error_estimates(op: Undamped, subspace: InvariantSubspace) -> Eigenpairs:
     if op.damped:
         slopes = np.maximum(slopes, np.minimum(least, 1 / np.sqrt(errors)))
     bounds = np.full(n, np.inf)
-    if op.damped or not matrices.symmetric:
-        within = errors * slopes / conditions
-        bounds = cluster_bounds(subspace.projected, values, within, conditions)
     return Eigenpairs(values, vectors, forces, residuals, conditions, slopes, errors, bounds)
 
 

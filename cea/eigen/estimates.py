@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.linalg import LinAlgError
@@ -100,12 +101,10 @@ def modes_found(
         return modes_of(problem.pencil, problem.values, problem.matrices, pairs, wanted, window)
 
 
-def _window(
-    problem: EigenProblem, found: Found, search: WindowSearch, values: Complexes
-) -> Window:
+def _window(problem: EigenProblem, found: Found, search: WindowSearch, values: Complexes) -> Window:
     """The window, and why it is believed complete."""
     end, disc = problem.end, found.discs[0] if found.discs else None
-    common = {
+    common: dict[str, Any] = {
         "max_frequency": end / (2 * np.pi),
         "shift": disc.centre if disc else 0.0,
         "radius": disc.radius if disc else 0.0,
@@ -118,8 +117,6 @@ def _window(
     }
     if isinstance(search, DampedSearch):
         below = int(np.sum((values.imag >= 0) & (values.imag <= end)))
-        return QuadraticWindow(
-            **common, upper=end, found_below=below, min_growth=-search.decay
-        )
+        return QuadraticWindow(**common, upper=end, found_below=below, min_growth=-search.decay)
     upper = upper_end(end**2)
     return Window(**common, upper=upper, found_below=int(np.sum(values.real < upper)))

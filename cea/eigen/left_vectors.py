@@ -1,7 +1,7 @@
 """Left eigenvectors of a pencil: errors that right ones do not tell, and derivatives.
 
-Of the left vectors the invariant subspace of the right ones knows no more than their projection. What
-it leaves out comes out of one step of inverse iteration with the transposed matrix, and vanishes
+Of the left vectors the invariant subspace of the right ones knows no more than their projection.
+What it leaves out comes of one step of inverse iteration with the transposed matrix, and vanishes
 where the subspace holds its left vectors too. Friction between bodies makes it about as large as
 one. Where it is much larger, or conditions are bad, or the mass cancels, left vectors are searched
 themselves. With the residual r and rounding u of all entries lambda is then in error by
@@ -186,21 +186,26 @@ def two_sided(
         unknown = np.full(len(values), np.inf)
         return replace(pairs, errors=unknown, bounds=unknown)
     errors, slopes = _two_sided_errors(op, pairs, left[1])
-    if subspace.graded:  # lengths say something in the units that the subspace was found in
-        slopes = pairs.slopes
-    slopes = np.maximum(np.nan_to_num(slopes, nan=0.0, posinf=_UNKNOWN), pairs.slopes)
+    slopes = np.nan_to_num(slopes, nan=0.0, posinf=_UNKNOWN)
+    slopes = np.maximum(slopes, np.finfo(float).tiny if subspace.graded else pairs.slopes)
+    # Of a graded pencil lengths say something in the units that the subspace was found in.
+    measure = pairs.conditions if subspace.graded else slopes
     far = np.maximum(1.0, np.abs(op.square(values)) / op.scale**2)
     distances = np.abs(values[:, None] - left[0])
     rows, columns = assign(distances)
-    apart = distances[rows, columns] / (slopes * far)[rows]  # a backward error for all of a window
+    apart = distances[rows, columns] / (measure * far)[rows]  # a backward error for all of a window
     explained = far * float(apart.max(initial=0.0))
-    moved = explained * slopes
-    errors = np.maximum(errors, np.minimum(moved, np.sqrt(explained)) if op.damped else moved)
+    moved = explained * measure
+    if op.damped and not subspace.graded:
+        moved = np.minimum(moved, np.sqrt(explained))
+    errors = np.maximum(errors, moved)
+    if subspace.graded and not op.damped:
+        slopes = pairs.slopes
     within = np.minimum(errors, _UNKNOWN) / pairs.conditions
     bounds = cluster_bounds(subspace.projected, values, within, pairs.conditions)
     for members in list(clusters(values, errors)):
         errors[members] *= len(members)  # discs that overlap hold all of their eigenvalues
-    more = np.minimum(errors, bounds) > _MORE * pairs.uncertainties
+    more = subspace.graded | (np.minimum(errors, bounds) > _MORE * pairs.uncertainties)
     conditions = pairs.conditions if op.damped else slopes
     return replace(
         pairs,
@@ -211,9 +216,7 @@ def two_sided(
     )
 
 
-def _two_sided_errors(
-    op: Undamped, pairs: Eigenpairs, left: LeftVectors
-) -> tuple[Floats, Floats]:
+def _two_sided_errors(op: Undamped, pairs: Eigenpairs, left: LeftVectors) -> tuple[Floats, Floats]:
     """Errors of eigenvalues, and lengths of left vectors of unit product, shape (n,)."""
     matrices, comm, n = op.matrices, op.matrices.stiffness.comm, len(pairs.values)
     errors, slopes = np.empty((2, n))

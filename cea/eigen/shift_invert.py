@@ -18,6 +18,8 @@ The scale g is the end of the window: there x and z are equally large, in an inn
 M for both, and residuals are backward errors. All of it is real.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,6 +51,8 @@ class Undamped:
         omega of the end of the window (1/s).
     of
         The operator whose factors are taken, with the transposed matrix.
+    factors
+        The pencil factorised at the shift, where it is.
 
     Raises
     ------
@@ -62,11 +66,17 @@ class Undamped:
     negligible = 1e-10
 
     def __init__(
-        self, matrices: Matrices, shift: float, end: float, of: "Undamped | None" = None
+        self,
+        matrices: Matrices,
+        shift: float,
+        end: float,
+        of: "Undamped | None" = None,
+        *,
+        factors: Shifted | None = None,
     ) -> None:
         self.matrices, self.shift, self.scale = matrices, shift, end
         self.reach = np.inf if of else end
-        self.factors: Shifted = of.factors if of else self._factorised()
+        self.factors: Shifted = factors or (of.factors if of else self._factorised())
         self._transposed = of is not None
         self.comm = matrices.stiffness.comm.tompi4py()
         self.rank, self.symmetric = self.comm.rank, matrices.symmetric
@@ -169,7 +179,7 @@ class Companion(Undamped):
         super().__init__(matrices, shift, end, of)
         self._decay, self.symmetric = decay, False
         self.rows, self.finite, self.local = 2 * self.rows, 2 * self.finite, 2 * self.local
-        self.damping = Damping(matrices, transposed=self._transposed)
+        self.damping = self._drag = Damping(matrices, transposed=self._transposed)
 
     def _factorised(self) -> Shifted:
         return Shifted.quadratic(self.matrices, self.shift)
@@ -178,7 +188,7 @@ class Companion(Undamped):
         """OP on a block [a; b] whose image [M a; M b] is given."""
         rows = len(block) // 2
         load = -(self.scale * image[rows:] + self.shift * image[:rows])
-        load -= self.damping.times(block[:rows])
+        load -= self._drag.times(block[:rows])
         x = self.factors.solve_block(load, transposed=self._transposed)
         return np.asfortranarray(np.vstack([x, (block[:rows] + self.shift * x) / self.scale]))
 
@@ -203,7 +213,7 @@ class Companion(Undamped):
         return values**2
 
     def distance(self, values: NDArray[Any]) -> Floats:
-        """What the length of P(s)^-1 r is multiplied by, beside s / g times it in the second half."""
+        """What the length of P(s)^-1 r is multiplied by, with s / g times it in the second half."""
         return np.asarray(np.abs(values - self.shift) * np.hypot(1.0, self.shift / self.scale))
 
     def inverse_step(
@@ -211,7 +221,7 @@ class Companion(Undamped):
     ) -> tuple[NDArray[Any], NDArray[Any]]:
         """P(s) x' + L^T f = (s - lambda) ((lambda + s) M + D) x, which is (P(s) - P(lambda)) x."""
         load = times(self.matrices.mass, x * (values + self.shift))
-        load += self.damping.times(x, transposed=transposed)
+        load += self._drag.times(x, transposed=transposed)
         return self.factors.solve_with_forces(load * (self.shift - values), transposed=transposed)
 
     def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
@@ -227,7 +237,7 @@ class Companion(Undamped):
     ) -> tuple[Complexes, Complexes]:
         """Y^H ((lambda_i + lambda_j) M + D) X, and 2 lambda."""
         inertia, _ = super().pairing(values, left, right)
-        drag = all_inner(left, self.damping.times(right), self.matrices.mass.comm)
+        drag = all_inner(left, self._drag.times(right), self.matrices.mass.comm)
         return (values[:, None] + values) * inertia + drag, 2 * values
 
     def transposed(self) -> "Companion":
@@ -236,5 +246,5 @@ class Companion(Undamped):
 
     def free(self) -> None:
         """Free what is its own."""
-        self.damping.free()
+        self._drag.free()
         super().free()

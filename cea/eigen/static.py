@@ -6,8 +6,8 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.shifted import Shifted
 from cea.eigen.residuals import Sizes
+from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import Vec
 from cea.timing import StageTimer

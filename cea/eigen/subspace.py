@@ -79,16 +79,16 @@ class InvariantSubspace:
         return values, vectors
 
     def duals(self) -> Complexes:
-        """Small vectors of the dual basis of the eigenvectors, shape (k, k): lengths are conditions.
+        """Small vectors of the dual basis of eigenvectors of unit length, shape (k, k).
 
-        They are those of eigenvectors of unit length, in the order of the pairs.
+        Their lengths are condition numbers, in the order of the pairs.
         """
         vectors = self._pairs[1]
-        if self.symmetric:
+        if self.symmetric or not self.size:
             return vectors
-        sizes, axes = np.linalg.eigh(vectors.conj().T @ vectors)
-        sizes = np.maximum(sizes, np.finfo(float).eps * sizes.max(initial=1.0))
-        return np.asarray(vectors @ ((axes / sizes) @ axes.conj().T))
+        left, sizes, right = svd(vectors, lapack_driver="gesvd")
+        sizes = np.maximum(sizes, np.sqrt(np.finfo(float).eps) * sizes.max(initial=0.0))
+        return np.asarray((left / sizes) @ right)
 
     @cached_property
     def _values(self) -> Complexes:

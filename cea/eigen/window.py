@@ -23,10 +23,10 @@ from cea.arrays import Complexes
 from cea.eigen.block_krylov import CrowdedError, NearShiftError, krylov_schur
 from cea.eigen.coverage import Disc, distance_of_cone, distance_within, touching_disc, upper_end
 from cea.eigen.field_of_values import FieldOfValues, field_of_values, has_cone
+from cea.eigen.left_vectors import SAME
 from cea.eigen.options import KrylovOptions
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_coverage import bounded_growth, first_shift, largest_growth
-from cea.eigen.left_vectors import SAME
 from cea.eigen.shift_invert import MARGIN, Companion, Undamped
 from cea.eigen.shifted import count_below
 from cea.eigen.subspace import InvariantSubspace

@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.eigenpairs import checked
+from cea.eigen.blocks import all_inner, times
 from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.errors import checked
+from cea.eigen.left_vectors import left_vectors_of, with_lengths
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.pencil import Pencil
-from cea.eigen.sensitivity import dual_norms, left_vectors_of
+from cea.eigen.shift_invert import Undamped
 from cea.eigen.spectrum import Window, nearest_window
 from cea.errors import InputError
 from cea.nested.approximation import Approximation
@@ -97,17 +99,17 @@ def continued(
             found = work.improved(start, steps).approximation
         kappa, found = _in_pairs(found)
         with timer("post-processing"):
-            pairs = checked(matrices, work.factors, kappa, found.right)
+            top = (2 * np.pi * max_frequency) ** 2
+            op = Undamped(matrices, work.factors.kappa, float(np.sqrt(top)), factors=work.factors)
+            gram = all_inner(found.right, times(matrices.mass, found.right), matrices.mass.comm)
+            conditions = np.sqrt(np.abs(np.diag(np.linalg.pinv(gram)) * np.diag(gram)))
+            pairs = checked(op, kappa, found.right, conditions, conditions)
             left_vectors = None
             if left:
-                top = (2 * np.pi * max_frequency) ** 2
-                left_vectors = left_vectors_of(
-                    matrices, work.factors, pairs, kappa.conj(), found.left, top
-                )
+                left_vectors = left_vectors_of(op, pairs, kappa, found.left.conj())
                 if not matrices.symmetric:
-                    conditions = dual_norms(matrices.mass, left_vectors.vectors)
-                    pairs = replace(pairs, conditions=conditions)
-            window = _window(max_frequency, work.factors.kappa, pairs.kappa)
+                    pairs = with_lengths(op, pairs, left_vectors)
+            window = _window(max_frequency, work.factors.kappa, pairs.values)
             return modes_of(pencil, values, matrices, pairs, left_vectors, window)
     finally:
         work.free()

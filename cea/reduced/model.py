@@ -25,9 +25,9 @@ from itertools import product
 import numpy as np
 
 from cea.arrays import Floats
+from cea.eigen.left_vectors import POWERS
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
-from cea.eigen.left_vectors import POWERS
 from cea.reduced.norm import EnergyNorm
 from cea.reduced.pieces import Piece, Pieces, Values
 from cea.reduced.small import SmallPencil, SmallPiece

@@ -7,9 +7,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.left_vectors import POWERS
 from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Role
-from cea.eigen.left_vectors import POWERS
 from cea.reduced.pieces import Values
 from cea.reduced.products import like_times, real_times
 from cea.reduced.quadratic import quadratic_spectrum

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.residuals import Sizes, internal_forces
 from cea.eigen.pencil import Matrices, release
+from cea.eigen.residuals import Sizes, internal_forces
 from cea.errors import ConvergenceError
 from cea.system.sliding_problem import SlidingProblem, State
 
