@@ -14,11 +14,10 @@ import numpy as np
 from cea.arrays import Complexes
 from cea.eigen.eigenpairs import checked
 from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.found import nearest_window
 from cea.eigen.modes import Modes, modes_of
 from cea.eigen.pencil import Pencil
 from cea.eigen.sensitivity import dual_norms, left_vectors_of
-from cea.eigen.spectrum import Window
+from cea.eigen.spectrum import Window, nearest_window
 from cea.errors import InputError
 from cea.nested.approximation import Approximation
 from cea.nested.block_steps import BlockSteps, middle_shift
