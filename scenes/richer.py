@@ -3,7 +3,10 @@
 from dataclasses import replace
 from typing import Literal, get_args
 
+import numpy as np
+
 from cea.errors import InputError
+from meshes.mesh_file import MeshFile
 from scenes.read import Scene
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
@@ -42,6 +45,27 @@ def richer_scene(scene: Scene, by: Enrichment = "degree") -> Scene:
     return replace(scene, bodies=bodies)
 
 
+def cheapest_richer_scene(scene: Scene) -> Scene:
+    """The scene with a degree more in every body, of few unknowns.
+
+    NURBS get a continuous derivative more too, in which two block inverse steps tell an error.
+    Elements of the highest degree are bisected.
+
+    Raises
+    ------
+    InputError
+        When a mesh of a file has the highest degree already.
+    """
+
+    def enriched(name: str, body: BodySpec) -> BodySpec:
+        mesh = body.mesh.iga if body.backend == "iga" else body.mesh.fe
+        highest = mesh is not None and np.max(mesh.degree) >= _HIGHEST[body.backend]
+        by: Enrichment = "smooth" if body.backend == "iga" else "degree"
+        return _body(name, body, "bisection" if highest else by)
+
+    return replace(scene, bodies={n: enriched(n, body) for n, body in scene.bodies.items()})
+
+
 def _body(name: str, body: BodySpec, by: Enrichment) -> BodySpec:
     field = f"bodies.{name}.mesh"
     degree = body.fe_degree if body.backend == "fe" else max(_iga(body, field).degree)
@@ -50,6 +74,10 @@ def _body(name: str, body: BodySpec, by: Enrichment) -> BodySpec:
     if by != "bisection" and (degree is None or degree >= _HIGHEST[body.backend]):
         allowed = f"below {_HIGHEST[body.backend]} to be raised, or elements bisected"
         raise InputError(f"{field}.degree", degree, allowed)
+    if isinstance(body.geometry, MeshFile):
+        if by != "degree":
+            raise InputError(field, by, "'degree': cells of a file stay as they are")
+        return replace(body, mesh=replace(body.mesh, degree=degree + 1))
     if body.backend == "iga":
         mesh = _iga(body, field)
         return replace(body, mesh=replace(body.mesh, iga=_ENRICHED[by](mesh)))
@@ -80,11 +108,8 @@ _ENRICHED = {"degree": _raised, "bisection": _bisected, "smooth": _smoother}
 
 
 def _lagrange(mesh: MeshSpec, by: Enrichment, field: str) -> MeshSpec:
-    if mesh.fe is None:  # a mesh of a file
-        if by == "bisection" or mesh.degree is None:
-            raise InputError(field, by, "'degree' for the mesh of a file, whose degree is given")
-        return replace(mesh, degree=mesh.degree + 1)
     fe = mesh.fe
+    assert fe is not None
     if by == "degree":
         geometry = (
             None if fe.geometry_degree is None else min(fe.geometry_degree + 1, _HIGHEST["fe"])

@@ -1,42 +1,30 @@
-"""A scene refined on both backends until its modes hold the digits asked for."""
+"""A scene solved on finer and finer meshes of each backend until bars hold the digits asked for."""
 
 from collections.abc import Mapping
-from math import isfinite, tau
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
-from comparisons.converge.combined import Mode, combine
-from comparisons.converge.course import Course
-from comparisons.converge.judged import Judged
-from comparisons.converge.levels import elements_of
+from comparisons.converge.bars import Estimated
+from comparisons.converge.combine import Mode, combine, word_of
+from comparisons.converge.follow import Followed, estimated
+from comparisons.converge.ladder import MESHES, Ladder
 from comparisons.converge.request import Request
-from comparisons.converge.steps import Step
-from comparisons.converge.tables import degree_text, elements_text
-from comparisons.converge.told import data_of, warnings_of
+from comparisons.converge.told import data_of
 from comparisons.kit.progress import Progress
 from scenes.read import Scene, load_scene
-from scenes.refinement import check_refinable, refined
+from scenes.refinement import from_file
 from scenes.spec.body import Backend
 from scenes.stored import record
 
 COMMAND = "converge"
 """Command that a result is marked with."""
 
-HELD = "the digits asked for are held"
-"""Why a backend ended that reached them."""
-
-_FINISH = 1.5
-"""Seconds kept back for tables and the page."""
-_AGAIN = 3.0
-"""Factor by which bars are to fall where backends disagree."""
-_ROUNDS_OF_DISAGREEMENT = 2
-
 
 class _OutOfTimeError(Exception):
-    """A mesh that took longer than expected was given up."""
+    """A mesh that took longer than the budget was given up."""
 
 
 class _Clock:
@@ -53,8 +41,8 @@ class _Clock:
 
     @property
     def left(self) -> float:
-        """Seconds of the budget that meshes may take."""
-        return self._budget - self.gone - _FINISH
+        """Seconds of the budget that are left."""
+        return self._budget - self.gone
 
     def guarded(self, progress: Progress) -> Progress:
         """Progress that gives a mesh up as a stage of it begins after the budget; collective."""
@@ -65,6 +53,126 @@ class _Clock:
             progress.stage(name)
 
         return Progress(progress.step, stage)
+
+
+class Course:
+    """The meshes of one backend so far, and what they hold.
+
+    Parameters
+    ----------
+    scene, backend
+        The scene as the user gives it, and the backend.
+    request
+        The digits.
+
+    Attributes
+    ----------
+    followed
+        Meshes so far.
+    ended
+        Why no more follow; empty while they do, and where the digits are held.
+    done
+        Whether no more follow.
+    """
+
+    def __init__(self, scene: Scene, backend: Backend, request: Request) -> None:
+        self.scene, self.backend, self.request = scene, backend, request
+        self.ladder, self.followed = Ladder(scene, backend), Followed()
+        self.ended, self.done = "", False
+
+    @property
+    def spent(self) -> float:
+        """Seconds of all meshes."""
+        return sum(mesh.seconds for mesh in self.followed.meshes)
+
+    @property
+    def bars(self) -> list[Estimated]:
+        """Modes of the finest mesh with their error bars."""
+        damped = self.scene.damped or self.scene.rotates
+        rubs = any(contact.mu for contact in self.scene.contacts.values())
+        ladder = self.ladder
+        return estimated(
+            self.followed,
+            ladder.degree,
+            damped=damped,
+            grows=damped or rubs,
+            by_degree=ladder.by_degree,
+        )
+
+    @property
+    def holds(self) -> bool:
+        """Whether every mode of the window holds its digits."""
+        threshold, top = self.scene.analysis.growth_threshold, self.scene.analysis.max_frequency
+        last = self.followed.meshes[-1]
+        for own, rigid in zip(self.bars, last.rigid.tolist(), strict=True):
+            word = word_of(own, threshold, rigid=rigid)
+            mode = Mode(self.backend, own, None, rigid, word)
+            if mode.frequency <= top and max(mode.shortfalls(self.request, threshold)) > 1:
+                return False
+        return True
+
+    def advance(self, clock: _Clock, progress: Progress) -> None:
+        """One more mesh, the correction of the last one, or the end."""
+        meshes = self.followed.meshes
+        needed = 1 if self.ladder.by_degree else MESHES
+        try:
+            if len(meshes) >= needed and meshes[-1].corrected is None:
+                if not self.holds and not self.ladder.by_degree and self._next_fits(clock):
+                    self._run(clock, progress)
+                else:
+                    self._correct(clock, progress)
+            elif len(meshes) >= needed and self.holds:
+                self.done = True
+            elif self._next_fits(clock):
+                self._run(clock, progress)
+            else:
+                self._end(clock, progress)
+        except (InputError, ConvergenceError) as error:
+            self.ended = f"the next mesh failed: {error}"
+        except _OutOfTimeError:
+            self.ended = "the budget: a mesh that took longer than expected was given up"
+        self.done = self.done or bool(self.ended)
+
+    def _next_fits(self, clock: _Clock) -> bool:
+        seconds = self.ladder.seconds(len(self.followed.meshes))
+        return seconds is not None and seconds <= clock.left
+
+    def _run(self, clock: _Clock, progress: Progress) -> None:
+        number = len(self.followed.meshes)
+        progress.step(f"{self.backend}, mesh {number + 1}, {max(clock.left, 0):.0f} s left")
+        mesh = self.ladder.run(number, clock.guarded(progress))
+        progress.stage("matching")
+        self.followed.add(mesh)
+
+    def _correct(self, clock: _Clock, progress: Progress) -> None:
+        mesh = self.followed.meshes[-1]
+        progress.step(
+            f"{self.backend}, correction in a richer space, {max(clock.left, 0):.0f} s left"
+        )
+        self.followed.meshes[-1] = self.ladder.correct(mesh, clock.guarded(progress))
+
+    def _end(self, clock: _Clock, progress: Progress) -> None:
+        """The last mesh is corrected where there is the time."""
+        meshes, more = self.followed.meshes, self.ladder.seconds(len(self.followed.meshes))
+        left = meshes and meshes[-1].corrected is None
+        if left and self.ladder.seconds_to_correct(meshes[-1]) <= clock.left:
+            self._correct(clock, progress)
+        self.ended = (
+            "cells of mesh files have no elements of a higher degree"
+            if more is None
+            else f"one more mesh would take about {more:.2g} s"
+        )
+
+
+def backends_of(scene: Scene, request: Request) -> tuple[Backend, ...]:
+    """Backends that are refined: those asked for, or those that every shape has a mesh of."""
+    if request.backends is not None:
+        return request.backends
+    shapes = [body for body in scene.bodies.values() if not from_file(body)]
+    nurbs = bool(shapes) and all(body.mesh.iga is not None for body in shapes)
+    lagrange = all(body.mesh.fe is not None for body in shapes)
+    found: list[Backend] = [*(["iga"] if nurbs else []), *(["fe"] if lagrange else [])]
+    return tuple(found) or ("iga", "fe")
 
 
 def run_converge(
@@ -84,10 +192,9 @@ def run_converge(
     Returns
     -------
     dict
-        Record with ``modes``, each with value, bars and verdict, and what each backend says of it;
-        ``levels``, every mesh with its errors and time; ``backends``: why each ended and what a
-        digit more would cost; ``lost`` modes; ``scenes``: meshes as text of scene files;
-        ``mortar``: contacts whose formulation was changed.
+        Record with ``first``: the digits held and what more would cost; ``held``; ``words``: how
+        many modes have which word; ``modes``, each with value, bars and verdict; ``levels``, every
+        mesh; ``backends``: why each ended; ``scenes``: meshes as text of scene files.
 
     Raises
     ------
@@ -96,134 +203,21 @@ def run_converge(
     """
     clock = _Clock(request.budget, begun)
     scene = load_scene(Path(request.scene), list(request.overrides))
-    for backend in request.backends:
-        check_refinable(scene, backend)
-    courses = {backend: Course(backend, scene, request) for backend in request.backends}
-    _refine(courses, clock, progress)
-    modes, judged = _compared(courses, scene)
-    for _ in range(_ROUNDS_OF_DISAGREEMENT):
-        if not any(mode.agree is False for mode in modes):
-            break
-        if not _refine_once_more(courses, judged, clock, progress):
-            break
-        modes, judged = _compared(courses, scene)
+    courses = {b: Course(scene, b, request) for b in backends_of(scene, request)}
+    while active := [course for course in courses.values() if not course.done]:
+        min(active, key=lambda course: course.spent).advance(clock, progress)
     progress.stage("report")
+    ran: Mapping[Backend, Course] = {b: c for b, c in courses.items() if c.followed.meshes}
+    modes = combine(
+        {backend: course.followed for backend, course in ran.items()},
+        {backend: course.bars for backend, course in ran.items()},
+        scene.analysis.growth_threshold,
+    )
+    data = data_of(courses, modes, request, scene)
     return record(
         COMMAND,
-        data_of(courses, modes, request, scene),
+        data,
         inputs=request.plain(),
         seconds=clock.gone,
-        warnings=warnings_of(courses, modes, scene),
+        warnings=data.pop("warnings"),
     )
-
-
-def _refine(courses: Mapping[Backend, Course], clock: _Clock, progress: Progress) -> None:
-    """Meshes by turns, those of the backend that has spent less first, until all have ended."""
-    while active := [course for course in courses.values() if not course.ended]:
-        course = min(active, key=lambda each: (len(each.sequence.levels) > 0, each.spent))
-        _turn(course, len(active), clock, progress)
-
-
-def _turn(course: Course, active: int, clock: _Clock, progress: Progress) -> None:
-    """One more mesh of a backend, or the reason why there is none."""
-    if course.holds:
-        course.ended = HELD
-        return
-    first = not course.sequence.levels
-    left = clock.left / active if first else clock.left
-    if not first and course.can_measure(left / active):
-        progress.step(
-            f"{course.backend}, what each body and direction owes, {max(clock.left, 0):.0f} s left"
-        )
-        try:
-            course.measure(clock.guarded(progress))
-        except _OutOfTimeError:
-            course.ended = "the budget: measuring errors took longer than expected"
-        return
-    if _corrected(course, clock, progress, last=False):
-        return
-    step = course.next(left)
-    if step is None or (not first and step.seconds > left):
-        course.ended = _why_not(course, left)
-        if _corrected(course, clock, progress, last=True) and course.holds:
-            course.ended = HELD
-        return
-    _step(course, step, clock, progress)
-    try:
-        level = course.run(step, clock.guarded(progress))
-    except (InputError, ConvergenceError) as error:
-        course.ended = f"the next mesh failed: {error}"
-    except _OutOfTimeError:
-        course.ended = "the budget: a mesh that took longer than expected was given up"
-    else:
-        progress.stage("matching")
-        course.follow(level)
-
-
-def _corrected(course: Course, clock: _Clock, progress: Progress, *, last: bool) -> bool:
-    """Correct a backend's newest mesh in a richer space where that is worth it; whether it was."""
-    richer = course.correction(clock.left, last=last)
-    if richer is None:
-        return False
-    progress.step(f"{course.backend}, corrected in a richer space, {max(clock.left, 0):.0f} s left")
-    try:
-        course.correct(richer, clock.guarded(progress))
-    except (InputError, ConvergenceError, _OutOfTimeError):
-        return False  # the bars of the meshes stay
-    return True
-
-
-def _step(course: Course, step: Step, clock: _Clock, progress: Progress) -> None:
-    mesh, seconds = step.resolution.plain(), step.seconds
-    elements = elements_of(refined(course.scene, course.backend, step.resolution))
-    need = course.need
-    seen = len(course.sequence.levels) > 1 and isfinite(need) and need > 1
-    wanted = f", bars {need:.2g} times too large" if seen else ""
-    progress.step(
-        f"{course.backend}, degree {degree_text(mesh)}, {elements_text(elements)}: "
-        f"about {seconds:.2g} s of {max(clock.left, 0):.0f} s{wanted}"
-    )
-
-
-def _why_not(course: Course, left: float) -> str:
-    """Why no mesh follows: none is left that refines, or all take too much time or memory."""
-    possible = course.cost_of(2.0)
-    if possible is None:
-        return "no finer mesh is expected to halve the errors"
-    if possible.seconds <= left and not course.plans.fits(possible.resolution):
-        return "memory: the next mesh would take more than the machine has free"
-    return f"the budget: the next mesh would take about {possible.seconds:.2g} s"
-
-
-def _refine_once_more(
-    courses: Mapping[Backend, Course],
-    judged: Mapping[Backend, Judged],
-    clock: _Clock,
-    progress: Progress,
-) -> bool:
-    """A finer mesh of every backend that has the time for one; whether there was one."""
-    done = False
-    for course in courses.values():
-        step = course.next(clock.left, _AGAIN) if course.backend in judged else None
-        if step is None:
-            continue
-        _step(course, step, clock, progress)
-        try:
-            course.follow(course.run(step, clock.guarded(progress)))
-        except (InputError, ConvergenceError, _OutOfTimeError):
-            continue  # what there is stays, and the disagreement is told
-        done = True
-    return done
-
-
-def _compared(
-    courses: Mapping[Backend, Course], scene: Scene
-) -> tuple[list[Mode], dict[Backend, Judged]]:
-    """Modes of the newest meshes of all backends that have one."""
-    ran = {b: course for b, course in courses.items() if course.sequence.levels}
-    judged = {backend: course.judged for backend, course in ran.items()}
-    sequences = {backend: course.sequence for backend, course in ran.items()}
-    assert scene.analysis.kind == "cea"
-    if not ran:
-        return [], judged
-    return combine(sequences, judged, tau * scene.analysis.max_frequency), judged
