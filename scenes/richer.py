@@ -45,25 +45,31 @@ def richer_scene(scene: Scene, by: Enrichment = "degree") -> Scene:
     return replace(scene, bodies=bodies)
 
 
-def cheapest_richer_scene(scene: Scene) -> Scene:
-    """The scene with a degree more in every body, of few unknowns.
+def enriched_scene(scene: Scene) -> Scene:
+    """The scene in a richer space that shows errors of singular solutions too, and is not too dear.
 
-    NURBS get a continuous derivative more too, in which two block inverse steps tell an error.
-    Elements of the highest degree are bisected.
+    In the plane elements are bisected; in space they get a degree more, and NURBS a continuous
+    derivative more too. What has no degree more is bisected, what has no elements along directions
+    gets a degree more.
 
     Raises
     ------
     InputError
-        When a mesh of a file has the highest degree already.
+        When the cells of a file have elements of the highest degree already.
     """
+    bodies = {name: _body(name, body, _way(body)) for name, body in scene.bodies.items()}
+    return replace(scene, bodies=bodies)
 
-    def enriched(name: str, body: BodySpec) -> BodySpec:
-        mesh = body.mesh.iga if body.backend == "iga" else body.mesh.fe
-        highest = mesh is not None and np.max(mesh.degree) >= _HIGHEST[body.backend]
-        by: Enrichment = "smooth" if body.backend == "iga" else "degree"
-        return _body(name, body, "bisection" if highest else by)
 
-    return replace(scene, bodies={n: enriched(n, body) for n, body in scene.bodies.items()})
+def _way(body: BodySpec) -> Enrichment:
+    if isinstance(body.geometry, MeshFile):
+        return "degree"
+    mesh = body.mesh.iga if body.backend == "iga" else body.mesh.fe
+    planar = len(body.geometry.directions) == 2
+    if mesh is not None and mesh.elements:
+        if planar or max(np.atleast_1d(mesh.degree)) >= _HIGHEST[body.backend]:
+            return "bisection"
+    return "smooth" if body.backend == "iga" else "degree"
 
 
 def _body(name: str, body: BodySpec, by: Enrichment) -> BodySpec:

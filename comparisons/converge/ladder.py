@@ -1,8 +1,8 @@
 """Meshes of a scene on one backend, each finer than the one before; they hang on the scene alone.
 
-Mesh number i has the elements of the scene along each direction times the ratio to the power of
-i - 2, so that the third of three is the scene's own, and i layers at singular edges. On the cells
-of mesh files elements have degree i + 1.
+Mesh number i, from 0, has the elements of the scene along each direction times the ratio to the
+power of i - 2, and i layers at singular edges: the third has the nodes of the scene's own, but for
+layers. On the cells of mesh files elements have degree i + 1.
 """
 
 from dataclasses import dataclass, field, replace
@@ -29,7 +29,7 @@ from scenes.refinement import (
     refined,
 )
 from scenes.results import ModesResult
-from scenes.richer import cheapest_richer_scene
+from scenes.richer import enriched_scene
 from scenes.run import run_modes
 from scenes.run_time import estimated_seconds
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
@@ -111,8 +111,11 @@ class Ladder:
         self.by_degree = any(map(from_file, on.bodies.values()))
         self._layered = has_singular_edges(on)
         self._slower = 1.0
-        degrees = [np.max(each.degree) for each in _meshes_of_shapes(on)]
-        self.degree = int(max([LEAST_DEGREE, *degrees]))
+        degrees = [int(np.max(each.degree)) for each in _meshes_of_shapes(on)]
+        self.degree = max([LEAST_DEGREE, *degrees])
+        # Lagrange elements have as many nodes along a direction as elements times their degree.
+        least = min(degrees, default=self.degree) if backend == "fe" else self.degree
+        self._density = least / self.degree
 
     def resolution(self, number: int) -> Resolution | None:
         """How fine the mesh of a number is, from 0; None where mesh files have no further one."""
@@ -120,7 +123,7 @@ class Ladder:
             return None
         return Resolution(
             self.degree,
-            RATIO ** (number - (MESHES - 1)),
+            self._density * RATIO ** (number - (MESHES - 1)),
             number if self._layered else 0,
             number + 1 if self.by_degree else None,
         )
@@ -130,13 +133,13 @@ class Ladder:
         resolution = self.resolution(number)
         if resolution is None:
             return None
-        finer = _widened(refined(self.scene, self.backend, resolution))
-        richer = cheapest_richer_scene(finer)
-        return self._slower * sum(map(_estimated_seconds, (finer, richer)))
+        finer = refined(self.scene, self.backend, resolution)
+        own = self._slower * _estimated_seconds(_widened(finer))
+        return own + self.seconds_to_correct(finer)
 
-    def seconds_to_correct(self, mesh: Mesh) -> float:
-        """Time that the correction of a mesh is expected to take (s)."""
-        return self._slower * _estimated_seconds(cheapest_richer_scene(_widened(mesh.scene)))
+    def seconds_to_correct(self, scene: Scene) -> float:
+        """Time that the correction of a mesh is expected to take (s): half of that of a run."""
+        return self._slower * _estimated_seconds(enriched_scene(_widened(scene))) / 2
 
     def run(self, number: int, progress: Progress) -> Mesh:
         """Modes on the mesh of a number; collective.
@@ -182,9 +185,8 @@ class Ladder:
         if not len(mesh.eigenvalues):
             return replace(mesh, corrected=mesh.eigenvalues)
         begun, own = perf_counter(), mesh.result
-        steps = 2 if any(body.backend == "iga" for body in own.scene.bodies.values()) else 1
-        richer = cheapest_richer_scene(own.scene)
-        found = estimate_errors(own, richer, steps=steps, listener=progress.stage)
+        richer = enriched_scene(own.scene)
+        found = estimate_errors(own, richer, listener=progress.stage)
         seconds = own.comm.bcast(perf_counter() - begun)
         return replace(mesh, corrected=found.corrected, seconds=mesh.seconds + seconds)
 

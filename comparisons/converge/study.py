@@ -155,7 +155,7 @@ class Course:
         """The last mesh is corrected where there is the time."""
         meshes, more = self.followed.meshes, self.ladder.seconds(len(self.followed.meshes))
         left = meshes and meshes[-1].corrected is None
-        if left and self.ladder.seconds_to_correct(meshes[-1]) <= clock.left:
+        if left and self.ladder.seconds_to_correct(meshes[-1].scene) <= clock.left:
             self._correct(clock, progress)
         self.ended = (
             "cells of mesh files have no elements of a higher degree"
