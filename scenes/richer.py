@@ -66,9 +66,9 @@ def _way(body: BodySpec) -> Enrichment:
         return "degree"
     mesh = body.mesh.iga if body.backend == "iga" else body.mesh.fe
     planar = len(body.geometry.directions) == 2
-    if mesh is not None and mesh.elements:
-        if planar or max(np.atleast_1d(mesh.degree)) >= _HIGHEST[body.backend]:
-            return "bisection"
+    highest = mesh is not None and np.max(mesh.degree) >= _HIGHEST[body.backend]
+    if mesh is not None and mesh.elements and (planar or highest):
+        return "bisection"
     return "smooth" if body.backend == "iga" else "degree"
 
 
