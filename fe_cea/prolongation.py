@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.errors import InputError
-from cea.nested.prolongation import Prolongation, on_free_dofs, random_coefficients
+from cea.nested.prolongation import Prolongation, on_free_dofs, varied_coefficients
 from fe_cea.body import FEBody
 from fe_cea.cell_location import Cells, own_cells
 from fe_cea.facets import geometry_element
@@ -68,7 +68,7 @@ def _evaluated(cells: Cells, x: Floats, count: int) -> tuple[csr_array, float]:
 
 def _defect(cells: Cells, scalar: csr_array, fine: FEBody) -> float:
     """Largest difference of a coarse function and its prolongation inside the cells of a rank."""
-    coefficients = random_coefficients(scalar.shape[1])
+    coefficients = varied_coefficients(scalar.shape[1])
     everywhere = np.concatenate(fine.comm.allgather(scalar @ coefficients))
     space = fine.space
     nodes, dofs = own_cells(space)

@@ -81,7 +81,7 @@ def _body(name: str, body: BodySpec, by: Enrichment) -> BodySpec:
         allowed = f"below {_HIGHEST[body.backend]} to be raised, or elements bisected"
         raise InputError(f"{field}.degree", degree, allowed)
     if isinstance(body.geometry, MeshFile):
-        if by != "degree":
+        if by != "degree" or degree is None:
             raise InputError(field, by, "'degree': cells of a file stay as they are")
         return replace(body, mesh=replace(body.mesh, degree=degree + 1))
     if body.backend == "iga":

@@ -34,7 +34,7 @@ class Bar:
     size
         The bar; infinite where there is no estimate.
     converges
-        Whether differences fall; no digits are claimed where they do not.
+        Whether differences fall; where they do not, the bar is at least their sum.
     estimates
         Estimates it is made of: 2, or 1 where meshes are too few or have no ratio.
     """
@@ -144,15 +144,13 @@ def pair(
     of_root = bar_of(splitting.tolist(), richer[1], degree, of_splitting)
     copies = bool((np.abs(splitting) <= of_splitting).all())
     error = root_error(root, of_root.size)
-    common = {
-        "converges": of_mean.converges and of_root.converges,
-        "estimates": min(of_mean.estimates, of_root.estimates),
-    }
+    converges = of_mean.converges and of_root.converges
+    estimates = min(of_mean.estimates, of_root.estimates)
     found = []
     for value in values[-1].tolist():
         if damped:
             both = of_mean.size + error
-            found.append(Estimated(value, both, both, **common))
+            found.append(Estimated(value, both, both, converges, estimates))
             continue
         is_open = root <= of_root.size and not (copies and value.real == 0)
         frequency, growth = _of_member(value, of_mean.size, error)
@@ -161,7 +159,7 @@ def pair(
             growth = sqrt(root + of_root.size) / (2 * speed)
             frequency = (of_mean.size + error) / (2 * speed)
         still = not is_open and value.real == 0
-        found.append(Estimated(value, frequency, growth, still=still, is_open=is_open, **common))
+        found.append(Estimated(value, frequency, growth, converges, estimates, still, is_open))
     return found[0], found[1]
 
 

@@ -51,8 +51,6 @@ class Mode:
         own = self.estimated
         if self.rigid or (request.unstable and self.word == "stable"):
             return 0.0, 0.0
-        if not own.converges:
-            return np.inf, np.inf if self.word in GROWING else 0.0
         speed = max(abs(own.value), np.finfo(float).tiny)
         of_frequency = own.frequency_bar / (half_unit(request.digits) * speed)
         if self.word not in GROWING:
@@ -122,27 +120,30 @@ def _mode(
 ) -> Mode:
     each = {backend: bars[backend][i] for backend, i in numbers.items()}
     backend = min(each, key=lambda b: each[b].frequency_bar + each[b].growth_bar)
-    best, agree = each[backend], None
     rigid = all(followed[b].meshes[-1].rigid[i] for b, i in numbers.items())
+    words = {word_of(own, threshold, rigid=rigid) for own in each.values()}
+    if len(each) == 1:
+        return Mode(backend, each[backend], None, rigid, words.pop())
+    (other,) = (own for b, own in each.items() if b != backend)
+    best, agree = widened(each[backend], other)
     word = word_of(best, threshold, rigid=rigid)
-    if len(each) == 2:
-        a, b = each.values()
-        frequency, growth = abs(a.value.imag - b.value.imag), abs(a.value.real - b.value.real)
-        agree = bool(
-            frequency <= a.frequency_bar + b.frequency_bar and growth <= a.growth_bar + b.growth_bar
-        )
-        if not agree:
-            best = replace(
-                best,
-                frequency_bar=max(best.frequency_bar, frequency),
-                growth_bar=max(best.growth_bar, growth),
-                still=best.still and not growth,
-            )
-            word = word_of(best, threshold, rigid=rigid)
-        other = {word_of(own, threshold, rigid=rigid) for own in each.values()} - {word}
-        if (word == "stable" and other & set(GROWING)) or (word in GROWING and "stable" in other):
-            word = "undecided"
+    if "stable" in words and not words.isdisjoint(GROWING):
+        word = "undecided"
     return Mode(backend, best, agree, rigid, word)
+
+
+def widened(own: Estimated, other: Estimated) -> tuple[Estimated, bool]:
+    """An eigenvalue with its bars widened to the other where bars do not meet; whether they do."""
+    frequency = abs(own.value.imag - other.value.imag)
+    growth = abs(own.value.real - other.value.real)
+    if (
+        frequency <= own.frequency_bar + other.frequency_bar
+        and growth <= own.growth_bar + other.growth_bar
+    ):
+        return own, True
+    bars = max(own.frequency_bar, frequency), max(own.growth_bar, growth)
+    still = own.still and growth == 0
+    return replace(own, frequency_bar=bars[0], growth_bar=bars[1], still=still), False
 
 
 def word_of(own: Estimated, threshold: float | None, *, rigid: bool = False) -> Word:

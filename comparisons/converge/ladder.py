@@ -104,8 +104,7 @@ class Ladder:
     """
 
     def __init__(self, scene: Scene, backend: Backend) -> None:
-        if scene.analysis.kind != "cea":
-            raise InputError("analysis.kind", scene.analysis.kind, "'cea', which has eigenvalues")
+        window_of(scene)
         on = on_backend_of_shapes(scene, backend)
         self.scene, self.backend = scene, backend
         self.by_degree = any(map(from_file, on.bodies.values()))
@@ -158,7 +157,7 @@ class Ladder:
         result = run_modes(wider, left=True, listener=progress.stage)
         modes, seconds = result.modes, result.comm.bcast(perf_counter() - begun)
         self._slower = seconds / _estimated_seconds(wider)
-        words = modes.verdicts(finer.analysis.growth_threshold)
+        words = modes.verdicts(window_of(finer).growth_threshold)
         return Mesh(
             resolution,
             finer,
@@ -208,12 +207,23 @@ def _meshes_of_shapes(scene: Scene) -> list[Any]:
     return [body.mesh.fe if body.backend == "fe" else body.mesh.iga for body in bodies]
 
 
+def window_of(scene: Scene) -> ComplexEigenvalueAnalysis:
+    """What modes a scene asks for.
+
+    Raises
+    ------
+    InputError
+        When its analysis is static.
+    """
+    if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
+        raise InputError("analysis.kind", scene.analysis.kind, "'cea', which has eigenvalues")
+    return scene.analysis
+
+
 def _widened(scene: Scene) -> Scene:
     """The scene with a window that reaches a little farther: modes at the end keep partners."""
-    analysis = scene.analysis
-    assert isinstance(analysis, ComplexEigenvalueAnalysis)
-    wider = replace(analysis, max_frequency=ABOVE * analysis.max_frequency)
-    return replace(scene, analysis=wider)
+    window = window_of(scene)
+    return replace(scene, analysis=replace(window, max_frequency=ABOVE * window.max_frequency))
 
 
 def _estimated_seconds(scene: Scene) -> float:

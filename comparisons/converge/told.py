@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from math import floor, isfinite, log10, tau
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +10,8 @@ from cea.eigen.classify import classify_run, counted_words
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.spectrum import Window
 from comparisons.converge.combine import Mode
-from comparisons.converge.ladder import Mesh, elements_of
+from comparisons.converge.course import Course
+from comparisons.converge.ladder import Mesh, elements_of, window_of
 from comparisons.converge.request import Request, half_unit
 from comparisons.kit.run_warnings import Run, merged_warnings
 from scenes.following import STATE_KEPT
@@ -19,15 +20,13 @@ from scenes.refinement import moved_to_mortar
 from scenes.scene_toml import scene_text
 from scenes.spec.body import Backend
 
-if TYPE_CHECKING:
-    from comparisons.converge.study import Course
-
 
 def data_of(
-    courses: Mapping[Backend, "Course"], modes: list[Mode], request: Request, scene: Scene
+    courses: Mapping[Backend, Course], modes: list[Mode], request: Request, scene: Scene
 ) -> dict[str, Any]:
     """What the record of a study holds, as :func:`comparisons.converge.study.run_converge` says."""
-    top, threshold = scene.analysis.max_frequency, scene.analysis.growth_threshold
+    window = window_of(scene)
+    top, threshold = window.max_frequency, window.growth_threshold
     inside = [mode for mode in modes if mode.frequency <= top]
     above = [mode for mode in modes if mode.frequency > top]
     ran = {b: course for b, course in courses.items() if course.followed.meshes}
@@ -61,7 +60,7 @@ def data_of(
 
 def _held(
     modes: list[Mode],
-    courses: Mapping[Backend, "Course"],
+    courses: Mapping[Backend, Course],
     request: Request,
     threshold: float | None,
 ) -> tuple[bool, str]:
@@ -165,7 +164,7 @@ def _errors(mesh: Mesh, modes: list[Mode]) -> dict[str, Any]:
 
 
 def _warnings(
-    ran: Mapping[Backend, "Course"], finest: Mapping[Backend, Mesh], modes: list[Mode], top: float
+    ran: Mapping[Backend, Course], finest: Mapping[Backend, Mesh], modes: list[Mode], top: float
 ) -> list[dict[str, Any]]:
     """What the result must be read with; what runs warn of is that of the finest meshes."""
     lost = [v for c in ran.values() for v in c.followed.lost.tolist() if v.imag <= tau * top]
