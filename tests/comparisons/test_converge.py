@@ -257,6 +257,23 @@ def test_digits_that_are_not_reached_are_told_first_with_code_3(tmp_path):
     assert "one more mesh would take about" in first
 
 
+def test_modes_that_grow_just_above_the_window_are_hinted_at_as_a_run_does():
+    window = ("analysis.max_frequency=0.46",)
+    data = converged("blocks", digits=5, growth_digits=5, overrides=window)
+    (hint,) = run_modes(load_scene("blocks", window)).modes.hints
+    assert data["hints"] == [hint]
+    assert "+0.0274 1/s at 0.46125" in hint
+    assert max(mode["frequency"] for mode in data["modes"]) < 0.46
+
+
+def test_doubts_about_input_are_told_once(tmp_path):
+    soft = ["bodies.disc.material.E=2e2", "analysis.max_frequency=0.05", "units='SI'"]
+    options = [part for each in soft for part in ("--set", each)]
+    done = run("disc", "--digits", "1", *options, out=tmp_path / "x")
+    assert done.output.count("doubtful-units") == 1
+    assert done.output.count("no solid has E below") == 1
+
+
 def test_the_command_prints_modes_and_names_its_page(tmp_path):
     done = run("blocks", "--digits", "2", "--backend", "iga", out=tmp_path / "x")
     assert done.exit_code == 0, done.output
