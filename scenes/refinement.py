@@ -14,6 +14,7 @@ from meshes.breaks import breaks_of, fewest, layered
 from meshes.edge_templates import RATIO
 from meshes.mesh_file import MeshFile
 from meshes.singular_edges import fit
+from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.checks import cross_checks
 from scenes.read import Scene
 from scenes.refinement_edges import Crowding, crowding
@@ -155,6 +156,9 @@ def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
         finer = replace(mesh, degree=degree, continuity=None)
     if isinstance(finer, FeMesh) and finer.size is not None:
         finer = replace(finer, size=finer.size / resolution.density)
+        if isinstance(body.geometry, VentilatedDisc):
+            curved = min(finer.geometry_degree or finer.degree, MAX_CURVED)
+            finer = replace(finer, geometry_degree=curved)
     else:
         elements = tuple(max(1, round(n * resolution.density)) for n in finer.elements or ())
         finer = replace(finer, elements=elements)

@@ -7,6 +7,7 @@ import numpy as np
 
 from cea.errors import InputError
 from meshes.mesh_file import MeshFile
+from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.read import Scene
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
@@ -87,7 +88,7 @@ def _body(name: str, body: BodySpec, by: Enrichment) -> BodySpec:
     if body.backend == "iga":
         mesh = _iga(body, field)
         return replace(body, mesh=replace(body.mesh, iga=_ENRICHED[by](mesh)))
-    return replace(body, mesh=_lagrange(body.mesh, by, field))
+    return replace(body, mesh=_lagrange(body, by, field))
 
 
 def _iga(body: BodySpec, field: str) -> IgaMesh:
@@ -113,15 +114,17 @@ def _smoother(mesh: IgaMesh) -> IgaMesh:
 _ENRICHED = {"degree": _raised, "bisection": _bisected, "smooth": _smoother}
 
 
-def _lagrange(mesh: MeshSpec, by: Enrichment, field: str) -> MeshSpec:
-    fe = mesh.fe
+def _lagrange(body: BodySpec, by: Enrichment, field: str) -> MeshSpec:
+    fe = body.mesh.fe
     assert fe is not None
-    if by == "degree":
-        geometry = (
-            None if fe.geometry_degree is None else min(fe.geometry_degree + 1, _HIGHEST["fe"])
-        )
-        return replace(mesh, fe=replace(fe, degree=fe.degree + 1, geometry_degree=geometry))
-    return replace(mesh, fe=_divided(fe, field))
+    if by == "bisection":
+        return replace(body.mesh, fe=_divided(fe, field))
+    geometry = None if fe.geometry_degree is None else fe.geometry_degree + 1
+    if isinstance(body.geometry, VentilatedDisc):
+        geometry = min(geometry or fe.degree + 1, MAX_CURVED)
+    elif geometry is not None:
+        geometry = min(geometry, _HIGHEST["fe"])
+    return replace(body.mesh, fe=replace(fe, degree=fe.degree + 1, geometry_degree=geometry))
 
 
 def _divided(fe: FeMesh, field: str) -> FeMesh:

@@ -51,8 +51,8 @@ class Request:
             ("growth_digits", self.of_growth),
             ("sweep_digits", self.sweep_digits),
         ):
-            if not 1 <= value <= 15:
-                raise InputError(name, value, "1 to 15, as many as numbers have")
+            if not 1 <= value <= 10:
+                raise InputError(name, value, "1 to 10")
         if not self.budget > 0:
             raise InputError("budget", self.budget, "more than 0 seconds")
 
