@@ -8,7 +8,7 @@ from cea.body import Body
 from cea.eigen.pencil import Matrices, release
 from cea.errors import InputError
 from cea.nested.estimate import ErrorEstimate, error_estimate
-from cea.nested.prolongation import Prolongation, of_system, unchanged
+from cea.nested.prolongation import Prolongation, of_body, of_system
 from cea.timing import StageTimer
 from scenes.build import build_bodies
 from scenes.made_of import body_parts
@@ -19,17 +19,13 @@ from scenes.richer import richer_scene
 from scenes.run import RunOptions, coupled, run_modes
 
 
-def prolongation(
-    coarse: Mapping[str, Body], fine: Mapping[str, Body], scene: Scene
-) -> Prolongation:
+def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Prolongation:
     """Prolongation from the unknown displacements of a scene to those of a finer one; collective.
 
     Parameters
     ----------
     coarse, fine
         Bodies of the scenes by name, on the same backends.
-    scene
-        The finer scene.
 
     Raises
     ------
@@ -38,27 +34,7 @@ def prolongation(
     """
     if list(coarse) != list(fine):
         raise InputError("bodies", list(fine), f"those of the coarse scene: {', '.join(coarse)}")
-    return of_system([_of_body(coarse[name], fine[name], scene, name) for name in fine])
-
-
-def _of_body(coarse: Body, fine: Body, scene: Scene, name: str) -> Prolongation:
-    """Prolongation of one body, by its backend."""
-    if coarse is fine:
-        return unchanged(fine)
-    if scene.bodies[name].backend == "fe":
-        from fe_cea.body import FEBody
-        from fe_cea.prolongation import prolongation as lagrange
-
-        if isinstance(coarse, FEBody) and isinstance(fine, FEBody):
-            return lagrange(coarse, fine)
-    else:
-        from iga_cea.body import NurbsBody
-        from iga_cea.prolongation import prolongation as nurbs
-
-        if isinstance(coarse, NurbsBody) and isinstance(fine, NurbsBody):
-            return nurbs(coarse, fine)
-    kinds = type(coarse).__name__, type(fine).__name__
-    raise InputError(f"bodies.{name}.backend", kinds, "one backend for both discretisations")
+    return of_system([of_body(coarse[name], fine[name]) for name in fine])
 
 
 def estimate_errors(
@@ -116,7 +92,7 @@ def _on(
     system, _, timer = coupled(scene, bodies=bodies, listener=listener)
     with timer("assembly"):
         matrices = system.pencil().at()
-        step = prolongation(result.bodies, system.bodies, scene)
+        step = prolongation(result.bodies, system.bodies)
     try:
         yield matrices, step, timer
     finally:

@@ -15,7 +15,7 @@ def layered():
     """Curved cells of a disc with three layers towards its edges, of very different sizes."""
     scene = load_scene("disc_pad", backend="fe")
     disc = build_bodies(refined(scene, "fe", Resolution(2, 0.3, 3)), StageTimer())["disc"]
-    cells = Cells.of(disc.space)
+    cells = Cells.of(disc.space.scalar)
     assert cells.sizes.max() > 5 * cells.sizes.min()
     return cells
 

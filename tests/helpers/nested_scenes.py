@@ -38,7 +38,7 @@ def parallel_numbers(name, backend, by):
     elements = {"fe": {"upper": [5, 2], "lower": [4, 2]}, "iga": {"upper": [4, 2], "lower": [3, 2]}}
     coarse = coarse_modes(name, backend, 2, 3.2, elements=elements[backend])
     fine = richer_scene(coarse.scene, by)
-    step = prolongation(coarse.bodies, run_modes(fine).bodies, fine)
+    step = prolongation(coarse.bodies, run_modes(fine).bodies)
     smooth, image = step.matrix.createVecs()
     smooth.set(1.0)
     step.matrix.mult(smooth, image)
