@@ -84,20 +84,7 @@ def breaks_of(
 def check_breaks(
     shape: Shape, elements: Sequence[int], through: Mapping[str, Sequence[float]], field: str
 ) -> None:
-    """Refuse elements and coordinates that give no breaks, without making any.
-
-    Parameters
-    ----------
-    shape, elements, through
-        As of :func:`breaks_of`.
-    field
-        Name of the mesh in messages.
-
-    Raises
-    ------
-    InputError
-        Naming elements or through.
-    """
+    """Refuse elements and coordinates that give no breaks, without making any."""
     try:
         asked = _asked(shape, elements, through)
         for name, ends, count in zip(shape.directions, shape.extent, elements, strict=True):

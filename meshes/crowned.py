@@ -7,16 +7,17 @@ from the point of equal radius at the apex: its square is a rational function of
 NURBS hold the face exactly. What lies behind the face follows it in proportion.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
+from scipy.special import comb
 
 from cea.errors import InputError, require
-from meshes.plane_shapes import Rectangle
-from meshes.solid_shapes import Box, Sector
+from meshes.simple_shapes import Box, Rectangle, Sector
 
 Floats = NDArray[np.float64]
 
@@ -119,19 +120,7 @@ class Crowned:
         return float(self.depth(corners).max())
 
     def depth(self, points: Floats) -> Floats:
-        """How much deeper than at its apex the face lies in the body (m).
-
-        Parameters
-        ----------
-        points
-            Cartesian points of the base (m), shape (..., dim); what they are across the face does
-            not matter.
-
-        Returns
-        -------
-        ndarray
-            Shape (...).
-        """
+        """How much deeper than at its apex the face lies in the body (m)."""
         total = np.zeros(points.shape[:-1])
         round_ = isinstance(self.base, Sector)
         for name, radius in self.radii.items():
@@ -182,3 +171,33 @@ class Crowned:
         moved = points.copy()
         moved[..., self.across] += inwards * self.depth(points)
         return moved
+
+
+def crowned_bezier(
+    shape: Crowned, degrees: Sequence[int], control_points: Floats, weights: Floats
+) -> tuple[tuple[int, ...], Floats, Floats]:
+    """Raise the degree of a patch of the base to what the crown needs, and crown it.
+
+    The crowned coordinate times the weight function is a polynomial of the raised degrees, and so
+    is known from its values on a grid.
+    """
+    raised = tuple(max(p, 2) if axis in shape.bent else p for axis, p in enumerate(degrees))
+    net = np.concatenate([control_points * weights[..., None], weights[..., None]], axis=-1)
+    for axis, (p, q) in enumerate(zip(degrees, raised, strict=True)):
+        net = _along(net, axis, _bernstein(p, np.linspace(0, 1, q + 1)))
+    weight = net[..., -1:]
+    net = np.concatenate([weight * shape.crown(net[..., :-1] / weight), weight], axis=-1)
+    for axis, q in enumerate(raised):
+        net = _along(net, axis, np.linalg.inv(_bernstein(q, np.linspace(0, 1, q + 1))))
+    return raised, net[..., :-1] / net[..., -1:], net[..., -1]
+
+
+def _bernstein(degree: int, t: Floats) -> Floats:
+    """Values of the Bernstein polynomials, shape (len(t), degree + 1)."""
+    k = np.arange(degree + 1)
+    return comb(degree, k) * t[:, None] ** k * (1 - t[:, None]) ** (degree - k)
+
+
+def _along(net: Floats, axis: int, matrix: Floats) -> Floats:
+    """Combine control points along one axis."""
+    return np.moveaxis(np.tensordot(matrix, net, axes=(1, axis)), 0, axis)

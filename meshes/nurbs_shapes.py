@@ -20,10 +20,8 @@ from numpy.typing import NDArray
 
 from cea.errors import InputError, require
 from meshes.breaks import Breaks
-from meshes.crowned import Crowned
-from meshes.crowned_bezier import crowned_bezier
-from meshes.nurbs_file import NurbsFile
-from meshes.patches import Face, GivenPatch, Patches
+from meshes.crowned import Crowned, crowned_bezier
+from meshes.patches import Face, GivenPatch, NurbsFile, Patches
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
 
@@ -175,17 +173,7 @@ def _linear_parameters(values: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class _Arc:
-    """Arc of the unit circle.
-
-    Parameters
-    ----------
-    points
-        Its control points, (3, 2).
-    weight
-        Weight of the middle one.
-    parameters
-        Parameters of the wanted element boundaries.
-    """
+    """Arc of the unit circle."""
 
     points: Floats
     weight: float
@@ -239,19 +227,7 @@ def _straight(shape: Box | Rectangle, breaks: Breaks, placement: Placement) -> N
 def _round(
     arc: _Arc, radii: Floats, heights: tuple[Floats, ...], placement: Placement
 ) -> NurbsPatch:
-    """Patch over an arc between radii, in plane strain or between heights.
-
-    Parameters
-    ----------
-    arc
-        The arc.
-    radii
-        Breaks along r (m).
-    heights
-        Breaks along z (m); empty in plane strain.
-    placement
-        Where to put it.
-    """
+    """Patch over an arc between radii, in plane strain or between heights."""
     plane = radii[[0, -1], None, None] * arc.points
     weights = np.broadcast_to([1.0, arc.weight, 1.0], (2, 3))
     for z in heights:

@@ -10,7 +10,6 @@ import numpy as np
 from cea.errors import InputError
 from cea.mesh import Mesh, reference_nodes
 from meshes.gmsh_model import gmsh_session, read_gmsh
-from meshes.nodes import simplex_changes
 from meshes.shapes import (
     Annulus,
     Box,
@@ -23,28 +22,12 @@ from meshes.shapes import (
     Shape,
     VentilatedDisc,
 )
+from meshes.structured import simplex_changes
 from meshes.ventilated_disc_model import build_ventilated_disc, refine
 
 
 def outline_mesh(shape: Shape, order: int, size: float) -> Mesh:
-    """Mesh a shape with triangles or tetrahedra.
-
-    Parameters
-    ----------
-    shape
-        The shape.
-    order
-        Order of the geometry.
-    size
-        Target edge length (m).
-
-    Raises
-    ------
-    InputError
-        When curved cells of that size are inverted.
-    RuntimeError
-        When gmsh is in use already.
-    """
+    """Mesh a shape with triangles or tetrahedra."""
     with gmsh_session():
         gmsh.model.add(shape.shape)
         surfaces = _built(shape, size)

@@ -9,12 +9,11 @@ from cea.errors import InputError, require
 from cea.mesh import DIMENSION, MAX_ORDER, SIMPLICES, Cell, Mesh
 from meshes.breaks import Breaks
 from meshes.crowned import Crowned
-from meshes.division import divided
+from meshes.edge_layers import Edge
 from meshes.patches import Patches
 from meshes.placement import Placement
 from meshes.shapes import Shape
-from meshes.singular_edges import Edge
-from meshes.structured import structured_mesh
+from meshes.structured import divided, structured_mesh
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 
 _IN_PLACE = Placement()
@@ -34,8 +33,8 @@ def shape_mesh(
     """Mesh a shape; its surfaces (curves in the plane) bear the names ``shape.surfaces``.
 
     Curved cells are polynomials through the Gauss-Lobatto points of the circles (see
-    :mod:`meshes.nodes`); up to order 2 these are the nodes. Crowned faces pass through all nodes,
-    and are exact on straight bases from order 2. Only unstructured meshes need gmsh.
+    :mod:`meshes.structured`); up to order 2 these are the nodes. Crowned faces pass through all
+    nodes, and are exact on straight bases from order 2. Only unstructured meshes need gmsh.
 
     Parameters
     ----------

@@ -48,15 +48,7 @@ class Plane:
 
 @dataclass(frozen=True)
 class Cylinders:
-    """Cylinders along the z axis, or circles in the plane; a point belongs to the nearest.
-
-    Parameters
-    ----------
-    radius
-        Their radius (m).
-    centres
-        Where their axes cross z = 0 (m).
-    """
+    """Cylinders along the z axis, or circles in the plane; a point belongs to the nearest."""
 
     radius: float
     centres: Sequence[tuple[float, float]] = ((0.0, 0.0),)
@@ -85,13 +77,7 @@ class Cylinders:
 
 @dataclass(frozen=True)
 class CrownedFace:
-    """The crowned face of a shape.
-
-    Parameters
-    ----------
-    shape
-        The shape.
-    """
+    """The crowned face of a shape."""
 
     shape: Crowned
 
@@ -126,15 +112,7 @@ class CrownedFace:
 
 @dataclass(frozen=True)
 class Placed:
-    """A surface of a shape that is put somewhere.
-
-    Parameters
-    ----------
-    surface
-        The surface in the coordinates of its shape.
-    placement
-        Where the shape is put.
-    """
+    """A surface of a shape that is put somewhere."""
 
     surface: Plane | Cylinders | CrownedFace
     placement: Placement
@@ -159,15 +137,7 @@ class Placed:
 
 
 def true_surfaces(shape: Shape, placement: Placement = _IN_PLACE) -> dict[str, Placed]:
-    """Surfaces of a shape by name; none of a mesh file, which does not tell what it interpolates.
-
-    Parameters
-    ----------
-    shape
-        The shape.
-    placement
-        Where it is put.
-    """
+    """Surfaces of a shape by name; none of a mesh file: what it interpolates is unknown."""
     return {name: Placed(each, placement) for name, each in _surfaces(shape).items()}
 
 

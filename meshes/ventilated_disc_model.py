@@ -22,18 +22,7 @@ _SAME = 1e-6
 
 
 def build_ventilated_disc(shape: VentilatedDisc) -> dict[str, list[int]]:
-    """Make the disc one solid in the current model.
-
-    Parameters
-    ----------
-    shape
-        The disc.
-
-    Returns
-    -------
-    dict
-        Faces of each surface.
-    """
+    """Make the disc one solid in the current model."""
     occ = gmsh.model.occ
     lower = _turned(
         (shape.bore, shape.hub_bottom),

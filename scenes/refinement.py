@@ -13,9 +13,8 @@ from cea.contact.formulations import Mortar
 from cea.errors import InputError
 from cea.mesh import SIMPLICES
 from meshes.breaks import breaks_of, fewest, layered
-from meshes.edge_templates import RATIO
+from meshes.edge_layers import RATIO, fit
 from meshes.mesh_file import MeshFile
-from meshes.singular_edges import fit
 from scenes.read import Scene
 from scenes.refinement_edges import Crowding, crowding
 from scenes.spec.body import Backend, BodySpec

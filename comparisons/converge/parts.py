@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from comparisons.converge.theory import LARGEST_ERROR, SMALLEST_ERROR
-from meshes.edge_templates import RATIO
+from meshes.edge_layers import RATIO
 from scenes.refinement import BodyResolution, Resolution
 
 EDGES = 0.6

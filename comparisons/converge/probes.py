@@ -21,7 +21,7 @@ from comparisons.converge.estimated import seconds_of
 from comparisons.converge.levels import Level, widened
 from comparisons.converge.parts import EDGES, RE_ENTRANT, Part, Parts
 from comparisons.kit.progress import Progress
-from meshes.edge_templates import RATIO
+from meshes.edge_layers import RATIO
 from scenes.nested import eigenvalues_in
 from scenes.read import Scene
 from scenes.refinement import (

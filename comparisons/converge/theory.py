@@ -16,7 +16,7 @@ Error bars count on the part that falls more slowly, which is left at the end.
 from dataclasses import dataclass
 from math import exp, log
 
-from meshes.edge_templates import RATIO
+from meshes.edge_layers import RATIO
 from scenes.refinement import Resolution
 
 _EXPONENT = 0.7

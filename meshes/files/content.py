@@ -69,15 +69,7 @@ class ElementBlock:
 
 
 class Sets(Mapping[str, Ints]):
-    """Sets by name, each worked out when it is asked for.
-
-    Parameters
-    ----------
-    items
-        What each is made of.
-    make
-        Makes its members of it.
-    """
+    """Sets by name, each worked out when it is asked for."""
 
     def __init__(self, items: Mapping[str, Any], make: Callable[[Any], Ints]) -> None:
         self._items, self._make = items, make

@@ -165,21 +165,7 @@ def in_order(cell: str, order: int, nodes: Ints, reference: Floats) -> Ints:
 def block(
     name: str, kind: str, numbers: Ints, nodes: Ints, *, role: Role = "solid"
 ) -> ElementBlock:
-    """Elements of a kind in :data:`KINDS`, as a file lists their nodes.
-
-    Parameters
-    ----------
-    name
-        What the file calls them.
-    kind
-        Their kind.
-    numbers
-        Their numbers, (n,).
-    nodes
-        Rows of their nodes among the points, (n, n_nodes), in the order of the kind.
-    role
-        What the file means them for.
-    """
+    """Elements of a kind in :data:`KINDS`, as a file lists their nodes."""
     cell, order, _, reference = KINDS[kind]
     ordered = in_order(cell, order, nodes, reference)
     return ElementBlock(name, cell, order, numbers, ordered, role)

@@ -22,15 +22,7 @@ _FLAT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Elements that make a body.
-
-    Parameters
-    ----------
-    blocks
-        The elements, one block for each kind of cell.
-    elements
-        Which they are, counted through the blocks of the file, in the order of these blocks, (n,).
-    """
+    """Elements that make a body."""
 
     blocks: tuple[ElementBlock, ...]
     elements: Ints

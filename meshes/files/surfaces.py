@@ -21,20 +21,7 @@ _SET = re.compile(r"(?:(faces|elements|nodes):)?(.+?)(?::[SP]?([1-6]))?", re.DOT
 
 @dataclass(frozen=True, eq=False)
 class Facets:
-    """Faces of the elements of a body, matched by their corners; those of two are inner ones.
-
-    Parameters
-    ----------
-    keys
-        What faces are found by, rising, (n_groups,).
-    group
-        Number of each face of each element among the keys, -1 where it has no such face,
-        (n_elements, n_faces).
-    free
-        Which of them lie on the boundary, (n_elements, n_faces).
-    marks
-        Random number of each node.
-    """
+    """Faces of the elements of a body, matched by their corners; those of two are inner ones."""
 
     keys: NDArray[np.uint64]
     group: Ints
@@ -71,24 +58,7 @@ def facets_of(part: Part, n_points: int) -> Facets:
 def surface_faces(
     content: FileContent, part: Part, faces: Mapping[str, Sequence[str]]
 ) -> dict[str, tuple[Bools, int]]:
-    """Faces of elements that named surfaces have, and how many nodes of sets are left out.
-
-    Parameters
-    ----------
-    content
-        The file.
-    part
-        The elements of the body.
-    faces
-        Sets of each surface: one after the other ``NAME``, ``nodes:NAME``, ``elements:NAME``,
-        ``faces:NAME`` or, of elements and their k-th faces as Abaqus counts them, ``NAME:Sk``.
-
-    Returns
-    -------
-    dict
-        Which faces of which elements, (n_elements, n_faces); number of nodes of the body that sets
-        of nodes have and that lie on none of these faces.
-    """
+    """Faces of elements that named surfaces have, and how many nodes of sets are left out."""
     facets = facets_of(part, len(content.points)) if faces else None
     found = {}
     for surface, sets in faces.items():

@@ -24,20 +24,7 @@ from meshes.files.kinds import FACES, KINDS, full_kind, full_order, in_order
 
 
 class Tetrahedra(NamedTuple):
-    """Elements divided into tetrahedra.
-
-    Parameters
-    ----------
-    points
-        Positions of the nodes, those that were added at the end, (n, 3).
-    cells
-        Nodes of the tetrahedra in the order of :class:`cea.mesh.Mesh`, (m, 4) or (m, 10).
-    elements
-        Element that each is a part of, counted through the blocks, rising, (m,).
-    sides
-        Face of that element, 0 for its S1 (:data:`meshes.files.kinds.FACES`), that each facet of
-        each tetrahedron lies on, as :func:`cea.mesh.facet_nodes` counts facets; -1 inside, (m, 4).
-    """
+    """Elements divided into tetrahedra."""
 
     points: Floats
     cells: Ints
@@ -46,21 +33,7 @@ class Tetrahedra(NamedTuple):
 
 
 def tetrahedra(points: Floats, blocks: Sequence[ElementBlock]) -> Tetrahedra:
-    """Divide solid elements of a body into tetrahedra that match across faces.
-
-    Parameters
-    ----------
-    points
-        Positions of the nodes, (n, 3).
-    blocks
-        The elements: hexahedra, wedges, pyramids and tetrahedra, all of order 1 or all of order 2,
-        as :func:`meshes.files.kinds.block` makes them, whatever the format of the file.
-
-    Raises
-    ------
-    InputError
-        When they are of several orders, of a higher order, or lack middles of edges.
-    """
+    """Divide solid elements of a body into tetrahedra that match across faces."""
     orders = sorted({block.order for block in blocks})
     kinds = ", ".join(sorted({block.kind for block in blocks}))
     allowed = "elements that are all of order 1 or all of order 2, where a body has several kinds"

@@ -29,10 +29,10 @@ from cea.supports.boundary import Support
 from cea.system.coupling import couple
 from fe_cea.body import FEBody
 from iga_cea import NurbsBody
-from meshes.division import divided
 from meshes.nurbs_shapes import NurbsPatch
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box, Rectangle
+from meshes.structured import divided
 
 MATERIAL = IsotropicMaterial(2.0, 0.3, 1.5)
 KINDS = {

@@ -9,8 +9,8 @@ from mixed_files import listed
 
 from cea.errors import InputError
 from meshes.files.kinds import wanted_nodes
+from meshes.files.reading import read_mesh_file
 from meshes.mesh_file import MeshFile
-from meshes.read_mesh_file import read_mesh_file
 
 CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
                  [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float)  # fmt: skip

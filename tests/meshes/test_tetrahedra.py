@@ -10,7 +10,7 @@ from mixed_blocks import mixed_blocks
 
 from cea.errors import InputError
 from cea.mesh import Mesh, facet_nodes, node_order
-from meshes.files.checks import check_elements
+from meshes.files.body import check_elements
 from meshes.files.kinds import FACES, full_order
 from meshes.files.tetrahedra import tetrahedra
 

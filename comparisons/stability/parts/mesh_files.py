@@ -14,8 +14,8 @@ from comparisons.stability.parts.answers import Answer
 from comparisons.stability.parts.problems import OfScene
 from meshes.breaks import breaks_of
 from meshes.files.kinds import KINDS
-from meshes.mesh_file import METRES, Unit
 from meshes.shape_mesh import shape_mesh
+from meshes.units import METRES, Unit
 from scenes.read import read_scene
 from scenes.spec.scene import SceneSpec
 

@@ -1,13 +1,14 @@
-"""Content of files of gmsh."""
+"""Content of files of gmsh; run as a program, gmsh reads one and this writes it as arrays."""
 
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from cea.errors import require
-from meshes.files.apart import arrays_of
 from meshes.files.content import (
     DIVIDED,
     ElementBlock,
@@ -17,33 +18,27 @@ from meshes.files.content import (
     without_copies,
 )
 from meshes.files.kinds import in_order
+from meshes.files.sandbox import arrays_of
 
 _CELLS = {
-    "Triangle": "triangle",
-    "Quadrilateral": "quadrilateral",
-    "Tetrahedron": "tetrahedron",
-    "Pyramid": "pyramid",
-    "Prism": "wedge",
-    "Hexahedron": "hexahedron",
+    **{"Triangle": "triangle", "Quadrilateral": "quadrilateral", "Tetrahedron": "tetrahedron"},
+    **{"Pyramid": "pyramid", "Prism": "wedge", "Hexahedron": "hexahedron"},
 }
 """Cells by the first word of gmsh's names."""
 _WORDS = {1: "curve", 2: "surface", 3: "volume"}
 """What groups without a name are called, before their number."""
 _FROM = {
-    "quadrilateral": [-1, -1],
-    "hexahedron": [-1] * 3,
-    "pyramid": [-1, -1, 0],
-    "wedge": [0, 0, -1],
+    **{"quadrilateral": [-1, -1], "hexahedron": [-1] * 3},
+    **{"pyramid": [-1, -1, 0], "wedge": [0, 0, -1]},
 }
 """Where gmsh's reference cells begin that are not those from 0 to 1; all end at 1."""
-
-Places = Mapping[tuple[int, int], Sequence[Ints]]
-"""Elements of each entity, given by its dimension and number."""
 
 
 def gmsh_content(file: Path) -> FileContent:
     """Nodes, elements and physical groups of a file."""
-    arrays = arrays_of("gmsh_program", file)
+    with file.open("rb") as stream:
+        require(stream.read(11) == b"$MeshFormat", "file", str(file), "a .msh file of gmsh")
+    arrays = arrays_of(Path(__file__), file)
     what, numbers = json.loads(arrays["what"].item()), arrays["tags"]
     require(len(numbers) > 0, "file", "no nodes", "a mesh")
     points = arrays["positions"].reshape(-1, 3)
@@ -76,7 +71,8 @@ def _block(
 
 
 def _groups(
-    groups: Sequence[tuple[int, int, str, Sequence[int]]], places: Places
+    groups: Sequence[tuple[int, int, str, Sequence[int]]],
+    places: Mapping[tuple[int, int], Sequence[Ints]],
 ) -> dict[str, Ints]:
     """Elements of each physical group; groups of one name together."""
     sets: dict[str, list[Ints]] = {}
@@ -86,3 +82,38 @@ def _groups(
             for entity in entities:
                 members += places.get((dim, entity), ())
     return {name: np.concatenate(parts) for name, parts in sets.items() if parts}
+
+
+def _write_arrays(mesh: str, arrays: str) -> None:
+    """Read a mesh and write nodes, elements of each kind in each entity, kinds and groups."""
+    import gmsh
+
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("General.NumThreads", 1)
+    gmsh.merge(mesh)
+    model = gmsh.model
+    tags, positions, _ = model.mesh.getNodes()
+    found: dict[str, Any] = {}
+    blocks: list[list[int]] = []
+    kinds: dict[str, list[object]] = {}
+    for dim, entity in model.getEntities():
+        for kind, numbers, nodes in zip(*model.mesh.getElements(dim, entity), strict=True):
+            found[f"numbers {len(blocks)}"] = numbers.astype(np.int64)
+            found[f"nodes {len(blocks)}"] = nodes.astype(np.int64)
+            blocks.append([dim, int(entity), int(kind)])
+            name, _, order, per_element, local, _ = model.mesh.getElementProperties(kind)
+            kinds[str(kind)] = [name, order, per_element, np.asarray(local).tolist()]
+    groups = []
+    for dim, tag in model.getPhysicalGroups():
+        entities = model.getEntitiesForPhysicalGroup(dim, tag).tolist()
+        groups.append([int(dim), int(tag), model.getPhysicalName(dim, tag), entities])
+    what = json.dumps({"blocks": blocks, "kinds": kinds, "groups": groups})
+    np.savez(arrays, tags=tags.astype(np.int64), positions=positions, what=what, **found)
+
+
+if __name__ == "__main__":
+    try:
+        _write_arrays(*sys.argv[1:])
+    except Exception as error:  # gmsh raises what it says in its own words
+        sys.exit(str(error))
