@@ -285,8 +285,7 @@ class _Resolver:
 
     def _nodes_of(self, elements: Ints) -> Ints:
         found = [b.nodes[rows].ravel() for b, rows in self._by_block(elements)]
-        nodes = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))
-        return nodes[nodes >= 0]
+        return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))
 
     def _by_block(self, elements: Ints) -> Iterator[tuple[ElementBlock, Ints]]:
         """Elements of each kind among given ones, as rows of its block."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from cea.errors import InputError, require
 from cea.files import regular
-from meshes.files.content import ElementBlock, Floats, Ints, Role, rows_of
+from meshes.files.content import ElementBlock, Floats, Ints, Role, rows_of, without_nodes
 from meshes.files.kinds import KINDS, block
 
 _KEYWORD = re.compile(rb"^[ \t]*\*((?:[^\n]*,[ \t]*\n(?![ \t]*\*))*[^\n]*)", re.MULTILINE)
@@ -267,18 +267,13 @@ class Scope:
     def blocks(self, numbers: Ints, first: int) -> Iterator[ElementBlock]:
         """Elements whose nodes are rows, counted from the first, of the nodes of given numbers."""
         for each in self.elements:
-            rows = np.full(each.nodes.shape, -1, dtype=np.int64)
-            there = each.nodes >= 0
-            rows[there] = first + rows_of(numbers, each.nodes[there], "a node")
-            yield replace(each, nodes=rows)
+            yield replace(each, nodes=first + rows_of(numbers, each.nodes, "a node"))
 
     def _elements(self, keyword: Keyword) -> ElementBlock:
         kind = keyword.needed("TYPE").upper()
         role, known = _known(kind)
         if not known:
-            numbers = keyword.element_numbers()
-            none = np.empty((len(numbers), 0), dtype=np.int64)
-            return ElementBlock(kind, "other", 1, numbers, none, role)
+            return without_nodes(kind, keyword.element_numbers(), role)
         rows, longer = keyword.elements(len(KINDS[known].groups))
         if longer:
             self.told.append(f"numbers behind the nodes of {longer} elements {kind}")

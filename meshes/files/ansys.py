@@ -10,7 +10,15 @@ from typing import Any
 import numpy as np
 
 from cea.errors import InputError, require
-from meshes.files.content import ElementBlock, FileContent, Ints, Role, known_rows, rows_of
+from meshes.files.content import (
+    ElementBlock,
+    FileContent,
+    Ints,
+    Role,
+    known_rows,
+    rows_of,
+    without_nodes,
+)
 from meshes.files.kinds import block
 from meshes.files.sandbox import arrays_of
 
@@ -84,8 +92,7 @@ def _blocks(
         return [(_block(name, "tetrahedron", _TETRAHEDRA[kind], numbers, nodes, known), every)]
     if kind not in _BRICKS or nodes.shape[1] < _BRICKS[kind]:
         role: Role = "mark" if kind in _MARKS else "structural"
-        none = np.empty((len(nodes), 0), dtype=np.int64)
-        return [(ElementBlock(name, "other", 1, numbers, none, role), every)]
+        return [(without_nodes(name, numbers, role), every)]
     count, corners = _BRICKS[kind], nodes[:, :8]
     apex = (corners[:, 4:5] == corners[:, 5:]).all(axis=1)
     triangle, above = corners[:, 2] == corners[:, 3], corners[:, 6] == corners[:, 7]

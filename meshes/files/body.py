@@ -7,8 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.errors import InputError
-from cea.mesh import DIMENSION, SIMPLICES, Cell, Mesh, facet_nodes, lattice, reference_nodes
-from meshes.files.content import FileContent, Floats, Ints, corner_places, node_marks
+from cea.mesh import (
+    DIMENSION,
+    SIMPLICES,
+    Cell,
+    Mesh,
+    facet_nodes,
+    lattice,
+    node_order,
+    reference_nodes,
+)
+from meshes.files.content import FileContent, Floats, Ints, node_marks
 from meshes.files.kinds import facet_sides
 from meshes.files.part import Part, check_nodes
 from meshes.files.surfaces import surface_faces
@@ -24,9 +33,12 @@ def body_mesh(
     if own.is_divided:
         points, cells, elements, sides = tetrahedra(points, own.blocks)
     else:
-        points, (cells,) = completed(points, own.blocks)
+        points, blocks = completed(points, own.blocks)
+        cells = np.concatenate(
+            [b.nodes[:, node_order(own.cell, own.order, b.reference)] for b in blocks]
+        )
         elements = np.arange(len(cells))
-        sides = np.tile(facet_sides(own.cell, own.order), (len(cells), 1))
+        sides = np.tile(facet_sides(own.cell), (len(cells), 1))
     check_elements(own.cell, own.order, points, cells, own.numbers[elements])
     check_matching(own.cell, own.order, cells, own.numbers[elements])
     facets = facet_nodes(own.cell, own.order)
@@ -66,6 +78,16 @@ def check_elements(cell: Cell, order: int, points: Floats, cells: Ints, numbers:
         raise InputError("file", value, f"{allowed}nodes in another order than the format has")
 
 
+def _corner_places(cell: Cell, order: int) -> Ints:
+    """Places of the corners among the nodes of a cell, in C order of the reference cell."""
+    places = lattice(DIMENSION[cell], order, cell in SIMPLICES)
+    if cell in SIMPLICES:
+        at_corner = (places == order).any(axis=1) | (places == 0).all(axis=1)
+    else:
+        at_corner = np.isin(places, (0, order)).all(axis=1)
+    return np.flatnonzero(at_corner)
+
+
 def check_matching(cell: Cell, order: int, cells: Ints, numbers: Ints) -> None:
     """Refuse cells whose edges or faces do not match those of their neighbours.
 
@@ -75,7 +97,7 @@ def check_matching(cell: Cell, order: int, cells: Ints, numbers: Ints) -> None:
     marks = node_marks(int(cells.max()) + 1)
     wrong = _middles_apart(cell, cells, marks) if order == 2 else None
     if wrong is None and cell == "tetrahedron":
-        wrong = _crossing(cells[:, corner_places(cell, order)], marks)
+        wrong = _crossing(cells[:, _corner_places(cell, order)], marks)
     if wrong is not None:
         allowed = "elements whose edges and faces match those of their neighbours"
         raise InputError("file", f"element {int(numbers[wrong])}", allowed)
@@ -84,7 +106,7 @@ def check_matching(cell: Cell, order: int, cells: Ints, numbers: Ints) -> None:
 def _middles_apart(cell: Cell, cells: Ints, marks: NDArray[np.uint64]) -> int | None:
     """First cell with an edge whose middle is not that of the same edge of others alone."""
     places = lattice(DIMENSION[cell], 2, cell in SIMPLICES)
-    corners = corner_places(cell, 2)
+    corners = _corner_places(cell, 2)
     found = [
         (a, b, column)
         for a, b in combinations(corners, 2)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cea.errors import require
+from cea.mesh import matching_nodes, reference_nodes
 from meshes.files.content import (
     DIVIDED,
     ElementBlock,
@@ -17,7 +18,7 @@ from meshes.files.content import (
     rows_of,
     without_copies,
 )
-from meshes.files.kinds import in_order
+from meshes.files.kinds import full_kind
 from meshes.files.sandbox import arrays_of
 
 _CELLS = {
@@ -62,12 +63,21 @@ def _block(
 ) -> ElementBlock:
     """Elements of one kind in one entity."""
     cell = _CELLS.get(name.split()[0])
-    if cell is None or (cell in DIVIDED and order > 2):
+    if cell is None or (order > 2 and not _is_full(cell, order, rows.shape[1])):
         return ElementBlock(name, "line" if dim == 1 else name, order, ids, rows)
     reference = np.reshape(local, (rows.shape[1], -1))[:, :dim]
     low = np.array(_FROM.get(cell, [0] * dim))
     reference = (reference - low) / (1 - low)
-    return ElementBlock(name, cell, order, ids, in_order(cell, order, rows, reference))
+    if order < 3:  # fewer than all nodes lack the middles of faces and cells, listed last
+        listed = full_kind(cell, order).reference[: len(reference)]
+        place = matching_nodes(listed, reference)
+        rows, reference = rows[:, place], listed
+    return ElementBlock(name, cell, order, ids, rows, reference)
+
+
+def _is_full(cell: str, order: int, count: int) -> bool:
+    """Whether elements of third or higher order have all nodes of a cell of a mesh."""
+    return cell not in DIVIDED and count == len(reference_nodes(cell, order))  # type: ignore[arg-type]
 
 
 def _groups(
