@@ -96,6 +96,14 @@ def check_breaks(
         raise InputError(f"{field}.{name}", value, error.allowed) from None
 
 
+def check_ends(shape: Shape, breaks: Breaks) -> None:
+    """Refuse breaks that do not rise from one end of a shape to the other."""
+    for name, values, (low, high) in zip(shape.directions, breaks, shape.extent, strict=True):
+        rising = len(values) > 1 and bool((np.diff(values) > 0).all())
+        fits = rising and np.allclose([values[0], values[-1]], [low, high], rtol=1e-12)
+        require(bool(fits), f"breaks of {name}", values, f"rising, from {low} to {high}")
+
+
 def _asked(
     shape: Shape, elements: Sequence[int], through: Mapping[str, Sequence[float]]
 ) -> dict[str, list[float]]:

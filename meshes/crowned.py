@@ -7,7 +7,7 @@ from the point of equal radius at the apex: its square is a rational function of
 NURBS hold the face exactly. What lies behind the face follows it in proportion.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
@@ -119,45 +119,45 @@ class Crowned:
             corners[:, 0], corners[:, 1] = r * np.cos(theta), r * np.sin(theta)
         return float(self.depth(corners).max())
 
-    def depth(self, points: Floats) -> Floats:
-        """How much deeper than at its apex the face lies in the body (m)."""
-        total = np.zeros(points.shape[:-1])
-        round_ = isinstance(self.base, Sector)
+    def _offsets(self, points: Floats) -> Iterator[tuple[float, Floats, Floats | None]]:
+        """Radii of curvature, and vectors from the apex whose length is s, (..., dim).
+
+        Along theta, the direction of the apex (2,) too.
+        """
         for name, radius in self.radii.items():
             axis = self.directions.index(name)
-            low, high = self.extent[axis]
-            apex = self.apex.get(name, 0.5 * (low + high))
-            if not round_:
-                total += (points[..., axis] - apex) ** 2 / (2 * radius)
-                continue
-            r = np.hypot(points[..., 0], points[..., 1])
-            if name == "r":
-                total += (r - apex) ** 2 / (2 * radius)
+            apex = self.apex.get(name, 0.5 * sum(self.extent[axis]))
+            offset, middle = np.zeros(points.shape), None
+            if not isinstance(self.base, Sector):
+                offset[..., axis] = points[..., axis] - apex
             else:
-                middle = np.array([np.cos(np.deg2rad(apex)), np.sin(np.deg2rad(apex))])
-                chord = points[..., :2] - r[..., None] * middle
-                total += (chord**2).sum(axis=-1) / (2 * radius)
+                r = np.hypot(points[..., 0], points[..., 1])[..., None]
+                if name == "r":
+                    offset[..., :2] = (r - apex) * points[..., :2] / r
+                else:
+                    middle = np.array([np.cos(np.deg2rad(apex)), np.sin(np.deg2rad(apex))])
+                    offset[..., :2] = points[..., :2] - r * middle
+            yield radius, offset, middle
+
+    def depth(self, points: Floats) -> Floats:
+        """How much deeper than at its apex the face lies in the body (m), shape (...).
+
+        Of Cartesian points of the base (m), (..., dim); what they are across the face is ignored.
+        """
+        total = np.zeros(points.shape[:-1])
+        for radius, offset, _ in self._offsets(points):
+            total += (offset**2).sum(axis=-1) / (2 * radius)
         return total
 
     def slope(self, points: Floats) -> Floats:
         """Gradient of the depth at Cartesian points of the base (m), shape (..., dim)."""
         total = np.zeros(points.shape)
-        for name, radius in self.radii.items():
-            axis = self.directions.index(name)
-            low, high = self.extent[axis]
-            apex = self.apex.get(name, 0.5 * (low + high))
-            if not isinstance(self.base, Sector):
-                total[..., axis] += (points[..., axis] - apex) / radius
-                continue
-            r = np.hypot(points[..., 0], points[..., 1])[..., None]
-            outwards = points[..., :2] / r
-            if name == "r":
-                total[..., :2] += (r - apex) * outwards / radius
-            else:
-                middle = np.array([np.cos(np.deg2rad(apex)), np.sin(np.deg2rad(apex))])
-                chord = points[..., :2] - r * middle
-                along = (chord @ middle)[..., None] * outwards
-                total[..., :2] += (chord - along) / radius
+        for radius, offset, middle in self._offsets(points):
+            total += offset / radius
+            if middle is not None:  # the point of equal radius at the apex moves with r
+                plane = points[..., :2]
+                along = (offset[..., :2] @ middle) / np.hypot(plane[..., 0], plane[..., 1])
+                total[..., :2] -= along[..., None] * plane / radius
         return total
 
     def crown(self, points: Floats) -> Floats:
@@ -176,7 +176,7 @@ class Crowned:
 def crowned_bezier(
     shape: Crowned, degrees: Sequence[int], control_points: Floats, weights: Floats
 ) -> tuple[tuple[int, ...], Floats, Floats]:
-    """Raise the degree of a patch of the base to what the crown needs, and crown it.
+    """Degrees, control points and weights of a crowned patch whose base is one Bezier element.
 
     The crowned coordinate times the weight function is a polynomial of the raised degrees, and so
     is known from its values on a grid.

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.errors import InputError, require
-from meshes.breaks import Breaks
+from meshes.breaks import Breaks, check_ends
 from meshes.crowned import Crowned, crowned_bezier
 from meshes.patches import Face, GivenPatch, NurbsFile, Patches
 from meshes.placement import Placement
@@ -134,10 +134,7 @@ def nurbs_shape(
 
 
 def _check(shape: Shape, breaks: Breaks) -> None:
-    for name, (low, high), values in zip(shape.directions, shape.extent, breaks, strict=True):
-        rises = len(values) >= 2 and bool(np.all(np.diff(values) > 0))
-        fits = rises and np.allclose([values[0], values[-1]], [low, high])
-        require(fits, f"breaks along {name}", values, f"rising from {low} to {high}")
+    check_ends(shape, breaks)
     joints: dict[int, Sequence[float]] = {}
     if isinstance(shape, Annulus | Disc | Hub | Ring):
         joints[1] = (90.0, 180.0, 270.0)
@@ -145,7 +142,7 @@ def _check(shape: Shape, breaks: Breaks) -> None:
         joints |= {0: (shape.hub_radius,), 2: (shape.bottom, shape.top)}
     for axis, needed in joints.items():
         distance = np.abs(breaks[axis][:, None] - needed).min(axis=0)
-        field, allowed = f"breaks along {shape.directions[axis]}", f"{needed} among them"
+        field, allowed = f"breaks of {shape.directions[axis]}", f"{needed} among them"
         require(bool(np.all(distance <= _SNAP)), field, breaks[axis], allowed)
 
 

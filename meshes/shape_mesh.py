@@ -7,7 +7,7 @@ import numpy as np
 
 from cea.errors import InputError, require
 from cea.mesh import DIMENSION, MAX_ORDER, SIMPLICES, Cell, Mesh
-from meshes.breaks import Breaks
+from meshes.breaks import Breaks, check_ends
 from meshes.crowned import Crowned
 from meshes.edge_layers import Edge
 from meshes.patches import Patches
@@ -100,14 +100,7 @@ def _check_breaks(shape: Shape, breaks: Breaks | None) -> None:
     along = ", ".join(shape.directions)
     if breaks is None or len(breaks) != len(shape.directions):
         raise InputError("breaks", breaks, f"one array along each of {along}")
-    for name, values, (low, high) in zip(shape.directions, breaks, shape.extent, strict=True):
-        rising = len(values) > 1 and bool((np.diff(values) > 0).all())
-        require(
-            rising and bool(np.isclose([values[0], values[-1]], [low, high], rtol=1e-12).all()),
-            f"breaks of {name}",
-            values,
-            f"rising, from {low} to {high}",
-        )
+    check_ends(shape, breaks)
     if shape.directions[1] == "theta":
         step = float(np.diff(breaks[1]).max())
         require(step < 180, "breaks of theta", step, "less than 180 degrees apart")

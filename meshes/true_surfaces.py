@@ -13,18 +13,7 @@ from numpy.typing import NDArray
 
 from meshes.crowned import Crowned
 from meshes.placement import Placement
-from meshes.shapes import (
-    Annulus,
-    Box,
-    Disc,
-    Hub,
-    Rectangle,
-    Ring,
-    RingSector,
-    Sector,
-    Shape,
-    VentilatedDisc,
-)
+from meshes.shapes import MeshFile, NurbsFile, Patches, Shape, VentilatedDisc, round_surfaces
 
 Floats = NDArray[np.float64]
 
@@ -143,34 +132,16 @@ def true_surfaces(shape: Shape, placement: Placement = _IN_PLACE) -> dict[str, P
 
 def _surfaces(shape: Shape) -> dict[str, Plane | Cylinders | CrownedFace]:
     """Surfaces in the coordinates of the shape."""
-    round_: dict[str, Cylinders] = {}
-    match shape:
-        case Crowned():
-            return _surfaces(shape.base) | {shape.surface: CrownedFace(shape)}
-        case Box() | Rectangle():
-            pass
-        case Annulus() | Sector() | Ring() | RingSector():
-            round_ = {
-                "inner": Cylinders(shape.inner_radius),
-                "outer": Cylinders(shape.outer_radius),
-            }
-        case Disc():
-            round_ = {"outer": Cylinders(shape.outer_radius)}
-        case Hub():
-            round_ = {
-                "bore": Cylinders(shape.bore),
-                "outer": Cylinders(shape.outer_radius),
-                "hub_side": Cylinders(shape.hub_radius),
-            }
-        case VentilatedDisc():
-            round_ = {
-                "bore": Cylinders(shape.bore),
-                "rim": Cylinders(shape.outer_radius),
-                "holes": Cylinders(shape.hole_radius, shape.hole_centres),
-            }
-        case _:
-            return {}
-    return {name: round_.get(name, Plane()) for name in shape.surfaces}
+    if isinstance(shape, Crowned):
+        return _surfaces(shape.base) | {shape.surface: CrownedFace(shape)}
+    if isinstance(shape, MeshFile | NurbsFile | Patches):
+        return {}
+    found: dict[str, Plane | Cylinders | CrownedFace] = {n: Plane() for n in shape.surfaces}
+    if isinstance(shape, VentilatedDisc):
+        found |= {"bore": Cylinders(shape.bore), "rim": Cylinders(shape.outer_radius)}
+        if shape.holes:
+            found["holes"] = Cylinders(shape.hole_radius, shape.hole_centres)
+    return found | {name: Cylinders(radius) for name, radius in round_surfaces(shape).items()}
 
 
 def _unit(vectors: Floats, near: Floats) -> Floats:
