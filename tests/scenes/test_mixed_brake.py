@@ -6,11 +6,11 @@ import subprocess
 import decks
 import numpy as np
 import pytest
+from bodies import lagrange_body
 from mixed_brake import Brake, calculix, calculix_of_one_body, one_body, scene
 from mpi import on_ranks
 
 from comparisons.peers import calculix as peer
-from fe_cea import FEBody
 from scenes.body_meshes import body_mesh, used_surfaces
 from scenes.deck.write import write_deck
 from scenes.read import read_scene
@@ -69,7 +69,7 @@ def test_a_bonded_brake_has_the_frequencies_of_calculix(tmp_path, size):
 def own_frequencies(scene, quadrature=None):
     """Angular frequencies of this program; the mass by a rule of a degree, exactly by default."""
     bodies = {
-        name: FEBody.from_mesh(
+        name: lagrange_body(
             name,
             body_mesh(name, spec, used_surfaces(scene, name)),
             degree=spec.fe_degree,
@@ -89,7 +89,7 @@ def one_deck(folder, size):
 
 
 def test_calculix_finds_the_same_on_the_tetrahedra_of_a_divided_body(tmp_path):
-    """Its C3D10 on the mesh that wedges and hexahedra are divided into; the same rule of the mass."""
+    """Its C3D10 on the mesh that wedges and hexahedra are divided into; one rule of the mass."""
     decks.with_calculix()
     scene = one_body(one_deck(tmp_path, 0.02)[1])
     found = peer.run(write_deck(scene, tmp_path, COUNT + 4)[1]).eigenvalues.imag[:COUNT]
