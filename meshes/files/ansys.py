@@ -1,5 +1,7 @@
-"""Content of Ansys archives (CDWRITE), read by mapdl-archive."""
+"""Content of Ansys archives (CDWRITE); run as a program, mapdl-archive reads one as arrays."""
 
+import re
+import sys
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
@@ -8,9 +10,17 @@ from typing import Any
 import numpy as np
 
 from cea.errors import InputError, require
-from meshes.files.apart import arrays_of
-from meshes.files.content import ElementBlock, FileContent, Ints, Role, known_rows, rows_of
+from meshes.files.content import (
+    ElementBlock,
+    FileContent,
+    Ints,
+    Role,
+    known_rows,
+    rows_of,
+    without_nodes,
+)
 from meshes.files.kinds import block
+from meshes.files.sandbox import arrays_of
 
 _HEAD = 10
 """Numbers of an element before its nodes: material, type, ..., its number."""
@@ -19,6 +29,11 @@ _BRICKS = {45: 8, 185: 8, 95: 20, 186: 20}
 _TETRAHEDRA = {285: 4, 92: 10, 187: 10}
 _MARKS = (154, 170, 173, 174, 175, 177)
 """Surface loads, and sides of contacts: they bear nothing of a body."""
+_NODES = re.compile(
+    rb"(?im)^[ \t]*NBLOCK,.*\n(?:[ \t]*\(.*\n)?(?:[ \t]*\d.*\n)*"
+    rb"(?:[ \t]*(?:N,[^\n]*,)?[ \t]*-1.*\n)?"
+)
+"""Nodes from NBLOCK to the line that ends them."""
 _OF_BRICK = {
     ("tetrahedron", 8): [0, 1, 2, 4],
     ("tetrahedron", 20): [0, 1, 2, 4, 8, 9, 11, 16, 17, 18],
@@ -40,7 +55,7 @@ def ansys_content(file: Path) -> FileContent:
     if find_spec("mapdl_archive") is None:
         allowed = "mapdl-archive to read it: python -m pip install 'friction-cea[meshes]'"
         raise InputError("file", str(file), allowed)
-    arrays = arrays_of("ansys_program", file)
+    arrays = arrays_of(Path(__file__), file)
     numbers, points = arrays["numbers"].astype(np.int64), arrays["points"].astype(float)
     data, ends = arrays["elements"].astype(np.int64), arrays["ends"]
     starts = np.concatenate([[0], ends[:-1]])
@@ -77,8 +92,7 @@ def _blocks(
         return [(_block(name, "tetrahedron", _TETRAHEDRA[kind], numbers, nodes, known), every)]
     if kind not in _BRICKS or nodes.shape[1] < _BRICKS[kind]:
         role: Role = "mark" if kind in _MARKS else "structural"
-        none = np.empty((len(nodes), 0), dtype=np.int64)
-        return [(ElementBlock(name, "other", 1, numbers, none, role), every)]
+        return [(without_nodes(name, numbers, role), every)]
     count, corners = _BRICKS[kind], nodes[:, :8]
     apex = (corners[:, 4:5] == corners[:, 5:]).all(axis=1)
     triangle, above = corners[:, 2] == corners[:, 3], corners[:, 6] == corners[:, 7]
@@ -116,3 +130,41 @@ def _element_sets(arrays: Mapping[str, Any], heads: Ints, place: Ints) -> dict[s
         for value in np.unique(heads[:, column]):
             sets.setdefault(f"{word} {value}", place[heads[:, column] == value])
     return sets
+
+
+def _write_arrays(archive: str, arrays: str) -> None:
+    """Read an archive and write its nodes, elements, types and components."""
+    from mapdl_archive import Archive
+
+    read = Archive(archive, parse_vtk=False)
+    numbers, nodes = read.nnum, np.asarray(read.nodes)
+    blocks = _NODES.findall(Path(archive).read_bytes())
+    if len(blocks) > 1:  # of several, the library keeps one
+        one, each = f"{arrays}.cdb", []
+        for block in blocks:
+            Path(one).write_bytes(b"/PREP7\n" + block + b"FINISH\n")
+            each.append(Archive(one, parse_vtk=False))
+        numbers = np.concatenate([part.nnum for part in each])
+        nodes = np.concatenate([part.nodes for part in each])
+    components = {
+        f"{kind} {name}": numbers
+        for kind, of_kind in (("node", read.node_components), ("element", read.element_components))
+        for name, numbers in of_kind.items()
+    }
+    elements = list(read.elem)
+    np.savez(
+        arrays,
+        numbers=numbers,
+        points=nodes[:, :3],
+        elements=np.concatenate(elements),
+        ends=np.cumsum([len(element) for element in elements]),
+        types=read.ekey,
+        **components,
+    )
+
+
+if __name__ == "__main__":
+    try:
+        _write_arrays(*sys.argv[1:])
+    except Exception:  # whatever comes up in a broken file, mostly in words of no use
+        sys.exit("it is not as CDWRITE writes blocked archives")

@@ -1,17 +1,26 @@
 """Mesh files of every format read, once as long as they do not change."""
 
-from collections.abc import Callable
 from functools import lru_cache
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 
 from cea.errors import InputError, require
 from meshes.files.content import FileContent
-from meshes.files.gmsh_content import gmsh_content
 from meshes.files.part import merged
-from meshes.files.state import checked_state
+from meshes.files.sandbox import checked_state
 
+_READERS = {
+    ".msh": "gmsh.gmsh_content",
+    ".inp": "abaqus.abaqus_content",
+    ".cdb": "ansys.ansys_content",
+    ".bdf": "nastran.nastran_content",
+    ".nas": "nastran.nastran_content",
+    ".xdmf": "vtk.xdmf_content",
+    ".vtu": "vtk.vtu_content",
+}
+"""Module and function that read files, by their ending; imported when a file is read."""
 _KEPT = 4
 """Files whose content is kept, for the bodies of a scene."""
 _FARTHEST = 1e50
@@ -44,11 +53,13 @@ def read_mesh_file(file: Path, merge: float | None = None) -> FileContent:
 
 @lru_cache(_KEPT)
 def _content(file: Path, _changed: int, _size: int) -> FileContent:
-    reader = _READERS.get(file.suffix.lower())
-    if reader is None:
+    known = _READERS.get(file.suffix.lower())
+    if known is None:
         raise InputError("file", str(file), f"one that ends in {', '.join(_READERS)}")
+    module, _, function = known.partition(".")
+    reader = getattr(import_module(f"meshes.files.{module}"), function)
     try:
-        content = reader(file)
+        content: FileContent = reader(file)
         fits = bool((np.abs(content.points) < _FARTHEST).all())
         require(fits, "file", "nodes", f"finite coordinates, below {_FARTHEST:g}")
         return content
@@ -67,51 +78,3 @@ def _content(file: Path, _changed: int, _size: int) -> FileContent:
 @lru_cache(_KEPT)
 def _merged(content: FileContent, distance: float) -> FileContent:
     return merged(content, distance)
-
-
-def _gmsh(file: Path) -> FileContent:
-    with file.open("rb") as stream:
-        require(stream.read(11) == b"$MeshFormat", "file", str(file), "a .msh file of gmsh")
-    return gmsh_content(file)
-
-
-def _nastran(file: Path) -> FileContent:
-    from meshes.files.nastran import nastran_content
-
-    return nastran_content(file)
-
-
-def _abaqus(file: Path) -> FileContent:
-    from meshes.files.abaqus import abaqus_content
-
-    return abaqus_content(file)
-
-
-def _ansys(file: Path) -> FileContent:
-    from meshes.files.ansys_content import ansys_content
-
-    return ansys_content(file)
-
-
-def _vtu(file: Path) -> FileContent:
-    from meshes.files.vtk import vtu_content
-
-    return vtu_content(file)
-
-
-def _xdmf(file: Path) -> FileContent:
-    from meshes.files.vtk import xdmf_content
-
-    return xdmf_content(file)
-
-
-_READERS: dict[str, Callable[[Path], FileContent]] = {
-    ".msh": _gmsh,
-    ".inp": _abaqus,
-    ".cdb": _ansys,
-    ".bdf": _nastran,
-    ".nas": _nastran,
-    ".xdmf": _xdmf,
-    ".vtu": _vtu,
-}
-"""Readers by the ending of a file."""

@@ -1,4 +1,7 @@
-"""Libraries that a broken file may crash, or keep for ever, run as programs of their own."""
+"""Files looked at before they are read, and libraries run as programs of their own.
+
+A broken file may crash a library, or keep it for ever.
+"""
 
 import sys
 from pathlib import Path
@@ -9,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from cea.errors import InputError
+from cea.errors import InputError, require
+from cea.files import regular
 
 _SECONDS, _SECONDS_A_BYTE = 5, 2e-5
 """Time on a core that reading may take: ten times what it does, and more."""
@@ -17,30 +21,25 @@ _BYTES, _BYTES_A_BYTE = 2**32, 300
 """Memory that it may take."""
 
 
-def arrays_of(program: str, file: Path, *arguments: str) -> dict[str, Any]:
-    """Arrays that a program makes of a file.
+def checked_state(file: Path, what: str, largest: int) -> tuple[Path, int, int]:
+    """Path of a file, time of its last change (ns) and size (bytes); refused when it is none."""
+    try:
+        state = regular(file).stat()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError("file", str(file), f"{what} ({reason})") from None
+    require(state.st_size > 0, "file", str(file), "a file that is not empty")
+    require(state.st_size <= largest, "file", str(file), f"a file of at most {largest} bytes")
+    return file.resolve(), state.st_mtime_ns, state.st_size
 
-    Parameters
-    ----------
-    program
-        Module beside this one, run with the file, the file of arrays (.npz) to write, and the
-        arguments. It says nothing where all is well.
-    file
-        The file.
-    arguments
-        What else the program needs to know.
 
-    Raises
-    ------
-    InputError
-        When the program complains, crashes, or takes too much time or memory.
-    """
+def arrays_of(program: Path, file: Path) -> dict[str, Any]:
+    """Arrays that a program writes (.npz) of a file; where all is well it prints nothing."""
     size = file.stat().st_size
     seconds, memory = int(_SECONDS + _SECONDS_A_BYTE * size), _BYTES + _BYTES_A_BYTE * size
     with TemporaryDirectory() as folder:
         arrays = Path(folder) / "arrays.npz"
-        place = str(Path(__file__).with_name(f"{program}.py"))
-        command = [sys.executable, "-P", "-W", "ignore", place, str(file), str(arrays), *arguments]
+        command = [sys.executable, "-P", "-W", "ignore", str(program), str(file), str(arrays)]
         with Popen(command, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT) as process:
             prlimit(process.pid, RLIMIT_CPU, (seconds, seconds + 1))
             prlimit(process.pid, RLIMIT_AS, (memory, memory))
