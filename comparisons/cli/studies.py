@@ -39,42 +39,6 @@ def compare(
     typer.echo(f"The report to open: {report}")
 
 
-def formulations(
-    redraw: Annotated[
-        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
-    ] = False,
-    out: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("results/formulations"),
-) -> None:
-    """Patch tests, locking, momentum, numbers of the paper, pairings of backends: one page."""
-    from comparisons.cli.extras import need
-    from comparisons.cli.output import console
-    from comparisons.cli.progress import working
-
-    need("pictures", "exact")
-    from cea.petsc import MPI
-    from comparisons.formulations.page import read_formulations, write_formulations
-    from comparisons.formulations.study import run_formulations
-    from comparisons.kit.progress import Progress
-    from comparisons.kit.records import last_seconds
-    from comparisons.paper.patch_test.numbers import run_paper_numbers
-    from scenes.out_folder import check_out, new_folder
-
-    with working("formulations", expected=last_seconds(out, "formulations")) as work:
-        if redraw:
-            data = read_formulations(out)
-        else:
-            check_out(out)
-            data = run_formulations(
-                Progress(step=work.step, stage=lambda stage: None),
-                lambda part: console.print(f"· {part}"),
-                run_paper_numbers,
-            )
-        work.step("report")
-        with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-            report = new.final(write_formulations(data, new.part))
-    typer.echo(f"The report to open: {report}")
-
-
 def accuracy(
     problems: Annotated[
         list[str] | None, typer.Argument(help="Problems with exact eigenvalues; all by default.")

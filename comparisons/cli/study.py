@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from comparisons.study.study import Study
 
 STUDIES = {
+    "formulations": (
+        *("formulations.study:STUDY", "Which formulations pass patch tests, lock, keep momentum."),
+        ("exact",),
+    ),
     "damping": ("damping:STUDY", "How damping moves the threshold of flutter.", ("exact",)),
 }
 """Place of each study below comparisons, its help, and the extras that it needs beside pictures."""
