@@ -6,39 +6,6 @@ from typing import Annotated
 import typer
 
 
-def compare(
-    out: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("results/compare"),
-) -> None:
-    """Run both scenes on both backends with every formulation and write the report."""
-    from comparisons.cli.extras import need
-    from comparisons.cli.output import console, print_table
-    from comparisons.cli.progress import working
-
-    need("pictures")
-    from cea.petsc import MPI
-    from comparisons.agreement import tables
-    from comparisons.agreement.page import write_report
-    from comparisons.agreement.study import compare as run_comparison
-    from comparisons.kit.progress import Progress
-    from comparisons.kit.records import last_seconds
-    from scenes.out_folder import check_out, new_folder
-
-    check_out(out)
-    with working("compare", expected=last_seconds(out, "compare")) as work:
-
-        def begin(name: str) -> None:
-            console.print(f"· {name}")
-            work.step(name)
-
-        data, results = run_comparison(Progress(step=begin, stage=work.stage))
-        begin("report")
-        with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-            report = new.final(write_report(data, results, new.part))
-    for make in (tables.patch_test, tables.agreement, tables.disc_alone):
-        print_table(make(data))
-    typer.echo(f"The report to open: {report}")
-
-
 def accuracy(
     problems: Annotated[
         list[str] | None, typer.Argument(help="Problems with exact eigenvalues; all by default.")

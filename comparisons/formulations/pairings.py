@@ -174,7 +174,8 @@ def headline(result: StudyResult) -> str | None:
     degree = frame["compared"].str.contains("degree")
     pairs, finer = frame[~degree], frame[degree]
     alone = int(pairs["modal_assurance"].isna().sum())
-    open_ones = [f"{number(f, 4)} Hz" for f in finer.loc[~finer["within"], "frequency_first"]]
+    changed = finer["frequency_first"].fillna(finer["frequency"])[~finer["within"]]
+    open_ones = [f"{number(f, 4)} Hz" for f in changed]
     return (
         "Unstable modes of other backends differ by at most "
         f"{number(100 * pairs['frequency_change'].abs().max(), 2)} % in frequency and "
