@@ -6,6 +6,7 @@
 # make test-mpi   every test on several ranks
 # make test-faults  ten thousand bad inputs, and every field of every scene broken (5 min)
 # make lint       ruff and mypy
+# make docs       the documentation site, in build/site
 # make clean      remove caches and build products; distclean removes .venv too
 # PYTHON=/path/to/python3 is tried first when given.
 
@@ -33,7 +34,7 @@ ifndef DISPLAY
 export VTK_DEFAULT_OPENGL_WINDOW ?= vtkEGLRenderWindow
 endif
 
-.PHONY: setup compare stability test test-slow test-mpi test-faults lint missing-packages clean \
+.PHONY: setup compare stability test test-slow test-mpi test-faults lint docs missing-packages clean \
 	distclean
 
 setup: $(INSTALLED)
@@ -69,6 +70,11 @@ lint: $(INSTALLED)
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/mypy setup
+
+docs: $(INSTALLED)
+	$(BIN)/python -m pip install --disable-pip-version-check -q -c constraints.txt -e '.[docs]'
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs build/site
+	@echo "The site to open: build/site/index.html"
 
 missing-packages:
 	$(REQUIRE_PYTHON)

@@ -1,14 +1,19 @@
 """What results of scenes with rotating bodies must be read with, a function for each kind."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from cea.arrays import Floats
+from cea.body import Body
 from cea.contact.operators import Contact
 from cea.rotation import Rotation
 from cea.warned import ResultWarning
 from scenes.read import Scene
+
+_SURFACE_WAVES = 0.8
+"""Speed relative to shear waves from which rims may outrun surface waves: those of Rayleigh travel
+at 0.87 (nu = 0) to 0.96 (nu = 0.5), short ones of a mesh a little slower."""
 
 
 def centrifugal_stresses(scene: Scene) -> Iterator[ResultWarning]:
@@ -44,6 +49,29 @@ def against_rotation(scene: Scene, contacts: Sequence[Contact]) -> Iterator[Resu
                 f"friction_direction_on_a of contacts.{name} is along the velocity of side a "
                 "relative to side b as the bodies rotate; friction acts against it",
                 {"contact": name, "mean_velocity": power / float(points.weight.sum())},
+            )
+
+
+def faster_than_waves(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[ResultWarning]:
+    """Bodies with convective stiffness whose rim may outrun their surface waves; collective.
+
+    Beyond that speed K - Omega^2 Z of a mesh has short waves of negative energy, which grow with
+    its rounding and with the waves that it does not resolve, where the exact body is stable.
+    """
+    for name, body in bodies.items():
+        rotation = scene.bodies[name].rotation
+        if rotation is None or not rotation.convective_stiffness or body.material.rho is None:
+            continue
+        speeds = np.linalg.norm(_velocity(rotation, body.volume_sample(1).points), axis=1)
+        speed = float(max(body.comm.allgather(speeds.max(initial=0.0))))
+        wave = float(np.sqrt(body.material.lame[1] / body.material.rho))
+        if speed > _SURFACE_WAVES * wave:
+            yield ResultWarning(
+                "faster-than-waves",
+                f"bodies.{name} moves at up to {speed:.3g} m/s past the frame, near or above the "
+                f"speed of its surface waves (shear waves {wave:.3g} m/s): short waves of its mesh "
+                "may grow where the body itself is stable",
+                {"body": name, "speed": speed, "wave_speed": wave},
             )
 
 

@@ -9,7 +9,7 @@ from cea.body import Body
 from cea.eigen.pencil import Matrices, release
 from cea.errors import InputError
 from cea.nested.estimate import ErrorEstimate, corrected_eigenvalues, error_estimate
-from cea.nested.prolongation import Prolongation, of_system, unchanged
+from cea.nested.prolongation import Prolongation, of_body, of_system
 from cea.nested.start import continued
 from cea.timing import StageTimer
 from scenes.build import build_bodies
@@ -22,17 +22,13 @@ from scenes.run import RunOptions, coupled, result_of_modes, run_modes
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 
 
-def prolongation(
-    coarse: Mapping[str, Body], fine: Mapping[str, Body], scene: Scene
-) -> Prolongation:
+def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Prolongation:
     """Prolongation from the unknown displacements of a scene to those of a finer one; collective.
 
     Parameters
     ----------
     coarse, fine
         Bodies of the scenes by name, on the same backends.
-    scene
-        The finer scene.
 
     Raises
     ------
@@ -41,27 +37,7 @@ def prolongation(
     """
     if list(coarse) != list(fine):
         raise InputError("bodies", list(fine), f"those of the coarse scene: {', '.join(coarse)}")
-    return of_system([_of_body(coarse[name], fine[name], scene, name) for name in fine])
-
-
-def _of_body(coarse: Body, fine: Body, scene: Scene, name: str) -> Prolongation:
-    """Prolongation of one body, by its backend."""
-    if coarse is fine:
-        return unchanged(fine)
-    if scene.bodies[name].backend == "fe":
-        from fe_cea.body import FEBody
-        from fe_cea.prolongation import prolongation as lagrange
-
-        if isinstance(coarse, FEBody) and isinstance(fine, FEBody):
-            return lagrange(coarse, fine)
-    else:
-        from iga_cea.body import NurbsBody
-        from iga_cea.prolongation import prolongation as nurbs
-
-        if isinstance(coarse, NurbsBody) and isinstance(fine, NurbsBody):
-            return nurbs(coarse, fine)
-    kinds = type(coarse).__name__, type(fine).__name__
-    raise InputError(f"bodies.{name}.backend", kinds, "one backend for both discretisations")
+    return of_system([of_body(coarse[name], fine[name]) for name in fine])
 
 
 def estimate_errors(
@@ -147,7 +123,7 @@ def _on(
     system, _, timer = coupled(scene, bodies=bodies, listener=listener)
     with timer("assembly"):
         matrices = system.pencil().at()
-        step = prolongation(result.bodies, system.bodies, scene)
+        step = prolongation(result.bodies, system.bodies)
     try:
         yield matrices, step, timer
     finally:
@@ -210,7 +186,7 @@ def continued_modes(
         raise InputError("scene", scene.name, "without damping and rotation to continue modes")
     system, interfaces, timer = coupled(scene, listener=listener)
     with timer("assembly"):
-        step = prolongation(result.bodies, system.bodies, scene)
+        step = prolongation(result.bodies, system.bodies)
         pencil = system.pencil()
     top = scene.analysis.max_frequency
     modes = continued(result.modes, pencil, step, top, steps=steps, left=left, timer=timer)

@@ -29,6 +29,7 @@ from scenes.build import (
 from scenes.doubts import doubtful_motions, doubtful_numbers, left_alone, overlapping_bodies
 from scenes.factor_storage import factor_storage
 from scenes.memory import check_memory
+from scenes.motion_warnings import faster_than_waves
 from scenes.read import Scene
 from scenes.results import ModesResult, StaticResult
 from scenes.spec.analysis import ComplexEigenvalueAnalysis, StaticAnalysis
@@ -246,6 +247,7 @@ def system_warnings(
     return (
         *doubtful_numbers(scene),
         *overlapping_bodies(scene, system.bodies),
+        *faster_than_waves(scene, system.bodies),
         *scene_warnings(scene, system.contacts),
         *system.warnings_at(values or {}),
         *steady_warnings(scene, system),

@@ -27,9 +27,10 @@ RELATIVE_GROWTH = 1e-4
 """Growth rate relative to abs(lambda) above which a mode is called unstable by default."""
 
 
-_FINE = 1e-9
-"""Relative error of kappa up to which its condition is fine: where modes coalesce the error is the
-root of rounding, some 1e-8."""
+NO_GROWTH = 1e-9
+"""Relative error of kappa up to which copies count as copies and not as a coalescence, whose errors
+are about the root of rounding. Growth is then at most half of it relative to abs(lambda), far below
+the threshold of a mode."""
 
 
 def thresholds(eigenvalues: Complexes, threshold: float | None = None) -> Floats:
@@ -117,7 +118,7 @@ def cannot_grow(kappa: Complexes, errors: Floats, *, symmetric: bool) -> NDArray
     distance = np.abs(kappa[:, None] - kappa)
     np.fill_diagonal(distance, np.inf)
     apart = (distance > errors[:, None] + errors).all(axis=1)
-    fine = errors <= _FINE * np.abs(kappa)
+    fine = errors <= NO_GROWTH * np.abs(kappa)
     return np.asarray(real & (apart | fine))
 
 

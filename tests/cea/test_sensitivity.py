@@ -12,8 +12,8 @@ from reference_data import plane_meshes, stored
 
 from cea.eigen.krylov_schur import KrylovSchur, solve_modes
 from cea.eigen.pencil import FRICTION, Pencil
-from cea.eigen.thresholds import flutter_threshold
 from cea.errors import InputError
+from cea.reduced.full_solves import first_threshold
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system
 from scenes.read import load_scene
@@ -126,7 +126,7 @@ def test_derivatives_of_the_blocks_near_coalescence(backend, distance):
     pencil = system_of(load_scene(Path("blocks"), overrides, backend)).pencil()
     name, top = "contacts.interface.mu", 0.53
     with KrylovSchur(pencil) as driver:
-        threshold = flutter_threshold(
+        threshold = first_threshold(
             driver, name, 0.9 * mu_c, 1.1 * mu_c, max_frequency=top, frequency=omega / (2 * np.pi)
         )
         for side in (-1, 1):

@@ -18,7 +18,7 @@ def layered():
     old = bodies["disc"]
     bodies["disc"] = BodyResolution(old.degree, old.densities, layers=3)
     disc = build_bodies(refined(scene, "fe", mixed(bodies)), StageTimer())["disc"]
-    cells = Cells.of(disc.space)
+    cells = Cells.of(disc.space.scalar)
     assert cells.sizes.max() > 5 * cells.sizes.min()
     return cells
 

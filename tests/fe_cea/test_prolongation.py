@@ -5,15 +5,15 @@ from itertools import product
 
 import numpy as np
 import pytest
-from dolfinx.fem import Function
+from bodies import lagrange_body
+from dolfinx.fem import Function, functionspace
 from dolfinx.geometry import bb_tree, compute_colliding_cells, compute_collisions_points
 from lagrange_bodies import FLAT, MATERIAL, ROUND, SPACE, body_of, csr
 
 from cea.errors import InputError
 from cea.mesh import Mesh
+from cea.nested.prolongation import of_body as prolongation
 from cea.supports.boundary import Support
-from fe_cea.body import FEBody
-from fe_cea.prolongation import prolongation
 from meshes.shape_mesh import shape_mesh
 
 RNG = np.random.default_rng(12)
@@ -51,8 +51,9 @@ def divided(mesh):
 
 def values(body, u, x):
     """Displacement at points by dolfinx."""
-    mesh = body.space.mesh
-    f = Function(body.space)
+    scalar = body.space.scalar
+    mesh = scalar.mesh
+    f = Function(functionspace(mesh, ("Lagrange", scalar.ufl_element().degree, (body.dim,))))
     f.x.array[:] = u
     padded = np.zeros((len(x), 3))
     padded[:, : body.dim] = x
@@ -97,7 +98,7 @@ def test_simplices_of_a_given_size_divided(cell, degree):
     mesh = shape_mesh(FLAT[2 if cell == "triangle" else 3], cell, 1, size=0.6)
     mesh = replace(mesh, surfaces={})
     coarse, fine = (
-        FEBody.from_mesh("part", each, degree=degree, material=MATERIAL)
+        lagrange_body("part", each, degree=degree, material=MATERIAL)
         for each in (mesh, divided(mesh))
     )
     assert_kept(coarse, fine)
@@ -154,6 +155,6 @@ def test_another_body_is_refused():
     coarse = body_of(FLAT, "hexahedron", 1, elements=(2, 2, 2))
     far = shape_mesh(FLAT[3], "hexahedron", 1, breaks=[np.array([0, e]) for e in (1.0, 0.8, 0.5)])
     far = replace(far, points=SPACE.apply(far.points) + 5.0)
-    other = FEBody.from_mesh("part", far, degree=1, material=MATERIAL)
+    other = lagrange_body("part", far, degree=1, material=MATERIAL)
     with pytest.raises(InputError, match=r"part.mesh = .* cells apart"):
         prolongation(coarse, other)

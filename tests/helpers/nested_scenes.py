@@ -39,7 +39,7 @@ def parallel_numbers(name, backend, by):
     coarse = coarse_modes(name, backend, 2, 3.2, elements=elements[backend])
     fine = richer_scene(coarse.scene, by)
     continued = continued_modes(coarse, fine)
-    step = prolongation(coarse.bodies, continued.bodies, fine)
+    step = prolongation(coarse.bodies, continued.bodies)
     smooth, image = step.matrix.createVecs()
     smooth.set(1.0)
     step.matrix.mult(smooth, image)

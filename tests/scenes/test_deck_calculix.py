@@ -3,10 +3,10 @@
 import decks
 import numpy as np
 import pytest
+from bodies import lagrange_body
 from deck_scenes import ELEMENTS, ROUND, SLIDING, alone, in_contact
 
 from comparisons.peers import calculix
-from fe_cea import FEBody
 from scenes import run_modes
 from scenes.body_meshes import body_mesh
 from scenes.deck.write import write_deck
@@ -19,7 +19,7 @@ def ours(scene, quadrature, top):
     """Frequencies of this program up to one, with the mass of another."""
     scene = scene.change("analysis.max_frequency", top)
     bodies = {
-        name: FEBody.from_mesh(
+        name: lagrange_body(
             name,
             body_mesh(name, spec, ()),
             degree=spec.fe_degree,

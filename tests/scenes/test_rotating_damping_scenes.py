@@ -50,6 +50,19 @@ def test_waves_of_a_ring_keep_their_decay(backend, rate):
     assert not result.unstable.any()
 
 
+@pytest.mark.parametrize(("part", "told"), [(0.75, False), (1.2, True)])
+def test_a_rim_that_outruns_surface_waves_is_warned_of(backend, part, told):
+    """Waves of the mesh that the exact ring does not have grow beyond it; below none does."""
+    scene = steel_ring(backend, part * np.sqrt(2e11 / 2.6 / 7800.0) / 0.1)
+    del scene["bodies"]["ring"]["damping"]
+    result = run_modes(read_scene(scene))
+    found = [each for each in result.warnings if each.kind == "faster-than-waves"]
+    assert bool(found) == told
+    assert (result.eigenvalues.real.max() > 1e3) == told
+    if told:
+        assert found[0].data["speed"] == pytest.approx(part * found[0].data["wave_speed"], rel=0.01)
+
+
 @pytest.mark.grid
 @pytest.mark.parametrize("form", ["penalty", "saddle"])
 @pytest.mark.parametrize("made", [damped_disc, modally_damped_disc])
