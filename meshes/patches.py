@@ -206,7 +206,7 @@ class NurbsFile:
     """A body of the NURBS patches of a file, joined where their faces coincide.
 
     Formats are the .json of splinepy and the .xml of G+Smo (gismo). Degrees are raised and knots
-    inserted as the mesh says, as those of :class:`Patches`; what the file has stays.
+    inserted as the mesh says, as those of :class:`meshes.patches.Patches`; what the file has stays.
 
     Parameters
     ----------
