@@ -14,17 +14,15 @@ from typing import Any, ClassVar, Literal
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from cea.arrays import finite_numbers
+from cea.arrays import Floats, finite_numbers
 from cea.errors import InputError, require
 from meshes.files.sandbox import checked_state
 from meshes.units import Unit, check_unit, in_metres, is_fit
 
-Floats = NDArray[np.float64]
 Face = tuple[int, int, int]
 Faces = Mapping[str, tuple[Face, ...]]
 Spline = tuple[tuple[int, ...], tuple[tuple[float, ...], ...], Floats, Floats | None]

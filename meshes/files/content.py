@@ -7,10 +7,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import Floats, Ints
 from cea.errors import require
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Role = Literal["solid", "mark", "structural"]
 
 

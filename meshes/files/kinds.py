@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cea.arrays import Floats, Ints
 from cea.mesh import Cell, facet_nodes, node_order
-from meshes.files.content import ElementBlock, Floats, Ints, Role
+from meshes.files.content import ElementBlock, Role
 
 _SAME = 1e-6
 """Reference nodes nearer than this are one."""

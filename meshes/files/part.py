@@ -10,9 +10,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.mesh import Cell
-from meshes.files.content import DIVIDED, ElementBlock, FileContent, Floats, Ints, Sets, shown
+from meshes.files.content import DIVIDED, ElementBlock, FileContent, Sets, shown
 from meshes.files.kinds import lacks_middles
 
 _SAME = 1e-6
