@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from cea.errors import InputError, require
 from cea.mesh import Floats, Ints, Mesh, facet_nodes
+from meshes.files.kinds import named_sides
 from meshes.near_points import first_of_near
 from meshes.shapes import Disc, Shape
 
@@ -154,7 +155,7 @@ def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> 
     lattice = mesh.cells.reshape(-1, *(n,) * dim)
     lattice = lattice[..., None] if along is None else np.moveaxis(lattice, 1 + along, -1)
     marked = singular[lattice[:, :: n - 1, :: n - 1]].all(axis=-1)
-    cells, points, named = [mesh.cells], [mesh.points], _named_sides(mesh)
+    cells, points, named = [mesh.cells], [mesh.points], named_sides(mesh)
     sides = {name: [on] for name, on in named.items()}
     kept = np.ones(len(mesh.cells), dtype=bool)
     count, least = len(mesh.points), np.inf
@@ -206,30 +207,14 @@ def _least_distance(x: Floats) -> float:
     return float(min(np.linalg.norm(step, axis=-1).min() for step in steps))
 
 
-def _named_sides(mesh: Mesh) -> dict[str, Bools]:
-    """Which facets of which cells have each name, (n_cells, n_facets)."""
-    of_cell = facet_nodes(mesh.cell, mesh.order)
-    found = {name: np.zeros((len(mesh.cells), len(of_cell)), dtype=bool) for name in mesh.surfaces}
-    for side, local in enumerate(of_cell):
-        nodes = np.sort(mesh.cells[:, local], axis=1)
-        for name, facets in mesh.surfaces.items():
-            found[name][np.isin(_keys(nodes), _keys(np.sort(facets, axis=1))), side] = True
-    return found
-
-
-def _keys(rows: Ints) -> NDArray[np.void]:
-    """Rows as single values, equal for equal rows, (n,)."""
-    return np.ascontiguousarray(rows).view([("", rows.dtype)] * rows.shape[1]).ravel()
-
-
 def _sides_of_parts(quads: Floats, dim: int, along: int | None) -> Ints:
     """Facet of a cell on which each facet of each of its parts lies; -1 inside, (parts, 2 dim)."""
     axes = [axis for axis in range(dim) if axis != along]
-    found = np.full((len(quads), 2 * dim), -1, dtype=np.int64)
+    found: Ints = np.full((len(quads), 2 * dim), -1, dtype=np.int64)
     if along is not None:
         found[:, [2 * along, 2 * along + 1]] = 2 * along, 2 * along + 1
     for part, own, of_own in np.ndindex(len(quads), 2, 2):
-        line = np.take(quads[part], of_own, axis=own)
+        line: Floats = np.asarray(quads[part]).take(of_own, axis=own)
         for axis, end in np.ndindex(2, 2):
             if (line[:, axis] == end).all():
                 found[part, 2 * axes[own] + of_own] = 2 * axes[axis] + end

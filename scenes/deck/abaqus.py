@@ -29,13 +29,7 @@ BASIS = 2
 def abaqus_text(
     scene: Scene, bodies: Mapping[str, DeckBody], model: str, modes: int, told: list[str]
 ) -> str:
-    """Text of the deck; parameters as for :func:`scenes.deck.calculix.calculix_text`.
-
-    Raises
-    ------
-    InputError
-        When no motion makes friction act as the scene says.
-    """
+    """Text of the deck; parameters as for :func:`scenes.deck.calculix.calculix_text`."""
     contacts = deck_contacts(scene.contacts, bodies, RELATIVE_CLOSURE)
     motions = moving_bodies(scene.contacts, bodies)
     heading = [

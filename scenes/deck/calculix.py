@@ -33,26 +33,7 @@ _BEYOND = 2.0
 def calculix_text(
     scene: Scene, bodies: Mapping[str, DeckBody], model: str, modes: int, told: list[str]
 ) -> str:
-    """Text of the deck.
-
-    Parameters
-    ----------
-    scene
-        The scene, which was checked before.
-    bodies
-        Its bodies.
-    model
-        Name of the file of the model.
-    modes
-        Number of modes.
-    told
-        Lines that say what the deck is.
-
-    Raises
-    ------
-    InputError
-        When no motion makes friction act as the scene says.
-    """
+    """Text of the deck."""
     contacts = deck_contacts(scene.contacts, bodies, RELATIVE_CLOSURE)
     heading = [*comments(told), f"*INCLUDE, INPUT={model}", *boundary_lines(bodies)]
     if not contacts:

@@ -21,13 +21,7 @@ _LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
 
 
 def check_exportable(scene: Scene) -> None:
-    """Refuse a scene that a deck cannot hold.
-
-    Raises
-    ------
-    SceneError
-        With one line for each fault.
-    """
+    """Refuse a scene that a deck cannot hold."""
     faults = list(_faults(scene))
     if faults:
         raise SceneError(faults)

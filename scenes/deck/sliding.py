@@ -21,15 +21,7 @@ _TANGENT = 1e-6
 
 @dataclass(frozen=True)
 class RigidMotion:
-    """A rigid velocity, of size one where it is slowest.
-
-    Parameters
-    ----------
-    direction
-        Direction of friction on side a: along a vector, or circumferential.
-    radius
-        Least distance from the axis (m) of a point that slides; 1 of a translation.
-    """
+    """A rigid velocity, of size one where it is slowest."""
 
     direction: AlongVector | Circumferential
     radius: float = 1.0
@@ -48,14 +40,7 @@ class RigidMotion:
 def moving_bodies(
     contacts: Mapping[str, ContactSpec], bodies: Mapping[str, DeckBody]
 ) -> dict[str, RigidMotion]:
-    """Motions of the bodies that move, by name; all others rest.
-
-    Raises
-    ------
-    InputError
-        When a direction of friction is none of a rigid motion that keeps the sides together, or
-        bodies would move in two ways.
-    """
+    """Motions of the bodies that move, by name; all others rest."""
     found: dict[str, tuple[str, FrictionDirection]] = {}
     motions: dict[str, RigidMotion] = {}
     resting = {c.a.split(".")[0] for c in contacts.values() if c.mu}
