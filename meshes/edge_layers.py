@@ -214,7 +214,7 @@ def _sides_of_parts(quads: Floats, dim: int, along: int | None) -> Ints:
     if along is not None:
         found[:, [2 * along, 2 * along + 1]] = 2 * along, 2 * along + 1
     for part, own, of_own in np.ndindex(len(quads), 2, 2):
-        line: Floats = np.asarray(quads[part]).take(of_own, axis=own)
+        line = quads[part, of_own, :, :] if own == 0 else quads[part, :, of_own, :]
         for axis, end in np.ndindex(2, 2):
             if (line[:, axis] == end).all():
                 found[part, 2 * axes[own] + of_own] = 2 * axes[axis] + end
