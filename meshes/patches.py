@@ -17,8 +17,8 @@ import numpy as np
 
 from cea.arrays import Floats, finite_numbers
 from cea.errors import InputError, require
+from meshes.files.content import first_of_near
 from meshes.files.sandbox import checked_state
-from meshes.near_points import first_of_near
 from meshes.units import Unit, check_unit, in_metres, is_fit
 
 Face = tuple[int, int, int]

@@ -13,9 +13,8 @@ from scipy.spatial import cKDTree
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.mesh import Cell
-from meshes.files.content import DIVIDED, ElementBlock, FileContent, Sets, shown
+from meshes.files.content import DIVIDED, ElementBlock, FileContent, Sets, first_of_near, shown
 from meshes.files.kinds import lacks_middles
-from meshes.near_points import first_of_near
 
 _SAME = 1e-6
 """Distance below which nodes are one, relative to the shortest edge."""

@@ -9,7 +9,7 @@ import numpy as np
 from cea.errors import InputError
 from cea.mesh import Floats, Ints, Mesh, lattice
 from scenes.body_meshes import body_mesh, used_surfaces
-from scenes.deck.elements import ELEMENTS, element_nodes, faces_of
+from scenes.export.decks.elements import ELEMENTS, element_nodes, faces_of
 from scenes.read import Scene
 from scenes.spec.body import BodySpec
 

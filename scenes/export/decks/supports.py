@@ -8,8 +8,8 @@ import numpy as np
 from cea.errors import InputError
 from cea.mesh import Floats, Ints
 from cea.supports.frames import Cylindrical
-from scenes.deck.bodies import DeckBody, set_name
-from scenes.deck.lines import keyword, numbers, set_lines, value_lines
+from scenes.export.decks.bodies import DeckBody, set_name
+from scenes.export.decks.lines import keyword, numbers, set_lines, value_lines
 from scenes.spec.support import SupportSpec
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from cea.contact.friction import AlongVector, Circumferential, FrictionDirection
 from cea.errors import InputError
 from cea.mesh import Floats
-from scenes.deck.bodies import DeckBody
+from scenes.export.decks.bodies import DeckBody
 from scenes.spec.contact import ContactSpec
 
 _TANGENT = 1e-6

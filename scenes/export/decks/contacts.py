@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.errors import InputError
-from scenes.deck.bodies import DeckBody, set_name
-from scenes.deck.lines import keyword, number, numbers
+from scenes.export.decks.bodies import DeckBody, set_name
+from scenes.export.decks.lines import keyword, number, numbers
 from scenes.spec.contact import ContactSpec
 
 
