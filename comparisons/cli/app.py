@@ -30,12 +30,12 @@ COMMANDS = {
     "doctor": ("doctor:doctor", "Tell whether this installation works, and what mends it."),
     "accuracy": ("studies:accuracy", "Error of every method against run time."),
     "reference": ("studies:reference", "Show the converged modes of disc_pad."),
-    "brake": ("brake:brake", "Run ventilated_brake on three meshes."),
     "race": ("race:race", "Time a scene of matrices beside other programs."),
     "peers": ("peers:peers", "What CalculiX and this program find on the same meshes."),
 }
 """Place of each command below this package, and its help."""
 RENAMED = {
+    "brake": "study brake",
     "damping": "study damping",
     "stability": "study stability",
     "compare": "study agreement",
