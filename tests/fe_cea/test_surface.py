@@ -335,7 +335,7 @@ def test_wrong_requests_are_refused():
         surface.abscissae("greville")
     with pytest.raises(InputError, match="at least one"):
         surface.gauss_points(0)
-    with pytest.raises(InputError, match="at least 2"):
+    with pytest.raises(InputError, match="at least two"):
         surface.grid(1)
     lost = SurfaceCoordinates(np.array([0, -1]), np.full((2, 2), 0.5))
     for evaluate in (surface.position, surface.normal, surface.trace, surface.gradient):
