@@ -266,6 +266,7 @@ def test_frequencies_of_a_sliding_plate_converge_at_twice_the_degree(kind):
     assert errors[-1] < {2: 1e-4, 1: 2e-2}[degree]
 
 
+@pytest.mark.mpi
 def test_static_work_and_modes_agree_on_any_ranks(backend):
     one, *others = (on_ranks(ranks, "space_numbers.numbers", backend) for ranks in (1, 2, 3))
     for other in others:
