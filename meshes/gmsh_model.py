@@ -22,13 +22,7 @@ _CELLS: dict[str, Cell] = {
 
 @contextmanager
 def gmsh_session() -> Iterator[None]:
-    """Start gmsh, silent and on one thread, and end it when the block is left.
-
-    Raises
-    ------
-    RuntimeError
-        When gmsh is in use already.
-    """
+    """Start gmsh, silent and on one thread, and end it when the block is left."""
     if gmsh.isInitialized():
         raise RuntimeError("gmsh is in use already: end it before the next mesh")
     gmsh.initialize(readConfigFiles=False, interruptible=False)

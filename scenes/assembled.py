@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 
 from cea.body import Body
-from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
-from cea.eigen.thresholds import Threshold, ThresholdDriver, flutter_threshold
 from cea.errors import InputError
+from cea.reduced.following import Window
+from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.following import FollowingDriver, kept_state_warning
+from scenes.following import FollowedState, kept_state_warning
 from scenes.parameter_changes import at_parameters, parameters_changed
 from scenes.read import Scene
 from scenes.results import ModesResult
@@ -208,10 +208,11 @@ class AssembledScene:
         *,
         frequency: float | None = None,
         follow_steady_state: bool = False,
-    ) -> Threshold:
-        """Value of a parameter at which a pair of modes begins to flutter, or ceases to.
+    ) -> ConfirmedThreshold:
+        """The first value of a parameter at which a pair of modes begins to flutter.
 
-        With damping or rotation it is where the largest growth rate passes through zero.
+        With damping or rotation it is where a growth rate passes through zero. Thresholds are
+        sought on a reduced model between both values, and confirmed by full solves.
 
         Parameters
         ----------
@@ -221,11 +222,9 @@ class AssembledScene:
             ``contacts.pad_disc.sliding.speed``; a factor where the field is an expression. An
             asterisk stands for every name: ``contacts.*.mu`` of all contacts, which have one value.
         real, flutter
-            Values on either side: at one the pair does not grow, at the other it does; with damping
-            every mode decays at the first.
+            Values between which it is sought, the first one seen from ``real``.
         frequency
-            The growing mode nearest to it (Hz) is followed; None follows the fastest. With damping
-            or rotation it is left out.
+            The threshold nearest to it (Hz) is taken; None takes the first one.
         follow_steady_state
             Whether the state of steady sliding is sought anew at every value on the way, where it
             depends on the parameter; otherwise it is kept, and the threshold warns of it.
@@ -233,10 +232,10 @@ class AssembledScene:
         Raises
         ------
         InputError
-            When there is no such parameter, or the values do not enclose a threshold; when a state
-            is to be followed that does not depend on the parameter.
+            When there is no such parameter, or nothing begins to grow between the values; when a
+            state is to be followed that does not depend on the parameter.
         ConvergenceError
-            When the pair is lost on the way, or there is no state of steady sliding.
+            When spectra do not tell of thresholds, or there is no state of steady sliding.
         """
         names = parameters_meant(self._driver.pencil, parameter)
         depends = self.depends_on_state(names)
@@ -247,7 +246,9 @@ class AssembledScene:
             return self._followed_threshold(names, real, flutter, frequency)
         other = self.with_forms_at(*(dict.fromkeys(names, value) for value in (real, flutter)))
         try:
-            found = self._threshold(other.driver, names, real, flutter, frequency)
+            found = first_threshold(
+                other.driver, names, real, flutter, max_frequency=self._top, frequency=frequency
+            )
             told = other.warnings_at(dict.fromkeys(names, found.value))
         finally:
             if other is not self:
@@ -255,36 +256,24 @@ class AssembledScene:
         kept = (kept_state_warning(parameter),) if depends else ()
         return replace(found, warnings=(*found.warnings, *told, *kept))
 
+    @property
+    def _top(self) -> float:
+        """Upper end of the window (Hz)."""
+        assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
+        return self.scene.analysis.max_frequency
+
     def _followed_threshold(
         self, names: Sequence[str], real: float, flutter: float, frequency: float | None
-    ) -> Threshold:
+    ) -> ConfirmedThreshold:
         """A threshold with the state of steady sliding sought anew at every value on the way."""
-        pencil = self._driver.pencil
-        driver = FollowingDriver(pencil, names, lambda value: self._system_at(names, value)[1])
-        try:
-            found = self._threshold(driver, names, real, flutter, frequency)
-        finally:
-            driver.free()
-        told = system_warnings(*self._system_at(names, found.value))
-        return replace(found, warnings=(*found.warnings, *told))
-
-    def _threshold(
-        self,
-        driver: ThresholdDriver,
-        names: Sequence[str],
-        real: float,
-        flutter: float,
-        frequency: float | None,
-    ) -> Threshold:
-        assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
-        top = self.scene.analysis.max_frequency
-        if self._quadratic(names, real, flutter):
-            if frequency is not None:
-                raise InputError("frequency", frequency, "left out with damping or rotation")
-            return growth_threshold(driver, names, real, flutter, max_frequency=top)
-        return flutter_threshold(
-            driver, names, real, flutter, max_frequency=top, frequency=frequency
-        )
+        scale = max(abs(real), abs(flutter))
+        state = FollowedState(scale, lambda value: self._system_at(names, value)[1])
+        end = 2 * np.pi * self._top
+        window = Window(end, self._driver.pencil.damped, decay=0.1 * end)
+        found = threshold_between(FullLine(state, window), real, flutter, frequency)
+        told = tuple(system_warnings(*self._system_at(names, found.value)))
+        parameter, spent = ", ".join(names), (state.solves, state.factorisations)
+        return ConfirmedThreshold(parameter, found.value, found.eigenvalue, *spent, told)
 
     def _system_at(self, names: Sequence[str], value: float) -> tuple[Scene, CoupledSystem]:
         """The scene at a value of parameters, and its system about its state of steady sliding."""
@@ -292,12 +281,6 @@ class AssembledScene:
         changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
         options: RunOptions = {"leave_out": False, **self._built}
         return changed, coupled(changed, **options)[0]
-
-    def _quadratic(self, names: Sequence[str], *values: float) -> bool:
-        """Whether velocities count at some values of parameters."""
-        if not self._driver.pencil.damped:
-            return False
-        return any(self._driver.quadratic(dict.fromkeys(names, value)) for value in values)
 
     @property
     def _built(self) -> RunOptions:

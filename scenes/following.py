@@ -1,11 +1,16 @@
 """Thresholds along which the state of steady sliding is sought anew at every value."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 
+import numpy as np
+
+from cea.arrays import Complexes
+from cea.eigen.blocks import all_inner, times
+from cea.eigen.eigenpairs import internal_forces
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Pencil
-from cea.petsc import Mat
+from cea.eigen.pencil import Matrices, Pencil, release
+from cea.errors import ConvergenceError
 from cea.system.coupled import CoupledSystem
 from cea.warned import ResultWarning
 
@@ -30,64 +35,76 @@ def kept_state_warning(parameters: str) -> ResultWarning:
     )
 
 
-class FollowingDriver:
-    """A driver of thresholds that solves a system of its own at each value of some parameters.
+_STEP = 1e-5
+"""Step of difference quotients of matrices, relative to the value."""
+
+
+class FollowedState:
+    """Full solves of a system linearised about its state of steady sliding at each value.
 
     Parameters
     ----------
-    pencil
-        The pencil at the scene's own value, whose parameters may be asked for.
-    names
-        The parameters, which have one value.
+    scale
+        Size of the values.
     system_at
-        The system, linearised about its state of steady sliding, at a value.
+        The system at a value.
+
+    Attributes
+    ----------
+    solves, factorisations
+        Eigenvalue problems solved, and matrices factorised for them.
     """
 
-    def __init__(
-        self, pencil: Pencil, names: Sequence[str], system_at: Callable[[float], CoupledSystem]
-    ) -> None:
-        self.pencil = pencil
-        self._names = tuple(names)
-        self._system_at = system_at
-        self._at: tuple[float, KrylovSchur] | None = None
-        self._before = (0, 0)
+    def __init__(self, scale: float, system_at: Callable[[float], CoupledSystem]) -> None:
+        self._step, self._system_at = _STEP * scale, system_at
+        self.solves = self.factorisations = 0
 
-    @property
-    def solves(self) -> int:
-        """Eigenvalue problems solved."""
-        return self._before[0] + (self._at[1].solves if self._at else 0)
+    def modes(self, value: float, max_frequency: float) -> Modes:
+        """All modes up to a frequency (Hz), with left vectors."""
+        with KrylovSchur(self._system_at(value).pencil()) as driver:
+            modes = driver.solve(max_frequency, left=True)
+            self.solves += driver.solves
+            self.factorisations += driver.factorisations
+        return modes
 
-    @property
-    def factorisations(self) -> int:
-        """Matrices factorised for them."""
-        return self._before[1] + (self._at[1].factorisations if self._at else 0)
+    def derivatives(self, value: float, modes: Modes) -> Complexes:
+        """Derivatives of their lambda by difference quotients of the matrices, shape (n,).
 
-    def solve(self, max_frequency: float, changes: Mapping[str, float]) -> Modes:
-        """All modes up to a frequency at a value."""
-        return self._driver(changes).solve(max_frequency)
+        Raises
+        ------
+        ConvergenceError
+            When the forms of contacts change there.
+        """
+        low, high = (self._system_at(value + way * self._step).pencil() for way in (-1.0, 1.0))
+        change = _works(high, modes) - _works(low, modes)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -change / (2 * self._step) / (2 * modes.eigenvalues)
 
-    def nearest(self, kappa: float, count: int, changes: Mapping[str, float]) -> Modes:
-        """So many modes nearest to kappa at a value."""
-        return self._driver(changes).nearest(kappa, count)
 
-    def quadratic(self, changes: Mapping[str, float]) -> bool:
-        """Whether the pencil is damped or rotates at a value."""
-        return self._driver(changes).quadratic()
+def _works(pencil: Pencil, modes: Modes) -> Complexes:
+    """y^H P(lambda) x of another pencil at modes and their contact forces, shape (n,)."""
+    assert modes.left is not None
+    matrices, x, f = pencil.at(), modes.vectors, modes.forces
+    y, g, roots = modes.left.vectors, modes.left.forces, modes.eigenvalues
+    forces = 0 if matrices.multipliers is None else matrices.multipliers.closure.getLocalSize()[0]
+    if forces != len(f):
+        raise ConvergenceError("the form of a contact changes with the parameter: fix it")
+    force = internal_forces(matrices, x, f) + times(matrices.mass, x) * roots**2
+    force += _drag(matrices, x) * roots
+    works = np.diag(all_inner(y, force, pencil.comm)).copy()
+    if matrices.multipliers is not None:
+        gap = times(matrices.multipliers.closure, x) - times(matrices.multipliers.compliance, f)
+        works += np.diag(all_inner(g, gap, pencil.comm))
+    release(matrices)
+    return works
 
-    def mass(self, values: Mapping[str, float]) -> Mat:
-        """M of the pencil that was solved last, PETSc AIJ (kg)."""
-        return self._driver(values).mass(values)
 
-    def free(self) -> None:
-        """Free what is kept between solves."""
-        if self._at is not None:
-            self._before = self.solves, self.factorisations
-            self._at[1].free()
-            self._at = None
-
-    def _driver(self, values: Mapping[str, float]) -> KrylovSchur:
-        value = values[self._names[0]]
-        if self._at is None or self._at[0] != value:
-            self.free()
-            self._at = value, KrylovSchur(self._system_at(value).pencil())
-        return self._at[1]
+def _drag(matrices: Matrices, x: Complexes) -> Complexes:
+    """D x of damping and rotation."""
+    drag = np.zeros_like(x)
+    for part in (matrices.damping, matrices.gyroscopic):
+        if part is not None:
+            drag += times(part, x)
+    if matrices.low_rank is not None:
+        drag += matrices.low_rank.times(x)
+    return drag

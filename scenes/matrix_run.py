@@ -6,14 +6,12 @@ from typing import Any
 
 from scipy.sparse import csr_array
 
-from cea.eigen.disc_searches import Solver
-from cea.eigen.growth_thresholds import growth_threshold
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
 from cea.eigen.run_window import run_window
-from cea.eigen.thresholds import Threshold, flutter_threshold
 from cea.errors import InputError
 from cea.petsc import MPI
+from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from scenes.arrays import gathered_sums
@@ -94,12 +92,8 @@ class AssembledMatrices:
     ----------
     scene
         The scene.
-    solver
-        What searches for modes, as :class:`cea.eigen.krylov_schur.KrylovSchur` takes it.
     listener
         Called with the name of each stage as it begins.
-    solver
-        What searches for modes, as :class:`cea.eigen.krylov_schur.KrylovSchur` takes it.
 
     Attributes
     ----------
@@ -120,15 +114,13 @@ class AssembledMatrices:
         self,
         scene: MatrixScene,
         listener: Callable[[str], None] | None = None,
-        *,
-        solver: Solver = "block",
     ) -> None:
         self.scene = scene
         self.timer = StageTimer(listener)
         with self.timer("reading"):
             self.pieces = read_pieces(scene, MPI.COMM_WORLD)
         self._pencil = matrix_pencil(scene, self.pieces)
-        self._driver = KrylovSchur(self._pencil, solver=solver)
+        self._driver = KrylovSchur(self._pencil)
         self._checked: tuple[float, ...] | None = None
 
     @property
@@ -186,39 +178,33 @@ class AssembledMatrices:
 
     def threshold(
         self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
-    ) -> Threshold:
-        """Value of a parameter at which a mode begins to grow, or ceases to.
+    ) -> ConfirmedThreshold:
+        """The first value of a parameter at which a mode begins to grow; undamped, to flutter.
 
         Parameters
         ----------
         parameter
             Path of a parameter, e.g. ``parameters.Omega``.
         real, flutter
-            Values on either side: at one no pair of modes flutters, at the other one does. With
-            damping or gyroscopic terms every mode decays at the first, one grows at the other.
+            Values between which it is sought, the first one seen from ``real``.
         frequency
-            The growing mode nearest to it (Hz) is followed; None follows the fastest. With damping
-            or gyroscopic terms it is left out.
+            The threshold nearest to it (Hz) is taken; None takes the first one.
 
         Raises
         ------
         InputError
-            When there is no such parameter, or the values do not enclose a threshold.
+            When there is no such parameter, or nothing begins to grow between the values.
         ConvergenceError
-            When the pair is lost on the way.
+            When spectra do not tell of thresholds.
         """
         for value in (real, flutter):
             scene = self.scene.change({parameter: value})
             self._check_mass(scene.values, StageTimer())
+        name = self._driver.pencil.parameter(parameter).name
         top = self.scene.window.max_frequency
-        if any(self._driver.quadratic({parameter: value}) for value in (real, flutter)):
-            if frequency is not None:
-                raise InputError("frequency", frequency, "left out where velocities count")
-            found = growth_threshold(self._driver, parameter, real, flutter, max_frequency=top)
-        else:
-            found = flutter_threshold(
-                self._driver, parameter, real, flutter, max_frequency=top, frequency=frequency
-            )
+        found = first_threshold(
+            self._driver, name, real, flutter, max_frequency=top, frequency=frequency
+        )
         return replace(found, warnings=(*found.warnings, *symmetrised_pieces(self.pieces)))
 
     def _check_mass(self, values: Mapping[str, float], timer: StageTimer) -> None:
@@ -239,7 +225,6 @@ def run_matrices(
     scene: MatrixScene,
     *,
     left: bool = False,
-    solver: Solver = "block",
     listener: Callable[[str], None] | None = None,
 ) -> MatrixResult:
     """Modes of a scene of matrices.
@@ -260,7 +245,7 @@ def run_matrices(
     ConvergenceError
         When the window cannot be filled; the modes found so far are attached.
     """
-    assembled = AssembledMatrices(scene, listener, solver=solver)
+    assembled = AssembledMatrices(scene, listener)
     result = assembled.modes(left=left, listener=listener)
     for stage, seconds in assembled.timer.seconds.items():
         result.timer.add(stage, seconds)

@@ -36,7 +36,7 @@ LIGHT = {
 APPLICATIONS = sorted(
     folder.name
     for folder in (ROOT / "comparisons").iterdir()
-    if (folder / "__init__.py").is_file() and folder.name not in ("kit", "cli")
+    if (folder / "__init__.py").is_file() and folder.name not in ("kit", "study", "cli")
 )
 SOLVERS = {"petsc4py", "slepc4py", "mpi4py", "dolfinx_solver"}
 BESIDE_US = {"comparisons.bench.assembly.programs.plain_dolfinx"}
@@ -102,9 +102,10 @@ def test_packages_without_petsc_import_light_modules_alone(package):
     assert wrong == {}
 
 
-@pytest.mark.parametrize("room", [*APPLICATIONS, "kit"])
+@pytest.mark.parametrize("room", [*APPLICATIONS, "study", "kit"])
 def test_no_application_is_imported_by_another_or_by_the_kit(room):
     prefix = f"comparisons.{room}"
+    engine = () if room == "kit" else ("comparisons.study.",)
     wrong = {
         module: sorted(others)
         for module, imported in imports_within(MODULES).items()
@@ -114,7 +115,7 @@ def test_no_application_is_imported_by_another_or_by_the_kit(room):
                 i
                 for i in imported
                 if i.startswith("comparisons.")
-                and not f"{i}.".startswith((f"{prefix}.", "comparisons.kit."))
+                and not f"{i}.".startswith((f"{prefix}.", "comparisons.kit.", *engine))
             }
         )
     }

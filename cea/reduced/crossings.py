@@ -211,7 +211,8 @@ class Crossings:
         if of != "end" and abs(value - place) > 2 * doubt / max(slope, _TINY) + REAL * self._width:
             raise UnresolvedError(place)
         root = complex(max(root.real, 0.0) if of == "zero" else root.real, abs(root.imag))
-        return Threshold(value, error, root, own, change * self.unit.copies, kind)
+        numbers = float(value), float(error), root, float(own)
+        return Threshold(*numbers, change * self.unit.copies, kind)
 
     def _doubt(self, of: str, at: Floats) -> Floats:
         if of == "growth":
@@ -298,27 +299,30 @@ class Crossings:
         """
         grid, width = self._grid, self._width
         values, errors = function(grid), error(grid)
-        noise = min(_ROUNDING * float(error(np.array(self.places)).max()), negligible)
+        own = _ROUNDING * float(error(np.array(self.places)).max())
+        noise = min(own, negligible)
+        told = own if noise < errors.max() <= own else 0.0
         signs = np.where(values > errors, 1, np.where(values < -errors, -1, 0))
         sure = np.flatnonzero(signs)
         if not len(sure):
             if np.abs(values).max() > noise:
-                raise UnresolvedError
+                raise UnresolvedError(None, told)
             return  # zero within rounding throughout
         for unsure in (grid[: sure[0]], grid[sure[-1] + 1 :]):
             if len(unsure) and error(unsure).max() > noise:
-                raise UnresolvedError(float(unsure[len(unsure) // 2]))
+                raise UnresolvedError(float(unsure[len(unsure) // 2]), told)
         for i, j in pairwise(sure):
+            by_bounds = told if j - i > GRID // 2 else 0.0
             if signs[i] != signs[j]:
                 rises = (np.diff(values[i : j + 1]) * signs[j] > 0).all()
                 if j > i + 1 and not rises and errors[i : j + 1].max() > noise:
-                    raise UnresolvedError(float(grid[(i + j) // 2]))
+                    raise UnresolvedError(float(grid[(i + j) // 2]), by_bounds)
                 yield _root(function, grid[i], grid[j]), int(signs[j])
                 continue
             nearest = min(values[i] * signs[i], values[j] * signs[i])
             if j == i + 1 and nearest > 2 * abs(values[j] - values[i]) + errors[i] + errors[j]:
                 continue
-            self._check_apart(grid[i + 1 : j], noise)
+            self._check_apart(grid[i + 1 : j], noise, by_bounds)
             sign = int(signs[i])
             place, least = _least(lambda t, sign=sign: sign * function(t), grid[i], grid[j])
             doubt = float(error(np.array([place]))[0])
@@ -328,9 +332,9 @@ class Crossings:
             elif least <= doubt:
                 aside = min(abs(place - each) for each in self.places) > _NEAR * width
                 if doubt > noise or aside:
-                    raise UnresolvedError(place)
+                    raise UnresolvedError(place, by_bounds)
 
-    def _check_apart(self, places: Floats, noise: float) -> None:
+    def _check_apart(self, places: Floats, noise: float, by_bounds: float) -> None:
         """Refuse places at which a damped pair may coalesce: its growth is flat up to there.
 
         Raises
@@ -343,7 +347,7 @@ class Crossings:
             return
         open_ = (np.abs(half(places)) <= half.error(places)) & (self.unit.doubts(places) > noise)
         if open_.any():
-            raise UnresolvedError(float(places[open_][0]))
+            raise UnresolvedError(float(places[open_][0]), by_bounds)
 
 
 def _signs(function: Function, grid: Floats) -> Iterator[tuple[float, int]]:

@@ -46,11 +46,14 @@ class UnresolvedError(Exception):
     ----------
     at
         Where another sample would help; None where nothing points to a place.
+    noise
+        The error of the samples themselves where that leaves a sign open: further samples
+        help where theirs is less. Zero elsewhere.
     """
 
-    def __init__(self, at: float | None = None) -> None:
+    def __init__(self, at: float | None = None, noise: float = 0.0) -> None:
         super().__init__()
-        self.at = at
+        self.at, self.noise = at, noise
 
 
 @dataclass(frozen=True)

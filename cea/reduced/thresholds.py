@@ -32,6 +32,16 @@ _MOVES = 3
 """Steps of that length, at most."""
 _CLOSER = 16.0
 """Factor by which the place from which on modes surely grow comes nearer to an end."""
+_BY_BOUNDS = 1 / 8
+"""Width of an interval, in the step of the given values, up to which it is halved where bounds
+leave signs open: to tell where they do."""
+_BRIEF = 1000.0
+"""Width of an interval, in the least, up to which it may be halved though bounds leave signs open:
+they are large where modes touch, and small beside that."""
+_PATIENCE = 1
+"""Times for each given value that such intervals are."""
+_LESS = 0.5
+"""Error of samples, in that of the interval before it was halved, up to which halving helps."""
 _OFF_CENTRE = 0.0137
 """The same of values within an interval, relative to its width."""
 _NEAR_SAMPLE = 1e-3
@@ -95,6 +105,18 @@ class Found:
     spectra: int = 0
 
 
+def _joined(unresolved: Sequence[Unresolved]) -> list[Unresolved]:
+    """Intervals by rising value, those that meet as one."""
+    joined: list[Unresolved] = []
+    for each in sorted(unresolved, key=lambda each: each.low):
+        if joined and joined[-1].high == each.low:
+            last = joined.pop()
+            either = last.eigenvalue if last.eigenvalue is not None else each.eigenvalue
+            each = Unresolved(last.low, each.high, last.before, each.after, either)
+        joined.append(each)
+    return joined
+
+
 def thresholds_along(
     line: Line,
     values: Sequence[float],
@@ -126,19 +148,21 @@ class _Search:
         self._line, self._window, self._values = line, line.window, values
         self._known: dict[float, Sample] = {}
         self._least = resolution * (values[-1] - values[0])
+        self._by_bounds = _BY_BOUNDS * float(np.diff(values).max())
         self._most = budget * len(values)
+        self._patience = _PATIENCE * len(values)
         self._found = Found()
 
     def run(self) -> Found:
         """Accept or halve intervals, the widest first."""
         ends = self._ends()
         queue = [
-            (ends[i] - ends[min(i + 2, len(ends) - 1)], *ends[i : i + 3])
+            (ends[i] - ends[min(i + 2, len(ends) - 1)], 0.0, *ends[i : i + 3])
             for i in range(0, len(ends) - 1, 2)
         ]
         heapify(queue)
         while queue:
-            _, *places = heappop(queue)
+            _, noise, *places = heappop(queue)
             low, high = places[0], places[-1]
             if len(self._known) >= self._most:
                 self._found.unresolved.append(self._unresolved(low, high))
@@ -150,13 +174,24 @@ class _Search:
                 if high - low <= self._least:
                     self._accept_by_count(low, high)
                     continue
+                told = why.at is None or high - low <= self._by_bounds
+                if told and why.noise > _LESS * noise > 0.0 and self._patience_ends(high - low):
+                    self._found.unresolved.append(self._unresolved(low, high))
+                    continue
                 parts = sorted({low, high, *self._cuts(low, middle, high, why.at)})
                 for one, other in pairwise(parts):
-                    heappush(queue, (one - other, one, other))
+                    heappush(queue, (one - other, why.noise, one, other))
         self._found.thresholds.sort(key=lambda each: each.value)
-        self._found.unresolved.sort(key=lambda each: each.low)
+        self._found.unresolved = _joined(self._found.unresolved)
         self._found.spectra = len(self._known)
         return self._found
+
+    def _patience_ends(self, width: float) -> bool:
+        """Whether an interval whose signs bounds leave open is not to be halved again."""
+        if width > _BRIEF * self._least:
+            return True
+        self._patience -= 1
+        return self._patience < 0
 
     def _at(self, value: float) -> Sample:
         if value not in self._known:

@@ -121,39 +121,6 @@ def accuracy(
     typer.echo(f"The report to open: {page.write(data, out)}")
 
 
-def damping(
-    redraw: Annotated[
-        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
-    ] = False,
-    out: Annotated[Path, typer.Option(help="Folder of the figure and its table.")] = Path(
-        "results/damping"
-    ),
-) -> None:
-    """How damping moves the threshold of flutter: elastic bodies over the exact lumped system."""
-    from comparisons.cli.extras import need
-    from comparisons.cli.output import print_table
-    from comparisons.cli.progress import working
-
-    need("pictures", "exact")
-    from cea.petsc import MPI
-    from comparisons.damping.report import read_damping, thresholds_table, write_damping
-    from comparisons.damping.study import run_damping
-    from comparisons.kit.records import last_seconds
-    from scenes.out_folder import check_out, new_folder
-
-    with working("damping", expected=last_seconds(out, "damping")) as work:
-        if redraw:
-            data = read_damping(out)
-        else:
-            check_out(out)
-            data = run_damping(work.step)
-        work.step("figure")
-        with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-            figure = new.final(write_damping(data, new.part))
-    print_table(thresholds_table(data))
-    typer.echo(f"The figure to open: {figure}")
-
-
 def stability(
     case: Annotated[
         list[str] | None, typer.Option("--case", help="Name of a case; may be repeated.")

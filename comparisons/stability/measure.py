@@ -9,8 +9,8 @@ import numpy as np
 from cea.arrays import Complexes
 from cea.errors import ConvergenceError, InputError
 from comparisons.stability.catalogue import runs_of
-from comparisons.stability.parts.answers import Answer, ModesAnswer
 from comparisons.stability.parts.case import Run
+from comparisons.stability.parts.problems import Answer, ModesAnswer
 from comparisons.stability.verdicts import Judged, answered, crashed, refused
 from scenes.scene_error import SceneError
 

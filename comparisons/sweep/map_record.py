@@ -2,15 +2,17 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from time import process_time
 from typing import Any
 
 import numpy as np
 
 from cea.arrays import Floats
+from cea.reduced.following import Window
+from cea.reduced.full_solves import confirm
 from cea.reduced.greedy import Enrichment
 from comparisons.kit.run_warnings import merged_warnings
-from comparisons.sweep.confirmed import confirmed
 from comparisons.sweep.mapped import Mapped
 from comparisons.sweep.netcdf import INTERVALS, plain
 from comparisons.sweep.rows import Row
@@ -111,6 +113,7 @@ def _above(scene: Mapped, rows: Sequence[Row]) -> dict[str, float] | None:
 def confirm_some(
     data: dict[str, Any],
     scene: Mapped,
+    basis: Enrichment,
     rows: Sequence[Row],
     most: int,
     progress: Callable[[str], None],
@@ -121,13 +124,19 @@ def confirm_some(
         for others, row in zip(scene.rows(), rows, strict=True)
         for threshold in row.thresholds
     ]
+    window = Window(2 * np.pi * scene.max_frequency, basis.model.small.damped, data["level"])
     chosen = np.linspace(0, len(places) - 1, min(most, len(places))).round().astype(int)
     for number in np.unique(chosen).tolist():
         progress(f"threshold {number + 1} of {len(places)}, solved in full")
         threshold, others = places[number]
-        point = scene.point((threshold.value, *others))
-        differs = confirmed(scene.driver, point, threshold, data["level"], scene.max_frequency)
+        at = partial(_along, scene, others)
+        told = confirm(scene.driver, at, threshold, window)
+        differs = None if told is None else told[0] - threshold.value
         data["thresholds"][number]["full_solve_differs"] = differs
+
+
+def _along(scene: Mapped, others: tuple[float, ...], value: float) -> dict[str, float]:
+    return scene.point((value, *others))
 
 
 def warnings_of(data: dict[str, Any], tolerance: float) -> list[dict[str, Any]]:

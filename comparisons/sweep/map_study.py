@@ -13,7 +13,7 @@ from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
 from cea.reduced.branches import Branches
-from cea.reduced.greedy import TOLERANCE
+from cea.reduced.greedy import TOLERANCE, Enrichment
 from comparisons.sweep.axes import Axis
 from comparisons.sweep.bands import Bands
 from comparisons.sweep.filling import AT_FIRST, Filling, check_effort
@@ -132,7 +132,7 @@ def run_map(
         rows = run.rows()
         data = run.told(rows)
         data["words"] = words_where_most_grows(data, rows, scene.growth_threshold)
-        confirm_some(data, scene, rows, asked.confirm, progress)
+        confirm_some(data, scene, run.basis, rows, asked.confirm, progress)
     except BasisTooDearError:
         store.discard()
         raise
@@ -260,6 +260,11 @@ class _Run:
         full, basis = self._filling.seconds(spent)
         took = Spent(full, basis, spent, values, self._filling.kept)
         return record_of(self._scene, self._filling.basis, rows, took)
+
+    @property
+    def basis(self) -> Enrichment:
+        """What the map rests on."""
+        return self._filling.basis
 
     def free(self) -> None:
         """Free factors."""

@@ -22,9 +22,9 @@ from scipy.optimize import brentq
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.pencil import FRICTION
-from cea.eigen.thresholds import flutter_threshold
 from cea.errors import InputError
 from cea.reduced.branches import Branches
+from cea.reduced.full_solves import first_threshold
 from cea.reduced.greedy import largest_ratio
 from cea.reduced.rows import along
 from cea.reduced.spectrum import MARGIN, upper_root
@@ -199,7 +199,7 @@ def test_a_threshold_of_flutter_is_that_of_full_solves(backend):
     from reduced_blocks import flutter_of_the_blocks
 
     driver, name, bracket, top = flutter_of_the_blocks(backend)
-    expected = flutter_threshold(driver, name, *bracket, max_frequency=top)
+    expected = first_threshold(driver, name, *bracket, max_frequency=top)
     built = enrichment(driver.pencil, {name: bracket}, top)
     built.cover([{name: value} for value in np.linspace(*bracket, 5)])
     found = thresholds_along(model_line(built, name), np.linspace(*bracket, 5).tolist())

@@ -11,8 +11,8 @@ from reference_data import plane_meshes, stored
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
-from cea.eigen.thresholds import flutter_threshold
-from cea.errors import ConvergenceError, InputError
+from cea.errors import InputError
+from cea.reduced.full_solves import first_threshold
 from cea.timing import StageTimer
 from scenes.build import build_bodies, build_interfaces, build_system
 from scenes.read import load_scene
@@ -63,12 +63,12 @@ def test_several_parameters_have_one_value():
         half = Coefficient.of({name: (1.0, 1.0)}, factor=-0.5)
         terms.append(Term("stiffness", friction, half, symmetric=False))
     driver = KrylovSchur(Pencil(terms, [Parameter("s", 1.0), Parameter("t", 1.0)]))
-    found = flutter_threshold(driver, ("s", "t"), 0.0, 0.9 / 0.7, max_frequency=TOP)
+    found = first_threshold(driver, ("s", "t"), 0.0, 0.9 / 0.7, max_frequency=TOP)
     assert found.value == pytest.approx(0.5 / 0.7, rel=1e-12)
     assert found.parameter == "s, t"
     for names in ((), ("s", "u")):
         with pytest.raises(InputError, match="parameter"):
-            flutter_threshold(driver, names, 0.0, 1.0, max_frequency=TOP)
+            first_threshold(driver, names, 0.0, 1.0, max_frequency=TOP)
 
 
 def exact_points():
@@ -80,7 +80,7 @@ def exact_points():
 
 
 def found_at(driver, mu_c, omega, top, spread=0.05):
-    return flutter_threshold(
+    return first_threshold(
         driver,
         MU,
         (1 - spread) * mu_c,
@@ -93,12 +93,11 @@ def found_at(driver, mu_c, omega, top, spread=0.05):
 @pytest.mark.parametrize("coupling", [0.3, 2.0])
 def test_two_coupled_masses_to_round_off(coupling):
     driver = lumped(coupling)
-    threshold = flutter_threshold(driver, FRICTION, 0.0, 0.9 / coupling, max_frequency=TOP)
+    threshold = first_threshold(driver, FRICTION, 0.0, 0.9 / coupling, max_frequency=TOP)
     assert threshold.value == pytest.approx(0.5 / coupling, rel=1e-12)
     # The mean of the pair keeps its digits where each member loses half of them.
     assert threshold.eigenvalue == pytest.approx(1j * np.sqrt(1.5), rel=1e-12)
-    assert threshold.solves < 20
-    assert threshold.factorisations < threshold.solves  # those of neighbours serve again
+    assert threshold.solves < 10
     assert threshold.parameter == FRICTION
 
 
@@ -108,48 +107,38 @@ def test_flutter_that_ends_as_friction_rises():
     stiffness.axpy(-1.0, friction)
     friction.scale(-1.0)
     opposed = KrylovSchur(Pencil.of(stiffness, mass, friction))
-    threshold = flutter_threshold(opposed, FRICTION, real=0.9, flutter=0.1, max_frequency=TOP)
+    threshold = first_threshold(opposed, FRICTION, real=0.9, flutter=0.1, max_frequency=TOP)
     assert threshold.value == pytest.approx(0.5, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("real", "flutter", "field"), [(0.0, 0.2, "flutter"), (0.9, 0.8, "real"), (-0.1, 0.8, "real")]
-)
-def test_values_that_do_not_enclose_a_threshold_are_refused(real, flutter, field):
+@pytest.mark.parametrize(("real", "flutter"), [(0.0, 0.2), (0.9, 0.8), (0.3, 0.3)])
+def test_values_that_do_not_enclose_a_threshold_are_refused(real, flutter):
     with pytest.raises(InputError) as refused:
-        flutter_threshold(lumped(1.0), FRICTION, real, flutter, max_frequency=TOP)
-    assert refused.value.field == field
+        first_threshold(lumped(1.0), FRICTION, real, flutter, max_frequency=TOP)
+    assert refused.value.field == "flutter"
 
 
 def test_a_parameter_that_is_not_there_is_refused():
     with pytest.raises(InputError, match="one of friction"):
-        flutter_threshold(lumped(1.0), MU, 0.0, 0.9, max_frequency=TOP)
-
-
-def test_a_pair_that_no_two_modes_continue_is_told():
-    """Between the values every eigenvector turns: nothing is left of the pair."""
-    n = 60
-    turn = np.linalg.qr(np.random.default_rng(4).normal(size=(n, n)))[0]
-    stiffness = np.diag(np.linspace(1, 5, n))
-    flutter = stiffness.copy()
-    flutter[0, 1], flutter[1, 0] = 0.4, -0.4
-    friction = stiffness - turn @ flutter @ turn.T
-    driver = KrylovSchur(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(n), friction))))
-    with pytest.raises(ConvergenceError, match="lost"):
-        flutter_threshold(driver, FRICTION, 0.0, 1.0, max_frequency=TOP)
+        first_threshold(lumped(1.0), MU, 0.0, 0.9, max_frequency=TOP)
 
 
 def test_a_pair_is_followed_beyond_the_modes_it_was_chosen_among():
     """Without friction the second mode lies above the window in which the pair was chosen."""
-    threshold = flutter_threshold(lumped(1.0), FRICTION, 0.0, 0.6, max_frequency=1.3 / (2 * np.pi))
+    threshold = first_threshold(lumped(1.0), FRICTION, 0.0, 0.6, max_frequency=1.3 / (2 * np.pi))
     assert threshold.value == pytest.approx(0.5, rel=1e-12)
 
 
-def test_a_pair_taken_for_another_is_no_threshold():
-    """Far apart values on coarse blocks: what changes sign between them jumps."""
-    driver = blocks("iga", 2, 1, 1.0)
-    with pytest.raises(ConvergenceError, match="no two modes coalesce"):
-        flutter_threshold(driver, MU, 0.1, 0.8, max_frequency=0.5)
+def test_the_first_threshold_is_found_though_another_pair_grows_faster_at_the_end():
+    """Pairs that begin to flutter at 0.25 and, faster in the end, at 0.5."""
+    stiffness = np.diag([1.0, 1.1, 2.0, 3.0])
+    friction = np.zeros((4, 4))
+    friction[0, 1], friction[1, 0] = -0.2, 0.2
+    friction[2, 3], friction[3, 2] = -1.0, 1.0
+    driver = KrylovSchur(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(4), friction))))
+    for frequency, value in ((None, 0.25), (np.sqrt(1.05) / (2 * np.pi), 0.25), (0.25, 0.5)):
+        found = first_threshold(driver, FRICTION, 0.0, 2.0, max_frequency=TOP, frequency=frequency)
+        assert found.value == pytest.approx(value, rel=1e-12)
 
 
 def test_divergence_is_no_flutter():
@@ -160,7 +149,7 @@ def test_divergence_is_no_flutter():
     driver = KrylovSchur(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(8), friction))))
     modes = driver.solve(TOP)
     assert modes.unstable(0.0)[modes.eigenvalues.imag == 0].any()
-    threshold = flutter_threshold(driver, FRICTION, 0.0, 1.0, max_frequency=TOP, frequency=0.0)
+    threshold = first_threshold(driver, FRICTION, 0.0, 1.0, max_frequency=TOP, frequency=0.0)
     assert threshold.value == pytest.approx(0.5 / 0.6, rel=1e-12)
 
 
@@ -170,14 +159,14 @@ def test_flutter_may_lie_at_zero():
     against = Term("stiffness", friction.matrix, Coefficient.of({"s": (1.0, 1.0)}), symmetric=False)
     first = Term("stiffness", friction.matrix, Coefficient.of({}, factor=-1.0), symmetric=False)
     driver = KrylovSchur(Pencil([stiffness, mass, first, against], [Parameter("s", 0.0)]))
-    threshold = flutter_threshold(driver, "s", real=0.9, flutter=0.0, max_frequency=TOP)
+    threshold = first_threshold(driver, "s", real=0.9, flutter=0.0, max_frequency=TOP)
     assert threshold.value == pytest.approx(0.5, rel=1e-12)
 
 
 def test_without_friction_nothing_flutters():
     pencil = Pencil.of(to_petsc(np.eye(2)), to_petsc(np.eye(2)))
     with pytest.raises(InputError, match="friction"):
-        flutter_threshold(KrylovSchur(pencil), FRICTION, 0.0, 1.0, max_frequency=TOP)
+        first_threshold(KrylovSchur(pencil), FRICTION, 0.0, 1.0, max_frequency=TOP)
 
 
 @pytest.mark.parametrize(("mesh", "i"), covering([("fe", 4, 1), ("iga", 4, 2)], [0, 3], strength=1))

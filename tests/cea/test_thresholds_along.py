@@ -192,7 +192,8 @@ def test_bounds_that_are_too_large_leave_intervals_unresolved(bound):
         return replace(sample, errors=errors, means=errors)
 
     line.at = poor
-    found = thresholds_along(line, np.linspace(0, 1, 5).tolist(), budget=10)
+    found = thresholds_along(line, np.linspace(0, 1, 5).tolist())
+    assert found.spectra < 200  # of 300 that it may take: further ones have the same bounds
     for value in (0.2, 0.8):
         known = any(abs(each.value - value) <= each.error + 1e-12 for each in found.thresholds)
         left = any(each.low <= value <= each.high for each in found.unresolved)

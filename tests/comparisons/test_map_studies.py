@@ -9,7 +9,7 @@ from reduced_cases import enrichment, errors_of_means, model_line, three_blocks_
 
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.thresholds import flutter_threshold
+from cea.reduced.full_solves import first_threshold
 from cea.reduced.greedy import Enrichment, largest_ratio
 from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import MARGIN
@@ -60,7 +60,7 @@ def test_twenty_random_values_of_a_large_map(backend):
 def test_next_to_the_threshold_of_the_blocks_bounds_hold(backend):
     """Either side of coalescence, from 1e-2 down to 1e-8 in mu; the threshold itself to 1e-8."""
     driver, name, bracket, top = flutter_of_the_blocks(backend)
-    expected = flutter_threshold(driver, name, *bracket, max_frequency=top)
+    expected = first_threshold(driver, name, *bracket, max_frequency=top)
     built = enrichment(driver.pencil, {name: bracket}, top)
     built.cover([{name: value} for value in np.linspace(*bracket, 5)])
     values = np.linspace(*bracket, 5).tolist()

@@ -16,8 +16,8 @@ from reference_data import plane_meshes
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.pencil import Pencil
-from cea.eigen.thresholds import flutter_threshold
 from cea.errors import InputError
+from cea.reduced.full_solves import first_threshold
 from comparisons.cli.app import main
 from comparisons.sweep.axes import Axis, read_axis
 from comparisons.sweep.map_page import write_result
@@ -120,7 +120,7 @@ def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     ]
     driver = KrylovSchur(Pencil(pencil.terms, parameters, pencil.forces, leave_out=False))
     near = (0.999 * chosen["value"], 1.001 * chosen["value"])
-    expected = flutter_threshold(
+    expected = first_threshold(
         driver, MU, *near, max_frequency=0.4, frequency=chosen["im"] / (2 * np.pi)
     )
     assert chosen["value"] == pytest.approx(expected.value, rel=1e-8)

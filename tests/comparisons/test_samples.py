@@ -14,8 +14,8 @@ from same_numbers import assert_same
 from scipy.stats import kstest, lognorm, norm, truncnorm
 
 from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.thresholds import flutter_threshold
 from cea.errors import InputError
+from cea.reduced.full_solves import first_threshold
 from comparisons.cli.app import main
 from comparisons.sweep.cells import cells_of
 from comparisons.sweep.distributions import Distribution, draw, read_distribution
@@ -73,7 +73,7 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backen
     """Only mu varies: what grows is what was drawn above mu_c, sample by sample."""
     data, drawn, found, _ = made(backend)
     driver, name, bracket, top = flutter_of_the_blocks(backend)
-    threshold = flutter_threshold(driver, name, *bracket, max_frequency=top).value
+    threshold = first_threshold(driver, name, *bracket, max_frequency=top).value
     driver.free()
     values = np.array(drawn[0].values)
     far = np.abs(values - threshold) > 1e-6 * threshold

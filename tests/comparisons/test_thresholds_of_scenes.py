@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mpi import on_ranks
 from scipy.sparse import csr_array, save_npz
 
 from comparisons.cli.app import main
@@ -190,3 +191,14 @@ def test_bodies_with_many_doublets_have_the_thresholds_of_full_solves(tmp_path, 
         wrong &= (values < each["low"]) | (values > each["high"])
     assert not wrong.any(), values[wrong]
     assert len(record["unresolved"]) <= 0.01 * len(values)
+
+
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_thresholds_are_the_same_on_several_ranks(backend, ranks):
+    alone = on_ranks(1, "threshold_numbers.numbers", backend)
+    assert alone["values"]
+    assert not alone["unresolved"]
+    several = on_ranks(ranks, "threshold_numbers.numbers", backend)
+    assert several["changes"] == alone["changes"]
+    assert several["values"] == pytest.approx(alone["values"], rel=1e-7)
+    assert several["first"] == pytest.approx(alone["first"], rel=1e-9)

@@ -84,8 +84,6 @@ def test_a_threshold_is_where_growth_begins(assembled):
     top = 2 * np.pi * data["analysis"]["max_frequency"]
     values = damped_eigenvalues(data)
     assert values.real[values.imag <= top].max() == pytest.approx(0.0, abs=1e-9)
-    with pytest.raises(InputError, match="frequency"):
-        assembled.threshold(slope, real=0.1, flutter=-3.0, frequency=0.2)
 
 
 def test_an_asterisk_that_stands_for_no_name_is_refused(assembled):

@@ -5,8 +5,8 @@ import pytest
 from changed_scenes import scene_of as changed_scene
 from pressed import pressed_blocks
 
-from cea.eigen.thresholds import Threshold
 from cea.errors import InputError
+from cea.reduced.full_solves import ConfirmedThreshold
 from scenes import assemble, read_scene, run_modes
 
 MU = "contacts.interface.mu"
@@ -124,8 +124,8 @@ def test_thresholds_lose_no_digits_where_a_contact_becomes_stiff(backend, stiff,
 
     def sought(driver, names, real, flutter, **options):
         solved.append(bool(driver.pencil.forces))
-        return Threshold(names[0], real, 1j, 0, 0)
+        return ConfirmedThreshold(names[0], real, 1j, 0, 0)
 
-    monkeypatch.setattr("scenes.assembled.flutter_threshold", sought)
+    monkeypatch.setattr("scenes.assembled.first_threshold", sought)
     assemble(scene).threshold("contacts.interface.P", 1.0, stiff)
     assert solved == [kept]

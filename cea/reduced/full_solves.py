@@ -1,0 +1,332 @@
+"""Thresholds by full solves: spectra along a line, and what a reduced model found confirmed.
+
+At a threshold found what passes zero, the half distance squared of a pair or a growth rate, is
+computed on the pencil itself, and again where its slope takes it: Newton's method with the slope
+that the search gives.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from cea.arrays import Complexes, Floats
+from cea.eigen.blocks import all_inner, times
+from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.modes import Modes
+from cea.errors import ConvergenceError, InputError
+from cea.reduced.crossings import Threshold
+from cea.reduced.following import Sample, Window
+from cea.reduced.greedy import Enrichment
+from cea.reduced.model import ReducedModel
+from cea.reduced.model_line import ModelLine
+from cea.reduced.spectrum import MARGIN
+from cea.reduced.thresholds import Line, thresholds_along
+from cea.warned import ResultWarning
+
+_ASIDE = 1e-3
+"""Relative distance from a pair at which it is looked for: a pencil is singular on it."""
+_NEIGHBOURS = 4
+"""Modes that are computed there."""
+_STEPS = 6
+"""Steps of Newton's method."""
+_CONVERGED = 1e-13
+"""Last step of it, relative to the value."""
+_TRAINING = 9
+"""Values at which bounds of a basis are looked at, and between which thresholds are sought."""
+
+
+@dataclass(frozen=True)
+class ConfirmedThreshold:
+    """A value of a parameter at which a mode begins or ceases to grow.
+
+    Parameters
+    ----------
+    parameter
+        Name of the parameter, or names of those that have the value.
+    value
+        Its value there.
+    eigenvalue
+        lambda there (1/s), of two modes that coalesce their mean.
+    solves, factorisations
+        Eigenvalue problems solved and matrices factorised on the way.
+    warnings
+        What the value must be read with.
+    """
+
+    parameter: str
+    value: float
+    eigenvalue: complex
+    solves: int
+    factorisations: int
+    warnings: tuple[ResultWarning, ...] = ()
+
+    @property
+    def frequency(self) -> float:
+        """Frequency (Hz)."""
+        return self.eigenvalue.imag / (2 * np.pi)
+
+
+class Solved(Protocol):
+    """Full solves at values of one parameter."""
+
+    def modes(self, value: float, max_frequency: float) -> Modes:
+        """All modes up to a frequency (Hz), with left vectors."""
+        ...
+
+    def derivatives(self, value: float, modes: Modes) -> Complexes:
+        """Derivatives of their lambda, shape (n,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class AtParameters:
+    """Full solves of one pencil at a value that some of its parameters have."""
+
+    driver: KrylovSchur
+    names: Sequence[str]
+
+    def modes(self, value: float, max_frequency: float) -> Modes:
+        """All modes up to a frequency (Hz), with left vectors."""
+        return self.driver.solve(max_frequency, dict.fromkeys(self.names, value), left=True)
+
+    def derivatives(self, _: float, modes: Modes) -> Complexes:
+        """Derivatives of their lambda, shape (n,)."""
+        return np.sum([modes.sensitivity(name) for name in self.names], axis=0)
+
+
+@dataclass
+class FullLine:
+    """Spectra by full solves, a :class:`cea.reduced.thresholds.Line`.
+
+    Vectors are told by their parts along the modes that were solved first.
+
+    Parameters
+    ----------
+    solved
+        The solves.
+    window
+        What is looked at.
+    """
+
+    solved: Solved
+    window: Window
+    _first: Complexes | None = field(default=None, init=False)
+
+    def at(self, value: float) -> Sample:
+        """The spectrum at a value, with damping also its mirror image below the real axis."""
+        value = float(value)
+        modes = self.solved.modes(value, MARGIN * self.window.end / (2 * np.pi))
+        slopes, z = self.solved.derivatives(value, modes), modes.eigenvalues
+        errors: Floats = modes.growth_uncertainties
+        if self._first is None:
+            self._first = _images(modes)
+        vectors = all_inner(self._first, modes.vectors, modes.pencil.comm)
+        if not self.window.damped:
+            errors = errors * (2 * np.abs(z) + errors)
+            z, slopes = -(z**2), -2 * z * slopes
+        else:
+            mirrored = np.flatnonzero(z.imag > 0)
+            z, slopes, errors, vectors = (
+                np.concatenate([each, each[..., mirrored].conj()], axis=-1)
+                for each in (z, slopes, errors, vectors)
+            )
+        vectors = vectors / np.maximum(np.linalg.norm(vectors, axis=0), np.finfo(float).tiny)
+        return Sample(value, z, slopes, errors, errors, np.arange(len(z)), vectors)
+
+
+def _images(modes: Modes) -> Complexes:
+    """M x of modes, the rows of this rank."""
+    image = np.zeros_like(modes.vectors)
+    for term in modes.pencil.terms:
+        if term.role == "mass" and (weight := term.coefficient.at(modes.values)):
+            image += weight * times(term.matrix, modes.vectors)
+    return image
+
+
+def threshold_between(
+    line: Line, real: float, flutter: float, frequency: float | None = None
+) -> Threshold:
+    """The first threshold from one value on at which a mode begins to grow; without damping a pair.
+
+    Parameters
+    ----------
+    line
+        Spectra.
+    real, flutter
+        Values on either side of it.
+    frequency
+        The threshold nearest to it (Hz) is taken; None takes the first one.
+
+    Raises
+    ------
+    InputError
+        When nothing begins to grow.
+    ConvergenceError
+        When an interval before it is not resolved.
+    """
+    if real == flutter:
+        raise InputError("flutter", flutter, "another value than real")
+    count = _TRAINING if isinstance(line, ModelLine) else 3
+    found = thresholds_along(line, np.linspace(real, flutter, count).tolist())
+    kinds = ("flutter", "divergence") if line.window.damped else ("flutter",)
+    way = 1.0 if flutter > real else -1.0
+    begins = [each for each in found.thresholds if way * each.change > 0 and each.kind in kinds]
+    begins.sort(key=lambda each: way * each.value)
+    if frequency is not None:
+        begins.sort(key=lambda each: abs(each.eigenvalue.imag - 2 * np.pi * frequency))
+    before = [
+        each for each in found.unresolved if not begins or way * each.low < way * begins[0].value
+    ]
+    if before and (frequency is None or not begins):
+        told = ", ".join(f"{each.low:.6g} to {each.high:.6g}" for each in before)
+        raise ConvergenceError(f"thresholds may lie where spectra do not tell: {told}")
+    if not begins:
+        raise InputError(
+            "flutter",
+            flutter,
+            f"a value on the way to which from {real:g} one mode or more begin to grow",
+        )
+    return begins[0]
+
+
+def line_of(
+    driver: KrylovSchur, names: Sequence[str], ends: tuple[float, float], max_frequency: float
+) -> Line:
+    """Spectra of a reduced model between two values, by full solves where it has none.
+
+    Parameters
+    ----------
+    driver
+        What solves the pencil.
+    names
+        Parameters that have the value.
+    ends
+        The values.
+    max_frequency
+        Upper end of the window (Hz).
+    """
+    pencil, box = driver.pencil, dict.fromkeys(names, (min(ends), max(ends)))
+
+    def point(value: float) -> Mapping[str, float]:
+        return dict.fromkeys(names, value)
+
+    try:
+        model = ReducedModel(pencil, box, max_frequency)
+    except (InputError, ConvergenceError):
+        model = None
+    if model is not None:
+        try:
+            basis = Enrichment(model, driver, max_frequency)
+            basis.cover([point(value) for value in np.linspace(*ends, _TRAINING).tolist()])
+            return ModelLine(
+                model.small,
+                [],
+                lambda value: pencil.values(point(value)),
+                dict.fromkeys(names, 1.0),
+                0.0,
+                basis.tolerance,
+            )
+        except ConvergenceError:  # of a stiffness that makes no norm
+            pass
+        finally:
+            model.free()
+    damped = any(driver.quadratic(point(value)) for value in ends)
+    window = Window(2 * np.pi * max_frequency, damped, decay=0.2 * np.pi * max_frequency)
+    return FullLine(AtParameters(driver, names), window)
+
+
+def first_threshold(
+    driver: KrylovSchur,
+    parameter: str | Sequence[str],
+    real: float,
+    flutter: float,
+    *,
+    max_frequency: float,
+    frequency: float | None = None,
+) -> ConfirmedThreshold:
+    """The first threshold of a pencil on the way between two values, confirmed by full solves.
+
+    Parameters
+    ----------
+    driver
+        What solves the pencil.
+    parameter
+        Name of a parameter of the pencil, e.g. ``contacts.pad_disc.mu``; or of several, which have
+        one value.
+    max_frequency
+        Upper end of the window (Hz).
+    real, flutter, frequency
+        As of :func:`threshold_between`, as are errors.
+    """
+    names = [parameter] if isinstance(parameter, str) else list(parameter)
+    if not names:
+        raise InputError("parameter", parameter, "one or more names")
+    for value in (real, flutter):
+        driver.pencil.check(dict.fromkeys(names, value))
+    before, ends = (driver.solves, driver.factorisations), (real, flutter)
+    line = line_of(driver, names, ends, max_frequency)
+    found = threshold_between(line, *ends, frequency)
+    told = confirm(driver, lambda value: dict.fromkeys(names, value), found, line.window)
+    value, root = told or (found.value, found.eigenvalue)
+    spent = driver.solves - before[0], driver.factorisations - before[1]
+    return ConfirmedThreshold(", ".join(names), value, root, *spent)
+
+
+def confirm(
+    driver: KrylovSchur,
+    point: Callable[[float], Mapping[str, float]],
+    found: Threshold,
+    window: Window,
+) -> tuple[float, complex] | None:
+    """A threshold of the pencil itself, beginning at one of a reduced model, and lambda there.
+
+    Parameters
+    ----------
+    driver
+        What solves the pencil.
+    point
+        Parameters at a value.
+    found
+        The threshold; None is the answer where only numbers of growing modes beside it are known.
+    window
+        What was looked at.
+    """
+    if not found.slope:
+        return None
+    value, root, before = found.value, found.eigenvalue, np.inf
+    for _ in range(_STEPS):
+        passes, root = _passes_zero(driver, point(value), found, window, root)
+        step = -passes / found.slope
+        if abs(step) >= before:  # nothing but rounding is left
+            break
+        value, before = value + step, abs(step)
+        if before <= _CONVERGED * abs(value):
+            break
+    return value, root
+
+
+def _passes_zero(
+    driver: KrylovSchur,
+    point: Mapping[str, float],
+    found: Threshold,
+    window: Window,
+    root: complex,
+) -> tuple[float, complex]:
+    """What passes zero at a threshold, as :class:`Threshold` has it, and lambda."""
+    near = (root or 1j * window.end * _ASIDE) * (1 + _ASIDE)
+    quadratic = driver.quadratic(point)
+    at = -(near**2) if quadratic else float(-(near**2).real)
+    modes = driver.nearest(at, 1 if window.by_growth else _NEIGHBOURS, point)
+    nearest = complex(modes.eigenvalues[np.argmin(np.abs(modes.eigenvalues - root))])
+    if found.kind == "window":
+        return nearest.imag - window.end, nearest
+    if window.by_growth:
+        return nearest.real - window.level, nearest
+    kappa = -(modes.eigenvalues**2)
+    if found.kind == "divergence":
+        return float(kappa[np.argmin(np.abs(kappa))].real), 0j
+    pair = kappa[np.argsort(np.abs(kappa - float(-(root**2).real)))[:2]]
+    mean = complex(np.sqrt(-complex(pair.mean().real)))
+    return float((((pair[0] - pair[1]) / 2) ** 2).real), mean if mean.imag >= 0 else -mean

@@ -1,0 +1,32 @@
+"""Thresholds of the blocks in plain numbers, in this program and on several ranks."""
+
+from pathlib import Path
+from tempfile import gettempdir
+
+import numpy as np
+from reference_data import plane_meshes
+
+from cea.petsc import MPI
+from comparisons.sweep.axes import read_axis
+from comparisons.sweep.map_study import AskedMap, run_map
+from scenes import assemble, load_scene
+
+MESHES = {"upper": [6, 2], "lower": [4, 2]}
+
+
+def numbers(backend):
+    """Thresholds in mu, of a map and of the assembled scene."""
+    overrides = ("analysis.max_frequency=0.5", *plane_meshes(backend, 2, MESHES))
+    axes = (read_axis("mu=0:2:9"), read_axis("P=1:3:2"))
+    name = f"thresholds_{MPI.COMM_WORLD.bcast(np.random.default_rng().integers(2**31))}"
+    asked = AskedMap("blocks", axes, overrides, checks=0, confirm=0)
+    record, _, store = run_map(asked, Path(gettempdir()) / name)
+    store.discard()
+    scene = load_scene("blocks", overrides=list(overrides), backend=backend)
+    first = assemble(scene).threshold("contacts.interface.mu", real=0.0, flutter=2.0)
+    return {
+        "values": [each["value"] for each in record["thresholds"]],
+        "changes": [each["change"] for each in record["thresholds"]],
+        "unresolved": len(record["unresolved"]),
+        "first": [first.value, first.frequency],
+    }
