@@ -29,7 +29,6 @@ COMMANDS = {
     "export": ("export:export", "Write a scene as input decks of other programs."),
     "doctor": ("doctor:doctor", "Tell whether this installation works, and what mends it."),
     "accuracy": ("studies:accuracy", "Error of every method against run time."),
-    "reference": ("studies:reference", "Show the converged modes of disc_pad."),
     "race": ("race:race", "Time a scene of matrices beside other programs."),
     "peers": ("peers:peers", "What CalculiX and this program find on the same meshes."),
 }
@@ -40,6 +39,7 @@ RENAMED = {
     "stability": "study stability",
     "compare": "study agreement",
     "formulations": "study formulations",
+    "reference": "study reference",
 }
 """Commands under the names that they had, and what they are called now."""
 

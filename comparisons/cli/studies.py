@@ -50,34 +50,3 @@ def accuracy(
             data["no_flutter"] = run_no_flutter(work.step)
             data["finest"] = run_finest(progress=work.step)
     typer.echo(f"The report to open: {page.write(data, out)}")
-
-
-def reference(
-    recompute: Annotated[
-        bool, typer.Option("--recompute", help="Run it anew (some minutes, 12 GB) and compare.")
-    ] = False,
-    out: Annotated[Path, typer.Option(help="Folder of the reference and its table.")] = Path(
-        "results/reference"
-    ),
-) -> None:
-    """Show the converged modes of disc_pad, on which both backends agree."""
-    from cea.petsc import MPI
-    from comparisons.cli.output import console, print_table
-    from comparisons.cli.progress import working
-    from comparisons.kit.progress import Progress
-    from comparisons.reference.study import compute_reference, stored_reference
-    from comparisons.reference.tables import reference_table
-    from scenes.out_folder import check_out
-    from scenes.stored import write_record
-
-    check_out(out)
-    data = stored_reference()
-    if recompute:
-        with working("reference") as work:
-            data = compute_reference(Progress(step=console.print, stage=work.stage))
-    table = reference_table(data)
-    if MPI.COMM_WORLD.rank == 0:
-        write_record(data, out / "disc_pad_reference.json")
-        table.write_csv(out)
-    print_table(table)
-    typer.echo(f"{out / 'disc_pad_reference.json'}")

@@ -29,6 +29,7 @@ STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
         ("exact",),
     ),
     "brake": ("brake.study:STUDY", "A ventilated brake on several meshes.", ()),
+    "reference": ("reference.study:STUDY", "Converged modes of disc and pad, as stored.", ()),
     "damping": ("damping:STUDY", "How damping moves the threshold of flutter.", ("exact",)),
 }
 """Place of each study below comparisons, its help, and the extras that it needs beside pictures."""
