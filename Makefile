@@ -48,7 +48,7 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@touch $@
 
 compare: $(INSTALLED)
-	$(BIN)/cea compare $(ARGS)
+	$(BIN)/cea study agreement $(ARGS)
 
 stability: $(INSTALLED)
 	$(BIN)/cea stability $(ARGS)

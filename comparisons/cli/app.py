@@ -29,8 +29,6 @@ COMMANDS = {
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
     "export": ("export:export", "Write a scene as input decks of other programs."),
     "doctor": ("doctor:doctor", "Tell whether this installation works, and what mends it."),
-    "compare": ("studies:compare", "Both scenes on both backends with every formulation."),
-    "formulations": ("studies:formulations", "Patch tests, locking, momentum, pairings."),
     "accuracy": ("studies:accuracy", "Error of every method against run time."),
     "reference": ("studies:reference", "Show the converged modes of disc_pad."),
     "brake": ("brake:brake", "Run ventilated_brake on three meshes."),
@@ -40,6 +38,8 @@ COMMANDS = {
 """Place of each command below this package, and its help."""
 RENAMED = {
     "damping": "study damping",
+    "compare": "study agreement",
+    "formulations": "study formulations",
 }
 """Commands under the names that they had, and what they are called now."""
 

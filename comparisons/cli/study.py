@@ -18,7 +18,12 @@ if TYPE_CHECKING:
     from comparisons.study.result import StudyResult
     from comparisons.study.study import Study
 
-STUDIES = {
+STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "agreement": ("agreement:STUDY", "Both backends on the same scenes, every formulation.", ()),
+    "formulations": (
+        *("formulations.study:STUDY", "Which formulations pass patch tests, lock, keep momentum."),
+        ("exact",),
+    ),
     "damping": ("damping:STUDY", "How damping moves the threshold of flutter.", ("exact",)),
 }
 """Place of each study below comparisons, its help, and the extras that it needs beside pictures."""

@@ -17,7 +17,7 @@ def test_quick_options_run_and_show(name, tmp_path):
     write_study(study, result, tmp_path)
     stored = read(name, tmp_path)
     for section in study.sections:
-        for table in section.tables:
-            assert not table.frame(stored).empty, table.name
+        frames = [table.frame(stored) for table in section.tables]
+        assert not frames or any(len(frame) for frame in frames), section.title
         if section.headline:
             assert section.headline(stored) == section.headline(result)
