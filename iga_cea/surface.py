@@ -13,9 +13,8 @@ from cea.arrays import Floats, Ints
 from cea.corners import TANGENT
 from cea.surface import Surface
 from cea.surface_points import SurfaceCells, SurfaceCoordinates
-from iga_cea.chunks import chunks
 from iga_cea.face import PatchFace
-from iga_cea.grids import grid_points
+from iga_cea.grids import chunks, grid_points
 from iga_cea.kinks import smooth_pieces
 from iga_cea.splines import gauss_rule
 

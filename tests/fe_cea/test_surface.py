@@ -111,21 +111,6 @@ def test_gauss_points_integrate_polynomials(cell, degree):
 
 
 @every_element
-@pytest.mark.parametrize("kind", MESHES)
-def test_trace_sums_to_one_and_reproduces_positions(kind, cell, degree):
-    body = make(kind, cell, degree)
-    x = coordinates(body, degree)
-    for surface in body.surfaces.values():
-        at = scattered(surface, 50)
-        trace = surface.trace(at)
-        assert trace.shape == (50, body.num_scalar_dofs)
-        np.testing.assert_allclose(trace.sum(axis=1), 1, rtol=1e-14)
-        np.testing.assert_allclose(trace @ x, surface.position(at), atol=1e-14)
-        per_facet = {("tetrahedron", 1): 3, ("tetrahedron", 2): 6, ("hexahedron", 1): 4}
-        assert np.diff(trace.indptr).max() == per_facet.get((cell, degree), 9)
-
-
-@every_element
 def test_gradient_of_a_linear_field_is_exact_on_curved_cells(cell, degree):
     body = make("annulus", cell, degree)
     A = np.array([[1.0, 2.0, -1.0], [0.5, -3.0, 1.0], [2.0, 0.3, 0.7]])
