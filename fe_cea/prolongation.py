@@ -15,7 +15,7 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.errors import InputError
-from cea.nested.prolongation import random_coefficients
+from cea.nested.prolongation import varied_coefficients
 from fe_cea.cell_location import Cells, own_cells
 from fe_cea.facets import geometry_element
 
@@ -78,7 +78,7 @@ def _evaluated(cells: Cells, x: Floats, count: int) -> tuple[csr_array, float]:
 
 def _defect(cells: Cells, scalar: csr_array, space: Any, comm: Any) -> float:
     """Largest difference of a coarse function and its prolongation inside the cells of a rank."""
-    coefficients = random_coefficients(scalar.shape[1])
+    coefficients = varied_coefficients(scalar.shape[1])
     everywhere = np.concatenate(comm.allgather(scalar @ coefficients))
     dim = space.mesh.geometry.dim
     nodes, dofs = own_cells(space)

@@ -61,7 +61,7 @@ RUN = {
     "complete up to a growth rate": r"; verdict: no unstable mode found up to a growth rate of \d",
     "exceptional point": "; verdict: undecided",
 }
-"""What one run says more."""
+"""What one run says more, on one mesh or on several."""
 
 
 def write_matrices(folder, **matrices):
@@ -143,6 +143,6 @@ def test_every_command_has_the_same_words(written, command, tmp_path):
         if re.search("modes? up to|[Nn]o modes|Most g", line)
     )
     assert re.search(expected, said), said
-    if command in ("run", "solve"):
+    if command in ("run", "solve", "converge"):
         assert re.search(RUN[name], said)
     assert re.search("; threshold 1e-4|[Nn]o modes", said)

@@ -106,7 +106,7 @@ def test_simplices_of_a_given_size_divided(cell, degree):
 
 def assert_kept(coarse, fine):
     step = prolongation(coarse, fine)
-    assert step.exact
+    assert step.defect < 1e-10
     P, u = csr(step.matrix), RNG.uniform(-1, 1, step.matrix.getSize()[1])
     x = inside(coarse)
     assert np.abs(values(fine, P @ u, x) - values(coarse, u, x)).max() < 1e-12
@@ -118,7 +118,7 @@ def assert_kept(coarse, fine):
 def test_curved_cells_of_one_geometry():
     coarse, fine = (body_of(ROUND, "hexahedron", q, order=2) for q in (2, 3))
     step = prolongation(coarse, fine)
-    assert step.exact
+    assert step.defect < 1e-10
     P = csr(step.matrix)
     u = RNG.uniform(-1, 1, P.shape[1])
     a, b = coarse.volume_sample(3), fine.volume_sample(3)
@@ -147,7 +147,7 @@ def test_held_components_are_left_out():
         body_of(FLAT, "hexahedron", 2, elements=n, supports=held) for n in ((2, 1, 1), (4, 2, 2))
     )
     step = prolongation(coarse, fine)
-    assert step.exact
+    assert step.defect < 1e-10
     assert step.matrix.getSize() == (fine.expansion.getSize()[1], coarse.expansion.getSize()[1])
 
 

@@ -22,7 +22,7 @@ from comparisons.stability.parts.case import (
     refused,
 )
 from comparisons.stability.parts.dense import lambdas
-from comparisons.stability.parts.problems import OfContinued, OfMap, OfMatrices, OfParts
+from comparisons.stability.parts.problems import OfMap, OfMatrices, OfParts
 from comparisons.stability.parts.references import benign, copies, formula
 from comparisons.stability.parts.scenes import (
     ABOUT_Z,
@@ -253,18 +253,6 @@ def _map(P: float, mu: float, ends: tuple[float, float], ways: Any, **options: A
     return Rows(row, ways, problem=partial(OfMap, axes=axes), **options)
 
 
-_LINEAR = {"degree": 1}
-
-
-def _continued(P: float, mu: float) -> Iterator[Run]:
-    """Modes continued from elements of degree 1: nothing says that none is missing."""
-    for way in chosen(WAYS, "GPTS, saddle", "mortar, saddle"):
-        coarse = way.of(layers(P=P, mu=mu, upper=_LINEAR, lower=_LINEAR))
-        problem = partial(OfContinued, coarse=coarse)
-        row = {f"P = {P:.0e} N/m, μ = {mu:g}": layers(P=P, mu=mu)}
-        yield from Rows(row, [way], problem=problem, expected=HONEST).runs()
-
-
 def _slowed(factor: float) -> Rows:
     """Everything takes so many times longer."""
     fast = sprag(mu=1.0)
@@ -327,11 +315,6 @@ CASES = {
             lowest=15,
             warnings=_IN_ONE_PLACE,
         ),
-    ),
-    "continued": Case(
-        _SUBJECT,
-        "Modes continued from elements of degree 1",
-        *(partial(_continued, P, mu) for P in (1e-3, 1e4, inf) for mu in (0.0, 1.0)),
     ),
     "disc_pad": Case(
         _SUBJECT,

@@ -21,10 +21,9 @@ from cea.reduced.model import ReducedModel
 from cea.reduced.words import words_of
 from cea.warned import ResultWarning
 from scenes.describe import describe
-from scenes.nested import continued_modes
 from scenes.read import Scene, read_scene
 from scenes.results import ModesResult
-from scenes.run import coupled, run_modes, run_scene
+from scenes.run import coupled, run_scene
 from scenes.stored import as_json
 
 UNDECIDED, NOT_COMPLETE = "undecided", "window-not-complete"
@@ -200,21 +199,6 @@ class OfParts:
         assert pencil.near_contact is not None
         modes = solve_modes(pencil, _end(scene))
         return answer_of(modes, (*system.warnings, *modes.warnings), None, system.size)
-
-
-@dataclass(frozen=True)
-class OfContinued:
-    """A scene that is not searched: its modes are continued from those of a coarser scene."""
-
-    data: Mapping[str, Any]
-    coarse: Mapping[str, Any]
-
-    def solve(self, max_frequency: float | None) -> ModesAnswer:
-        """Modes of the coarser scene up to 1.5 times the frequency, by four block inverse steps."""
-        top = max_frequency or 1.0
-        coarse = run_modes(_read(self.coarse, 1.5 * top), left=True)
-        result = continued_modes(coarse, _read(self.data, top), steps=4)
-        return _of_result(result, result.system.size)
 
 
 @dataclass(frozen=True)
