@@ -87,6 +87,10 @@ class EnergyNorm:
             solution[:, columns] = self._factors.solve_block(block[:, columns])
         return solution
 
+    def held(self, block: Floats) -> Floats:
+        """Vectors that obey the ties but for rounding, which grows as they are made longer."""
+        return block if self._forces is None else self.solve(self.image(block))
+
     def inner(self, left: Floats, right: Floats) -> Floats:
         """L^T R, shape (columns of L, columns of R), the same on every rank.
 

@@ -97,7 +97,7 @@ class Span:
         needed.
         """
         image = self.norm.image(block)
-        left = block - self.vectors @ self.norm.inner(self.vectors, image)
+        left = self.norm.held(block - self.vectors @ self.norm.inner(self.vectors, image))
         return left, self.norm.inner(left, image)
 
     def _append(self, block: Floats) -> None:
