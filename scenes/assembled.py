@@ -323,20 +323,6 @@ class AssembledScene:
             self.scene.change({f"contacts.{name}.form": "saddle" for name in changing})
         )
 
-    def with_forces(self) -> "AssembledScene":
-        """The scene with forces as unknowns of every contact whose form is left open.
-
-        Lumped contacts have none.
-        """
-        open_ = [
-            name
-            for name, each in self.scene.contacts.items()
-            if each.form is None and not getattr(each.formulation, "lumped", False)
-        ]
-        if not open_:
-            return self
-        return AssembledScene(self.scene.change({f"contacts.{n}.form": "saddle" for n in open_}))
-
     def free(self) -> None:
         """Free factors kept between solves."""
         self._driver.free()

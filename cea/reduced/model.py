@@ -29,7 +29,7 @@ from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.sensitivity import POWERS
 from cea.reduced.norm import EnergyNorm, InnerProduct
-from cea.reduced.pieces import Piece, Pieces, Values
+from cea.reduced.pieces import ContactPiece, Piece, Pieces, Values
 from cea.reduced.saddle import SmallContact
 from cea.reduced.small import SmallPencil, SmallPiece
 from cea.reduced.snapshots import forces_of, real_vectors, rounding_of
@@ -120,6 +120,7 @@ class ReducedModel:
         self.norm = EnergyNorm(pencil, least, self._pieces.tied, max_frequency)
         self._basis, self._residuals = Span(self.norm, BASIS), Span(self.norm, RESIDUAL)
         self._contacts = self._pieces.contacts
+        self._widest: dict[ContactPiece, float] = {}
         self._forces = [
             Span(InnerProduct(self.norm.comm, each.closes.rows, each.compliance), FORCES)
             for each in self._contacts
@@ -186,17 +187,17 @@ class ReducedModel:
         before = [each.size for each in bases]
         for contact, span, size in zip(self._contacts, self._forces, before[2:], strict=True):
             span.add(_unit(span.norm, forces_of(modes, contact.rows)))
-            for rectangle in (contact.closes, contact.slides):
-                if rectangle is not None:  # the static displacements that forces cause
-                    forces = rectangle.transposed(span.vectors[:, size:])
-                    moved = self.norm.solve(forces)
-                    lengths = self.norm.lengths(moved, forces)
-                    lengths[lengths == 0] = 1.0
-                    blocks.append(moved / lengths)
-                    images.append(forces / lengths)
+            self._add_static(contact, span.vectors[:, size:], blocks, images)
         self._basis.add(np.hstack(blocks), np.hstack(images))
+        blocks, images = [], []
+        for contact, span in zip(self._contacts, self._forces, strict=True):
+            size = span.size
+            self._add_gaps(contact, span, before[0])
+            self._add_static(contact, span.vectors[:, size:], blocks, images)
+        if blocks:
+            self._basis.add(np.hstack(blocks), np.hstack(images))
         self._extend(before[0])
-        self._extend_contacts(before[0], before[2:])
+        self._extend_contacts(before[2:])
         self._round(rounding_of(modes), modes.values)
         vectors, residuals, *forces_grown = (
             each.vectors[:, size:] for each, size in zip(bases, before, strict=True)
@@ -275,8 +276,30 @@ class ReducedModel:
         lost = float(np.hypot(small.lost, lost))
         return replace(small, square=square, right=right, left=left, lost=lost)
 
-    def _extend_contacts(self, before: int, known: Sequence[int]) -> None:
-        """Take forces of gaps of new vectors in, and project contacts on both bases."""
+    def _add_gaps(self, contact: ContactPiece, span: Span, before: int) -> None:
+        """Take the forces of the gaps of new vectors in."""
+        gaps = contact.closes.times(self._basis.vectors[:, before:])
+        caused = contact.inverse.solve_block(gaps)
+        # Gaps that vectors close but for rounding tell of no forces.
+        longest = float(span.norm.lengths(caused, gaps).max(initial=0.0))
+        self._widest[contact] = max(longest, self._widest.get(contact, 0.0))
+        span.add(caused, gaps, FORCES * self._widest[contact])
+
+    def _add_static(
+        self, contact: ContactPiece, forces: Floats, blocks: list[Floats], images: list[Floats]
+    ) -> None:
+        """The static displacements of length one that forces cause, and X times these."""
+        for rectangle in (contact.closes, contact.slides):
+            if rectangle is not None:
+                image = rectangle.transposed(forces)
+                moved = self.norm.solve(image)
+                lengths = self.norm.lengths(moved, image)
+                lengths[lengths == 0] = 1.0
+                blocks.append(moved / lengths)
+                images.append(image / lengths)
+
+    def _extend_contacts(self, known: Sequence[int]) -> None:
+        """Project contacts on both bases."""
         vectors = self._basis.vectors
         grown = []
         for contact, span, small, old in zip(
@@ -284,8 +307,6 @@ class ReducedModel:
         ):
             closes, slides = contact.closes, contact.slides
             gaps = closes.times(vectors)
-            fresh = gaps[:, before:]
-            span.add(contact.inverse.solve_block(fresh), fresh)
             new, lost = span.vectors[:, old:], np.zeros(2)
             pushes, lost[0] = self._with_images(small.pushes, closes.transposed(new), 0.0)
             slid, rubs = np.zeros_like(gaps), np.zeros_like(pushes)

@@ -90,7 +90,7 @@ class Rectangle:
         return image
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ContactPiece:
     """A contact whose forces f are unknowns: (J - c_f R)^T f on the bodies, J x = c_c C^ f.
 

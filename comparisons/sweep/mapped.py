@@ -151,7 +151,12 @@ def mapped(
         first.free()
         allowed = "no parameter that moves a state of steady sliding"
         raise _no_map(InputError("axis", moved[0], allowed))
-    assembled = first.with_forces()
+    stiffest = {
+        name: factor * axis.ends[1 if name.endswith(".P") else 0]
+        for axis, each in zip(axes, names, strict=True)
+        for name, factor in each.items()
+    }
+    assembled = first.with_forms_at(stiffest)
     if assembled is not first:
         first.free()
     analysis = assembled.scene.analysis
