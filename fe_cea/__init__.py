@@ -4,7 +4,7 @@ PETSc is brought in before anything here imports dolfinx.
 """
 
 import cea.petsc  # noqa: F401
-from fe_cea.body import FEBody
+from fe_cea.space import LagrangeSpace
 from fe_cea.surface import FESurface
 
-__all__ = ["FEBody", "FESurface"]
+__all__ = ["FESurface", "LagrangeSpace"]

@@ -22,7 +22,7 @@ def lagrange_cells(V: Any) -> VolumeCells:
     Parameters
     ----------
     V
-        Lagrange space (dolfinx), blocked with the dimension of its mesh.
+        Scalar Lagrange space (dolfinx).
     """
     mesh, dim = V.mesh, V.mesh.geometry.dim
     degree = max(V.ufl_element().degree, geometry_element(mesh).degree)
@@ -31,7 +31,6 @@ def lagrange_cells(V: Any) -> VolumeCells:
         mesh.basix_cell(),
         degree,
         lagrange_variant=basix.LagrangeVariant.equispaced,
-        shape=(dim,),
     )
     W = functionspace(mesh, element)
     numbers = W.dofmap.index_map
@@ -61,14 +60,11 @@ def _values(V: Any, W: Any) -> csr_array:
     matrix = interpolation_matrix(V, W)
     matrix.assemble()
     indptr, indices, data = matrix.getValuesCSR()
-    rows = csr_array((data, indices, indptr), shape=(len(indptr) - 1, matrix.getSize()[1]))
     matrix.destroy()
-    # Components are alike: the first one stands for the scalar functions.
-    scalar = csr_array(rows[:: V.dofmap.index_map_bs])
-    scalar.eliminate_zeros()
-    columns = scalar.indices.astype(np.int64) // V.dofmap.index_map_bs
-    shape = (scalar.shape[0], V.dofmap.index_map.size_global)
-    return csr_array((scalar.data, columns, scalar.indptr), shape=shape)
+    shape = (len(indptr) - 1, V.dofmap.index_map.size_global)
+    values = csr_array((data, indices.astype(np.int64), indptr), shape=shape)
+    values.eliminate_zeros()
+    return values
 
 
 def _right_handed(cells: Ints, lattice: Ints, points: Floats) -> Ints:

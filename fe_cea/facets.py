@@ -197,7 +197,7 @@ def gather_facets(V: Any, facets: Ints) -> FacetLayer:
     Parameters
     ----------
     V
-        Lagrange space (dolfinx), scalar or blocked.
+        Scalar Lagrange space (dolfinx).
     facets
         Facets on the boundary of the mesh, local numbers; each rank gives its own.
     """

@@ -7,14 +7,15 @@ geometry, or cells divided whose maps are affine. Between curved meshes it is as
 geometries agree, and interpolation between others; the defect tells.
 """
 
+from typing import Any
+
 import basix
 import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.errors import InputError
-from cea.nested.prolongation import Prolongation, on_free_dofs, random_coefficients
-from fe_cea.body import FEBody
+from cea.nested.prolongation import varied_coefficients
 from fe_cea.cell_location import Cells, own_cells
 from fe_cea.facets import geometry_element
 
@@ -26,32 +27,41 @@ _SAMPLES = np.array([[0.31, 0.22, 0.13], [0.17, 0.53, 0.24]])
 """Reference coordinates, of boxes and simplices alike, at which a prolongation is tried."""
 
 
-def prolongation(coarse: FEBody, fine: FEBody) -> Prolongation:
-    """Prolongation from one discretisation of a body to another; collective.
+def prolongation(coarse: Any, fine: Any, comm: Any, field: str) -> tuple[csr_array, float]:
+    """Prolongation from one space of a body to another; collective.
 
     Parameters
     ----------
     coarse, fine
-        The body in both discretisations, on the same ranks.
+        Scalar Lagrange spaces (dolfinx) of the body, on the same ranks.
+    comm
+        Communicator of these.
+    field
+        Name of the finer mesh in messages.
+
+    Returns
+    -------
+    tuple
+        As :meth:`cea.body.Space.prolongation`.
 
     Raises
     ------
     InputError
         When the meshes are not those of one body.
     """
-    field = f"bodies.{fine.name}.mesh"
-    if coarse.dim != fine.dim:
-        raise InputError(field, f"{fine.dim} dimensions", f"{coarse.dim}, as the coarse body has")
-    cells = Cells.of(coarse.space)
-    first, last = fine.space.dofmap.index_map.local_range
-    nodes = fine.space.tabulate_dof_coordinates()[: last - first, : fine.dim]
-    scalar, miss = _evaluated(cells, np.ascontiguousarray(nodes), coarse.num_scalar_dofs)
-    worst = max(fine.comm.allgather(miss))
+    before, dim = coarse.mesh.geometry.dim, fine.mesh.geometry.dim
+    if before != dim:
+        raise InputError(field, f"{dim} dimensions", f"{before}, as the coarse body has")
+    cells = Cells.of(coarse)
+    first, last = fine.dofmap.index_map.local_range
+    nodes = fine.tabulate_dof_coordinates()[: last - first, :dim]
+    count = coarse.dofmap.index_map.size_global
+    scalar, miss = _evaluated(cells, np.ascontiguousarray(nodes), count)
+    worst = max(comm.allgather(miss))
     if worst > _SAME:
         allowed = f"the body of the coarse mesh, nodes within {_SAME:g} cells of it"
         raise InputError(field, f"{worst:.3g} cells apart", allowed)
-    defect = _defect(cells, scalar, fine)
-    return on_free_dofs(scalar, max(miss, defect), coarse, fine, fine.constraints)
+    return scalar, max(miss, _defect(cells, scalar, fine, comm))
 
 
 def _evaluated(cells: Cells, x: Floats, count: int) -> tuple[csr_array, float]:
@@ -66,16 +76,16 @@ def _evaluated(cells: Cells, x: Floats, count: int) -> tuple[csr_array, float]:
     return matrix, float(miss.max(initial=0.0))
 
 
-def _defect(cells: Cells, scalar: csr_array, fine: FEBody) -> float:
+def _defect(cells: Cells, scalar: csr_array, space: Any, comm: Any) -> float:
     """Largest difference of a coarse function and its prolongation inside the cells of a rank."""
-    coefficients = random_coefficients(scalar.shape[1])
-    everywhere = np.concatenate(fine.comm.allgather(scalar @ coefficients))
-    space = fine.space
+    coefficients = varied_coefficients(scalar.shape[1])
+    everywhere = np.concatenate(comm.allgather(scalar @ coefficients))
+    dim = space.mesh.geometry.dim
     nodes, dofs = own_cells(space)
-    table = geometry_element(space.mesh).tabulate(0, _SAMPLES[:, : fine.dim])[0, :, :, 0]
-    x = np.einsum("pk,cki->cpi", table, nodes).reshape(-1, fine.dim)
+    table = geometry_element(space.mesh).tabulate(0, _SAMPLES[:, :dim])[0, :, :, 0]
+    x = np.einsum("pk,cki->cpi", table, nodes).reshape(-1, dim)
     trial: basix.finite_element.FiniteElement = space.ufl_element().basix_element
-    values = trial.tabulate(0, _SAMPLES[:, : fine.dim])[0, :, :, 0]
+    values = trial.tabulate(0, _SAMPLES[:, :dim])[0, :, :, 0]
     found = (everywhere[dofs] @ values.T).ravel()
     wanted = _evaluated(cells, x, scalar.shape[1])[0] @ coefficients
     return float(np.abs(found - wanted).max(initial=0.0))

@@ -24,7 +24,7 @@ def sample_volume(V: Any, subdivisions: int) -> VolumeSample:
     Parameters
     ----------
     V
-        Lagrange space (dolfinx), scalar or blocked.
+        Scalar Lagrange space (dolfinx).
     subdivisions
         Parts each edge is divided into.
 

@@ -1,8 +1,8 @@
-"""NURBS backend: elastic bodies of joined patches, refined, assembled and traced on surfaces.
+"""NURBS backend: joined patches, refined, assembled and traced on surfaces.
 
 Takes plain geometry (knots, control points, weights, named faces) and knows no other backend.
 """
 
-from iga_cea.body import NurbsBody
+from iga_cea.space import NurbsSpace
 
-__all__ = ["NurbsBody"]
+__all__ = ["NurbsSpace"]

@@ -14,8 +14,7 @@ from scipy.sparse import coo_array, csr_array, diags_array, kron, vstack
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
-from cea.nested.prolongation import Prolongation, on_free_dofs
-from iga_cea.body import NurbsBody
+from iga_cea.multipatch import Multipatch
 from iga_cea.patch import Patch
 from iga_cea.splines import basis_functions, basis_matrix, gauss_rule
 
@@ -25,8 +24,10 @@ _SAME = 1e-6
 """Distance, relative to its size, within which a body is the same in both discretisations."""
 
 
-def prolongation(coarse: NurbsBody, fine: NurbsBody) -> Prolongation:
-    """Prolongation from one discretisation of a body to another of the same patches; collective.
+def prolongation(
+    coarse: Multipatch, fine: Multipatch, rank: int, field: str
+) -> tuple[csr_array, float]:
+    """Prolongation from one space of a body to another of the same patches.
 
     Exact where the fine spaces hold the coarse ones: knots inserted, degrees raised with continuity
     kept, in any direction. Supports on faces along which held directions turn are projected on
@@ -35,34 +36,41 @@ def prolongation(coarse: NurbsBody, fine: NurbsBody) -> Prolongation:
     Parameters
     ----------
     coarse, fine
-        The body in both discretisations, on the same ranks.
+        Joined patches of the body, on the same ranks.
+    rank
+        Rank whose rows are made.
+    field
+        Name of the finer patches in messages.
+
+    Returns
+    -------
+    tuple
+        As :meth:`cea.body.Space.prolongation`.
 
     Raises
     ------
     InputError
         When the patches are not those of one body.
     """
-    field = f"bodies.{fine.name}.patches"
-    before, after = coarse.multipatch.patches, fine.multipatch.patches
+    before, after = coarse.patches, fine.patches
     if len(before) != len(after) or coarse.dim != fine.dim:
         allowed = f"{len(before)} in {coarse.dim} dimensions, as the coarse body has"
         raise InputError(field, f"{len(after)} in {fine.dim} dimensions", allowed)
-    first, last = fine.multipatch.dof_ranges[fine.comm.rank : fine.comm.rank + 2]
-    columns = coarse.multipatch.num_scalar_dofs
+    first, last = fine.dof_ranges[rank : rank + 2]
+    columns = coarse.num_scalar_dofs
     rows, numbers, defect = [], [], 0.0
     for number, (one, other) in enumerate(zip(before, after, strict=True)):
         matrix, apart = _of_patch(one, other, f"{field}[{number}]")
         defect = max(defect, apart)
-        dofs, place = np.unique(fine.multipatch.dofs[number].ravel(), return_index=True)
+        dofs, place = np.unique(fine.dofs[number].ravel(), return_index=True)
         own = (dofs >= first) & (dofs < last)
         part = coo_array(matrix[place[own]])
-        entries = (part.data, (part.row, coarse.multipatch.dofs[number].ravel()[part.col]))
+        entries = (part.data, (part.row, coarse.dofs[number].ravel()[part.col]))
         rows.append(csr_array(coo_array(entries, shape=(int(own.sum()), columns))))
         numbers.append(dofs[own])
     # A dof of several patches takes its row from the first.
     place = np.unique(np.concatenate(numbers), return_index=True)[1]
-    scalar = csr_array(csr_array(vstack(rows, format="csr"))[place])
-    return on_free_dofs(scalar, defect, coarse, fine, fine.constraints)
+    return csr_array(csr_array(vstack(rows, format="csr"))[place]), defect
 
 
 def _of_patch(coarse: Patch, fine: Patch, field: str) -> tuple[csr_array, float]:

@@ -1,4 +1,4 @@
-"""PETSc matrices from the entries of the rows of each rank, those of held unknowns left out.
+"""PETSc matrices from the entries of the rows of each rank.
 
 A scalar entry of row r at place t becomes, for each component a of the row, one tuple of columns:
 all n components in a full block, or component a alone. Rows lie one after the other, those of the
@@ -22,11 +22,8 @@ from iga_cea.pattern import Pattern
 _CACHED = 2**10
 """Bytes that an entry is counted as: few enough are done at a time to stay in the cache."""
 
-Kept = NDArray[np.bool_]
-"""Whether each of all full dofs is kept, shape (dim * num_scalar_dofs,)."""
 
-
-def block_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None, comm: Any) -> Any:
+def block_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any:
     """AIJ matrix whose scalar entries are dim x dim blocks.
 
     Parameters
@@ -38,8 +35,6 @@ def block_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None, co
         of the matrix.
     dim
         Dimension of space.
-    kept
-        Unknowns that stay; None of all.
     comm
         MPI communicator.
     """
@@ -48,10 +43,10 @@ def block_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None, co
     indices = np.empty((dim * len(columns), dim), dtype=PETSc.IntType)
     for stretch in _stretches(pattern, dim):
         np.take(columns, stretch.source, axis=0, out=indices[stretch.part], mode="clip")
-    return _matrix(pattern, data, indices.reshape(-1), dim, kept, comm)
+    return _matrix(pattern, data, indices.reshape(-1), dim, comm)
 
 
-def component_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None, comm: Any) -> Any:
+def component_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any:
     """AIJ matrix that has a scalar matrix in each component.
 
     Parameters
@@ -62,8 +57,6 @@ def component_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None
         Entries as :func:`iga_cea.entries.entries` gives them of one component.
     dim
         Dimension of space.
-    kept
-        Unknowns that stay; None of all.
     comm
         MPI communicator.
     """
@@ -75,7 +68,7 @@ def component_matrix(pattern: Pattern, data: Floats, dim: int, kept: Kept | None
         np.take(columns, stretch.source, out=part, mode="clip")
         part += stretch.component
         np.take(data, stretch.source, out=values[stretch.part], mode="clip")
-    return _matrix(pattern, values, indices, dim, kept, comm)
+    return _matrix(pattern, values, indices, dim, comm)
 
 
 def combined(pattern: Pattern, parts: Sequence[tuple[Floats, Floats]], dim: int) -> Floats:
@@ -141,47 +134,15 @@ def _stretches(pattern: Pattern, dim: int) -> Iterator[_Stretch]:
         yield _Stretch(every, source, lengths, dim)
 
 
-def _matrix(
-    pattern: Pattern, data: Floats, indices: Any, dim: int, kept: Kept | None, comm: Any
-) -> Any:
+def _matrix(pattern: Pattern, data: Floats, indices: Any, dim: int, comm: Any) -> Any:
     lengths = np.repeat(pattern.counts * (len(indices) // (dim * len(pattern.columns) or 1)), dim)
     indptr = np.concatenate([[0], np.cumsum(lengths)])
-    rows, first, block = (len(indptr) - 1) // 2, dim * pattern.first, dim
-    if kept is not None:
-        own = kept[dim * pattern.first : dim * pattern.last]
-        indptr, indices, data = _compressed(indptr, indices, data, np.tile(own, 2), kept)
-        rows, first, block = int(own.sum()), int(kept[:first].sum()), 1
+    rows, first = (len(indptr) - 1) // 2, dim * pattern.first
     inner = int(indptr[rows])
     indices[:inner] -= first
     return from_blocks(
         (indptr[: rows + 1], indices[:inner], data[:inner]),
         (indptr[rows:] - inner, indices[inner:], data[inner:]),
         comm,
-        block_size=block,
+        block_size=dim,
     )
-
-
-def _compressed(
-    indptr: Ints, indices: Any, data: Floats, own: Kept, kept: Kept
-) -> tuple[Ints, Any, Floats]:
-    """Kept rows and columns, renumbered, in the memory of all."""
-    number = np.where(kept, np.cumsum(kept) - 1, -1).astype(indices.dtype)
-    lengths, done = np.diff(indptr), 0
-    left = np.empty(len(own), dtype=np.int64)
-    for rows in _row_chunks(indptr):
-        part = slice(indptr[rows.start], indptr[rows.stop])
-        column = number[indices[part]]
-        stays = (column >= 0) & np.repeat(own[rows], lengths[rows])
-        before = np.concatenate([[0], np.cumsum(stays)])
-        left[rows] = np.diff(before[indptr[rows.start : rows.stop + 1] - part.start])
-        end = done + int(before[-1])
-        # What is written here has been read already.
-        indices[done:end], data[done:end] = column[stays], data[part][stays]
-        done = end
-    starts = np.concatenate([[0], np.cumsum(left[own])])
-    return starts, indices[:done], data[:done]
-
-
-def _row_chunks(indptr: Ints) -> Iterator[slice]:
-    """Rows in chunks of bounded memory."""
-    yield from chunks(len(indptr) - 1, 32.0 * max(1.0, indptr[-1] / max(1, len(indptr) - 1)))

@@ -10,41 +10,22 @@ import numpy as np
 from cea.errors import InputError
 from cea.mesh import Mesh, reference_nodes
 from meshes.gmsh_model import gmsh_session, read_gmsh
-from meshes.nodes import simplex_changes
 from meshes.shapes import (
-    Annulus,
     Box,
-    Disc,
     Hub,
     Rectangle,
-    Ring,
     RingSector,
     Sector,
     Shape,
     VentilatedDisc,
+    round_surfaces,
 )
-from meshes.ventilated_disc_model import build_ventilated_disc, refine
+from meshes.structured import simplex_changes
+from meshes.ventilated_disc_model import build_ventilated_disc, refine, revolved
 
 
 def outline_mesh(shape: Shape, order: int, size: float) -> Mesh:
-    """Mesh a shape with triangles or tetrahedra.
-
-    Parameters
-    ----------
-    shape
-        The shape.
-    order
-        Order of the geometry.
-    size
-        Target edge length (m).
-
-    Raises
-    ------
-    InputError
-        When curved cells of that size are inverted.
-    RuntimeError
-        When gmsh is in use already.
-    """
+    """Mesh a shape with triangles or tetrahedra."""
     with gmsh_session():
         gmsh.model.add(shape.shape)
         surfaces = _built(shape, size)
@@ -91,7 +72,7 @@ def _through_lobatto_points(shape: Shape, mesh: Mesh) -> Mesh:
     """Mesh whose cells meet the circles at Gauss-Lobatto points rather than at their nodes."""
     to_lobatto, back = simplex_changes(reference_nodes(mesh.cell, mesh.order), mesh.order)
     radius = np.zeros(len(mesh.points))
-    for name, value in _radii(shape).items():
+    for name, value in round_surfaces(shape).items():
         radius[mesh.surfaces[name]] = value
     curved = mesh.cells[radius[mesh.cells].any(axis=1)]
     lobatto = mesh.points.copy()
@@ -101,21 +82,6 @@ def _through_lobatto_points(shape: Shape, mesh: Mesh) -> Mesh:
     points = mesh.points.copy()
     points[curved] = back @ lobatto[curved]
     return replace(mesh, points=points)
-
-
-def _radii(shape: Shape) -> dict[str, float]:
-    """Radii (m) of the round surfaces of a shape."""
-    if isinstance(shape, Hub):
-        return {
-            "bore": shape.bore,
-            "hub_side": shape.hub_radius,
-            "outer": shape.outer_radius,
-        }
-    if isinstance(shape, Disc):
-        return {"outer": shape.outer_radius}
-    if isinstance(shape, Annulus | Sector | Ring | RingSector):
-        return {"inner": shape.inner_radius, "outer": shape.outer_radius}
-    return {}
 
 
 def _revolved_hub(shape: Hub) -> dict[str, list[int]]:
@@ -136,13 +102,8 @@ def _revolved_hub(shape: Hub) -> dict[str, list[int]]:
         for corner, end in zip(profile, following, strict=True)
         if corner[1:] != end  # a hub that ends flush with the ring has no side there
     ]
-    occ = gmsh.model.occ
-    points = [occ.addPoint(r, 0, z) for _, r, z in edges]
-    lines = [occ.addLine(a, b) for a, b in zip(points, points[1:] + points[:1], strict=True)]
-    face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
-    swept = occ.revolve([(2, face)], 0, 0, 0, 0, 0, 1, 2 * np.pi)
-    occ.remove([(2, face)])
-    occ.synchronize()
+    swept = revolved([corner[1:] for corner in edges])
+    gmsh.model.occ.synchronize()
     _, _, *walls = swept  # the profile itself again, the volume, then what its edges sweep
     surfaces: dict[str, list[int]] = {name: [] for name in shape.surfaces}
     for (name, _, _), (_, tag) in zip(edges, walls, strict=True):
@@ -215,7 +176,7 @@ def _loops(shape: Shape) -> list[list[_Edge]]:
             _Edge("start", point(shape.inner_radius, shape.start)),
         ]
         return [loop]
-    radii = sorted(_radii(shape).items(), key=lambda item: -item[1])
+    radii = sorted(round_surfaces(shape).items(), key=lambda item: -item[1])
     return [
         [_Edge(name, point(radius, angle), arc=True) for angle in (0, 90, 180, 270)]
         for name, radius in radii

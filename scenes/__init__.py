@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from scenes.matrix_scene import MatrixScene as MatrixScene
     from scenes.matrix_scene import load_matrices as load_matrices
     from scenes.matrix_scene import read_matrix_scene as read_matrix_scene
-    from scenes.nested import continued_modes as continued_modes
     from scenes.nested import estimate_errors as estimate_errors
     from scenes.opened import open_result as open_result
     from scenes.read import Scene as Scene
@@ -42,7 +41,7 @@ _OWNERS = {
     "scenes.inspection": ("Inspection", "inspect_scene"),
     "scenes.matrix_run": ("AssembledMatrices", "MatrixResult", "run_matrices"),
     "scenes.matrix_scene": ("MatrixScene", "load_matrices", "read_matrix_scene"),
-    "scenes.nested": ("continued_modes", "estimate_errors"),
+    "scenes.nested": ("estimate_errors",),
     "scenes.opened": ("open_result",),
     "scenes.read": ("Scene", "load_scene", "read_scene"),
     "scenes.scene_error": ("SceneError",),

@@ -7,10 +7,10 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from cea.arrays import Complexes
+from cea.body.unknowns import free_operator
 from cea.matrices import destroy, gather, scaled_total
 from cea.ranks import local_rows
 from cea.system.coupled import CoupledSystem
-from cea.unknowns import free_operator
 
 
 def displacements(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cea.arrays import Floats
-from cea.body import Body
+from cea.body import Body, Space
 from cea.contact.friction import FrictionDirection, Reversed
 from cea.contact.half_pass import HalfPass
 from cea.contact.interface import Interface, default_reach, pair
@@ -81,10 +81,20 @@ def build_body(
 ) -> Body:
     """One body of a scene on its backend; of a mesh file it has the surfaces that are asked for."""
     if spec.backend == "fe" and spec.fe_degree is not None:
-        return _fe_body(name, spec, spec.fe_degree, loads, surfaces)
-    if spec.backend == "iga" and spec.mesh.iga is not None:
-        return _iga_body(name, spec, spec.mesh.iga, loads)
-    raise InputError(f"bodies.{name}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
+        space = _lagrange_space(name, spec, spec.fe_degree, surfaces)
+    elif spec.backend == "iga" and spec.mesh.iga is not None:
+        space = _nurbs_space(name, spec, spec.mesh.iga)
+    else:
+        raise InputError(f"bodies.{name}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
+    return Body(
+        name,
+        space,
+        spec.material,
+        supports=[each.support() for each in spec.supports],
+        springs=spec.springs,
+        pressures=_pressures(loads),
+        forces=_forces(loads),
+    )
 
 
 def _pressures(loads: Sequence[LoadSpec]) -> list[Pressure]:
@@ -104,45 +114,29 @@ def _forces(loads: Sequence[LoadSpec]) -> list[Force]:
     return found + [Force(load.body_force) for load in loads if load.body_force is not None]
 
 
-def _fe_body(
-    name: str,
-    spec: BodySpec,
-    degree: int,
-    loads: Sequence[LoadSpec],
-    surfaces: Sequence[str],
-) -> Body:
-    from fe_cea import FEBody
+def _lagrange_space(name: str, spec: BodySpec, degree: int, surfaces: Sequence[str]) -> Space:
+    from fe_cea import LagrangeSpace
 
-    return FEBody.from_mesh(
-        name,
+    return LagrangeSpace.from_mesh(
         made_on_first(MPI.COMM_WORLD, lambda: body_mesh(name, spec, surfaces)),
         degree=degree,
-        material=spec.material,
-        supports=[s.support() for s in spec.supports],
-        springs=spec.springs,
-        pressures=_pressures(loads),
-        forces=_forces(loads),
         true_surfaces=true_surfaces(spec.geometry, spec.placement),
+        field=f"bodies.{name}",
     )
 
 
-def _iga_body(name: str, spec: BodySpec, mesh: IgaMesh, loads: Sequence[LoadSpec]) -> Body:
-    from iga_cea import NurbsBody
+def _nurbs_space(name: str, spec: BodySpec, mesh: IgaMesh) -> Space:
+    from iga_cea import NurbsSpace
     from meshes.nurbs_shapes import nurbs_shape
 
     breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
     shape = nurbs_shape(spec.geometry, breaks, spec.placement)
-    return NurbsBody(
-        name,
+    return NurbsSpace(
         shape.patches,
         shape.faces,
-        degree=mesh.degree,
+        mesh.degree,
         continuity=mesh.continuity,
-        material=spec.material,
-        supports=[s.support() for s in spec.supports],
-        springs=spec.springs,
-        pressures=_pressures(loads),
-        forces=_forces(loads),
+        field=f"bodies.{name}",
     )
 
 

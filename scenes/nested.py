@@ -1,16 +1,14 @@
-"""Two discretisations of one scene: prolongation, errors of eigenvalues, modes to start from."""
+"""Two discretisations of one scene: prolongation, errors of eigenvalues."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 
-from cea.arrays import Complexes, Floats
 from cea.body import Body
 from cea.eigen.pencil import Matrices, release
 from cea.errors import InputError
-from cea.nested.estimate import ErrorEstimate, corrected_eigenvalues, error_estimate
-from cea.nested.prolongation import Prolongation, of_system, unchanged
-from cea.nested.start import continued
+from cea.nested.estimate import ErrorEstimate, error_estimate
+from cea.nested.prolongation import Prolongation, of_body, of_system
 from cea.timing import StageTimer
 from scenes.build import build_bodies
 from scenes.made_of import body_parts
@@ -18,21 +16,16 @@ from scenes.memory import check_memory
 from scenes.read import Scene
 from scenes.results import ModesResult
 from scenes.richer import richer_scene
-from scenes.run import RunOptions, coupled, result_of_modes, run_modes
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.run import RunOptions, coupled, run_modes
 
 
-def prolongation(
-    coarse: Mapping[str, Body], fine: Mapping[str, Body], scene: Scene
-) -> Prolongation:
+def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Prolongation:
     """Prolongation from the unknown displacements of a scene to those of a finer one; collective.
 
     Parameters
     ----------
     coarse, fine
         Bodies of the scenes by name, on the same backends.
-    scene
-        The finer scene.
 
     Raises
     ------
@@ -41,27 +34,7 @@ def prolongation(
     """
     if list(coarse) != list(fine):
         raise InputError("bodies", list(fine), f"those of the coarse scene: {', '.join(coarse)}")
-    return of_system([_of_body(coarse[name], fine[name], scene, name) for name in fine])
-
-
-def _of_body(coarse: Body, fine: Body, scene: Scene, name: str) -> Prolongation:
-    """Prolongation of one body, by its backend."""
-    if coarse is fine:
-        return unchanged(fine)
-    if scene.bodies[name].backend == "fe":
-        from fe_cea.body import FEBody
-        from fe_cea.prolongation import prolongation as lagrange
-
-        if isinstance(coarse, FEBody) and isinstance(fine, FEBody):
-            return lagrange(coarse, fine)
-    else:
-        from iga_cea.body import NurbsBody
-        from iga_cea.prolongation import prolongation as nurbs
-
-        if isinstance(coarse, NurbsBody) and isinstance(fine, NurbsBody):
-            return nurbs(coarse, fine)
-    kinds = type(coarse).__name__, type(fine).__name__
-    raise InputError(f"bodies.{name}.backend", kinds, "one backend for both discretisations")
+    return of_system([of_body(coarse[name], fine[name]) for name in fine])
 
 
 def estimate_errors(
@@ -69,7 +42,6 @@ def estimate_errors(
     richer: Scene | None = None,
     *,
     steps: int = 1,
-    allowed: Floats | None = None,
     listener: Callable[[str], None] | None = None,
 ) -> ErrorEstimate:
     """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
@@ -88,9 +60,6 @@ def estimate_errors(
         A richer scene; by default the same with a degree more (:mod:`scenes.richer`).
     steps
         Block inverse steps; with damping or rotation there is one more.
-    allowed
-        What may remain of each eigenvalue (1/s), shape (n,): modes of which more does take a step
-        more, where nothing damps or rotates.
     listener
         Called with the name of each stage as it begins.
 
@@ -110,32 +79,8 @@ def estimate_errors(
         }
         result = run_modes(own, left=True, **options)
     with _on(scene, result, listener) as (matrices, step, timer), timer("krylov"):
-        found = error_estimate(result.modes, matrices, step, steps=steps, allowed=allowed)
+        found = error_estimate(result.modes, matrices, step, steps=steps)
         return replace(found, growth_threshold=result.analysis.growth_threshold)
-
-
-def eigenvalues_in(
-    result: ModesResult, richer: Scene, *, listener: Callable[[str], None] | None = None
-) -> Complexes:
-    """Eigenvalues of a scene in a richer space, by half the solves of an estimate; collective.
-
-    What they differ by from those of the scene tells its errors to a few per cent, but not what is
-    left of them (:func:`cea.nested.estimate.corrected_eigenvalues`).
-
-    Parameters are those of :func:`estimate_errors`.
-
-    Returns
-    -------
-    Complexes
-        lambda (1/s), shape (n,), in the order of the modes of the result.
-
-    Raises
-    ------
-    InputError
-        When modes or their left vectors are missing, or the scenes are not of the same bodies.
-    """
-    with _on(richer, result, listener) as (matrices, step, timer), timer("krylov"):
-        return corrected_eigenvalues(result.modes, matrices, step)
 
 
 @contextmanager
@@ -147,7 +92,7 @@ def _on(
     system, _, timer = coupled(scene, bodies=bodies, listener=listener)
     with timer("assembly"):
         matrices = system.pencil().at()
-        step = prolongation(result.bodies, system.bodies, scene)
+        step = prolongation(result.bodies, system.bodies)
     try:
         yield matrices, step, timer
     finally:
@@ -169,50 +114,3 @@ def _with_those_of(
 def _same(name: str, scene: Scene, other: Scene) -> bool:
     """Whether a body is the same in two scenes, in its loads and the surfaces it shows too."""
     return name in other.bodies and body_parts(scene, name) == body_parts(other, name)
-
-
-def continued_modes(
-    result: ModesResult,
-    scene: Scene,
-    *,
-    steps: int = 2,
-    left: bool = False,
-    listener: Callable[[str], None] | None = None,
-) -> ModesResult:
-    """Modes of a scene from those of a coarser one, without a search; collective.
-
-    No more modes than the coarser scene has, up to the frequency of the finer one; their residuals
-    say how good they are. Modes near the end of the window of the coarser one converge slowest: one
-    that reaches farther serves them.
-
-    Parameters
-    ----------
-    result
-        Modes of the coarser scene with left vectors: ``run_modes(scene, left=True)``.
-    scene
-        The finer scene, of the same bodies and contacts, without damping and rotation.
-    steps
-        Block inverse steps.
-    left
-        Whether left vectors are wanted too.
-    listener
-        Called with the name of each stage as it begins.
-
-    Raises
-    ------
-    InputError
-        When left vectors are missing, something damps or rotates, or the scenes are not of the
-        same bodies.
-    """
-    if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-        raise InputError("analysis.kind", scene.analysis.kind, "'cea', which gives modes")
-    if scene.damped or scene.rotates:
-        raise InputError("scene", scene.name, "without damping and rotation to continue modes")
-    system, interfaces, timer = coupled(scene, listener=listener)
-    with timer("assembly"):
-        step = prolongation(result.bodies, system.bodies, scene)
-        pencil = system.pencil()
-    top = scene.analysis.max_frequency
-    modes = continued(result.modes, pencil, step, top, steps=steps, left=left, timer=timer)
-    step.free()
-    return result_of_modes(scene, system, interfaces, timer, modes)

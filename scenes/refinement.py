@@ -1,50 +1,26 @@
-"""Scenes refined: more elements along directions, higher degrees, layers at singular edges.
+"""Scenes refined: more elements along every direction, layers at singular edges.
 
-Pure: a scene in, a scene out. Meshes that did not match before refinement keep their proportions,
-and every contact becomes mortar, the error of which is that of the meshes at any stiffness.
+Pure: a scene in, a scene out. Bodies of mesh files keep their cells and take another degree. Every
+contact becomes mortar, the error of which is that of the meshes at any stiffness.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from math import ceil, exp, log
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from cea.contact.formulations import Mortar
 from cea.errors import InputError
 from cea.mesh import SIMPLICES
 from meshes.breaks import breaks_of, fewest, layered
-from meshes.edge_templates import RATIO
+from meshes.edge_layers import RATIO, fit
 from meshes.mesh_file import MeshFile
-from meshes.singular_edges import fit
+from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
+from scenes.checks import cross_checks
 from scenes.read import Scene
 from scenes.refinement_edges import Crowding, crowding
+from scenes.scene_error import SceneError
 from scenes.spec.body import Backend, BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.variants import on_backend
-
-MAX_DEGREE: dict[Backend, int] = {"fe": 4, "iga": 8}
-"""Highest degree of each backend."""
-
-
-@dataclass(frozen=True)
-class BodyResolution:
-    """How fine one body is made.
-
-    Parameters
-    ----------
-    degree
-        Degree of its elements.
-    densities
-        Factor on the elements of the scene along each direction; of unstructured meshes, which
-        have one size, all are the same.
-    layers
-        Geometric layers towards its singular edges.
-    """
-
-    degree: int
-    densities: tuple[float, ...]
-    layers: int = 0
 
 
 @dataclass(frozen=True)
@@ -54,84 +30,53 @@ class Resolution:
     Parameters
     ----------
     degree
-        Degree of the elements of all bodies along every direction.
+        Degree of the elements of every shape.
     density
         Factor on the elements of the scene along every direction.
     layers
         Geometric layers towards singular edges.
-    bodies
-        Bodies with a resolution of their own, by name; the three numbers above then sum them up.
+    file_degree
+        Degree of the elements on the cells of mesh files; None takes that of the scene.
     """
 
     degree: int
     density: float
     layers: int = 0
-    bodies: tuple[tuple[str, BodyResolution], ...] = ()
+    file_degree: int | None = None
 
     def __post_init__(self) -> None:
-        for density in (self.density, *(d for _, each in self.bodies for d in each.densities)):
-            if not density > 0:
-                raise InputError("density", density, "greater than 0")
-
-    def of(self, name: str, directions: int) -> BodyResolution:
-        """Resolution of a body with some directions."""
-        same = BodyResolution(self.degree, (self.density,) * directions, self.layers)
-        return dict(self.bodies).get(name, same)
+        if not self.density > 0:
+            raise InputError("density", self.density, "greater than 0")
 
     def plain(self) -> dict[str, Any]:
         """Plain data."""
-        degrees = {name: each.degree for name, each in self.bodies}
-        layers = {name: each.layers for name, each in self.bodies}
-        own = {"degrees": degrees, "layers_of": layers} if self.bodies else {}
-        return {
-            "degree": self.degree,
-            "density": self.density,
-            "layers": self.layers,
-            **own,
-        }
+        return asdict(self)
 
 
-def mixed(bodies: Mapping[str, BodyResolution]) -> Resolution:
-    """Bodies each at a resolution of its own, summed up by the highest and by the mean density."""
-    every = [log(d) for each in bodies.values() for d in each.densities]
-    return Resolution(
-        max(each.degree for each in bodies.values()),
-        exp(sum(every) / len(every)),
-        max(each.layers for each in bodies.values()),
-        tuple(bodies.items()),
-    )
-
-
-def counted(scene: Scene, backend: Backend, resolution: Resolution) -> Resolution:
-    """The same meshes, with densities that are the numbers of elements there are."""
-    on = on_backend(scene, backend)
-    bodies = {}
-    for name, body in on.bodies.items():
-        own = resolution.of(name, len(body.geometry.directions))
-        mesh = body.mesh.fe if backend == "fe" else body.mesh.iga
-        if mesh is not None and mesh.elements:
-            counts = _counts(on, name, mesh.elements, own.densities)
-            densities = tuple(n / given for n, given in zip(counts, mesh.elements, strict=True))
-            own = replace(own, densities=densities)
-        bodies[name] = own
-    return replace(resolution, bodies=tuple(bodies.items()))
-
-
-def check_refinable(scene: Scene, backend: Backend) -> None:
-    """Refuse scenes that cannot be refined on a backend.
+def on_backend_of_shapes(scene: Scene, backend: Backend) -> Scene:
+    """The scene with every shape on one backend; bodies of mesh files stay Lagrange elements.
 
     Raises
     ------
-    InputError
-        When the analysis is static, or a body has a mesh from a file or none of the backend.
+    SceneError
+        When a shape has no mesh on the backend.
     """
-    if scene.analysis.kind != "cea":
-        raise InputError("analysis.kind", scene.analysis.kind, "'cea', which has eigenvalues")
-    for name, body in scene.bodies.items():
-        if isinstance(body.geometry, MeshFile):
-            allowed = "a shape, which can be meshed anew: cells of a file stay as they are"
-            raise InputError(f"bodies.{name}.geometry.file", body.geometry.file, allowed)
-    scene.on(backend)
+    bodies = {
+        name: body if from_file(body) else replace(body, backend=backend)
+        for name, body in scene.bodies.items()
+    }
+    return _without_faults(replace(scene, bodies=bodies))
+
+
+def _without_faults(scene: Scene) -> Scene:
+    if faults := list(cross_checks(scene)):
+        raise SceneError(faults)
+    return scene
+
+
+def from_file(body: BodySpec) -> bool:
+    """Whether the cells of a body are those of a mesh file."""
+    return isinstance(body.geometry, MeshFile)
 
 
 def has_singular_edges(scene: Scene) -> bool:
@@ -147,7 +92,7 @@ def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
     scene
         The scene, whose meshes are those of density 1.
     backend
-        Backend of every body.
+        Backend of every shape.
     resolution
         How fine.
 
@@ -156,34 +101,10 @@ def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
     SceneError
         When the meshes cannot be made so, or a body has none of the backend.
     """
-    return Refiner(scene, backend).at(resolution).on(backend)
-
-
-class Refiner:
-    """A scene on one backend at many resolutions, of which none is looked at for faults.
-
-    Parameters
-    ----------
-    scene
-        The scene, whose meshes are those of density 1.
-    backend
-        Backend of every body.
-    """
-
-    def __init__(self, scene: Scene, backend: Backend) -> None:
-        contacts = {name: _accurate(contact) for name, contact in scene.contacts.items()}
-        self._scene = replace(on_backend(scene, backend), contacts=contacts)
-        self._bodies: dict[tuple[str, BodyResolution], BodySpec] = {}
-
-    def at(self, resolution: Resolution) -> Scene:
-        """The scene at a resolution; bodies that were made so before are not refined anew."""
-        bodies = {}
-        for name, body in self._scene.bodies.items():
-            own = resolution.of(name, len(body.geometry.directions))
-            if (name, own) not in self._bodies:
-                self._bodies[name, own] = _refined(self._scene, name, own)
-            bodies[name] = self._bodies[name, own]
-        return replace(self._scene, bodies=bodies)
+    given = on_backend_of_shapes(scene, backend)
+    contacts = {name: _accurate(contact) for name, contact in given.contacts.items()}
+    bodies = {name: _refined(given, name, resolution) for name in given.bodies}
+    return _without_faults(replace(given, bodies=bodies, contacts=contacts))
 
 
 def moved_to_mortar(scene: Scene) -> dict[str, str]:
@@ -220,76 +141,54 @@ def layers_at_edges(body: BodySpec, edges: Crowding) -> bool:
     return boxes and len({frozenset(edge) for edge in edges.edges}) == 1
 
 
-def _refined(scene: Scene, name: str, own: BodyResolution) -> BodySpec:
+def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
     body = scene.bodies[name]
+    if from_file(body):
+        return replace(body, mesh=replace(body.mesh, degree=resolution.file_degree))
     mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
-    if isinstance(mesh, FeMesh):
-        finer: FeMesh | IgaMesh = replace(mesh, degree=own.degree)
-    elif mesh is not None:
-        degree = (own.degree,) * len(body.geometry.directions)
-        finer = replace(mesh, degree=degree, continuity=None)
-    else:
+    if mesh is None:
         raise InputError(f"bodies.{name}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
-    if isinstance(finer, FeMesh) and finer.size is not None:
-        finer = replace(finer, size=finer.size / own.densities[0])
-    elif structured(body):
-        finer = _with_breaks(finer, scene, name, own)
+    if isinstance(mesh, FeMesh):
+        finer: FeMesh | IgaMesh = replace(mesh, degree=resolution.degree)
     else:
-        elements = _counts(scene, name, finer.elements or (), own.densities)
+        degree = (resolution.degree,) * len(body.geometry.directions)
+        finer = replace(mesh, degree=degree, continuity=None)
+    if isinstance(finer, FeMesh) and finer.size is not None:
+        finer = replace(finer, size=finer.size / resolution.density)
+        if isinstance(body.geometry, VentilatedDisc):
+            curved = min(finer.geometry_degree or finer.degree, MAX_CURVED)
+            finer = replace(finer, geometry_degree=curved)
+    else:
+        elements = tuple(max(1, round(n * resolution.density)) for n in finer.elements or ())
         finer = replace(finer, elements=elements)
-    return replace(body, mesh=_of_backend(finer))
+        if structured(body):
+            finer = _with_breaks(finer, scene, name, resolution.layers)
+    return replace(
+        body, mesh=MeshSpec(fe=finer) if isinstance(finer, FeMesh) else MeshSpec(iga=finer)
+    )
 
 
-def _of_backend(mesh: FeMesh | IgaMesh) -> MeshSpec:
-    return MeshSpec(fe=mesh) if isinstance(mesh, FeMesh) else MeshSpec(iga=mesh)
-
-
-def _through(scene: Scene, name: str, edges: Crowding) -> dict[str, tuple[float, ...]]:
-    """Coordinates that must be element boundaries of a structured mesh."""
-    body = scene.bodies[name]
-    mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
-    through = dict(mesh.through) if mesh is not None else {}
+def _with_breaks(mesh: FeMesh | IgaMesh, scene: Scene, name: str, layers: int) -> FeMesh | IgaMesh:
+    """A structured mesh through all boundaries of contacts, with layers at singular edges."""
+    body, edges = scene.bodies[name], crowding(scene, name)
+    shape, through = body.geometry, dict(mesh.through)
     for direction, values in edges.through.items():
         through[direction] = tuple(sorted({*through.get(direction, ()), *values}))
-    return through
-
-
-def _counts(
-    scene: Scene, name: str, given: tuple[int, ...], densities: tuple[float, ...]
-) -> tuple[int, ...]:
-    """Elements along each direction but for layers, as many as boundaries ask for at least."""
-    counts = [_times(n, density) for n, density in zip(given, densities, strict=True)]
-    body = scene.bodies[name]
-    if structured(body):
-        few = fewest(body.geometry, _through(scene, name, crowding(scene, name)))
-        counts = [max(n, least) for n, least in zip(counts, few, strict=True)]
-    return tuple(counts)
-
-
-def _with_breaks(
-    mesh: FeMesh | IgaMesh, scene: Scene, name: str, own: BodyResolution
-) -> FeMesh | IgaMesh:
-    """A structured mesh with as many elements as asked for, and layers at singular edges."""
-    shape, edges = scene.bodies[name].geometry, crowding(scene, name)
-    through = _through(scene, name, edges)
-    elements = _counts(scene, name, mesh.elements or (), own.densities)
-    if not own.layers or not edges:
+    least = fewest(shape, through)
+    elements = tuple(map(max, mesh.elements or (), least))
+    if not layers or not edges:
         return replace(mesh, elements=elements, through=through)
-    if isinstance(mesh, FeMesh) and layers_at_edges(scene.bodies[name], edges):
-        new = replace(mesh, through=through, edges=edges.edges, layers=own.layers)
+    if isinstance(mesh, FeMesh) and layers_at_edges(body, edges):
+        new = replace(mesh, through=through, edges=edges.edges, layers=layers)
         while not fit(shape, breaks_of(shape, elements, new.boundaries), edges.edges):
             elements = tuple(
                 n + (d in edges.towards) for d, n in zip(shape.directions, elements, strict=True)
             )
         return replace(new, elements=elements)
     along = zip(shape.directions, breaks_of(shape, elements, through), strict=True)
-    breaks = {d: layered(each, edges.towards.get(d, ()), own.layers, RATIO) for d, each in along}
+    breaks = {d: layered(each, edges.towards.get(d, ()), layers, RATIO) for d, each in along}
     return replace(
         mesh,
         elements=tuple(len(each) - 1 for each in breaks.values()),
         through={d: tuple(each[1:-1].tolist()) for d, each in breaks.items()},
     )
-
-
-def _times(count: int, density: float) -> int:
-    return max(1, ceil(count * density - 1e-9))

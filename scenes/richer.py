@@ -3,7 +3,11 @@
 from dataclasses import replace
 from typing import Literal, get_args
 
+import numpy as np
+
 from cea.errors import InputError
+from meshes.mesh_file import MeshFile
+from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.read import Scene
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
@@ -42,6 +46,33 @@ def richer_scene(scene: Scene, by: Enrichment = "degree") -> Scene:
     return replace(scene, bodies=bodies)
 
 
+def enriched_scene(scene: Scene) -> Scene:
+    """The scene in a richer space that shows errors of singular solutions too, and is not too dear.
+
+    In the plane elements are bisected; in space they get a degree more, and NURBS a continuous
+    derivative more too. What has no degree more is bisected, what has no elements along directions
+    gets a degree more.
+
+    Raises
+    ------
+    InputError
+        When the cells of a file have elements of the highest degree already.
+    """
+    bodies = {name: _body(name, body, _way(body)) for name, body in scene.bodies.items()}
+    return replace(scene, bodies=bodies)
+
+
+def _way(body: BodySpec) -> Enrichment:
+    if isinstance(body.geometry, MeshFile):
+        return "degree"
+    mesh = body.mesh.iga if body.backend == "iga" else body.mesh.fe
+    planar = len(body.geometry.directions) == 2
+    highest = mesh is not None and np.max(mesh.degree) >= _HIGHEST[body.backend]
+    if mesh is not None and mesh.elements and (planar or highest):
+        return "bisection"
+    return "smooth" if body.backend == "iga" else "degree"
+
+
 def _body(name: str, body: BodySpec, by: Enrichment) -> BodySpec:
     field = f"bodies.{name}.mesh"
     degree = body.fe_degree if body.backend == "fe" else max(_iga(body, field).degree)
@@ -50,10 +81,14 @@ def _body(name: str, body: BodySpec, by: Enrichment) -> BodySpec:
     if by != "bisection" and (degree is None or degree >= _HIGHEST[body.backend]):
         allowed = f"below {_HIGHEST[body.backend]} to be raised, or elements bisected"
         raise InputError(f"{field}.degree", degree, allowed)
+    if isinstance(body.geometry, MeshFile):
+        if by != "degree" or degree is None:
+            raise InputError(field, by, "'degree': cells of a file stay as they are")
+        return replace(body, mesh=replace(body.mesh, degree=degree + 1))
     if body.backend == "iga":
         mesh = _iga(body, field)
         return replace(body, mesh=replace(body.mesh, iga=_ENRICHED[by](mesh)))
-    return replace(body, mesh=_lagrange(body.mesh, by, field))
+    return replace(body, mesh=_lagrange(body, by, field))
 
 
 def _iga(body: BodySpec, field: str) -> IgaMesh:
@@ -79,18 +114,17 @@ def _smoother(mesh: IgaMesh) -> IgaMesh:
 _ENRICHED = {"degree": _raised, "bisection": _bisected, "smooth": _smoother}
 
 
-def _lagrange(mesh: MeshSpec, by: Enrichment, field: str) -> MeshSpec:
-    if mesh.fe is None:  # a mesh of a file
-        if by == "bisection" or mesh.degree is None:
-            raise InputError(field, by, "'degree' for the mesh of a file, whose degree is given")
-        return replace(mesh, degree=mesh.degree + 1)
-    fe = mesh.fe
-    if by == "degree":
-        geometry = (
-            None if fe.geometry_degree is None else min(fe.geometry_degree + 1, _HIGHEST["fe"])
-        )
-        return replace(mesh, fe=replace(fe, degree=fe.degree + 1, geometry_degree=geometry))
-    return replace(mesh, fe=_divided(fe, field))
+def _lagrange(body: BodySpec, by: Enrichment, field: str) -> MeshSpec:
+    fe = body.mesh.fe
+    assert fe is not None
+    if by == "bisection":
+        return replace(body.mesh, fe=_divided(fe, field))
+    geometry = None if fe.geometry_degree is None else fe.geometry_degree + 1
+    if isinstance(body.geometry, VentilatedDisc):
+        geometry = min(geometry or fe.degree + 1, MAX_CURVED)
+    elif geometry is not None:
+        geometry = min(geometry, _HIGHEST["fe"])
+    return replace(body.mesh, fe=replace(fe, degree=fe.degree + 1, geometry_degree=geometry))
 
 
 def _divided(fe: FeMesh, field: str) -> FeMesh:

@@ -36,7 +36,7 @@ LIGHT = {
 APPLICATIONS = sorted(
     folder.name
     for folder in (ROOT / "comparisons").iterdir()
-    if (folder / "__init__.py").is_file() and folder.name not in ("kit", "cli")
+    if (folder / "__init__.py").is_file() and folder.name not in ("kit", "study", "cli")
 )
 SOLVERS = {"petsc4py", "slepc4py", "mpi4py", "dolfinx_solver"}
 BESIDE_US = {"comparisons.bench.assembly.programs.plain_dolfinx"}
@@ -44,7 +44,6 @@ BESIDE_US = {"comparisons.bench.assembly.programs.plain_dolfinx"}
 DRAWING = {
     *("scenes.drawing", "scenes.decimation", "scenes.pictures", "scenes.paraview", "scenes.vtu"),
     *("scenes.scene_picture", "scenes.paraview_steps"),
-    "comparisons.agreement.file_pictures",
 }
 """Modules that need pyvista; all others import them in the functions that draw."""
 
@@ -64,7 +63,7 @@ def offending(allowed, libraries):
 
 def test_every_package_is_looked_at():
     assert {package_of(module) for module in MODULES} == set(PACKAGES)
-    assert set(APPLICATIONS) >= {"agreement", "formulations", "accuracy", "paper", "reference"}
+    assert set(APPLICATIONS) >= {"formulations", "accuracy", "paper", "reference"}
     assert sum(map(len, imports_within(MODULES).values())) > 500
 
 
@@ -102,9 +101,10 @@ def test_packages_without_petsc_import_light_modules_alone(package):
     assert wrong == {}
 
 
-@pytest.mark.parametrize("room", [*APPLICATIONS, "kit"])
+@pytest.mark.parametrize("room", [*APPLICATIONS, "study", "kit"])
 def test_no_application_is_imported_by_another_or_by_the_kit(room):
     prefix = f"comparisons.{room}"
+    engine = () if room == "kit" else ("comparisons.study.",)
     wrong = {
         module: sorted(others)
         for module, imported in imports_within(MODULES).items()
@@ -114,7 +114,7 @@ def test_no_application_is_imported_by_another_or_by_the_kit(room):
                 i
                 for i in imported
                 if i.startswith("comparisons.")
-                and not f"{i}.".startswith((f"{prefix}.", "comparisons.kit."))
+                and not f"{i}.".startswith((f"{prefix}.", "comparisons.kit.", *engine))
             }
         )
     }

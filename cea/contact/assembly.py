@@ -7,6 +7,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.body.unknowns import system_operator
 from cea.contact.half_pass import HalfPass, friction_at
 from cea.contact.interface import jump_along
 from cea.contact.lumping import lumped_matrices
@@ -14,7 +15,6 @@ from cea.contact.mortar import MortarProjection
 from cea.contact.operators import Contact
 from cea.matrices import destroy, gather, one_below_the_other
 from cea.ranks import agreed
-from cea.unknowns import system_operator
 
 
 def assemble_contact(

@@ -14,6 +14,7 @@ from scipy.sparse import bsr_array, csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.body.unknowns import system_operator
 from cea.contact.interface import Interface, along
 from cea.matrices import (
     block_diagonal,
@@ -24,7 +25,6 @@ from cea.matrices import (
     total,
 )
 from cea.petsc import MPI, PETSc
-from cea.unknowns import system_operator
 
 
 def lumped_matrices(

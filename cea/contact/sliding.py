@@ -20,6 +20,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.body.unknowns import system_operator
 from cea.contact.half_pass import friction_at
 from cea.contact.interface import jump_along
 from cea.contact.operators import Contact
@@ -27,7 +28,6 @@ from cea.errors import InputError
 from cea.matrices import destroy, product, symmetric_product, symmetrised
 from cea.petsc import PETSc
 from cea.ranks import agreed
-from cea.unknowns import system_operator
 
 
 @dataclass(frozen=True)

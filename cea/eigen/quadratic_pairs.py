@@ -13,15 +13,17 @@ Where the other eigenvalue of a motion was not found, as of overdamped ones, the
 An error e of lambda^2 makes no more than sqrt(e) of the two of a motion where they meet.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import schur
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import (
     all_inner,
     column_blocks,
     columns_inner,
+    combined,
     image_of,
     norms,
     times,
@@ -30,8 +32,8 @@ from cea.eigen.clusters import cluster_bounds
 from cea.eigen.eigenpairs import LUMPED, SMALL, internal_forces
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
-from cea.eigen.quadratic_search import MARGIN
-from cea.eigen.quadratic_shifted import QuadraticShifted
+from cea.eigen.shift_invert import MARGIN
+from cea.eigen.shifted import Shifted
 from cea.eigen.sizes import Sizes
 from cea.eigen.subspace import InvariantSubspace
 from cea.matrices import absolute, destroy
@@ -96,8 +98,19 @@ class _Duals:
     slopes: Floats
 
 
+def upper_half(found: InvariantSubspace, end: float) -> InvariantSubspace:
+    """Without the eigenvalues below the real axis that are not next to it, beside omega (1/s)."""
+    if not found.size:
+        return found
+    form, vectors, kept = schur(
+        found.projected, output="complex", sort=lambda value: bool(value.imag >= -MARGIN * end)
+    )
+    basis = combined(found.basis, vectors[:, :kept])
+    return replace(found, basis=basis, projected=form[:kept, :kept])
+
+
 def checked_pairs(
-    matrices: Matrices, factors: QuadraticShifted, subspace: InvariantSubspace, scale: float
+    matrices: Matrices, factors: Shifted, subspace: InvariantSubspace, scale: float
 ) -> QuadraticPairs:
     """Eigenpairs of an invariant subspace of the companion form.
 
@@ -133,7 +146,7 @@ def checked_pairs(
 def inverse_step(
     matrices: Matrices,
     damping: Damping,
-    factors: QuadraticShifted,
+    factors: Shifted,
     values: Complexes,
     x: Complexes,
     *,
@@ -143,15 +156,15 @@ def inverse_step(
 
     P(s) x' + L^T f = (P(s) - P(lambda)) x, P(lambda) - P(s) = (lambda - s) ((lambda + s) M + D).
     """
-    load = times(matrices.mass, x * (values + factors.shift))
+    load = times(matrices.mass, x * (values + factors.rate))
     load += damping.times(x, transposed=transposed)
-    return factors.solve_with_forces(load * (factors.shift - values), transposed=transposed)
+    return factors.solve_with_forces(load * (factors.rate - values), transposed=transposed)
 
 
 def _normalised(
     matrices: Matrices,
     damping: Damping,
-    factors: QuadraticShifted,
+    factors: Shifted,
     values: Complexes,
     x: Complexes,
 ) -> tuple[Complexes, Complexes]:
@@ -200,7 +213,7 @@ def _duals(matrices: Matrices, values: Complexes, x: Complexes, scale: float) ->
 def _residuals(
     matrices: Matrices,
     damping: Damping,
-    factors: QuadraticShifted,
+    factors: Shifted,
     values: Complexes,
     x: Complexes,
     f: Complexes,
@@ -220,7 +233,7 @@ def _residuals(
     diagonal = mass.getDiagonal()
     root = np.sqrt(diagonal.array_r)[:, None]
     destroy(diagonal)
-    shift = factors.shift
+    shift = factors.rate
     for block in column_blocks(n):
         value, part = values[block], x[:, block]
         inertia = times(mass, part)

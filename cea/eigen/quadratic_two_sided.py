@@ -17,8 +17,8 @@ from cea.eigen.eigenpairs import internal_forces
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
 from cea.eigen.quadratic_pairs import QuadraticPairs, QuadraticSizes
-from cea.eigen.quadratic_shifted import QuadraticShifted
 from cea.eigen.sensitivity import LeftVectors
+from cea.eigen.shifted import Shifted
 from cea.eigen.subspace import InvariantSubspace
 from cea.eigen.two_sided import (
     COLUMNS,
@@ -36,7 +36,7 @@ _ROUGH = 1e-11
 
 def one_sided(
     matrices: Matrices,
-    factors: QuadraticShifted,
+    factors: Shifted,
     subspace: InvariantSubspace,
     pairs: QuadraticPairs,
     scale: float,
@@ -54,14 +54,14 @@ def one_sided(
     """
     if not subspace.size:
         return False
-    ill = pairs.conditions.max() > ILL or pairs.residuals.max() > _ROUGH
+    ill = subspace.graded or pairs.conditions.max() > ILL or pairs.residuals.max() > _ROUGH
     if ill or cancels(matrices.mass, pairs.vectors):
         return True
     return _left_out(matrices, factors, subspace, scale) > PLAIN
 
 
 def _left_out(
-    matrices: Matrices, factors: QuadraticShifted, subspace: InvariantSubspace, scale: float
+    matrices: Matrices, factors: Shifted, subspace: InvariantSubspace, scale: float
 ) -> float:
     """How much a subspace leaves out of the z of its left vectors, which are y: an estimate.
 
@@ -70,12 +70,12 @@ def _left_out(
     random = np.random.default_rng(3).standard_normal((2, subspace.size, COLUMNS))
     mixed = (random[0] + 1j * random[1]) / np.sqrt(2)
     # Of what is far from the shift a step of inverse iteration leaves rounding.
-    far = np.abs(np.diag(subspace.projected) - factors.shift) / abs(factors.shift)
+    far = np.abs(np.diag(subspace.projected) - factors.rate) / abs(factors.rate)
     mixed /= np.maximum(1.0, far)[:, None]
-    turned = subspace.projected.conj().T @ mixed - np.conj(factors.shift) * mixed
+    turned = subspace.projected.conj().T @ mixed - np.conj(factors.rate) * mixed
     rows = len(subspace.basis) // 2
     whole = subspace.basis @ turned
-    load = times(matrices.mass, whole[:rows] + np.conj(factors.shift) / scale * whole[rows:])
+    load = times(matrices.mass, whole[:rows] + np.conj(factors.rate) / scale * whole[rows:])
     w = factors.solve_with_forces(load.conj(), transposed=True)[0].conj()
     rest = subspace.basis[rows:] @ mixed + scale * w
     squares = columns_inner(rest, times(matrices.mass, rest), matrices.mass.comm).real

@@ -5,10 +5,10 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from scipy.linalg import schur
+from scipy.linalg import svd
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.dense_products import beside, combined
+from cea.eigen.blocks import beside, combined
 
 _EQUAL = 1e3
 """Distance of eigenvalues, in rounding of the matrix, up to which they may be equal."""
@@ -28,11 +28,17 @@ class InvariantSubspace:
         R (1/s^2), shape (k, k), block upper triangular.
     symmetric
         Whether R is symmetric but for rounding, as without friction.
+    whole
+        Whether it holds every eigenvalue of the window, as LAPACK tells of small systems.
+    graded
+        Whether Q is orthonormal in units of its own, and not in M (:mod:`cea.eigen.dense`).
     """
 
     basis: Floats
     projected: Floats
     symmetric: bool
+    whole: bool = False
+    graded: bool = False
 
     @classmethod
     def empty(cls, rows: int, *, symmetric: bool) -> "InvariantSubspace":
@@ -68,16 +74,6 @@ class InvariantSubspace:
         vectors[:, twins] = vectors[:, twins - 1].conj()
         return values, vectors
 
-    def between(self, low: float, high: float) -> Self:
-        """The part of the eigenvalues with low <= Re kappa < high, ends that split no pair."""
-        square = symmetric_part(self.projected) if self.symmetric else self.projected
-        form, vectors, kept = schur(
-            square, output="real", sort=lambda real, _=0.0: bool(low <= real < high)
-        )
-        return type(self)(
-            combined(self.basis, vectors[:, :kept]), form[:kept, :kept], self.symmetric
-        )
-
     def conditions(self) -> Floats:
         """Condition numbers of the eigenvalues within the subspace, in the order of the pairs."""
         if self.symmetric:
@@ -103,19 +99,15 @@ class InvariantSubspace:
         order = _rising(values, in_pairs=not np.iscomplexobj(self.projected))
         return values[order], vectors[:, order]
 
-    def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
+    def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: float) -> Self:
         """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
-        return self.within(beside(self.basis, basis), coupling, form, shift)
-
-    def within(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
-        """The same of a basis [Q V] as it is."""
         own = np.linalg.inv(form)
         # What was known stays as it is: far from a shift digits are lost to it.
         across = -(self.projected - shift * np.eye(self.size)) @ coupling @ own
         own = own + shift * np.eye(len(form))
         nothing = np.zeros((len(form), self.size))
         projected = np.block([[self.projected, across], [nothing, own]])
-        return type(self)(basis, projected, self.symmetric)
+        return type(self)(beside(self.basis, basis), projected, self.symmetric)
 
 
 def symmetric_part(matrix: Floats) -> Floats:
@@ -163,7 +155,7 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
         if real and mean.imag < -rounding:
             continue  # they are mended with those they are the conjugates of
         shift = mean.real if real and mean.imag <= rounding else mean
-        _, sizes, axes = np.linalg.svd(matrix - shift * np.eye(len(matrix)))
+        _, sizes, axes = svd(matrix - shift * np.eye(len(matrix)), lapack_driver="gesvd")
         if sizes[-len(members)] <= rounding:
             own = axes[-len(members) :].conj().T
             vectors[:, members] = own

@@ -24,9 +24,8 @@ from dataclasses import replace
 import numpy as np
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import column_blocks, columns_inner, image_of, times
+from cea.eigen.blocks import column_blocks, columns_inner, combined, image_of, times
 from cea.eigen.clusters import cluster_bounds, clusters
-from cea.eigen.dense_products import combined
 from cea.eigen.eigenpairs import Eigenpairs, internal_forces
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.pencil import Matrices
@@ -65,7 +64,7 @@ def one_sided(
     """
     if matrices.symmetric or not subspace.size:
         return False
-    if pairs.conditions.max() > ILL or cancels(matrices.mass, pairs.vectors):
+    if subspace.graded or pairs.conditions.max() > ILL or cancels(matrices.mass, pairs.vectors):
         return True
     return _left_out(matrices, factors, subspace) > PLAIN
 
@@ -209,6 +208,8 @@ def judged_by_both(
         unknown = np.full(len(pairs.kappa), np.inf)
         return replace(pairs, errors=unknown, bounds=unknown)
     errors, conditions = two_sided_errors(matrices, pairs, left[1])
+    if subspace.graded:  # lengths say something in the units that the subspace was found in
+        conditions = pairs.conditions
     errors = np.maximum(errors, conditions * _disagreement(pairs.kappa, left[0], conditions, top))
     errors, bounds = bounds_widened(subspace, pairs.kappa, errors, pairs.conditions)
     told = np.minimum(pairs.errors * pairs.conditions, pairs.bounds)

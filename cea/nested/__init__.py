@@ -1,1 +1,1 @@
-"""Discretisations that lie inside each other: prolongation, errors of eigenvalues, start spaces."""
+"""Discretisations that lie inside each other: prolongation, errors of eigenvalues."""

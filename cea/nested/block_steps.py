@@ -24,20 +24,22 @@ from numpy.typing import NDArray
 from scipy.linalg import eigvals
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
-from cea.eigen.dense_products import beside, combined
+from cea.eigen.blocks import all_inner, beside, column_blocks, columns_inner, combined, times
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
-from cea.nested.approximation import Approximation, growing, matched, one_of_each_pair
 from cea.nested.remaining import left_of_errors
-from cea.nested.ritz import DEPENDENT, mean_with_transpose, quadratic_ritz, ritz
-
-_BESIDE = 0.997
-"""Part of a shift that is an eigenvalue at which another is tried."""
-_SMALLEST = 1e-16
-"""Length of a direction, relative to the longest, that counts for no less."""
+from cea.nested.ritz import (
+    DEPENDENT,
+    Approximation,
+    growing,
+    matched,
+    mean_with_transpose,
+    one_of_each_pair,
+    quadratic_ritz,
+    ritz,
+)
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ class BlockSteps:
     matrices
         The pencil at given parameters.
     shift
-        sigma (1/s^2); beside it where it is an eigenvalue.
+        sigma (1/s^2); half of it where it is an eigenvalue.
 
     Attributes
     ----------
@@ -115,7 +117,7 @@ class BlockSteps:
         try:
             self.factors = Shifted(matrices, shift)
         except ConvergenceError:
-            self.factors = Shifted(matrices, _BESIDE * shift)
+            self.factors = Shifted(matrices, 0.5 * shift)
         self._damping = Damping(matrices)
 
     def free(self) -> None:
@@ -123,70 +125,32 @@ class BlockSteps:
         self.factors.free()
         self._damping.free()
 
-    def improved(self, old: Approximation, steps: int, allowed: Floats | None = None) -> Step:
+    def improved(self, old: Approximation, steps: int) -> Step:
         """Right and left vectors after some steps, eigenvalues of the projected problem.
 
-        Without damping it is projected on the vectors of all steps together, a Krylov space, and
-        modes of which more remains than is allowed (1/s), shape (n,), take one step more. With
-        damping all take one step more, which bounds what remains.
+        Without damping it is projected on the vectors of all steps together, a Krylov space. With
+        damping all modes take one step more, which bounds what remains.
         """
         if not self.matrices.quadratic:
-            return self._linear(old, steps, allowed)
+            return self._linear(old, steps)
         return self._quadratic(old, steps)
 
-    def one_sided(self, old: Approximation) -> Complexes:
-        """Eigenvalues after a step for the right vectors alone, shape (n,).
-
-        An error of left vectors, which stay as they are, counts only times one that is left in the
-        right ones. With damping, and where both are the same, it is a whole step.
-        """
-        if self.matrices.quadratic or self.matrices.symmetric:
-            return self.improved(old, 1).approximation.eigenvalues
+    def _linear(self, old: Approximation, steps: int) -> Step:
+        """K x = kappa M x on real bases."""
         chosen = one_of_each_pair(old.eigenvalues)
         values = old.eigenvalues[chosen]
-        right = self._krylov(self._real_basis(values, old.right[:, chosen]), 1)
-        C = self._orthonormal(self._real_basis(values, old.left[:, chosen]))
-        B, X = self._unit(right)
-        mu = ritz(self._inner(C.own, B.image), self._inner(C.own, X.image))[0]
-        found = growing(self.factors.kappa + mu)
-        return found[matched(old.eigenvalues, found)]
-
-    def _linear(self, old: Approximation, steps: int, allowed: Floats | None) -> Step:
-        """K x = kappa M x on real bases, once more with further vectors of some modes."""
-        chosen, symmetric = one_of_each_pair(old.eigenvalues), self.matrices.symmetric
-        values = old.eigenvalues[chosen]
-        right = self._krylov(self._real_basis(values, old.right[:, chosen]), steps)
-        left = right
-        if not symmetric:
+        left = right = self._krylov(self._real_basis(values, old.right[:, chosen]), steps)
+        if not self.matrices.symmetric:
             start = self._real_basis(values, old.left[:, chosen])
             left = self._krylov(start, steps, transposed=True)
-        base = right.start.own.shape[1] // steps
-        step = self._projected_on(old, right, left, base, base, old.eigenvalues)
-        if allowed is None:
-            return step
-        found, late = step.approximation, step.remaining > allowed
-        own = np.intersect1d(np.flatnonzero(late), one_of_each_pair(found.eigenvalues))
-        if not len(own):
-            return step
-        right = self._extended(right, self._real_basis(found.eigenvalues[own], found.right[:, own]))
-        if symmetric:
-            left = right
-        else:
-            more = self._real_basis(found.eigenvalues[own], found.left[:, own])
-            left = self._extended(left, more, transposed=True)
-        newest = right.start.own.shape[1] - steps * base
-        earlier = np.where(late, found.eigenvalues, old.eigenvalues)
-        later = self._projected_on(old, right, left, base, newest, earlier)
-        return Step(later.approximation, np.where(late, later.remaining, step.remaining))
+        return self._projected_on(old, right, left, right.start.own.shape[1] // steps)
 
     def _projected_on(
         self,
         old: Approximation,
         right: _Space,
         left: _Space,
-        base: int,
         newest: int,
-        earlier: Complexes,
     ) -> Step:
         """With X = A(sigma)^-1 M B the problem is (Y^T M B, Y^T M X)."""
         symmetric = self.matrices.symmetric
@@ -197,7 +161,7 @@ class BlockSteps:
         forces, inertia = self._inner(Y.own, B.image), self._inner(Y.own, X.image)
         mu, c, d = ritz(forces, inertia, symmetric=symmetric)
         vectors, images = combined(X.own, c), combined(X.image, c)
-        own = self._nearest_to(right.start.own[:, :base], vectors, images)
+        own = self._nearest_to(right.start.own[:, :newest], vectors, images)
         found, half = (growing(self.factors.kappa + each) for each in (mu, halfway))
         order = own[matched(old.eigenvalues, found[own])]
         x = self._scaled(vectors[:, order], images[:, order])
@@ -206,7 +170,7 @@ class BlockSteps:
             y = self._scaled(combined(Y.own, d[:, order]), combined(Y.image, d[:, order]))
         new = Approximation(found[order], x, y)
         half = half[matched(new.eigenvalues, half)]
-        return self._with_bounds(new, (half, earlier), np.zeros(len(half)))
+        return self._with_bounds(new, (half, old.eigenvalues), np.zeros(len(half)))
 
     def _nearest_to(self, basis: Floats, vectors: Complexes, images: Complexes) -> Ints:
         """As many vectors as an M-orthonormal basis has, those that are most of it."""
@@ -337,7 +301,7 @@ class BlockSteps:
             gram = self._inner(basis.own, basis.image)
             sizes = np.maximum(np.sqrt(np.abs(np.diag(gram))), np.finfo(float).tiny)
             squares, axes = np.linalg.eigh(mean_with_transpose(gram / sizes / sizes[:, None]))
-            lengths = np.sqrt(np.maximum(squares, _SMALLEST * squares.max(initial=0.0)))
+            lengths = np.sqrt(np.maximum(squares, np.finfo(float).eps * squares.max(initial=0.0)))
             basis @= axes / sizes[:, None] / lengths
             vectors = basis.own
         return basis

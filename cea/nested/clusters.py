@@ -12,11 +12,8 @@ import numpy as np
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import connected
 
-_NEAR = 2.0
+NEAR = 2.0
 """Distance, in errors of both, within which eigenvalues are judged together."""
-
-_REAL = 1e-6
-"""Imaginary part of a splitting that is rounding, relative to the real one."""
 
 
 @dataclass(frozen=True)
@@ -55,9 +52,7 @@ class Cluster:
     @property
     def meets(self) -> bool:
         """Whether it is a pair of real kappa, or of conjugate ones: the two kinds of a pair."""
-        return bool(
-            abs(self.corrected_splitting.imag) <= _REAL * abs(self.corrected_splitting.real)
-        )
+        return bool(abs(self.corrected_splitting.imag) <= self.splitting_error)
 
     @property
     def decided(self) -> bool:
@@ -80,7 +75,7 @@ def clusters_of(coarse: Complexes, corrected: Complexes, errors: Floats) -> tupl
     errors
         Errors of the coarse ones, shape (n,).
     """
-    reach = _NEAR * (errors[:, None] + errors)
+    reach = NEAR * (errors[:, None] + errors)
     linked = np.zeros(reach.shape, dtype=bool)
     for values in (coarse, corrected):
         linked |= np.abs(values[:, None] - values) <= reach

@@ -21,10 +21,10 @@ from cea.eigen.classify import Word, classify, thresholds
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Matrices
 from cea.errors import InputError
-from cea.nested.approximation import Approximation
 from cea.nested.block_steps import BlockSteps, middle_shift
 from cea.nested.clusters import Cluster, clusters_of
 from cea.nested.prolongation import Prolongation
+from cea.nested.ritz import Approximation
 
 
 @dataclass(frozen=True)
@@ -107,8 +107,7 @@ def error_estimate(
     matrices: Matrices,
     prolongation: Prolongation,
     *,
-    steps: int = 1,
-    allowed: Floats | None = None,
+    steps: int,
 ) -> ErrorEstimate:
     """Errors of the eigenvalues of a coarse mesh; collective.
 
@@ -123,9 +122,6 @@ def error_estimate(
     steps
         Block inverse steps; one gives the error to a few per cent where it is small scale. With
         damping or rotation there is one more, which bounds what remains.
-    allowed
-        What may remain of each eigenvalue (1/s), shape (n,): modes of which more does take a step
-        more, where nothing damps or rotates.
 
     Raises
     ------
@@ -139,7 +135,7 @@ def error_estimate(
         raise InputError("steps", steps, "1 or more")
     work = BlockSteps(matrices, middle_shift(start.eigenvalues))
     try:
-        step = work.improved(start, steps, allowed)
+        step = work.improved(start, steps)
     finally:
         work.free()
     corrected = step.approximation.eigenvalues
@@ -153,34 +149,6 @@ def error_estimate(
         symmetric=matrices.symmetric and not matrices.quadratic,
         dofs=matrices.size,
     )
-
-
-def corrected_eigenvalues(
-    coarse: Modes, matrices: Matrices, prolongation: Prolongation
-) -> Complexes:
-    """Eigenvalues of a coarse mesh in a richer space, by right vectors alone; collective.
-
-    Left vectors stay those of the coarse mesh. That takes half the solves of :func:`error_estimate`
-    and tells the same errors to a few per cent, without what is left of them.
-
-    Returns
-    -------
-    Complexes
-        lambda (1/s), shape (n,), in the order of the modes.
-
-    Raises
-    ------
-    InputError
-        When there are no modes or no left vectors.
-    ConvergenceError
-        When the richer pencil is singular at shifts amid the modes.
-    """
-    start = prolonged(coarse, matrices, prolongation)
-    work = BlockSteps(matrices, middle_shift(start.eigenvalues))
-    try:
-        return work.one_sided(start)
-    finally:
-        work.free()
 
 
 def prolonged(coarse: Modes, matrices: Matrices, prolongation: Prolongation) -> Approximation:

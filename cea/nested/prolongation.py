@@ -20,14 +20,9 @@ from scipy.sparse import csr_array, eye_array, kron
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.body.unknowns import free_operator
+from cea.errors import InputError
 from cea.matrices import block_diagonal, destroy, gather, identity
-from cea.supports.constraints import Constraints
-from cea.unknowns import free_operator
-
-_EXACT = 1e-10
-"""Defect up to which a prolongation counts as exact: what rounding makes is far below."""
-_SEED = 20
-"""Of the coefficients that defects are measured with."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +40,6 @@ class Prolongation:
 
     matrix: Any
     defect: float
-
-    @property
-    def exact(self) -> bool:
-        """Whether coarse functions are fine ones, but for rounding."""
-        return self.defect <= _EXACT
 
     def apply(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Fine displacements of coarse ones, the rows of this rank, shape (n_local, columns)."""
@@ -71,34 +61,33 @@ class Prolongation:
         destroy(self.matrix)
 
 
-def on_free_dofs(
-    scalar: csr_array, defect: float, coarse: Body, fine: Body, constraints: Constraints
-) -> Prolongation:
+def of_body(coarse: Body, fine: Body) -> Prolongation:
     """Prolongation of one body between what supports leave free; collective.
 
     Parameters
     ----------
-    scalar
-        Prolongation of scalar functions: the rows of the fine scalar dofs of this rank, all coarse
-        ones as columns.
-    defect
-        That of the scalar prolongation, on this rank.
     coarse, fine
-        The body in both discretisations.
-    constraints
-        What supports hold of the fine one.
+        The body in both discretisations, on the same ranks.
+
+    Raises
+    ------
+    InputError
+        When these are on different backends, or not of one body.
     """
+    if coarse is fine:
+        return Prolongation(identity(fine.expansion.getLocalSize()[1], fine.comm), 0.0)
+    kinds = type(coarse.space), type(fine.space)
+    if kinds[0] is not kinds[1]:
+        names = tuple(kind.__name__ for kind in kinds)
+        allowed = "one backend for both discretisations"
+        raise InputError(f"bodies.{fine.name}.backend", names, allowed)
+    scalar, defect = fine.space.prolongation(coarse.space)
     first, last = (row // fine.dim for row in fine.expansion.getOwnershipRange())
     full = csr_array(kron(scalar, eye_array(fine.dim), format="csr"))
-    frames = constraints.frames(first, last)
+    frames = fine.constraints.frames(first, last)
     matrix = free_operator(csr_array(frames.T @ full), coarse)
     held = _held_differently(matrix, full, coarse, fine)
     return Prolongation(matrix, fine.comm.allreduce(max(defect, held), op=_larger))
-
-
-def unchanged(body: Body) -> Prolongation:
-    """Prolongation of a body that is the same in both discretisations."""
-    return Prolongation(identity(body.expansion.getLocalSize()[1], body.comm), 0.0)
 
 
 def of_system(parts: Sequence[Prolongation]) -> Prolongation:
@@ -111,16 +100,16 @@ def of_system(parts: Sequence[Prolongation]) -> Prolongation:
     return Prolongation(whole, defect)
 
 
-def random_coefficients(count: int) -> Floats:
+def varied_coefficients(count: int) -> Floats:
     """Coefficients from -1 to 1 that a defect is measured with, the same on every rank."""
-    return np.random.default_rng(_SEED).uniform(-1, 1, count)
+    return np.sin(np.arange(1.0, count + 1) ** 2)
 
 
 def _held_differently(matrix: Any, full: csr_array, coarse: Body, fine: Body) -> float:
     """Difference that fine supports make to a displacement that the coarse ones admit."""
     v, u = coarse.expansion.createVecs()
     first, last = v.getOwnershipRange()
-    v.array[:] = random_coefficients(v.getSize())[first:last]
+    v.array[:] = varied_coefficients(v.getSize())[first:last]
     coarse.expansion.mult(v, u)
     wanted = full @ gather(u)
     w, found = fine.expansion.createVecs()

@@ -27,14 +27,11 @@ from cea.eigen.eigenvalue_matching import connected
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
 from cea.eigen.quadratic_pairs import QuadraticSizes
-from cea.nested.approximation import Approximation
-from cea.nested.ritz import DEPENDENT
+from cea.nested.clusters import NEAR
+from cea.nested.ritz import DEPENDENT, Approximation
 
-_NEAR = 2.0
-"""Distance, in changes of both, within which eigenvalues are bounded together."""
 _SAFETY = 2.0
 """Factor on what is left by the changes of steps."""
-_TINY = np.finfo(float).tiny
 
 
 def left_of_errors(
@@ -68,9 +65,11 @@ def left_of_errors(
     comm, values = matrices.stiffness.comm, new.eigenvalues
     inertia = columns_inner(new.left, times(matrices.mass, new.right), comm)
     drag = columns_inner(new.left, damping.times(new.right), comm)
-    slopes = np.maximum(np.abs(2 * values * inertia + drag), _TINY)
+    slopes = np.maximum(np.abs(2 * values * inertia + drag), np.finfo(float).tiny)
     error = _rounding(new, matrices, damping) + DEPENDENT * (np.abs(values) ** 2 + abs(shift))
-    rounding = np.minimum(error / slopes, np.sqrt(error / np.maximum(np.abs(inertia), _TINY)))
+    rounding = np.minimum(
+        error / slopes, np.sqrt(error / np.maximum(np.abs(inertia), np.finfo(float).tiny))
+    )
     conditions = np.maximum(1.0, 2 * np.abs(values) / slopes)
     distances = np.abs(values**2 + shift)
     sequence = (values, *before)
@@ -106,9 +105,9 @@ def _by_changes(
     first = np.abs(before - earlier)
     last = _changes(*(_with_twins(values, damped=damped) for values in (new, before)))[: len(new)]
     # Changes that are rounding have no rate.
-    rates = np.where(last > rounding, last / np.maximum(first, _TINY), 0.0)
+    rates = np.where(last > rounding, last / np.maximum(first, np.finfo(float).tiny), 0.0)
     converges = np.maximum(rates, slowest) < 1
-    others = np.minimum(1.0, distances[:, None] / np.maximum(distances, _TINY))
+    others = np.minimum(1.0, distances[:, None] / np.maximum(distances, np.finfo(float).tiny))
     others = np.minimum(rates, 1.0) * others ** (2 if damped else 1)
     others = np.where(converges | (distances[:, None] < distances), others, 0.0).max(axis=1)
     rates, slowest = (np.where(converges, each, 0.0) for each in (rates, slowest))
@@ -127,7 +126,7 @@ def _changes(new: Complexes, before: Complexes) -> Floats:
     """What a step changed; of those that nearly coalesce, by what it changed their polynomial."""
     changes = np.abs(new - before)
     apart = np.abs(new[:, None] - before)
-    linked = np.abs(new[:, None] - new) <= _NEAR * (changes[:, None] + changes)
+    linked = np.abs(new[:, None] - new) <= NEAR * (changes[:, None] + changes)
     for members in connected(linked):
         roots = np.prod(apart[np.ix_(members, members)] ** (1 / len(members)), axis=1)
         changes[members] = np.maximum(changes[members], roots)

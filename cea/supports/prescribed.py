@@ -7,10 +7,7 @@ the equilibrium of the free dofs is Z^T K Z v = Z^T F - Z^T K u_D.
 import numpy as np
 
 from cea.arrays import Floats, Ints
-from cea.body import Body
 from cea.errors import InputError
-from cea.matrices import destroy
-from cea.petsc import Vec
 from cea.supports.directions import Directions
 
 _SAME = 1e-9
@@ -62,15 +59,3 @@ def _check(
         value = float(held.values[np.argmax(wrong)])
         allowed = "the value of the other supports that hold the same component at an edge"
         raise InputError(f"{field}.value", value, allowed)
-
-
-def add_prescribed(load: Vec, body: Body) -> None:
-    """Add - Z^T K u_D to forces on the free dofs of a body (N), where supports prescribe any."""
-    if body.prescribed is None:
-        return
-    stiffness = body.full_stiffness()
-    force, free = body.expansion.createVecLeft(), load.duplicate()
-    stiffness.mult(body.prescribed, force)
-    body.expansion.multTranspose(force, free)
-    load.axpy(-1.0, free)
-    destroy(stiffness, force, free)

@@ -2,40 +2,50 @@
 
 import os
 import sys
+from importlib import import_module
 from io import TextIOWrapper
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
+from typer.main import get_command
 
 import cea
 from cea.errors import InputError
-from comparisons.cli.bench import app as bench_app
-from comparisons.cli.brake import brake
-from comparisons.cli.converge import converge
-from comparisons.cli.doctor import doctor
-from comparisons.cli.exact import app as exact_app
-from comparisons.cli.export import export
-from comparisons.cli.paper import claims, figure
-from comparisons.cli.peers import peers
-from comparisons.cli.race import race
 from comparisons.cli.ranks import launched_together, one_voice
-from comparisons.cli.run import run
-from comparisons.cli.scene import app as scene_app
-from comparisons.cli.solve import solve
-from comparisons.cli.studies import (
-    accuracy,
-    compare,
-    damping,
-    formulations,
-    reference,
-    stability,
-)
-from comparisons.cli.sweep import sweep, threshold
+
+COMMANDS = {
+    "run": ("run:run", "Run one scene and write its result.json."),
+    "converge": ("converge:converge", "Refine a scene until its modes hold the digits asked for."),
+    "solve": ("solve:solve", "Solve (lambda^2 M + lambda C + K) x = 0 for matrices from files."),
+    "sweep": ("sweep:sweep", "Follow the modes of a scene along its fields: what grows where."),
+    "threshold": ("sweep:threshold", "Find where flutter begins and ends along a field."),
+    "study": ("study:app", "Run a study: both backends, formulations, accuracy, damping, ..."),
+    "figure": ("paper:figure", "Make a figure of the paper."),
+    "claims": ("paper:claims", "Judge the paper's claims by the figures' data."),
+    "bench": ("bench:app", "Time and memory beside other programs and methods."),
+    "scene": ("scene:app", "Look at scenes without running them."),
+    "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
+    "export": ("export:export", "Write a scene as input decks of other programs."),
+    "doctor": ("doctor:doctor", "Tell whether this installation works, and what mends it."),
+    "accuracy": ("studies:accuracy", "Error of every method against run time."),
+    "reference": ("studies:reference", "Show the converged modes of disc_pad."),
+    "race": ("race:race", "Time a scene of matrices beside other programs."),
+    "peers": ("peers:peers", "What CalculiX and this program find on the same meshes."),
+}
+"""Place of each command below this package, and its help."""
+RENAMED = {
+    "brake": "study brake",
+    "damping": "study damping",
+    "stability": "study stability",
+    "compare": "study agreement",
+    "formulations": "study formulations",
+}
+"""Commands under the names that they had, and what they are called now."""
 
 
 class _LightGroup(TyperGroup):
-    """Commands whose help needs no pydantic.
+    """Commands whose modules are imported when they are called, and whose help needs no pydantic.
 
     Typer brings it to find what an option means that is not given; ``--help`` then means no.
     """
@@ -56,6 +66,35 @@ class _LightGroup(TyperGroup):
                 raise InputError(option[2:] or "argument", "", "something that is not empty")
         return super().parse_args(ctx, args)
 
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of the commands."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, name: str) -> Any:
+        """A command, imported now.
+
+        Raises
+        ------
+        InputError
+            When it has another name now.
+        """
+        if name in RENAMED:
+            raise InputError("command", name, f"its new name: cea {RENAMED[name]}")
+        if name not in COMMANDS:
+            return None
+        module, _, attribute = COMMANDS[name][0].partition(":")
+        found = getattr(import_module(f"comparisons.cli.{module}"), attribute)
+        if isinstance(found, typer.Typer):
+            return get_command(found)
+        alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+        alone.command(name)(found)
+        return get_command(alone)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write names and help of the commands, whose modules need not be known for that."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, help) for name, (_, help) in COMMANDS.items()])
+
 
 # Help is plain: help in colours takes as long as all else that `cea --help` does.
 app = typer.Typer(
@@ -65,16 +104,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-_COMMANDS = (
-    *(run, converge, solve, sweep, threshold, race, export),
-    *(compare, figure, claims, formulations, accuracy, damping, stability, reference, peers),
-    *(brake, doctor),
-)
-for _each in _COMMANDS:
-    app.command()(_each)
-app.add_typer(exact_app, name="exact")
-app.add_typer(bench_app, name="bench")
-app.add_typer(scene_app, name="scene")
 
 
 def _tell_version(wanted: bool) -> None:

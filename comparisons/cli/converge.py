@@ -9,6 +9,9 @@ import typer
 if TYPE_CHECKING:
     from comparisons.converge.request import Request
 
+NOT_REACHED = 3
+"""Exit code of a command that did not reach the digits asked for."""
+
 
 def converge(
     scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
@@ -46,7 +49,7 @@ def converge(
         scene,
         digits,
         growth_digits,
-        ("iga", "fe") if backend == "both" else (backend,),
+        None if backend == "both" else (backend,),
         budget,
         unstable,
         sweep_digits,
@@ -72,7 +75,7 @@ def _run(request: "Request", out: Path, begun: float) -> None:
     from cea.petsc import MPI
     from comparisons.cli.output import console, print_table, print_warnings
     from comparisons.cli.progress import working
-    from comparisons.converge import tables, words
+    from comparisons.converge import tables
     from comparisons.converge.page import write_converge
     from comparisons.converge.study import run_converge
     from comparisons.kit.progress import Progress
@@ -87,9 +90,12 @@ def _run(request: "Request", out: Path, begun: float) -> None:
         data = run_converge(request, Progress(step=begin, stage=work.stage), begun)
         with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
             page = new.final(write_converge(data, new.part))
+    typer.echo(data["first"])
+    for line in (data["words"], *data["hints"]):
+        typer.echo(line)
     print_table(tables.modes_table(data))
     print_table(tables.levels_table(data))
-    for line in (words.verdict(data), *words.held(data), words.for_sweeps(data)):
-        typer.echo(line)
     print_warnings(data["warnings"])
     typer.echo(f"The page to open: {page}")
+    if not data["held"]:
+        raise typer.Exit(NOT_REACHED)

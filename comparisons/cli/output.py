@@ -1,6 +1,7 @@
 """What commands print: progress, tables, results."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -10,6 +11,7 @@ from comparisons.cli.fitting import ShownColumn, blocks, total
 from comparisons.kit.tables import Table as ReportTable
 
 if TYPE_CHECKING:
+    from comparisons.study.sections import Table as FrameTable
     from scenes.matrix_run import MatrixResult
     from scenes.results import ModesResult, StaticResult
 
@@ -47,6 +49,30 @@ def print_table(table: ReportTable, to: Console = console) -> None:
         for i, column in enumerate(table.columns)
     ]
     for i, block in enumerate(blocks(columns, width_of(to))):
+        _print(block.table("" if i else table.caption), to)
+
+
+def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None:
+    """Print a table of a study.
+
+    Parameters
+    ----------
+    table
+        The table.
+    result
+        What its frame is made of.
+    to
+        Where it is printed.
+    """
+    from comparisons.study.page import ShownTable
+
+    made = ShownTable.of(replace(table, group=""), result)
+    cells = [row["cells"] for _, rows in made.groups() for row in rows]
+    columns = [
+        ShownColumn(shown.axis, [printable(row[i][0]) for row in cells], head["number"])
+        for i, ((_, shown), head) in enumerate(zip(made.columns, made.heads(), strict=True))
+    ]
+    for i, block in enumerate(blocks(columns, width_of(to)) if cells else ()):
         _print(block.table("" if i else table.caption), to)
 
 

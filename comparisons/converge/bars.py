@@ -1,193 +1,191 @@
-"""The error of the last number of a sequence, from the sequence itself.
+"""Error bars of numbers on a sequence of meshes, and of the eigenvalues that are made of them.
 
-Numbers q_k stand at positions t_k, logarithms of the error that theory takes off. An error
-C exp(-eta t) has differences of neighbours that say eta: 1 where theory holds, less where the
-solution is less smooth than theory supposes. The error of the last number is then
+The bar is twice the larger of two estimates of the error on the finest mesh: Richardson's, by the
+order observed on three meshes, and the change by inverse iteration in a richer space.
 
-    |q_L - q_(L-1)| / (exp(eta (t_L - t_(L-1))) - 1)
-
-which is Richardson's extrapolation. Where differences do not fall as any credible eta says, the
-error is taken to be the largest of the last differences, or what theory makes of it where a step
-takes off less than half.
+Two eigenvalues z of a pair near a coalescence, lambda^2 without damping and lambda with, are
+m +- sqrt(s). Mean m and splitting s = ((z1 - z2) / 2)^2 vary smoothly with the mesh where the
+members do not, so that bars of a pair are made of those of m and s.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite, log
+from math import inf, isfinite, sqrt
 
 import numpy as np
-from scipy.optimize import brentq
 
-LEAST = 0.3
-"""Least credible eta: below it nothing says that the sequence converges."""
-MOST = 0.9
-"""Largest eta that is made use of: what falls faster leaves another part behind, and on meshes that
-are still coarse theory takes off more than finer elements do."""
-SAFETY = 4.0
-"""Factor on Richardson's error."""
-_UNMEASURED, _SHOWN = 3.0, 4
-"""Factor on errors of which no parts were measured, until so many meshes show how they fall: a
-coarse step may take off another part than the one before, and leave more than either says."""
-_BY_OTHERS = 2.0
-"""Factor on Richardson's error where the window shows how errors fall and a number itself cannot,
-having two: of modes that meet others on a coarse mesh, which have no such numbers there."""
-_TRUSTED = log(40.0)
-"""Most that a last step is trusted to have taken off, as a logarithm: what fell by more may have
-left another part behind."""
-_LUCK = 0.3
-"""Part of the difference that the whole window makes likely, below which one is taken for luck."""
+from cea.arrays import Complexes
+from comparisons.converge.ladder import MESHES, RATIO
+
+FACTOR = 2.0
+"""Bar over the larger estimate: 99.9 per cent of eigenvalues with known errors lie within it."""
+LEAST_ORDER = 1.0
+"""Least order of convergence by which Richardson's error is extrapolated."""
+CONVERGING = 1.2
+"""Least ratio of two differences of a sequence that converges."""
 
 
 @dataclass(frozen=True)
 class Bar:
-    """Error of the last number of a sequence.
+    """Error bar of the last number of a sequence.
 
     Parameters
     ----------
     size
-        The error; infinite where the sequence has one number.
-    rate
-        eta, the observed order over that of theory; None where the sequence says none.
+        The bar; infinite where there is no estimate.
+    converges
+        Whether differences fall; where they do not, the bar is at least their sum.
+    estimates
+        Estimates it is made of: 2, or 1 where meshes are too few or have no ratio.
     """
 
     size: float
-    rate: float | None
+    converges: bool = True
+    estimates: int = 2
+
+
+def bar_of(
+    numbers: Sequence[complex], corrected: complex | None, degree: int, rounding: float = 0.0
+) -> Bar:
+    """Error bar of the last of the numbers on some meshes, coarsest first.
+
+    Parameters
+    ----------
+    numbers
+        The numbers; Richardson's error takes the last three, of meshes of the same ratio.
+    corrected
+        The last one corrected in a richer space, if it was.
+    degree
+        Degree p of the elements: differences fall by the ratio to 2 p at most.
+    rounding
+        Error of each number by rounding.
+    """
+    change = None if corrected is None else abs(corrected - numbers[-1])
+    if len(numbers) < MESHES:
+        size = inf if change is None else FACTOR * change + rounding
+        return Bar(size, estimates=0 if change is None else 1)
+    first, second = np.abs(np.diff(numbers[-MESHES:])).tolist()
+    estimates = 1 if change is None else 2
+    if first + second <= 2 * rounding:  # nothing but rounding differs
+        return Bar(max(first + second, FACTOR * (change or 0.0)) + rounding, True, estimates)
+    if first < CONVERGING * second:
+        size = max(first + second, FACTOR * (change or 0.0))
+        return Bar(size + rounding, False, estimates)
+    most = RATIO ** (2 * degree)
+    ratio = min(max(first / second if second else most, RATIO**LEAST_ORDER), most)
+    return Bar(FACTOR * max(second / (ratio - 1), change or 0.0) + rounding, True, estimates)
 
 
 @dataclass(frozen=True)
-class Usual:
-    """Last difference of a number that is no luck.
+class Estimated:
+    """An eigenvalue with its error bars.
 
     Parameters
     ----------
-    size
-        The difference.
-    own
-        Whether it is that expected of the number itself, as its error is known in its parts, and
-        not of what numbers of this size have in the window.
-    unmeasured
-        Whether errors could not be measured in their parts: bars of few meshes are tripled then.
-    left
-        Error that is expected to be left, where it is known in its parts: those that the last step
-        refined nothing of do not show in its difference.
+    value
+        lambda (1/s).
+    frequency_bar, growth_bar
+        Errors of Im lambda and of Re lambda (1/s).
+    converges, estimates
+        As of :class:`Bar`.
+    still
+        Whether it cannot grow for the structure of the problem.
+    is_open
+        Whether it may have coalesced with another or not: then growth is not known.
     """
 
-    size: float = 0.0
-    own: bool = False
-    unmeasured: bool = False
-    left: float = 0.0
-
-    def __mul__(self, factor: float) -> "Usual":
-        return replace(self, size=self.size * factor, left=self.left * factor)
-
-
-NO_USUAL = Usual()
-"""Where nothing is known of it."""
+    value: complex
+    frequency_bar: float
+    growth_bar: float
+    converges: bool = True
+    estimates: int = 2
+    still: bool = False
+    is_open: bool = False
 
 
-def observed_rate(positions: Sequence[float], differences: Sequence[float]) -> float | None:
-    """Rate eta of three numbers at three positions from their two differences.
+def single(
+    values: Complexes,
+    corrected: complex | None,
+    degree: int,
+    rounding: float,
+    *,
+    damped: bool,
+) -> Estimated:
+    """An eigenvalue by itself; without damping one of no growth on all meshes has none."""
+    bar = bar_of(values.tolist(), corrected, degree, rounding)
+    value, still = complex(values[-1]), bool(not damped and np.all(values.real == 0))
+    growth = 0.0 if still else bar.size
+    return Estimated(value, bar.size, growth, bar.converges, bar.estimates, still)
 
-    Parameters
-    ----------
-    positions
-        t of the last three numbers, rising.
-    differences
-        Absolute differences of neighbours.
 
-    Returns
-    -------
-    float or None
-        None where the differences do not fall.
+def pair(
+    values: Complexes,
+    corrected: Complexes | None,
+    degree: int,
+    rounding: float,
+    *,
+    damped: bool,
+) -> tuple[Estimated, Estimated]:
+    """Two eigenvalues by their mean and splitting, values of shape (meshes, 2).
+
+    Without damping both are still where the splitting lies above its bar, flutter where it lies
+    below minus its bar, and else grow by no more than what the splitting minus its bar gives.
     """
-    before, last = np.diff(positions[-3:])
-    former, latter = differences[-2:]
-    if latter == 0 or former == 0:
-        return None
-
-    def excess(eta: float) -> float:
-        return float(np.expm1(eta * before) / -np.expm1(-eta * last) - former / latter)
-
-    low, high = 1e-3, 10.0
-    if excess(low) >= 0:
-        return None
-    return high if excess(high) <= 0 else float(brentq(excess, low, high))
-
-
-def rate_of(values: Sequence[complex], positions: Sequence[float]) -> float | None:
-    """Rate eta of a sequence's last three numbers; None where there are fewer or it shows none."""
-    if len(values) < 3:
-        return None
-    return observed_rate(positions, np.abs(np.diff(values[-3:])).tolist())
-
-
-def bar(
-    values: Sequence[complex],
-    positions: Sequence[float],
-    typical: float | None,
-    rounding: float = 0.0,
-    usual: Usual = NO_USUAL,
-) -> Bar:
-    """Error of the last number of a sequence.
-
-    Parameters
-    ----------
-    values
-        Its numbers, coarsest mesh first.
-    positions
-        Their positions t, rising.
-    typical
-        eta of the window as a whole, beside which that of one mode may be luck; None where it is
-        not known.
-    rounding
-        Error of each number by rounding, beside that of its mesh.
-    usual
-        Last difference that is no luck: of two numbers alone a smaller one is taken for luck, and
-        of more one below a part of it. What a mode owes to something else than the others, as to
-        the shape of curved cells, need not fall as theirs.
-    """
-    if len(values) < 2:
-        return Bar(inf, None)
-    differences = np.abs(np.diff(values))
-    last = float(differences[-1])
-    doubt = _UNMEASURED if usual.unmeasured and len(values) < _SHOWN else 1.0
-    least = SAFETY * _LUCK * usual.left
-    if len(values) < 3:
-        size = doubt * _unseen([max(last, usual.size)], positions)
-        if usual.own and typical is not None and typical >= LEAST:
-            seen = max(last, _LUCK * usual.size)
-            size = min(size, max(_BY_OTHERS * _richardson(seen, typical, positions), least))
-        return Bar(float(size) + rounding, None)
-    rate, former = rate_of(values, positions), float(differences[-2])
-    if max(last, former) <= 2 * rounding:  # nothing but rounding is left to differ
-        return Bar(max(last, former) + rounding, rate)
-    if rate is None or rate < LEAST:
-        return Bar(max(doubt * _unseen([former, last], positions), least) + rounding, rate)
-    before, step = np.diff(positions[-3:])
-    used = min(rate, MOST, MOST if typical is None else max(typical, LEAST))
-    likely = usual.size
-    if not usual.own:
-        likely = max(likely, -former * float(np.expm1(-used * step) / np.expm1(used * before)))
-    size = doubt * _richardson(max(last, _LUCK * likely), used, positions)
-    return Bar(max(float(size), least) + rounding, rate)
+    z = values if damped else values**2
+    mean, splitting = z.mean(axis=1), ((z[:, 0] - z[:, 1]) / 2) ** 2
+    richer: tuple[complex | None, complex | None] = (None, None)
+    if corrected is not None:
+        own = corrected if damped else corrected**2
+        richer = complex(own.mean()), complex(((own[0] - own[1]) / 2) ** 2)
+    size, root = abs(mean[-1]), abs(splitting[-1])
+    of_member = rounding if damped else 2 * sqrt(size) * rounding + rounding**2
+    of_mean = bar_of(mean.tolist(), richer[0], degree, of_member)
+    of_splitting = 2 * sqrt(root) * of_member + of_member**2
+    of_root = bar_of(splitting.tolist(), richer[1], degree, of_splitting)
+    copies = bool((np.abs(splitting) <= of_splitting).all())
+    error = root_error(root, of_root.size)
+    converges = of_mean.converges and of_root.converges
+    estimates = min(of_mean.estimates, of_root.estimates)
+    found = []
+    for value in values[-1].tolist():
+        if damped:
+            both = of_mean.size + error
+            found.append(Estimated(value, both, both, converges, estimates))
+            continue
+        is_open = root <= of_root.size and not (copies and value.real == 0)
+        frequency, growth = _of_member(value, of_mean.size, error)
+        if is_open:
+            speed = max(abs(value), np.finfo(float).tiny)
+            growth = sqrt(root + of_root.size) / (2 * speed)
+            frequency = (of_mean.size + error) / (2 * speed)
+        still = not is_open and value.real == 0
+        found.append(Estimated(value, frequency, growth, converges, estimates, still, is_open))
+    return found[0], found[1]
 
 
-def _richardson(last: float, rate: float, positions: Sequence[float]) -> float:
-    """Richardson's error of a last difference at a rate, times what makes it safe."""
-    step = min(rate, MOST) * (positions[-1] - positions[-2])
-    return SAFETY * last / float(np.expm1(min(step, _TRUSTED)))
+def opened(one: Estimated, splitting: float, bar: float) -> Estimated:
+    """An eigenvalue that was still, beside one with which it may have coalesced."""
+    growth = sqrt(splitting + bar) / (2 * abs(one.value)) if isfinite(bar) else inf
+    return replace(one, growth_bar=max(one.growth_bar, growth), still=False, is_open=True)
 
 
-def _unseen(differences: list[float], positions: Sequence[float]) -> float:
-    """Error where no order is seen: the largest difference, or what theory makes of it if more.
-
-    A step that takes little off by theory changes little, however large the error is.
-    """
-    steps = np.diff(positions[-len(differences) - 1 :])
-    return float(np.max(np.array(differences) * np.maximum(1.0, 1 / np.expm1(steps))))
+def root_error(square: float, error: float) -> float:
+    """Error of a root from that of its square: half of it relative, or its root."""
+    if not isfinite(error):
+        return inf
+    return sqrt(square) - sqrt(square - error) if error < square else sqrt(square + error)
 
 
-def typical_rate(rates: Sequence[float | None]) -> float | None:
-    """Median of the rates that are credible; None where there is none."""
-    known = [min(rate, MOST) for rate in rates if rate is not None and isfinite(rate)]
-    return float(np.median(known)) if known else None
+def _of_member(value: complex, of_mean: float, of_root: float) -> tuple[float, float]:
+    """Bars of Im and Re lambda, lambda^2 = m +- sqrt(s), from those of m and of sqrt(s)."""
+    growth, frequency = abs(value.real), abs(value.imag)
+    speed = max(abs(value), np.finfo(float).tiny)
+    if growth == 0:
+        return (of_mean + of_root) / (2 * speed), 0.0
+    if frequency == 0:
+        return 0.0, (of_mean + of_root) / (2 * speed)
+    # Of a pair that flutters lambda = g + i w: m = g^2 - w^2, sqrt(-s) = 2 g w.
+    return (
+        (frequency * of_mean + growth * of_root) / (2 * speed**2),
+        (frequency * of_root + growth * of_mean) / (2 * speed**2),
+    )

@@ -5,8 +5,6 @@ from typing import Any
 
 from cea.files import write_whole
 from cea.petsc import MPI
-from comparisons.converge import words
-from comparisons.converge.plots import errors_plot, modes_plot
 from comparisons.converge.study import COMMAND
 from comparisons.converge.tables import TABLES
 from comparisons.kit.page import REPORT, write_page
@@ -39,15 +37,6 @@ def write_converge(data: dict[str, Any], out: Path) -> Path:
     if MPI.COMM_WORLD.rank == 0:
         for name, text in data["scenes"].items():
             write_whole(text.encode(), out / f"{name}.toml")
-        write_page(
-            TEMPLATE,
-            data,
-            [*(make(data) for make in TABLES), machine(data)],
-            out,
-            plots=True,
-            words=words,
-            errors_plot=errors_plot(data),
-            modes_plot=modes_plot(data),
-        )
+        write_page(TEMPLATE, data, [*(make(data) for make in TABLES), machine(data)], out)
     MPI.COMM_WORLD.Barrier()
     return out / REPORT

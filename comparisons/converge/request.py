@@ -6,9 +6,6 @@ from typing import Any
 from cea.errors import InputError
 from scenes.spec.body import Backend
 
-MOST_DIGITS = 10
-"""Digits beyond which rounding leaves nothing to converge."""
-
 
 @dataclass(frozen=True)
 class Request:
@@ -23,7 +20,7 @@ class Request:
     growth_digits
         Those of growth rates; None takes one less, 1 at least.
     backends
-        Backends that are refined.
+        Backends that are refined; None takes those on which the scene has meshes.
     budget
         Seconds that all of it may take.
     unstable
@@ -42,7 +39,7 @@ class Request:
     scene: str
     digits: int = 3
     growth_digits: int | None = None
-    backends: tuple[Backend, ...] = ("iga", "fe")
+    backends: tuple[Backend, ...] | None = None
     budget: float = 900.0
     unstable: bool = False
     sweep_digits: int = 2
@@ -54,32 +51,19 @@ class Request:
             ("growth_digits", self.of_growth),
             ("sweep_digits", self.sweep_digits),
         ):
-            if not 1 <= value <= MOST_DIGITS:
-                raise InputError(name, value, f"1 to {MOST_DIGITS}")
+            if not 1 <= value <= 10:
+                raise InputError(name, value, "1 to 10")
         if not self.budget > 0:
             raise InputError("budget", self.budget, "more than 0 seconds")
-        if not self.backends:
-            raise InputError("backend", (), "one at least")
 
     @property
     def of_growth(self) -> int:
         """Digits of growth rates."""
         return max(1, self.digits - 1) if self.growth_digits is None else self.growth_digits
 
-    @property
-    def tolerance(self) -> float:
-        """Relative error of frequencies that is allowed."""
-        return half_unit(self.digits)
-
-    @property
-    def growth_tolerance(self) -> float:
-        """Relative error of growth rates that is allowed."""
-        return half_unit(self.of_growth)
-
     def plain(self) -> dict[str, Any]:
         """Plain data."""
-        data = asdict(self)
-        return data | {"backends": list(self.backends), "overrides": list(self.overrides)}
+        return asdict(self) | {"overrides": list(self.overrides)}
 
 
 def half_unit(digits: int) -> float:

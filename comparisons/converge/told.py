@@ -1,209 +1,206 @@
-"""The record of a study: modes, meshes with their errors, why each backend ended, warnings."""
+"""The record of a study: what is held, the words of the run, modes, meshes, warnings."""
 
-from collections.abc import Mapping
-from math import isfinite, tau
+from collections.abc import Mapping, Sequence
+from math import floor, isfinite, log10, tau
 from typing import Any
 
 import numpy as np
 
+from cea.eigen.classify import classify_run, counted_words
 from cea.eigen.eigenvalue_matching import assign
-from comparisons.converge.combined import Mode
+from cea.eigen.spectrum import Window
+from comparisons.converge.combine import Mode
 from comparisons.converge.course import Course
-from comparisons.converge.following import lost
-from comparisons.converge.levels import Level, elements_of
+from comparisons.converge.ladder import Mesh, elements_of, window_of
 from comparisons.converge.request import Request, half_unit
-from comparisons.converge.steps import Step
 from comparisons.kit.run_warnings import Run, merged_warnings
 from scenes.following import STATE_KEPT
 from scenes.read import Scene
-from scenes.refinement import moved_to_mortar, refined
+from scenes.refinement import moved_to_mortar
 from scenes.scene_toml import scene_text
 from scenes.spec.body import Backend
-
-_REACH = 0.1
-"""Relative distance at which an eigenvalue of a mesh no longer stands for a final one."""
-_MORE = 10.0
-"""Factor between errors of one digit and of the next."""
 
 
 def data_of(
     courses: Mapping[Backend, Course], modes: list[Mode], request: Request, scene: Scene
 ) -> dict[str, Any]:
     """What the record of a study holds, as :func:`comparisons.converge.study.run_converge` says."""
-    moving = [mode.member for mode in modes if not mode.member.rigid]
-    final = np.array([member.value for member in moving], complex)
-    bars = np.array([np.hypot(member.frequency_bar, member.growth_bar) for member in moving])
-    levels = []
-    for course in courses.values():
-        levels += [(level, errors_of(level, final, bars)) for level in course.levels]
-    for_sweeps = _cheapest(levels, half_unit(request.sweep_digits))
-    scenes = {f"finest_{b}": c.sequence.last for b, c in courses.items() if c.sequence.levels}
-    if for_sweeps is not None:
-        scenes["for_sweeps"] = for_sweeps
-    assert scene.analysis.kind == "cea"
+    window = window_of(scene)
+    top, threshold = window.max_frequency, window.growth_threshold
+    inside = [mode for mode in modes if mode.frequency <= top]
+    above = [mode for mode in modes if mode.frequency > top]
+    ran = {b: course for b, course in courses.items() if course.followed.meshes}
+    finest = {b: course.followed.meshes[-1] for b, course in ran.items()}
+    errors = [
+        (mesh, {"backend": backend, **_level(mesh), **_errors(mesh, inside)})
+        for backend, course in ran.items()
+        for mesh in course.followed.meshes
+    ]
+    held, first = _held(inside, courses, request, threshold)
+    scenes = {f"finest_{backend}": mesh.scene for backend, mesh in finest.items()}
+    tolerance = half_unit(request.sweep_digits)
+    enough = [(m, e) for m, e in errors if e["bound"] is not None and e["bound"] <= tolerance]
+    if enough:
+        scenes["for_sweeps"] = min(enough, key=lambda each: each[0].dofs)[0].scene
     return {
-        "modes": [mode.plain() for mode in modes],
-        "levels": [level.plain() | errors for level, errors in levels],
-        "backends": {backend: _told(course) for backend, course in courses.items()},
-        "lost": [
-            {"backend": course.backend, "frequency": value.imag / tau, "growth": value.real}
-            for course in courses.values()
-            for value in lost(course.sequence, highest_of(scene) * tau)
-        ],
+        "first": first,
+        "max_frequency": top,
+        "growth_threshold": threshold,
+        "held": held,
+        "words": _words(inside, above, [mesh.window for mesh in finest.values()], threshold, top),
+        "hints": _hints(above),
+        "modes": [mode.plain() for mode in inside],
+        "levels": [plain for _, plain in errors],
+        "backends": {b: {"ended": c.ended, "spent": c.spent} for b, c in courses.items()},
         "mortar": moved_to_mortar(scene),
-        "scenes": {name: scene_text(level.scene) for name, level in scenes.items()},
-        "max_frequency": highest_of(scene),
-        "growth_threshold": scene.analysis.growth_threshold,
+        "scenes": {name: scene_text(each) for name, each in scenes.items()},
+        "warnings": _warnings(ran, finest, inside, top),
     }
 
 
-def highest_of(scene: Scene) -> float:
-    """Upper end of the window (Hz)."""
-    assert scene.analysis.kind == "cea"
-    return scene.analysis.max_frequency
+def _held(
+    modes: list[Mode],
+    courses: Mapping[Backend, Course],
+    request: Request,
+    threshold: float | None,
+) -> tuple[bool, str]:
+    """Whether all digits are held, and the line that says it."""
+    asked = [mode.shortfalls(request, threshold) for mode in modes]
+    of_frequency = [f <= 1 for f, _ in asked]
+    of_growth = [g <= 1 for mode, (_, g) in zip(modes, asked, strict=True) if g > 0]
+    line = (
+        f"{_digits(request.digits)} of frequency held in {sum(of_frequency)} of {len(modes)} modes"
+    )
+    if of_growth:
+        line += f", {request.of_growth} of growth in {sum(of_growth)} of {len(of_growth)}"
+    ran = any(course.followed.meshes for course in courses.values())
+    short = [
+        f"{name} of {mode.frequency:.6g} Hz ({_digits(max(0, digits))})"
+        for mode, both in zip(modes, asked, strict=True)
+        for name, shortfall, wanted in zip(
+            ("frequency", "growth"), both, (request.digits, request.of_growth), strict=True
+        )
+        if shortfall > 1
+        for digits in [floor(wanted - log10(shortfall)) if isfinite(shortfall) else 0]
+    ]
+    ended = [f"{b}: {course.ended}" for b, course in courses.items() if course.ended]
+    if not ran:
+        return False, f"not reached: no mesh was solved; {'; '.join(ended)}"
+    if short:
+        more = f" and {len(short) - 3} more" if len(short) > 3 else ""
+        line += f"; not reached: {', '.join(short[:3])}{more}; {'; '.join(ended)}"
+    return not short, line
 
 
-def errors_of(level: Level, final: np.ndarray, bars: np.ndarray) -> dict[str, Any]:
-    """Distance of a mesh's eigenvalues from the final ones but zeros, relative to abs(lambda).
+def _digits(count: int) -> str:
+    return f"{count} digit{'s' * (count != 1)}"
+
+
+def _words(
+    modes: list[Mode],
+    above: list[Mode],
+    windows: Sequence[Window],
+    threshold: float | None,
+    top: float,
+) -> str:
+    """How many modes have which word and the word of the run, as one run says it."""
+    end = f"{top:g} Hz"
+    if not modes:
+        lowest = [w.lowest for w in windows if w.lowest is not None]
+        lowest = [min(mode.frequency for mode in above)] if above else lowest
+        near = f"; the lowest is near {min(lowest):.5g} Hz" if lowest else ""
+        return f"no modes below {end}{near}"
+    words = [mode.word for mode in modes]
+    counts = counted_words(words, [mode.estimated.value.real for mode in modes], threshold)
+    word = classify_run(
+        words,
+        complete=any(window.complete for window in windows),
+        missing=any(window.missing for window in windows),
+    )
+    line = f"{len(modes)} mode{'s' * (len(modes) > 1)} up to {end}: {counts}; verdict: {word}"
+    if word == "no unstable mode found":
+        most = max(window.max_growth for window in windows)
+        line += f" up to a growth rate of {most:.4g} 1/s"
+    return line
+
+
+def _hints(above: list[Mode]) -> list[str]:
+    """Modes that grow beyond their bars up to 5 per cent above the window."""
+    grow = [mode for mode in above if mode.word in ("unstable", "grows slowly")]
+    if not grow:
+        return []
+    modes = "a mode grows" if len(grow) == 1 else f"{len(grow)} modes grow"
+    told = ", ".join(
+        f"{mode.estimated.value.real:+.3g} 1/s at {mode.frequency:.6g} Hz" for mode in grow
+    )
+    return [f"hint: {modes} just above the end of the window: {told}"]
+
+
+def _level(mesh: Mesh) -> dict[str, Any]:
+    return {
+        **mesh.resolution.plain(),
+        "elements": elements_of(mesh.scene),
+        "dofs": mesh.dofs,
+        "seconds": mesh.seconds,
+        "corrected": mesh.corrected is not None,
+    }
+
+
+def _errors(mesh: Mesh, modes: list[Mode]) -> dict[str, Any]:
+    """Worst distance of a mesh's eigenvalues from the final ones, relative to abs(lambda).
 
     ``bound`` is the worst of them with the bars of the final ones; None where one has no bar.
     """
-    values = level.eigenvalues
-    if not len(final) or not len(values):
-        return {"worst": None, "bound": None, "median": None, "missing": len(final)}
-    distance = np.abs(values[None, :] - final[:, None]) / np.abs(final)[:, None]
-    rows, columns = assign(distance, _REACH)
-    errors = distance[rows, columns]
-    missing = len(final) - len(rows)
-    worst, bound = float(errors.max(initial=0.0)), np.inf
-    if not missing:
-        bound = float((errors + bars[rows] / np.abs(final[rows])).max(initial=0.0))
-    return {
-        "worst": worst if not missing else None,
-        "bound": bound if isfinite(bound) else None,
-        "median": float(np.median(errors)) if len(errors) else None,
-        "missing": missing,
-    }
+    moving = [mode.estimated for mode in modes if not mode.rigid]
+    final = np.array([own.value for own in moving], complex)
+    if not len(final) or len(mesh.eigenvalues) < len(final):
+        return {"worst": None, "bound": None}
+    bars = np.array([np.hypot(own.frequency_bar, own.growth_bar) for own in moving])
+    distance = np.abs(mesh.eigenvalues[None, :] - final[:, None])
+    apart = distance[assign(distance / np.abs(final)[:, None])]
+    bound = float(((apart + bars) / np.abs(final)).max())
+    worst = float((apart / np.abs(final)).max())
+    return {"worst": worst, "bound": bound if isfinite(bound) else None}
 
 
-def _cheapest(levels: list[tuple[Level, dict[str, Any]]], tolerance: float) -> Level | None:
-    """The mesh tried that takes least time of those that are within a tolerance, bars included."""
-    enough = [
-        level
-        for level, e in levels
-        if e["bound"] is not None and e["bound"] <= tolerance and not level.corrected
-    ]
-    return min(enough, key=lambda level: level.seconds, default=None)
-
-
-def _told(course: Course) -> dict[str, Any]:
-    """Why a backend ended, what its bars need, what a digit more would cost."""
-    if not course.sequence.levels:
-        return {
-            "ended": course.ended,
-            "held": False,
-            "need": None,
-            "more": None,
-            "rate": None,
-            "owed": [],
-        }
-    need = course.need
-    more = course.cost_of(max(need, 1.0) * _MORE) if isfinite(need) else None
-    return {
-        "ended": course.ended,
-        "held": course.holds,
-        "need": need if isfinite(need) else None,
-        "rate": course.judged.window.rate,
-        "owed": _owed(course),
-        "more": None if more is None else _more(course, more),
-    }
-
-
-def _owed(course: Course) -> list[dict[str, Any]]:
-    """What each body and direction was measured to owe to the errors of a mesh."""
-    parts = course.sequence.parts
-    if parts is None:
-        return []
-    usual = parts.of_mean(None)
-    each = [parts.of_mean(np.array([i])) for i in np.flatnonzero(parts.known)]
-    worst = np.max(each, axis=0) if each else usual
-    bodies = course.scene.bodies
-    return [
-        {
-            "body": part.body,
-            "directions": [bodies[part.body].geometry.directions[d] for d in part.directions],
-            "edges": part.edges,
-            "median": float(median),
-            "worst": float(most),
-        }
-        for part, median, most in zip(parts.parts, usual, worst, strict=True)
-    ]
-
-
-def _more(course: Course, step: Step) -> dict[str, Any]:
-    """A mesh that would give more, with its time."""
-    scene = refined(course.scene, course.backend, step.resolution)
-    return {
-        "seconds": step.seconds,
-        **step.resolution.plain(),
-        "elements": elements_of(scene),
-    }
-
-
-def warnings_of(
-    courses: Mapping[Backend, Course], modes: list[Mode], scene: Scene
+def _warnings(
+    ran: Mapping[Backend, Course], finest: Mapping[Backend, Mesh], modes: list[Mode], top: float
 ) -> list[dict[str, Any]]:
-    """What the result must be read with."""
-    found = []
-    apart = [mode for mode in modes if mode.agree is False]
-    if apart:
-        found.append(
-            {
-                "kind": "backends-disagree",
-                "message": f"the backends differ by more than their bars in {len(apart)} modes",
-                "data": {"frequencies": [m.member.value.imag / tau for m in apart]},
-            }
-        )
-    both = sum(1 for course in courses.values() if course.sequence.levels) > 1
-    alone = [mode for mode in modes if both and len(mode.members) == 1]
-    if alone:
-        found.append(
-            {
-                "kind": "modes-alone",
-                "message": f"{len(alone)} modes were found by one backend only",
-                "data": {"frequencies": [m.member.value.imag / tau for m in alone]},
-            }
-        )
-    for course in courses.values():
-        if not course.holds:
-            found.append(
-                {
-                    "kind": "digits-not-held",
-                    "message": f"{course.backend}: {course.ended}",
-                    "data": {"backend": course.backend},
-                }
-            )
-    if missing := lost_of(courses, scene):
-        found.append(
-            {
-                "kind": "modes-lost",
-                "message": f"{missing} modes of a mesh are not among those of the next",
-                "data": {"count": missing},
-            }
-        )
-    return found + _of_newest_meshes(courses)
-
-
-def _of_newest_meshes(courses: Mapping[Backend, Course]) -> list[dict[str, Any]]:
-    """Warnings of the runs on the newest meshes, merged; derivatives are not told."""
-    newest = {b: course.sequence.last for b, course in courses.items() if course.sequence.levels}
-    runs: list[Run] = [
-        ({"backend": backend}, [w.plain() for w in level.warnings if w.kind != STATE_KEPT])
-        for backend, level in newest.items()
+    """What the result must be read with; what runs warn of is that of the finest meshes."""
+    lost = [v for c in ran.values() for v in c.followed.lost.tolist() if v.imag <= tau * top]
+    kinds = {
+        "backends-disagree": (
+            "bars of the backends do not meet, and are widened, in",
+            [mode.frequency for mode in modes if mode.agree is False],
+        ),
+        "modes-alone": (
+            "one backend alone found",
+            [mode.frequency for mode in modes if len(ran) > 1 and mode.agree is None],
+        ),
+        "not-converging": (
+            "differences between meshes do not fall in",
+            [mode.frequency for mode in modes if not mode.estimated.converges],
+        ),
+        "one-estimate": (
+            "bars are twice the change in a richer space alone in",
+            [m.frequency for m in modes if m.estimated.estimates < 2 and not m.rigid],
+        ),
+        "modes-lost": (
+            "the finest mesh lacks, of those of the mesh before,",
+            [value.imag / tau for value in lost],
+        ),
+    }
+    found = [
+        {
+            "kind": kind,
+            "message": f"{text} {len(where)} mode{'s' * (len(where) > 1)}",
+            "data": {"frequencies": where},
+        }
+        for kind, (text, where) in kinds.items()
+        if where
     ]
-    return merged_warnings(runs, "backends, on its newest mesh")
-
-
-def lost_of(courses: Mapping[Backend, Course], scene: Scene) -> int:
-    """Number of modes that the newest meshes do not have and those before had."""
-    return sum(len(lost(course.sequence, highest_of(scene) * tau)) for course in courses.values())
+    runs: list[Run] = [
+        ({"backend": backend}, [w.plain() for w in mesh.warnings if w.kind != STATE_KEPT])
+        for backend, mesh in finest.items()
+    ]
+    return found + merged_warnings(runs, "backends, on its newest mesh")

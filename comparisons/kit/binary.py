@@ -38,10 +38,18 @@ class Binary:
             Its type, and where it begins (bytes) and how many numbers it has.
         """
         content = np.ascontiguousarray(values, dtype=_TYPES[kind]).tobytes()
-        place = {"type": kind, "at": self._size, "length": int(np.size(values))}
+        return {"type": kind, "at": self.append(content), "length": int(np.size(values))}
+
+    def append(self, content: bytes) -> int:
+        """Keep bytes, and tell where they begin."""
+        begin = self._size
         self._parts.append(content + bytes(-len(content) % _ALIGNED))
         self._size += len(self._parts[-1])
-        return place
+        return begin
+
+    def content(self) -> bytes:
+        """Everything."""
+        return b"".join(self._parts)
 
     def add_numbers(self, values: ArrayLike) -> dict[str, Any]:
         """Keep whole numbers from 0 on in as few bytes as they need."""
@@ -56,7 +64,7 @@ class Binary:
 
     def text(self) -> str:
         """Everything, compressed with gzip, in base64."""
-        return packed(b"".join(self._parts))
+        return packed(self.content())
 
 
 def packed(content: bytes) -> str:

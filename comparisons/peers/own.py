@@ -26,7 +26,8 @@ def solve(scene_data: dict[str, Any], mass_quadrature: int | None) -> dict[str, 
     dict
         ``eigenvalues`` (1/s) as pairs of real and imaginary part, ``dofs``, ``timings`` by stage.
     """
-    from fe_cea import FEBody
+    from cea.body import Body
+    from fe_cea import LagrangeSpace
     from scenes.body_meshes import body_mesh
     from scenes.read import read_scene
     from scenes.run import run_modes
@@ -35,13 +36,13 @@ def solve(scene_data: dict[str, Any], mass_quadrature: int | None) -> dict[str, 
     bodies = None
     if mass_quadrature is not None:
         bodies = {
-            name: FEBody.from_mesh(
+            name: Body(
                 name,
-                body_mesh(name, spec, ()),
-                degree=degree,
-                material=spec.material,
+                LagrangeSpace.from_mesh(
+                    body_mesh(name, spec, ()), degree=degree, mass_quadrature=mass_quadrature
+                ),
+                spec.material,
                 supports=[each.support() for each in spec.supports],
-                mass_quadrature=mass_quadrature,
             )
             for name, spec in scene.bodies.items()
             if (degree := spec.fe_degree) is not None

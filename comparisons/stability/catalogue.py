@@ -1,32 +1,28 @@
-"""The catalogue: every file of the folder of cases is one."""
+"""The catalogue of cases, and the runs of each."""
 
 from functools import cache
-from importlib import import_module
-from pkgutil import iter_modules
 
 from cea.errors import InputError
-from comparisons.stability import cases
+from comparisons.stability.cases import (
+    contact,
+    damping,
+    elements,
+    friction,
+    geometry,
+    loads,
+    materials,
+    matrices,
+)
 from comparisons.stability.parts.case import Case, Run
 from comparisons.stability.parts.ways import QUICK
+
+_SUBJECTS = (contact, damping, elements, friction, geometry, loads, materials, matrices)
 
 
 @cache
 def catalogue() -> dict[str, Case]:
-    """Every case by the name of its file.
-
-    Raises
-    ------
-    InputError
-        When a file holds no case, or several.
-    """
-    found = {}
-    for module in iter_modules(cases.__path__, f"{cases.__name__}."):
-        made = [v for v in vars(import_module(module.name)).values() if isinstance(v, Case)]
-        name = module.name.rpartition(".")[2]
-        if len(made) != 1:
-            raise InputError("case", name, f"one function marked with @case, not {len(made)}")
-        found[name] = made[0]
-    return found
+    """Every case by its name."""
+    return dict(sorted(item for subject in _SUBJECTS for item in subject.CASES.items()))
 
 
 @cache
@@ -46,8 +42,8 @@ def runs_of(name: str) -> tuple[Run, ...]:
 def numbers_of(name: str, *, quick: bool) -> list[int]:
     """Numbers of the runs of a case, from 0; a quick study takes a few of each row.
 
-    These are the ways of :data:`comparisons.stability.parts.ways.QUICK` on one backend each, in
-    turn from row to row; a row without them keeps its first run.
+    These are the ways of :data:`comparisons.stability.parts.ways.QUICK`, on one backend each, which
+    alternates from row to row; a row without them keeps its first run.
     """
     runs = runs_of(name)
     if not quick:

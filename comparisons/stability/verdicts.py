@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import assign, group
-from comparisons.stability.parts.answers import (
+from comparisons.stability.parts.case import Run, Verdict
+from comparisons.stability.parts.problems import (
     NOT_COMPLETE,
     UNDECIDED,
     Answer,
     ModesAnswer,
     StressAnswer,
 )
-from comparisons.stability.parts.case import Run, Verdict
 
 _RIGID = 1e-4
 """Part of the window's kappa that errors of smaller eigenvalues are relative to."""

@@ -6,17 +6,23 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
+from cea.arrays import Floats, Ints
 from cea.errors import require
-from cea.mesh import DIMENSION, SIMPLICES, Cell, lattice
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Role = Literal["solid", "mark", "structural"]
 
 
-DIVIDED = {"wedge": 6, "pyramid": 5}
-"""Corners of cells that a mesh has as tetrahedra alone (:mod:`meshes.files.tetrahedra`)."""
+CELLS = {
+    **{"line": (1, 2), "triangle": (2, 3), "quadrilateral": (2, 4), "tetrahedron": (3, 4)},
+    **{"pyramid": (3, 5), "wedge": (3, 6), "hexahedron": (3, 8)},
+}
+"""Dimension and number of corners of cells."""
+DIVIDED = ("wedge", "pyramid")
+"""Cells that a mesh has as tetrahedra alone (:mod:`meshes.files.tetrahedra`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +40,10 @@ class ElementBlock:
     numbers
         Their numbers in the file, (n,).
     nodes
-        Rows of their nodes among the points, (n, n_nodes): in the order of a
-        :class:`cea.mesh.Mesh`, -1 where the element has none of its nodes, as in the middle of
-        faces of 20-node hexahedra. Of wedges and pyramids, corners and middles of edges and faces
-        as VTK lists them; of lines and other elements, as the file has them.
+        Rows of their nodes among the points, (n, n_nodes), corners first; up to order 2 as
+        :data:`meshes.files.kinds.KINDS` lists them.
+    reference
+        Where these nodes lie in the reference cell, from 0 to 1, (n_nodes, dim).
     role
         ``solid``: what bodies are made of, and where solids of more dimensions are there, marks of
         their faces; ``mark``: of faces alone; ``structural``: shells, beams, springs and the like.
@@ -48,6 +54,7 @@ class ElementBlock:
     order: int
     numbers: Ints
     nodes: Ints
+    reference: Floats = field(default_factory=lambda: np.empty((0, 0)))
     role: Role = "solid"
 
     def __len__(self) -> int:
@@ -56,28 +63,21 @@ class ElementBlock:
     @property
     def dim(self) -> int:
         """Dimension of its cells; 0 of what is none."""
-        if self.cell in DIVIDED:
-            return 3
-        return {"line": 1, **{str(cell): dim for cell, dim in DIMENSION.items()}}.get(self.cell, 0)
+        return CELLS.get(self.cell, (0, 0))[0]
 
     @property
     def corners(self) -> Ints:
         """Corners of each element, (n, n_corners)."""
-        if self.cell not in DIMENSION:
-            return self.nodes[:, : DIVIDED.get(self.cell, 2)]  # lines begin with their ends
-        return self.nodes[:, corner_places(self.cell, self.order)]
+        return self.nodes[:, : CELLS.get(self.cell, (0, 2))[1]]
+
+
+def without_nodes(kind: str, numbers: Ints, role: Role) -> ElementBlock:
+    """Elements that make no body, of which no nodes are read."""
+    return ElementBlock(kind, "other", 1, numbers, np.empty((len(numbers), 0), int), role=role)
 
 
 class Sets(Mapping[str, Ints]):
-    """Sets by name, each worked out when it is asked for.
-
-    Parameters
-    ----------
-    items
-        What each is made of.
-    make
-        Makes its members of it.
-    """
+    """Sets by name, each worked out when it is asked for."""
 
     def __init__(self, items: Mapping[str, Any], make: Callable[[Any], Ints]) -> None:
         self._items, self._make = items, make
@@ -143,27 +143,13 @@ class FileContent:
 
     def with_others(self, kinds: Sequence[str]) -> "FileContent":
         """The content with a structural element of each kind that was not read."""
-        none = np.empty((1, 0), dtype=np.int64)
-        others = [
-            ElementBlock(kind, "other", 1, np.zeros(1, dtype=np.int64), none, "structural")
-            for kind in kinds
-        ]
+        others = [without_nodes(kind, np.zeros(1, dtype=np.int64), "structural") for kind in kinds]
         return replace(self, blocks=[*self.blocks, *others])
-
-
-def corner_places(cell: Cell | str, order: int) -> Ints:
-    """Places of the corners among the nodes of a cell, in C order of the reference cell."""
-    places = lattice(DIMENSION[cell], order, cell in SIMPLICES)  # type: ignore[index]
-    if cell in SIMPLICES:
-        at_corner = (places == order).any(axis=1) | (places == 0).all(axis=1)
-    else:
-        at_corner = np.isin(places, (0, order)).all(axis=1)
-    return np.flatnonzero(at_corner)
 
 
 def without_copies(content: FileContent) -> FileContent:
     """The content with elements that are there again, for another set, made one with the first."""
-    marks = np.append(node_marks(len(content.points)), np.uint64(0))
+    marks = node_marks(len(content.points))
     cells = {cell: i for i, cell in enumerate(sorted({block.cell for block in content.blocks}))}
     keys = np.concatenate(
         [np.empty(0, dtype=np.uint64)]
@@ -220,3 +206,12 @@ def shown(names: Iterable[str], limit: int = 20) -> str:
     known = list(names)
     more = f" and {len(known) - limit} more" if len(known) > limit else ""
     return ", ".join(known[:limit]) + more if known else "none"
+
+
+def first_of_near(points: Floats, distance: float) -> Ints:
+    """Number of the first of the points that a chain of steps below a distance joins to each."""
+    pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
+    size = len(points)
+    links = coo_array((np.ones(len(pairs), dtype=bool), tuple(pairs.T)), shape=(size, size))
+    _, group = connected_components(links, directed=False)
+    return np.unique(group, return_index=True)[1][group].astype(np.int64)

@@ -1,14 +1,14 @@
 """Kinds of elements by their number of nodes, in the order that most programs list them."""
 
 from collections.abc import Sequence
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cea.errors import require
-from cea.mesh import DIMENSION, SIMPLICES, Cell, facet_nodes, lattice
-from meshes.files.content import ElementBlock, Floats, Ints, Role
+from cea.arrays import Floats, Ints
+from cea.mesh import Cell, Mesh, facet_nodes, node_order
+from meshes.files.content import ElementBlock, Role
 
 _SAME = 1e-6
 """Reference nodes nearer than this are one."""
@@ -113,73 +113,48 @@ def full_kind(cell: str, order: int) -> Kind:
     return max(fitting, key=lambda kind: len(kind.groups))
 
 
-def wanted_nodes(cell: str, order: int) -> Floats:
-    """Reference nodes in the order in which :class:`ElementBlock` has them, (n, dim)."""
-    for known, dim in DIMENSION.items():
-        if cell == known:
-            return lattice(dim, order, cell in SIMPLICES) / order
-    return full_kind(cell, order).reference
+def lacks_middles(block: ElementBlock) -> bool:
+    """Whether elements of second order have no nodes in the middle of faces or cells."""
+    return block.order == 2 and len(block.reference) < len(full_kind(block.cell, 2).groups)
 
 
-@cache
-def full_order(cell: str, order: int) -> Ints:
-    """Place of each node of :func:`full_kind` among those of :class:`ElementBlock`, (n,)."""
-    apart = full_kind(cell, order).reference[:, None] - wanted_nodes(cell, order)
-    return np.linalg.norm(apart, axis=2).argmin(axis=1)
-
-
-@cache
-def side_nodes(cell: str, order: int) -> tuple[Ints, ...]:
-    """Nodes on each face S1, S2, ... among those of :class:`ElementBlock`."""
-    nodes, found = wanted_nodes(cell, order), []
-    for face in FACES[cell]:
-        at = np.array(_CORNERS[cell], dtype=float)[list(face)]
+def side_nodes(block: ElementBlock) -> list[Ints]:
+    """Nodes on each face S1, S2, ... among those of the elements."""
+    found = []
+    for face in FACES[block.cell]:
+        at = block.reference[list(face)]
         normal = np.linalg.svd(at[1:] - at[0])[2][-1]
-        found.append(np.flatnonzero(np.abs((nodes - at[0]) @ normal) < _SAME))
-    return tuple(found)
+        found.append(np.flatnonzero(np.abs((block.reference - at[0]) @ normal) < _SAME))
+    return found
 
 
-@cache
-def facet_sides(cell: Cell, order: int) -> Ints:
+def facet_sides(cell: Cell) -> Ints:
     """Face, 0 for S1, that each facet is as :func:`cea.mesh.facet_nodes` counts them."""
-    sides = [set(side.tolist()) for side in side_nodes(cell, order)]
-    return np.array([sides.index({*f.tolist()}) for f in facet_nodes(cell, order)], dtype=np.int64)
-
-
-def in_order(cell: str, order: int, nodes: Ints, reference: Floats) -> Ints:
-    """Nodes of elements in the order of :class:`ElementBlock`, -1 where they have none."""
-    wanted = wanted_nodes(cell, order)
-    apart = np.linalg.norm(wanted[:, None] - reference, axis=2)
-    found, nearest = apart.min(axis=1) < _SAME, apart.argmin(axis=1)
-    require(
-        len(np.unique(nearest[found])) == len(reference),
-        "file",
-        f"{cell} of {len(reference)} nodes",
-        f"nodes of a Lagrange cell of order {order}, or of one without some of them",
-    )
-    ordered = np.full((len(nodes), len(wanted)), -1, dtype=np.int64)
-    ordered[:, found] = nodes[:, nearest[found]]
-    return ordered
+    corners = node_order(cell, 1, full_kind(cell, 1).reference)
+    sides = [set(face) for face in FACES[cell]]
+    facets = facet_nodes(cell, 1)
+    return np.array([sides.index({*corners[f].tolist()}) for f in facets], dtype=np.int64)
 
 
 def block(
     name: str, kind: str, numbers: Ints, nodes: Ints, *, role: Role = "solid"
 ) -> ElementBlock:
-    """Elements of a kind in :data:`KINDS`, as a file lists their nodes.
-
-    Parameters
-    ----------
-    name
-        What the file calls them.
-    kind
-        Their kind.
-    numbers
-        Their numbers, (n,).
-    nodes
-        Rows of their nodes among the points, (n, n_nodes), in the order of the kind.
-    role
-        What the file means them for.
-    """
+    """Elements of a kind in :data:`KINDS` whose nodes, (n, n_nodes), are in its order."""
     cell, order, _, reference = KINDS[kind]
-    ordered = in_order(cell, order, nodes, reference)
-    return ElementBlock(name, cell, order, numbers, ordered, role)
+    return ElementBlock(name, cell, order, numbers, nodes, reference, role)
+
+
+def named_sides(mesh: Mesh) -> dict[str, NDArray[np.bool_]]:
+    """Which facets of which cells have each name, (n_cells, n_facets)."""
+    of_cell = facet_nodes(mesh.cell, mesh.order)
+    found = {name: np.zeros((len(mesh.cells), len(of_cell)), dtype=bool) for name in mesh.surfaces}
+    for side, local in enumerate(of_cell):
+        nodes = np.sort(mesh.cells[:, local], axis=1)
+        for name, facets in mesh.surfaces.items():
+            found[name][np.isin(_keys(nodes), _keys(np.sort(facets, axis=1))), side] = True
+    return found
+
+
+def _keys(rows: Ints) -> NDArray[np.void]:
+    """Rows as single values, equal for equal rows, (n,)."""
+    return np.ascontiguousarray(rows).view([("", rows.dtype)] * rows.shape[1]).ravel()

@@ -3,12 +3,12 @@
 import dolfinx
 import numpy as np
 import pytest
+from bodies import dolfinx_body
 from mpi4py import MPI
 
 from cea import checks
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from fe_cea import FEBody
 
 MATERIAL = IsotropicMaterial(1.0, 0.3, 1.0)
 
@@ -23,11 +23,11 @@ def cube():
 
 def test_inverted_elements_are_refused():
     mesh, tags = cube()
-    FEBody("cube", mesh, tags, {"all": 1}, degree=1, material=MATERIAL)
+    dolfinx_body("cube", mesh, tags, {"all": 1}, degree=1, material=MATERIAL)
     inner = np.argmin(np.linalg.norm(mesh.geometry.x - 1 / 3, axis=1))
     mesh.geometry.x[inner] = 0.9
     with pytest.raises(InputError, match=r"bodies.cube.mesh = .* of 27 cells"):
-        FEBody("cube", mesh, tags, {"all": 1}, degree=1, material=MATERIAL)
+        dolfinx_body("cube", mesh, tags, {"all": 1}, degree=1, material=MATERIAL)
 
 
 @pytest.mark.parametrize(

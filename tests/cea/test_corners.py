@@ -3,6 +3,7 @@
 import corners
 import numpy as np
 import pytest
+from bodies import lagrange_body, nurbs_body
 from corners import KINDS, MATERIAL, block, rules, seat, system
 from motions import dense, product, unknowns
 from mpi import on_ranks
@@ -13,9 +14,7 @@ from cea.contact.sampling import sampling
 from cea.corners import connected, pairs_of_equal, smooth_parts, split_functions
 from cea.matrices import gather
 from cea.supports.boundary import Pressure, Support
-from fe_cea.body import FEBody
 from fe_cea.corners import smooth_pairs
-from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.shape_mesh import shape_mesh
@@ -273,7 +272,7 @@ def test_a_square_of_one_facet_a_side_has_corners_and_an_octagon_none():
 def test_straight_facets_of_a_ring_are_one_smooth_part(cell, elements, uneven):
     breaks = breaks_of(Ring(0.5, 1.0), (1, elements), {"theta": uneven})
     mesh = shape_mesh(Ring(0.5, 1.0), cell, 1, breaks=breaks)
-    for surface in FEBody.from_mesh("ring", mesh, degree=2, material=MATERIAL).surfaces.values():
+    for surface in lagrange_body("ring", mesh, degree=2, material=MATERIAL).surfaces.values():
         nodes = surface.abscissae("nodes")
         assert len(nodes) == 2 * elements
         assert nodes.weight == pytest.approx(surface.area / len(nodes), rel=1e-14)
@@ -285,7 +284,7 @@ def test_straight_facets_of_a_ring_are_one_smooth_part(cell, elements, uneven):
 def test_straight_facets_of_a_cylinder_are_one_smooth_part(cell):
     shape = Annulus(0.5, 1.0, 0.0, 0.6)
     mesh = shape_mesh(shape, cell, 1, breaks=breaks_of(shape, (1, 8, 2)))
-    for surface in FEBody.from_mesh("part", mesh, degree=2, material=MATERIAL).surfaces.values():
+    for surface in lagrange_body("part", mesh, degree=2, material=MATERIAL).surfaces.values():
         at = surface.gauss_points(2).at
         assert (surface.split_trace(at) != surface.trace(at)).nnz == 0
 
@@ -293,7 +292,7 @@ def test_straight_facets_of_a_cylinder_are_one_smooth_part(cell):
 @pytest.mark.parametrize("shape", [Annulus(0.5, 1.0, 0.0, 0.3), Disc(1.0, 0.0, 0.2)])
 def test_patches_that_join_smoothly_are_one_smooth_part(shape):
     data = nurbs_shape(shape, breaks_of(shape, (2, 8, 1)))
-    part = NurbsBody("part", data.patches, data.faces, (2, 2, 2), material=MATERIAL)
+    part = nurbs_body("part", data.patches, data.faces, (2, 2, 2), material=MATERIAL)
     for surface in part.surfaces.values():
         at = surface.gauss_points(2).at
         assert (surface.split_trace(at) != surface.trace(at)).nnz == 0
@@ -313,7 +312,7 @@ def bent_seat(kink):
         (breaks, np.array([0.0, 1.0])),
     )
     faces = {"corner": [(0, 1, 1)]}
-    return NurbsBody("seat", [patch], faces, (2, 2), material=MATERIAL)
+    return nurbs_body("seat", [patch], faces, (2, 2), material=MATERIAL)
 
 
 @pytest.mark.parametrize("kink", [0.5, 0.3])

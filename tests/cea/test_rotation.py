@@ -107,9 +107,7 @@ def test_linear_fields_have_their_integrals(backend, coriolis, placement):
 
 def positions(part):
     """Nodes, or control points, of the scalar dofs: where linear fields are taken."""
-    if hasattr(part, "control_points"):
-        return part.control_points
-    return part._space.tabulate_dof_coordinates()[:, : part.dim]
+    return part.dof_positions
 
 
 def test_translations_of_all_of_the_body_feel_no_rotation(backend):

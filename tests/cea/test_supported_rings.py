@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from blocks import ROTATED
+from bodies import nurbs_body
 from covering import covering
 from lagrange_bodies import csr
 from scipy.optimize import brentq
@@ -16,7 +17,6 @@ from cea.eigen.static import solve_static
 from cea.matrices import gather
 from cea.supports.boundary import Support
 from cea.supports.frames import Cylindrical, SurfaceNormal
-from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
@@ -104,7 +104,7 @@ def test_projection_keeps_the_order_of_nurbs(degree):
     shape = Annulus(0.8, 1.6, 0.0, 0.1)
     for n in counts:
         data = nurbs_shape(shape, breaks_of(shape, (n, 4 * n, 1)))
-        part = NurbsBody(
+        part = nurbs_body(
             "ring", data.patches, data.faces, (degree, degree, 1),
             material=MATERIAL, supports=supports,
         )  # fmt: skip
@@ -225,7 +225,7 @@ def test_rollers_and_point_frames_in_the_plane():
     faces = {name: data.faces[name] for name in ("inner", "outer")}
     found = []
     for frame in (SurfaceNormal(), Cylindrical(origin=(0.3, -0.1))):
-        part = NurbsBody(
+        part = nurbs_body(
             "ring", patches, faces, (2, 2), material=MATERIAL,
             supports=[Support(name, (0,), frame) for name in faces],
         )  # fmt: skip

@@ -10,9 +10,9 @@ from lagrange_bodies import csr
 from scipy.sparse import csr_array, random_array
 from supported import ABOUT_Z, BOX, RING, build, on
 
+from cea.body.unknowns import free_operator, system_operator
 from cea.contact.interface import along, jump_along
 from cea.timing import StageTimer
-from cea.unknowns import free_operator, system_operator
 from scenes.build import build_bodies, build_interfaces
 from scenes.read import read_scene
 

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from bodies import lagrange_body, nurbs_body
 from covering import covering
 from scipy.interpolate import BSpline
 from scipy.optimize import minimize_scalar
 
+from cea.body import Body
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from fe_cea.body import FEBody
-from iga_cea import NurbsBody
 from iga_cea.botella import botella
 from iga_cea.splines import greville, knots_with_breaks
 from meshes.breaks import breaks_of
@@ -29,11 +29,11 @@ SPACE = [(BOX, (3, 3, 2)), (ANNULUS, (2, 16, 1)), (DISC, (2, 12, 1))]
 PLANE = [(RECTANGLE, (3, 2)), (RING, (2, 16))]
 
 
-def nurbs(shape: Shape, elements, degree: int, continuity: int | None = None) -> NurbsBody:
+def nurbs(shape: Shape, elements, degree: int, continuity: int | None = None) -> Body:
     dim = len(shape.directions)
     data = nurbs_shape(shape, breaks_of(shape, elements), TILTED if dim == 3 else Placement())
     smoothness = None if continuity is None else dim * (continuity,)
-    return NurbsBody(
+    return nurbs_body(
         "part",
         data.patches,
         data.faces,
@@ -43,12 +43,12 @@ def nurbs(shape: Shape, elements, degree: int, continuity: int | None = None) ->
     )
 
 
-def lagrange(shape: Shape, cell: str, elements, degree: int) -> FEBody:
+def lagrange(shape: Shape, cell: str, elements, degree: int) -> Body:
     structured = cell in ("hexahedron", "quadrilateral")
     mesh = {"breaks": breaks_of(shape, elements)} if structured else {"size": 0.4}
     placement = TILTED if len(shape.directions) == 3 else Placement()
     made = shape_mesh(shape, cell, degree, placement=placement, **mesh)
-    return FEBody.from_mesh("part", made, degree=degree, material=MATERIAL)
+    return lagrange_body("part", made, degree=degree, material=MATERIAL)
 
 
 KNOTS = [

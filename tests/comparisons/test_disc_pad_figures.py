@@ -176,14 +176,14 @@ def test_divided_hexahedra_fill_the_same_bodies():
     hexahedra = build_bodies(case.scene("hexahedra"), StageTimer())
     for name, body in build_bodies(case.scene("tetrahedra"), StageTimer()).items():
         whole = hexahedra[name]
-        assert body._mesh.topology.cell_name() == "tetrahedron"
+        assert body.space.scalar.mesh.topology.cell_name() == "tetrahedron"
         assert body.num_scalar_dofs == whole.num_scalar_dofs
         for surface, side in body.surfaces.items():
             assert side.num_elements == 2 * whole.surfaces[surface].num_elements
             assert side.area == pytest.approx(whole.surfaces[surface].area, rel=1e-12)
         # A face divided one way on one side and another way on the other would be outside twice.
-        body._mesh.topology.create_connectivity(2, 3)
-        outside = exterior_facet_indices(body._mesh.topology)
+        body.space.scalar.mesh.topology.create_connectivity(2, 3)
+        outside = exterior_facet_indices(body.space.scalar.mesh.topology)
         assert len(outside) == sum(side.num_elements for side in body.surfaces.values())
 
 

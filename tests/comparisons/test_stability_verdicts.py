@@ -8,8 +8,8 @@ from planted import SAID, TRUE, Planted, answer, verdict_of
 
 from cea.errors import ConvergenceError, InputError
 from comparisons.stability.measure import judged
-from comparisons.stability.parts.answers import StressAnswer
 from comparisons.stability.parts.case import ACCURATE, HONEST, MESH, NONE, REFUSED, WARNED, Run
+from comparisons.stability.parts.problems import StressAnswer
 from comparisons.stability.parts.references import Reference
 from comparisons.stability.parts.ways import ALONE
 from comparisons.stability.verdicts import compare

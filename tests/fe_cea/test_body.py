@@ -4,6 +4,7 @@ import dolfinx
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from bodies import dolfinx_body, lagrange_body
 from fe_shapes import (
     ANNULUS,
     BOX,
@@ -25,7 +26,6 @@ from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.mesh import reference_nodes
 from cea.supports.boundary import Pressure, Spring, Support
-from fe_cea.body import FEBody
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Sector
 
@@ -54,9 +54,7 @@ def test_another_quadrature_of_the_mass_has_its_points():
         expected[np.ix_(cell, cell)] += MATERIAL.rho * volume / 4 * shapes.T @ shapes
     masses = {
         degree: csr(
-            FEBody.from_mesh(
-                "part", mesh, degree=2, material=MATERIAL, mass_quadrature=degree
-            ).mass()
+            lagrange_body("part", mesh, degree=2, material=MATERIAL, mass_quadrature=degree).mass()
         )
         for degree in (None, 2, 4)
     }
@@ -66,7 +64,7 @@ def test_another_quadrature_of_the_mass_has_its_points():
     assert abs(masses[4] - masses[None]).max() < 1e-14 < 1e-4 < abs(masses[2] - masses[None]).max()
     assert masses[2].sum() == pytest.approx(masses[None].sum())
     with pytest.raises(InputError, match="mass_quadrature"):
-        FEBody.from_mesh("part", mesh, degree=2, material=MATERIAL, mass_quadrature=-1)
+        lagrange_body("part", mesh, degree=2, material=MATERIAL, mass_quadrature=-1)
 
 
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
@@ -201,7 +199,7 @@ def test_two_dimensions(cell):
     x = dolfinx.mesh.compute_midpoints(mesh, 1, facets)
     values = np.select([x[:, 0] < 1e-9, x[:, 1] < 1e-9, x[:, 1] > 1 - 1e-9], [1, 2, 3], 4)
     tags = dolfinx.mesh.meshtags(mesh, 1, facets, values.astype(np.int32))
-    body = FEBody(
+    body = dolfinx_body(
         "plate",
         mesh,
         tags,
@@ -236,7 +234,7 @@ def test_wrong_input_is_refused_by_name(field, options):
     options = {"degree": 1, "material": MATERIAL} | options
     made = shape_mesh(ANNULUS, "tetrahedron", 1, size=0.5)
     with pytest.raises(InputError) as refused:
-        FEBody.from_mesh("part", made, **options)
+        lagrange_body("part", made, **options)
     assert refused.value.field == field
     if field.endswith("surface"):
         assert all(name in refused.value.allowed for name in ANNULUS.surfaces)
@@ -248,7 +246,7 @@ def test_a_tag_without_facets_is_refused():
     facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
     tags = dolfinx.mesh.meshtags(mesh, 2, facets, np.ones(len(facets), dtype=np.int32))
     with pytest.raises(InputError, match=r"bodies\.cube\.surfaces\.lid = 2"):
-        FEBody("cube", mesh, tags, {"all": 1, "lid": 2}, degree=1, material=MATERIAL)
+        dolfinx_body("cube", mesh, tags, {"all": 1, "lid": 2}, degree=1, material=MATERIAL)
 
 
 def test_mass_needs_a_density():

@@ -4,6 +4,7 @@ import dolfinx
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from bodies import dolfinx_body
 from covering import covering
 from fe_shapes import (
     ANNULUS,
@@ -19,7 +20,6 @@ from mpi4py import MPI
 from scipy.sparse.linalg import eigsh, spsolve
 
 from cea.supports.boundary import Pressure, Spring, Support
-from fe_cea.body import FEBody
 
 every_cell = pytest.mark.parametrize(
     ("cell", "degree"), covering(("tetrahedron", "hexahedron"), (1, 2), strength=1)
@@ -106,7 +106,9 @@ def sliding_box(cell, degree, n):
     tags = dolfinx.mesh.meshtags(mesh, 2, facets, values)
     names = {f"{'xyz'[i]}{level}": tag for tag, (i, level) in enumerate(walls, start=1)}
     rollers = [Support(name, ("xyz".index(name[0]),)) for name in names]
-    return FEBody("box", mesh, tags, names, degree=degree, material=MATERIAL, supports=rollers)
+    return dolfinx_body(
+        "box", mesh, tags, names, degree=degree, material=MATERIAL, supports=rollers
+    )
 
 
 @pytest.mark.parametrize(

@@ -7,18 +7,15 @@ from cea.timing import StageTimer
 from fe_cea.cell_location import Cells
 from scenes.build import build_bodies
 from scenes.read import load_scene
-from scenes.refinement import BodyResolution, Resolution, counted, mixed, refined
+from scenes.refinement import Resolution, refined
 
 
 @pytest.fixture(scope="module")
 def layered():
     """Curved cells of a disc with three layers towards its edges, of very different sizes."""
     scene = load_scene("disc_pad", backend="fe")
-    bodies = dict(counted(scene, "fe", Resolution(2, 0.3)).bodies)
-    old = bodies["disc"]
-    bodies["disc"] = BodyResolution(old.degree, old.densities, layers=3)
-    disc = build_bodies(refined(scene, "fe", mixed(bodies)), StageTimer())["disc"]
-    cells = Cells.of(disc.space)
+    disc = build_bodies(refined(scene, "fe", Resolution(2, 0.3, 3)), StageTimer())["disc"]
+    cells = Cells.of(disc.space.scalar)
     assert cells.sizes.max() > 5 * cells.sizes.min()
     return cells
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from bodies import lagrange_body
 from scipy.optimize import brentq
 from scipy.sparse.linalg import eigsh
 from scipy.special import jv, yv
 
 from cea.material import IsotropicMaterial
 from cea.supports.boundary import Support
-from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box, Rectangle, Ring
@@ -46,7 +46,7 @@ def csr(matrix):
 def error(shape, cell, degree, order, exact, supports, **mesh):
     """Relative error of the eigenvalue nearest to an exact one."""
     made = shape_mesh(shape, cell, order, **mesh)
-    body = FEBody.from_mesh("part", made, degree=degree, material=MATERIAL, supports=supports)
+    body = lagrange_body("part", made, degree=degree, material=MATERIAL, supports=supports)
     K, M = csr(body.stiffness()).tocsc(), csr(body.mass()).tocsc()
     found = eigsh(K, k=4, M=M, sigma=0.999 * exact, return_eigenvectors=False, tol=1e-14)
     return np.abs(found / exact - 1).min()

@@ -18,7 +18,6 @@ from mpi4py import MPI
 
 from cea.supports.boundary import Support
 from cea.material import IsotropicMaterial
-from fe_cea.body import FEBody
 
 mesh = dolfinx.mesh.create_unit_cube(MPI.COMM_SELF, 17, 17, 17, dolfinx.mesh.CellType.hexahedron)
 mesh.topology.create_connectivity(2, 3)
@@ -26,7 +25,7 @@ facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
 tags = dolfinx.mesh.meshtags(mesh, 2, facets, np.ones(len(facets), dtype=np.int32))
 material = IsotropicMaterial(1.0, 0.3, 1.0)
 supports = [Support("all", (0,))] if sys.argv[1] == "held" else []
-body = FEBody("cube", mesh, tags, {"all": 1}, degree=2, material=material, supports=supports)
+body = dolfinx_body("cube", mesh, tags, {"all": 1}, degree=2, material=material, supports=supports)
 body.expansion
 before = peak()
 matrices = body.stiffness(), body.mass()

@@ -7,6 +7,7 @@ import basix.ufl
 import dolfinx
 import numpy as np
 import pytest
+from bodies import dolfinx_body, lagrange_body
 from covering import covering
 from lagrange_bodies import DIMENSION, FLAT, MATERIAL, PLANE, ROUND, SPACE, body_of, csr
 from mpi4py import MPI
@@ -15,8 +16,7 @@ from scipy.sparse.linalg import spsolve
 from cea.errors import InputError
 from cea.location import locate_along
 from cea.supports.boundary import Pressure, Support
-from cea.surface import Status, SurfaceCoordinates
-from fe_cea.body import FEBody
+from cea.surface_points import Status, SurfaceCoordinates
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
 
@@ -140,7 +140,7 @@ def test_cells_that_number_a_shared_facet_differently_agree_on_it(dim, degree):
         mesh.topology.create_connectivity(dim - 1, dim)
         facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
         tags = dolfinx.mesh.meshtags(mesh, dim - 1, facets, np.ones(len(facets), dtype=np.int32))
-        body = FEBody("pair", mesh, tags, {"all": 1}, degree=degree, material=MATERIAL)
+        body = dolfinx_body("pair", mesh, tags, {"all": 1}, degree=degree, material=MATERIAL)
         shared = factorial(degree + dim - 1) // factorial(degree) // factorial(dim - 1)
         one = factorial(degree + dim) // factorial(degree) // factorial(dim)
         assert body.num_scalar_dofs == 2 * one - shared
@@ -173,7 +173,7 @@ def test_patch_test_under_pressure(cell, degree):
     if cell in ("hexahedron", "quadrilateral"):
         mesh = {"breaks": breaks_of(shape, (2, 1, 2)[:dim])}
     made = shape_mesh(shape, cell, degree, **mesh)
-    body = FEBody.from_mesh(
+    body = lagrange_body(
         "part",
         made,
         degree=degree,

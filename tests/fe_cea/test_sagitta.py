@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bodies import lagrange_body
 
 from cea.material import IsotropicMaterial
-from fe_cea import FEBody
 from meshes.breaks import breaks_of
 from meshes.crowned import Crowned
 from meshes.shape_mesh import shape_mesh
@@ -18,7 +18,7 @@ BOX = Box((0.2, 0.2, 0.1))
 
 
 def surface_of(mesh, name, **options):
-    body = FEBody.from_mesh("part", mesh, degree=mesh.order, material=MATERIAL, **options)
+    body = lagrange_body("part", mesh, degree=mesh.order, material=MATERIAL, **options)
     return body.surfaces[name]
 
 

@@ -5,12 +5,12 @@ from itertools import product
 
 import numpy as np
 import pytest
+from bodies import lagrange_body
 
 from cea.errors import InputError
 from cea.location import locate_along
 from cea.material import IsotropicMaterial
-from cea.surface import Status, SurfaceCoordinates
-from fe_cea.body import FEBody
+from cea.surface_points import Status, SurfaceCoordinates
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
@@ -36,7 +36,7 @@ def make(kind, cell, degree, placement=PLACEMENT):
     )
     made = shape_mesh(shape, cell, degree, placement=placement, **mesh)
     material = IsotropicMaterial(1.0, 0.3)
-    return FEBody.from_mesh("part", made, degree=degree, material=material)
+    return lagrange_body("part", made, degree=degree, material=material)
 
 
 def coordinates(body, degree):
@@ -260,7 +260,7 @@ def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell):
     ring = Annulus(0.5, 1.0, 0.0, 0.3)
     mesh = {"size": 0.6} if cell == "tetrahedron" else {"breaks": breaks_of(ring, (1, 4, 1))}
     made = shape_mesh(ring, cell, 2, placement=Placement(angle=45.0), **mesh)
-    body = FEBody.from_mesh("ring", made, degree=2, material=IsotropicMaterial(1.0, 0.3))
+    body = lagrange_body("ring", made, degree=2, material=IsotropicMaterial(1.0, 0.3))
     for name in ("inner", "outer"):
         surface = body.surfaces[name]
         points = surface.gauss_points(8)
@@ -333,9 +333,9 @@ def test_wrong_requests_are_refused():
     surface = make("box", "hexahedron", 1).surfaces["x_min"]
     with pytest.raises(InputError, match="greville"):
         surface.abscissae("greville")
-    with pytest.raises(InputError, match="at least 1"):
+    with pytest.raises(InputError, match="at least one"):
         surface.gauss_points(0)
-    with pytest.raises(InputError, match="at least 2"):
+    with pytest.raises(InputError, match="at least two"):
         surface.grid(1)
     lost = SurfaceCoordinates(np.array([0, -1]), np.full((2, 2), 0.5))
     for evaluate in (surface.position, surface.normal, surface.trace, surface.gradient):

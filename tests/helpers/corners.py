@@ -7,6 +7,7 @@ faces the block on the coordinate planes: 2 faces in the plane, 3 in space.
 from itertools import chain, product
 
 import numpy as np
+from bodies import lagrange_body, nurbs_body
 from scipy.special import roots_legendre
 
 from cea.contact.formulations import (
@@ -27,12 +28,10 @@ from cea.material import IsotropicMaterial
 from cea.mesh import Mesh, facet_nodes
 from cea.supports.boundary import Support
 from cea.system.coupling import couple
-from fe_cea.body import FEBody
-from iga_cea import NurbsBody
-from meshes.division import divided
 from meshes.nurbs_shapes import NurbsPatch
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box, Rectangle
+from meshes.structured import divided
 
 MATERIAL = IsotropicMaterial(2.0, 0.3, 1.5)
 KINDS = {
@@ -122,7 +121,7 @@ def _nurbs(name, breaks, faces, together, angle, degree, conditions):
     ]
     degrees = (degree,) * len(breaks[0])
     faces = _named(faces, together, lambda parts: list(chain(*parts)))
-    return NurbsBody(name, patches, faces, degrees, material=MATERIAL, **conditions)
+    return nurbs_body(name, patches, faces, degrees, material=MATERIAL, **conditions)
 
 
 def _corners(breaks):
@@ -160,7 +159,7 @@ def _lagrange(name, cell, breaks, planes, together, angle, degree, conditions):
     surfaces = _named(surfaces, together, np.concatenate)
     mesh = Mesh(boxes, 1, _sheared(whole.points, angle), cells, surfaces).without_loose_points()
     mesh = divided(mesh) if cell in BOXES else mesh
-    return FEBody.from_mesh(name, mesh, degree=degree, material=MATERIAL, **conditions)
+    return lagrange_body(name, mesh, degree=degree, material=MATERIAL, **conditions)
 
 
 def _named(surfaces, together, joined):

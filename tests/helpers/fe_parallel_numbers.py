@@ -1,5 +1,7 @@
 """Numbers of small Lagrange scenes that must not depend on the number of ranks."""
 
+from bodies import lagrange_body
+
 from cea.contact.friction import AlongVector
 from cea.contact.half_pass import HalfPass
 from cea.contact.interface import pair
@@ -13,7 +15,6 @@ from cea.petsc import MPI, PETSc
 from cea.ranks import made_on_first
 from cea.supports.boundary import Pressure, Spring, Support
 from cea.system.coupling import couple
-from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Disc, Rectangle, Ring
@@ -35,7 +36,7 @@ def body_of(name, cell, shape, degree, **conditions):
     if cell in ELEMENTS:
         mesh = {"breaks": breaks_of(shape, ELEMENTS[cell])}
     made = made_on_first(MPI.COMM_WORLD, lambda: shape_mesh(shape, cell, degree, **mesh))
-    return FEBody.from_mesh(name, made, degree=degree, material=MATERIAL, **conditions)
+    return lagrange_body(name, made, degree=degree, material=MATERIAL, **conditions)
 
 
 def numbers(cell):
@@ -87,7 +88,7 @@ def contact():
     for name, y, n, held in (("a", 0.0, (3, 2), "y_max"), ("b", -1.0, (4, 1), "y_min")):
         shape = Rectangle((2.0, 1.0), origin=(0.0, y))
         made = shape_mesh(shape, "quadrilateral", 2, breaks=breaks_of(shape, n))
-        bodies[name] = FEBody.from_mesh(  # every rank has the mesh: that of rank 0 is read
+        bodies[name] = lagrange_body(  # every rank has the mesh: that of rank 0 is read
             name, made, degree=2, material=MATERIAL, supports=[Support(held, (0, 1))]
         )
     a, b = bodies["a"].surfaces["y_min"], bodies["b"].surfaces["y_max"]

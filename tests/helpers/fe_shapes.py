@@ -1,9 +1,9 @@
 """Small Lagrange bodies of plain shapes, and what their matrices are held against."""
 
 import numpy as np
+from bodies import lagrange_body
 
 from cea.material import IsotropicMaterial
-from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
@@ -20,7 +20,7 @@ def body_of(shape, cell, degree, *, elements=None, size=None, placement=None, **
     mesh = {"size": size} if cell == "tetrahedron" else {"breaks": breaks_of(shape, *elements)}
     material = options.pop("material", MATERIAL)
     made = shape_mesh(shape, cell, degree, placement=placement or Placement(), **mesh)
-    return FEBody.from_mesh("part", made, degree=degree, material=material, **options)
+    return lagrange_body("part", made, degree=degree, material=material, **options)
 
 
 def box(cell, degree, **options):

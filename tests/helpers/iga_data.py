@@ -4,11 +4,12 @@ from functools import reduce
 from itertools import pairwise, product
 
 import numpy as np
+from bodies import nurbs_body
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
+from cea.body import Body
 from cea.material import IsotropicMaterial
-from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
@@ -19,13 +20,13 @@ TURNED = Placement(angle=33.0, translation=(0.1, -0.2, 0.0))
 """Placement that stays in the plane."""
 
 
-def body(shape, elements, degree, placement: Placement | None = None, **options) -> NurbsBody:
+def body(shape, elements, degree, placement: Placement | None = None, **options) -> Body:
     """Body of a shape, turned in space or in the plane unless a placement says otherwise."""
     if placement is None:
         placement = TILTED if len(degree) == 3 else TURNED
     data = nurbs_shape(shape, breaks_of(shape, elements), placement)
     options.setdefault("material", STEEL)
-    return NurbsBody("part", data.patches, data.faces, degree, **options)
+    return nurbs_body("part", data.patches, data.faces, degree, **options)
 
 
 def scipy_of(matrix) -> csr_array:
@@ -49,7 +50,7 @@ def turned(patch: NurbsPatch, axes: tuple[int, ...], flip: int) -> NurbsPatch:
     )
 
 
-def slow_matrices(part: NurbsBody) -> tuple[np.ndarray, np.ndarray]:
+def slow_matrices(part: Body) -> tuple[np.ndarray, np.ndarray]:
     """K and M by loops over patches, elements and points: basis by scipy, B^T D B (Voigt)."""
     dim = part.dim
     size = dim * part.num_scalar_dofs
@@ -72,9 +73,9 @@ def slow_matrices(part: NurbsBody) -> tuple[np.ndarray, np.ndarray]:
     return K, M
 
 
-def slow_points(part: NurbsBody):
+def slow_points(part: Body):
     """At each Gauss point: scalar dofs, their functions, gradients, weight (m^dim), position."""
-    for patch, dofs in zip(part.multipatch.patches, part.multipatch.dofs, strict=True):
+    for patch, dofs in zip(part.space.multipatch.patches, part.space.multipatch.dofs, strict=True):
         yield from _points(patch, dofs.ravel())
 
 

@@ -1,6 +1,7 @@
 """Numbers of small NURBS bodies that must not depend on the number of ranks."""
 
 import numpy as np
+from bodies import nurbs_body
 from closed_patches import annulus, as_shape
 from iga_data import STEEL, TURNED, body, turned
 
@@ -9,7 +10,6 @@ from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.matrices import gather
 from cea.supports.boundary import Pressure, Spring, Support
-from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.shapes import Disc, Hub, Ring, Sector
@@ -48,7 +48,7 @@ def cases(name):
     one, other = (nurbs_shape(s, breaks_of(s, (2, 2, 2)), TURNED).patches[0] for s in shapes)
     faces = {"bottom": [(0, 2, 0)], "top": [(0, 2, 1), (1, 1, 1)]}
     patches = [one, turned(other, (1, 2, 0), 0)]
-    return NurbsBody("odd", patches, faces, (2, 2, 2), material=STEEL, **conditions), 0.18
+    return nurbs_body("odd", patches, faces, (2, 2, 2), material=STEEL, **conditions), 0.18
 
 
 def asymmetry(matrix):

@@ -1,9 +1,9 @@
 """Lagrange bodies of every cell and degree, in space and in the plane."""
 
 import scipy.sparse as sp
+from bodies import lagrange_body
 
 from cea.material import IsotropicMaterial
-from fe_cea.body import FEBody
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
@@ -24,7 +24,7 @@ def body_of(shapes, cell, degree, *, order=None, elements=(1, 8, 1), **options):
     if cell in ("hexahedron", "quadrilateral"):
         mesh = {"breaks": breaks_of(shape, elements[:dim])}
     made = shape_mesh(shape, cell, order or degree, placement=placement, **mesh)
-    return FEBody.from_mesh("part", made, degree=degree, material=MATERIAL, **options)
+    return lagrange_body("part", made, degree=degree, material=MATERIAL, **options)
 
 
 def csr(matrix):

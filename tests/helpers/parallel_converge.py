@@ -6,12 +6,7 @@ from comparisons.kit.progress import Progress
 
 
 def blocks_to_three_digits():
-    """Frequencies with their bars, growth rates with theirs, and whether all digits are held."""
+    """What is held, and frequencies and growth rates with their bars."""
     data = run_converge(Request("blocks"), Progress(step=lambda _: None, stage=lambda _: None))
-    modes = data["modes"]
-    return {
-        "frequencies": [[mode["frequency"], mode["frequency_bar"]] for mode in modes],
-        "growths": [[mode["growth"], mode["growth_bar"]] for mode in modes],
-        "held": all(of["held"] for of in data["backends"].values()),
-        "verdicts": [mode["verdict"] for mode in modes],
-    }
+    names = ("frequency", "frequency_bar", "growth", "growth_bar")
+    return {"first": data["first"], "values": [[m[name] for name in names] for m in data["modes"]]}

@@ -3,8 +3,8 @@
 import numpy as np
 
 from comparisons.stability.measure import judged
-from comparisons.stability.parts.answers import ModesAnswer
 from comparisons.stability.parts.case import ACCURATE, Run
+from comparisons.stability.parts.problems import ModesAnswer
 from comparisons.stability.parts.references import formula
 from comparisons.stability.parts.ways import ALONE
 

@@ -6,10 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from bodies import nurbs_body
 from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, turned
 from peak_memory import PEAK
 
-from iga_cea import NurbsBody
+from cea.body import Body
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.shapes import Annulus, Box, Disc, Hub, Ring, RingSector, Sector
 
@@ -17,7 +18,7 @@ SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
 BOX = Box((2.0, 1.0, 0.5))
 
 
-def assert_agrees_with_slow_loops(part: NurbsBody) -> None:
+def assert_agrees_with_slow_loops(part: Body) -> None:
     for ours, slow in zip((part.stiffness(), part.mass()), slow_matrices(part), strict=True):
         assert np.abs(scipy_of(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
 
@@ -56,7 +57,7 @@ def test_odd_orientations_in_the_plane(axes: tuple[int, ...], flip: int) -> None
         for a, b in pairwise(angles)
     ]
     patches = [pieces[0][0], turned(pieces[1][0], axes, flip), pieces[2][0]]
-    part = NurbsBody("part", patches, {}, (3, 3), material=STEEL)
+    part = nurbs_body("part", patches, {}, (3, 3), material=STEEL)
     assert part.num_scalar_dofs == 5 * (5 + 4 + 4)
     assert_agrees_with_slow_loops(part)
 
@@ -72,7 +73,7 @@ def test_odd_orientations_in_space(axes: tuple[int, ...], flip: int) -> None:
         for a, b in ((10.0, 40.0), (40.0, 95.0))
     ]
     patches = [halves[0], turned(halves[1], axes, flip)]
-    part = NurbsBody("part", patches, {}, (2, 2, 2), material=STEEL)
+    part = nurbs_body("part", patches, {}, (2, 2, 2), material=STEEL)
     assert part.num_scalar_dofs == 4 * 5 * 3
     assert_agrees_with_slow_loops(part)
 
@@ -106,7 +107,6 @@ MEMORY = (
     PEAK
     + """
 import sys
-from iga_cea import NurbsBody
 from cea.material import IsotropicMaterial
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
@@ -115,8 +115,8 @@ from meshes.shapes import Box
 shape, n, q = Box((1.0, 1.0, 1.0)), int(sys.argv[1]), int(sys.argv[2])
 data = nurbs_shape(shape, breaks_of(shape, (n, n, n)))
 material = IsotropicMaterial(1.0, 0.3, 1.0)
-NurbsBody("small", data.patches, data.faces, (1, 1, 1), material=material).stiffness()
-body = NurbsBody("large", data.patches, data.faces, (q, q, q), material=material)
+nurbs_body("small", data.patches, data.faces, (1, 1, 1), material=material).stiffness()
+body = nurbs_body("large", data.patches, data.faces, (q, q, q), material=material)
 before = peak()
 matrices = body.stiffness(), body.mass()
 taken = peak() - before

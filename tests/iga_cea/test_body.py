@@ -2,15 +2,16 @@
 
 import numpy as np
 import pytest
+from bodies import nurbs_body
 from covering import covering
 from iga_data import STEEL, body, scipy_of, slow_matrices, turned
 from petsc4py import PETSc
 from scipy.linalg import eigh
 
+from cea.body import Body
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.supports.boundary import Pressure, Spring, Support
-from iga_cea import NurbsBody
 from iga_cea.multipatch import join
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
@@ -32,7 +33,7 @@ def solve(matrix, load) -> np.ndarray:
     return solution.getArray()
 
 
-def displacement(part: NurbsBody) -> np.ndarray:
+def displacement(part: Body) -> np.ndarray:
     """Static displacement of every control point."""
     free = PETSc.Vec().createWithArray(solve(part.stiffness(), part.load()))
     full = part.expansion.createVecLeft()
@@ -57,7 +58,7 @@ def test_matrices_are_exactly_symmetric(shape: Shape) -> None:
 def test_rigid_motions_are_free() -> None:
     part = body(ANNULUS, (2, 8, 2), (2, 3, 2))
     K = scipy_of(part.stiffness())
-    x = part.control_points
+    x = part.dof_positions
     for c in range(3):
         axis = np.eye(3)[c]
         for motion in (np.broadcast_to(axis, x.shape), np.cross(axis, x)):
@@ -82,7 +83,7 @@ def test_quarters_of_an_annulus_are_joined(degree: tuple[int, int, int]) -> None
     r, z = 3 + degree[0], 2 + degree[2]
     round_about = 4 * (2 + degree[1] - 1)
     assert part.num_scalar_dofs == r * round_about * z
-    assert len(np.unique(np.round(part.control_points, 9), axis=0)) == part.num_scalar_dofs
+    assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
 @pytest.mark.parametrize(
@@ -98,9 +99,9 @@ def test_joints_are_found_whatever_the_parameters(axes: tuple[int, ...], flip: i
         )
         for breaks in [tuple(np.asarray(b, dtype=float) for b in breaks)]
     ]
-    straight = NurbsBody("part", halves, {}, (2, 2, 2), material=STEEL)
+    straight = nurbs_body("part", halves, {}, (2, 2, 2), material=STEEL)
     other = turned(halves[1], axes, flip)
-    mixed = NurbsBody("part", [halves[0], other], {}, (2, 2, 2), material=STEEL)
+    mixed = nurbs_body("part", [halves[0], other], {}, (2, 2, 2), material=STEEL)
     assert mixed.num_scalar_dofs == straight.num_scalar_dofs == 7 * 4 * 3
     spectra = [
         eigh(scipy_of(b.stiffness()).toarray(), eigvals_only=True) for b in (straight, mixed)
@@ -129,7 +130,7 @@ def box_patch(origin, size, y=(0.0, 0.5, 1.0)) -> NurbsPatch:
 def test_patches_that_touch_but_do_not_conform_are_refused(neighbour: NurbsPatch) -> None:
     first = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     with pytest.raises(InputError, match=r"patch 0 axis 0 side 1 and patch 1 axis 0 side 0"):
-        NurbsBody("part", [first, neighbour], {}, (2, 2, 2), material=STEEL)
+        nurbs_body("part", [first, neighbour], {}, (2, 2, 2), material=STEEL)
 
 
 def test_patches_apart_or_sharing_an_edge_are_refused() -> None:
@@ -137,14 +138,14 @@ def test_patches_apart_or_sharing_an_edge_are_refused() -> None:
     for origin in ((1.1, 0.0, 0.0), (1.0, 1.0, 0.0)):
         other = box_patch(origin, (1.0, 1.0, 1.0))
         with pytest.raises(InputError, match="2 bodies that share no face"):
-            NurbsBody("part", [first, other], {}, (2, 2, 2), material=STEEL)
+            nurbs_body("part", [first, other], {}, (2, 2, 2), material=STEEL)
 
 
 def test_thin_patches_are_not_taken_for_gaps_between_their_faces() -> None:
     """Two layers, a thousandth and less of their elements thick: one face of each is joined."""
     for thick in (1e-3, 1e-5):
         layers = [box_patch((0.0, 0.0, k * thick), (1.0, 1.0, thick)) for k in (0, 1)]
-        part = NurbsBody("part", layers, {}, (2, 2, 2), material=STEEL)
+        part = nurbs_body("part", layers, {}, (2, 2, 2), material=STEEL)
         assert part.num_scalar_dofs == 2 * 3 * 4 * 3 - 3 * 4
 
 
@@ -158,7 +159,7 @@ def test_bar_under_pressure_is_exact() -> None:
         pressures=[Pressure("x_max", 0.7)],
     )
     strain = -0.7 / STEEL.E * np.array([1, -STEEL.nu, -STEEL.nu])
-    np.testing.assert_allclose(displacement(part), strain * part.control_points, atol=1e-14)
+    np.testing.assert_allclose(displacement(part), strain * part.dof_positions, atol=1e-14)
 
 
 def test_column_on_springs_is_exact() -> None:
@@ -171,8 +172,8 @@ def test_column_on_springs_is_exact() -> None:
         springs=[Spring("z_min", (3.0, 4.0, 5.0))],
         pressures=[Pressure("z_max", 0.7)],
     )
-    exact = np.zeros_like(part.control_points)
-    exact[:, 2] = -0.7 / 5.0 - 0.7 / 2.0 * part.control_points[:, 2]
+    exact = np.zeros_like(part.dof_positions)
+    exact[:, 2] = -0.7 / 5.0 - 0.7 / 2.0 * part.dof_positions[:, 2]
     np.testing.assert_allclose(displacement(part), exact, atol=1e-13)
 
 
@@ -181,7 +182,7 @@ def test_pressure_all_round_has_no_resultant() -> None:
     part = body(ANNULUS, (2, 12, 2), (2, 2, 2), pressures=everywhere)
     force = part.load().getArray().reshape(-1, 3)
     assert np.abs(force.sum(axis=0)).max() < 1e-14
-    assert np.abs(np.cross(part.control_points, force).sum(axis=0)).max() < 1e-14
+    assert np.abs(np.cross(part.dof_positions, force).sum(axis=0)).max() < 1e-14
     top = body(ANNULUS, (2, 12, 2), (2, 6, 2), Placement(), pressures=[Pressure("top", 1.3)])
     area = np.pi * (1.7**2 - 0.8**2)
     resultant = top.load().getArray().reshape(-1, 3).sum(axis=0)
@@ -231,7 +232,7 @@ def test_first_frequency_converges_at_twice_the_degree(degree: int) -> None:
 def test_volume_sample_fills_the_body() -> None:
     part = body(ANNULUS, (2, 16, 2), (2, 2, 2), Placement())
     sample = part.volume_sample(6)
-    assert np.abs(sample.values @ part.control_points - sample.points).max() < 1e-15
+    assert np.abs(sample.values @ part.dof_positions - sample.points).max() < 1e-15
     assert np.abs(sample.values.sum(axis=1) - 1).max() < 1e-15
     radius = np.linalg.norm(sample.points[:, :2], axis=1)
     assert radius.min() == pytest.approx(0.8, abs=1e-14)
@@ -271,14 +272,14 @@ def test_folded_and_flat_patches_are_refused(corner: tuple[float, ...]) -> None:
     patch = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     patch.control_points[1, 1, 1] = corner
     with pytest.raises(InputError, match="neither folded nor collapsed"):
-        NurbsBody("part", [patch], {}, (1, 1, 1), material=STEEL)
+        nurbs_body("part", [patch], {}, (1, 1, 1), material=STEEL)
 
 
 def test_a_patch_without_thickness_is_refused() -> None:
     patch = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     patch.control_points[..., 2] = 0.0
     with pytest.raises(InputError, match="neither folded nor collapsed"):
-        NurbsBody("part", [patch], {}, (1, 1, 1), material=STEEL)
+        nurbs_body("part", [patch], {}, (1, 1, 1), material=STEEL)
 
 
 @pytest.mark.parametrize("edge", [(1, 1, slice(None)), (slice(None), 0, 1), (0, slice(None), 0)])
@@ -286,7 +287,7 @@ def test_a_collapsed_edge_is_one_dof(edge: tuple) -> None:
     """Any edge of a box drawn together to its middle: matrices exact, six rigid motions."""
     patch = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     patch.control_points[edge] = patch.control_points[edge].mean(axis=0)
-    part = NurbsBody("part", [patch], {}, (2, 2, 1), material=STEEL)
+    part = nurbs_body("part", [patch], {}, (2, 2, 1), material=STEEL)
     along = next(k for k in range(3) if isinstance(edge[k], slice))
     counts = (3, 4, 2)
     assert part.num_scalar_dofs == np.prod(counts) - counts[along] + 1
@@ -299,14 +300,14 @@ def test_a_collapsed_edge_is_one_dof(edge: tuple) -> None:
 def test_a_collapsed_face_is_no_surface() -> None:
     disc = nurbs_shape(Disc(1.0, 0.0, 0.2), breaks_of(Disc(1.0, 0.0, 0.2), (1, 4, 1)))
     with pytest.raises(InputError, match=r"faces.axis = \(0, 0, 0\): faces that are not"):
-        NurbsBody("part", disc.patches, {"axis": [(0, 0, 0)]}, (2, 2, 1), material=STEEL)
+        nurbs_body("part", disc.patches, {"axis": [(0, 0, 0)]}, (2, 2, 1), material=STEEL)
 
 
 def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
     patch = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     mirrored = turned(patch, (0, 1, 2), 1)
     for given in (patch, mirrored):
-        part = NurbsBody("part", [given], {}, (2, 1, 1), material=STEEL)
+        part = nurbs_body("part", [given], {}, (2, 1, 1), material=STEEL)
         sample = part.volume_sample(2)
         corners = sample.points[sample.cells]
         assert np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]).min() > 0
@@ -314,7 +315,7 @@ def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
 
 @pytest.mark.parametrize("degree", [2, 3, 4])
 def test_two_ranks_share_out_the_layers_of_functions_evenly(degree):
-    patches = body(BOX, (12, 3, 2), (degree,) * 3).multipatch.patches
+    patches = body(BOX, (12, 3, 2), (degree,) * 3).space.multipatch.patches
     ranges = join(patches, 2, "patches").dof_ranges
     layer = ranges[-1] / (12 + degree)
     assert np.ptp(np.diff(ranges)) <= layer

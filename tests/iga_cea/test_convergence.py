@@ -7,9 +7,9 @@ from scipy.optimize import brentq
 from scipy.sparse.linalg import eigsh
 from scipy.special import jn_zeros, jv, jvp, yv, yvp
 
+from cea.body import Body
 from cea.material import IsotropicMaterial
 from cea.supports.boundary import Support
-from iga_cea import NurbsBody
 from meshes.placement import Placement
 from meshes.shapes import Box, Disc, Rectangle, Ring
 
@@ -27,7 +27,7 @@ def rollers(shape) -> list[Support]:
     return [Support(name, ("xyz".index(name[0]),)) for name in shape.surfaces]
 
 
-def error(part: NurbsBody, exact: float) -> float:
+def error(part: Body, exact: float) -> float:
     """Relative error of the eigenvalue nearest an exact one."""
     K, M = scipy_of(part.stiffness()).tocsc(), scipy_of(part.mass()).tocsc()
     values = eigsh(K, 8, M, sigma=exact * 1.0001, return_eigenvectors=False)

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from bodies import nurbs_body
 from iga_data import STEEL, TILTED, body, scipy_of
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh
 
 from cea.material import IsotropicMaterial
 from cea.supports.boundary import Pressure, Support
-from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
@@ -23,16 +23,16 @@ def test_one_dof_a_level_at_the_axis() -> None:
     part = body(DISC, (3, 8, 2), (2, 3, 2), Placement())
     radial, around, levels = 3 + 2, 4 * (2 + 2), 2 + 2
     assert part.num_scalar_dofs == ((radial - 1) * around + 1) * levels
-    at_axis = np.linalg.norm(part.control_points[:, :2], axis=1) < 1e-12
+    at_axis = np.linalg.norm(part.dof_positions[:, :2], axis=1) < 1e-12
     assert at_axis.sum() == levels
-    assert len(np.unique(np.round(part.control_points, 9), axis=0)) == part.num_scalar_dofs
+    assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
 def test_mass_and_rigid_motions() -> None:
     part = body(DISC, (2, 16, 1), (2, 6, 2))
     K, M = scipy_of(part.stiffness()), scipy_of(part.mass())
     assert M.sum() == pytest.approx(3 * STEEL.rho * AREA * (TOP - BOTTOM), rel=1e-13)
-    x = part.control_points
+    x = part.dof_positions
     for axis in np.eye(3):
         for motion in (np.broadcast_to(axis, x.shape), np.cross(axis, x)):
             residual = np.abs(K @ motion.ravel()).max()
@@ -56,8 +56,8 @@ def test_surfaces() -> None:
         gauss = surface.gauss_points(3)
         for points in (gauss, greville, surface.grid(4)):
             np.testing.assert_allclose(points.normal, np.tile(normal, (len(points), 1)), atol=1e-9)
-            assert np.abs(surface.trace(points.at) @ part.control_points - points.x).max() < 2e-15
-            linear = part.control_points @ [0.3, -0.7, 1.1]
+            assert np.abs(surface.trace(points.at) @ part.dof_positions - points.x).max() < 2e-15
+            linear = part.dof_positions @ [0.3, -0.7, 1.1]
             for slope, along in zip([0.3, -0.7, 1.1], surface.gradient(points.at), strict=True):
                 assert np.abs(along @ linear - slope).max() < 1e-8
         centre = np.array(TILTED.translation)
@@ -98,7 +98,7 @@ def test_clamped_thin_disc_against_plate_theory() -> None:
     shape = Disc(1.0, -h / 2, h / 2)
     data = nurbs_shape(shape, breaks_of(shape, (12, 16, 1), {"r": [0.95, 0.97, 0.985, 0.995]}))
     held = [Support("outer", (0, 1, 2))]
-    part = NurbsBody("disc", data.patches, {"outer": data.faces["outer"]}, (4, 4, 3),
+    part = nurbs_body("disc", data.patches, {"outer": data.faces["outer"]}, (4, 4, 3),
                      material=material, supports=held)  # fmt: skip
     K, M = scipy_of(part.stiffness()).tocsc(), scipy_of(part.mass()).tocsc()
     kappa = np.sort(eigsh(K, 6, M, sigma=0, return_eigenvectors=False))

@@ -6,10 +6,10 @@ from iga_data import STEEL, TURNED, body, scipy_of
 from scipy.linalg import eigh
 from scipy.sparse.linalg import spsolve
 
+from cea.body import Body
 from cea.errors import InputError
 from cea.supports.boundary import Pressure, Spring, Support
-from cea.surface import Status
-from iga_cea import NurbsBody
+from cea.surface_points import Status
 from meshes.placement import Placement
 from meshes.shapes import Rectangle, Ring, RingSector
 
@@ -21,7 +21,7 @@ SHAPES = [RECTANGLE, RING, SECTOR]
 RNG = np.random.default_rng(5)
 
 
-def part_of(shape, placement: Placement = TURNED, **options) -> NurbsBody:
+def part_of(shape, placement: Placement = TURNED, **options) -> Body:
     return body(shape, (3, 8), (2, 4), placement, **options)
 
 
@@ -53,7 +53,7 @@ def test_mass_and_three_rigid_motions(shape) -> None:
     part = part_of(shape)
     K, M = scipy_of(part.stiffness()), scipy_of(part.mass())
     assert M.sum() == pytest.approx(2 * STEEL.rho * area_of(shape), rel=1e-6)
-    x = part.control_points
+    x = part.dof_positions
     spin = np.stack([-x[:, 1], x[:, 0]], axis=1)
     for motion in (np.tile([1.0, 0.0], (len(x), 1)), np.tile([0.0, 1.0], (len(x), 1)), spin):
         assert np.abs(K @ motion.ravel()).max() <= 1e-14 * abs(K).sum(axis=1).max() * 2
@@ -82,8 +82,8 @@ def test_curves(shape) -> None:
             expected = normal_of(name, original) @ TURNED.rotation[:2, :2].T
             assert np.abs(points.normal - expected).max() < 1e-13
             trace, gradient = curve.trace(points.at), curve.gradient(points.at)
-            assert np.abs(trace @ part.control_points - points.x).max() < 2e-15
-            linear = part.control_points @ [0.3, -0.7]
+            assert np.abs(trace @ part.dof_positions - points.x).max() < 2e-15
+            linear = part.dof_positions @ [0.3, -0.7]
             for slope, along in zip((0.3, -0.7), gradient, strict=True):
                 assert np.abs(along @ linear - slope).max() < 1e-12
 
@@ -125,7 +125,7 @@ def test_location_at_the_ends_of_a_straight_side() -> None:
     np.testing.assert_allclose(found.distance[1:4], -0.1, atol=1e-14)
 
 
-def static(part: NurbsBody) -> np.ndarray:
+def static(part: Body) -> np.ndarray:
     x = spsolve(scipy_of(part.stiffness()).tocsc(), part.load().getArray())
     return (scipy_of(part.expansion) @ x).reshape(-1, 2)
 
@@ -141,7 +141,7 @@ def test_plate_under_pressure_is_exact() -> None:
     )
     nu = STEEL.nu
     strain = -0.7 / STEEL.E * np.array([1 - nu**2, -nu * (1 + nu)])
-    np.testing.assert_allclose(static(part), strain * part.control_points, atol=1e-13)
+    np.testing.assert_allclose(static(part), strain * part.dof_positions, atol=1e-13)
     assert part.volume_sample(2).cells.shape == (36, 4)
 
 

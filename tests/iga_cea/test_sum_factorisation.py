@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from bodies import nurbs_body
 from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, slow_points
 
+from cea.body import Body
 from cea.rotation import Rotation
 from cea.supports.boundary import Spring, Support
-from iga_cea import NurbsBody
 from iga_cea.patch import refine
 from iga_cea.pattern import boxes_of
 from iga_cea.separation import holds, separate
@@ -29,12 +30,12 @@ def distorted(shape, elements, *, weights: bool) -> NurbsPatch:
     return NurbsPatch(fine.degrees, fine.knots, moved, fine.weights * factors, whole.breaks)
 
 
-def distorted_body(shape, elements, degree, *, weights: bool, **options) -> NurbsBody:
+def distorted_body(shape, elements, degree, *, weights: bool, **options) -> Body:
     patch = distorted(shape, elements, weights=weights)
-    return NurbsBody("part", [patch], {}, degree, material=STEEL, **options)
+    return nurbs_body("part", [patch], {}, degree, material=STEEL, **options)
 
 
-def assert_agrees_with_slow_loops(part: NurbsBody) -> None:
+def assert_agrees_with_slow_loops(part: Body) -> None:
     for ours, slow in zip((part.stiffness(), part.mass()), slow_matrices(part), strict=True):
         A = scipy_of(ours)
         assert np.abs(A.toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
@@ -66,7 +67,7 @@ def test_a_bulge_between_the_samples_is_seen() -> None:
     moved = fine.control_points.copy()
     moved[1, 4, 0] += 0.1
     patch = NurbsPatch(fine.degrees, fine.knots, moved, fine.weights, whole.breaks)
-    part = NurbsBody("part", [patch], {}, (2, 1, 1), material=STEEL)
+    part = nurbs_body("part", [patch], {}, (2, 1, 1), material=STEEL)
     assert_agrees_with_slow_loops(part)
 
 

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from bodies import nurbs_body
 from covering import covering
 
+from cea.body import Body
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.surface import Status
-from iga_cea import NurbsBody
+from cea.surface_points import Status
 from iga_cea.grids import grid_points
 from iga_cea.surface import NurbsSurface
 from meshes.breaks import breaks_of
@@ -25,13 +26,13 @@ BOX = Box((2.0, 1.0, 0.5), (0.1, 0.2, 0.3))
 RNG = np.random.default_rng(11)
 
 
-def body(shape: Shape, elements=(2, 8, 2), degree=(2, 3, 2), placement=TILTED) -> NurbsBody:
+def body(shape: Shape, elements=(2, 8, 2), degree=(2, 3, 2), placement=TILTED) -> Body:
     data = nurbs_shape(shape, breaks_of(shape, elements), placement)
-    return NurbsBody("part", data.patches, data.faces, degree, material=STEEL)
+    return nurbs_body("part", data.patches, data.faces, degree, material=STEEL)
 
 
 @pytest.fixture(scope="module")
-def ring() -> NurbsBody:
+def ring() -> Body:
     return body(ANNULUS, placement=Placement())
 
 
@@ -92,14 +93,14 @@ def test_normals_point_outward_whatever_the_handedness() -> None:
         patch.degrees, patch.knots, patch.control_points[::-1], patch.weights, patch.breaks
     )
     faces = {"x_max": [(0, 0, 0)], "x_min": [(0, 0, 1)], "z_max": [(0, 2, 1)]}
-    part = NurbsBody("part", [mirrored], faces, (2, 2, 2), material=STEEL)
+    part = nurbs_body("part", [mirrored], faces, (2, 2, 2), material=STEEL)
     for name, surface in part.surfaces.items():
         points = surface.gauss_points(2)
         np.testing.assert_allclose(points.normal, exact_normal(name, points.x), atol=1e-14)
     assert (part.stiffness().getDiagonal().getArray() > 0).all()
 
 
-def test_numbers_of_points(ring: NurbsBody) -> None:
+def test_numbers_of_points(ring: Body) -> None:
     """Spans 2 x 8 on top, degree (2, 3): joints of the four faces count once."""
     top, outer = ring.surfaces["top"], ring.surfaces["outer"]
     assert top.num_elements == 4
@@ -112,7 +113,7 @@ def test_numbers_of_points(ring: NurbsBody) -> None:
         np.testing.assert_allclose(points.weight, top.area / len(points), rtol=1e-15)
 
 
-def test_greville_points_interpolate(ring: NurbsBody) -> None:
+def test_greville_points_interpolate(ring: Body) -> None:
     """As many points as trace functions, and the collocation matrix is regular."""
     for surface in ring.surfaces.values():
         square = surface.trace(surface.abscissae("greville").at).toarray()[:, surface.dofs]
@@ -123,7 +124,7 @@ def test_greville_points_interpolate(ring: NurbsBody) -> None:
 @pytest.mark.parametrize("shape", [ANNULUS, SECTOR, BOX], ids=lambda s: s.shape)
 def test_trace_and_gradient_of_linear_fields(shape: Shape) -> None:
     part = body(shape)
-    x = part.control_points
+    x = part.dof_positions
     slope, shift = np.array([0.3, -0.7, 1.1]), 0.4
     for surface in part.surfaces.values():
         points = surface.gauss_points(2)
@@ -138,9 +139,9 @@ def test_trace_and_gradient_of_linear_fields(shape: Shape) -> None:
 def test_gradient_agrees_with_finite_differences_of_the_volume() -> None:
     """A rough field: its derivative along the normal needs the layer behind the face."""
     patch_body = body(SECTOR, (1, 2, 1), (2, 3, 2))
-    (patch,) = patch_body.multipatch.patches
+    (patch,) = patch_body.space.multipatch.patches
     field = RNG.random(patch_body.num_scalar_dofs)
-    coefficients = field[patch_body.multipatch.dofs[0].ravel()]
+    coefficients = field[patch_body.space.multipatch.dofs[0].ravel()]
     step = 1e-6
     for (name, surface), (axis, side) in zip(
         patch_body.surfaces.items(), [(a, s) for a in range(3) for s in (0, 1)], strict=True
@@ -186,7 +187,7 @@ def test_location_on_a_flat_face(gap: float) -> None:
     assert (found.miss[~inside] >= off - 1e-9).all()
 
 
-def test_location_of_edges_and_joints(ring: NurbsBody) -> None:
+def test_location_of_edges_and_joints(ring: Body) -> None:
     angle = np.concatenate([np.linspace(0, 2 * np.pi, 33), [0, np.pi / 2, np.pi]])
     radius = np.concatenate([np.tile([INNER, OUTER], 17)[:33], [1.0, 1.1, 1.2]])
     x = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(36, TOP + 0.05)], 1)
@@ -195,7 +196,7 @@ def test_location_of_edges_and_joints(ring: NurbsBody) -> None:
     assert np.abs(found.distance + 0.05).max() < 1e-14
 
 
-def test_reach_is_kept(ring: NurbsBody) -> None:
+def test_reach_is_kept(ring: Body) -> None:
     x = np.array([[1.0, 0.3, TOP + 0.05]])
     up = np.array([[0.0, 0.0, 1.0]])
     assert ring.surfaces["top"].locate(x, up, 0.04).missed.all()
@@ -234,7 +235,7 @@ def cylinder_distance(x: np.ndarray, d: np.ndarray, radius: float, reach: float)
     ],
 )
 def test_location_on_a_cylinder(
-    ring: NurbsBody, name: str, radius: float, gap: float, reach: float
+    ring: Body, name: str, radius: float, gap: float, reach: float
 ) -> None:
     """Random oblique lines, 60 degrees at most from the radius, also past the rims."""
     n = 2500
@@ -255,7 +256,7 @@ def test_location_on_a_cylinder(
     assert np.abs(on_surface - line).max() < 1e-8
 
 
-def test_unknown_abscissae_and_bad_counts_are_refused(ring: NurbsBody) -> None:
+def test_unknown_abscissae_and_bad_counts_are_refused(ring: Body) -> None:
     top: NurbsSurface = ring.surfaces["top"]
     with pytest.raises(InputError, match="one of greville"):
         top.abscissae("nodes")
@@ -291,7 +292,7 @@ def test_faces_go_on_beyond_their_edges_whatever_their_outermost_spans_are():
     low, high = np.array([INNER, START, BOTTOM]), np.array([OUTER, END, TOP])
     fine = [a + (b - a) * tiny for a, b in zip(low, high, strict=True)]
     refined, plain = (
-        NurbsBody("part", data.patches, data.faces, degree, material=STEEL).surfaces["top"]
+        nurbs_body("part", data.patches, data.faces, degree, material=STEEL).surfaces["top"]
         for data, degree in (
             (nurbs_shape(SECTOR, fine, TILTED), (5, 5, 5)),
             (nurbs_shape(SECTOR, breaks_of(SECTOR, (1, 1, 1)), TILTED), (2, 2, 2)),

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
+from bodies import lagrange_body, nurbs_body
 from iga_data import STEEL
 
 from cea.errors import InputError
-from fe_cea import FEBody
-from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
@@ -33,13 +32,13 @@ def body_of(shape, kind, placement=PLACEMENT):
     if kind == "iga":
         data = nurbs_shape(shape, breaks, placement)
         degree = (2,) * len(shape.directions)
-        return NurbsBody("part", data.patches, data.faces, degree, material=STEEL)
+        return nurbs_body("part", data.patches, data.faces, degree, material=STEEL)
     flat = len(shape.directions) == 2
     boxes, simplices = ("quadrilateral", "triangle") if flat else ("hexahedron", "tetrahedron")
     cell = boxes if kind == "boxes" else simplices
     where = {"size": 0.02} if kind == "unstructured" else {"breaks": breaks}
     mesh = shape_mesh(shape, cell, 2, placement=placement, **where)
-    return FEBody.from_mesh("part", mesh, degree=2, material=STEEL)
+    return lagrange_body("part", mesh, degree=2, material=STEEL)
 
 
 def native(x, placement=PLACEMENT):

@@ -6,12 +6,12 @@ from itertools import permutations
 
 import numpy as np
 import pytest
+from bodies import nurbs_body
 from covering import covering
 from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, turned
 from pydantic import TypeAdapter
 
 from cea.errors import InputError
-from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.patches import GivenPatch, Patches
@@ -27,12 +27,12 @@ def test_circles_of_the_plane(shape) -> None:
     """Every point of the curves lies on its circle, breaks at their angles."""
     breaks = breaks_of(shape, (2, 9))
     data = nurbs_shape(shape, breaks)
-    part = NurbsBody("part", data.patches, data.faces, (1, 2), material=STEEL)
+    part = nurbs_body("part", data.patches, data.faces, (1, 2), material=STEEL)
     for name, radius in (("inner", 0.8), ("outer", 1.7)):
         x = part.surfaces[name].grid(40).x
         assert np.abs(np.linalg.norm(x, axis=1) / radius - 1).max() < 3e-15
     angles = []
-    for patch in part.multipatch.patches:
+    for patch in part.space.multipatch.patches:
         x = patch.basis_on_grid([np.array([1.0]), patch.breaks[1]]) @ patch.control_points.reshape(
             -1, 2
         )
@@ -54,7 +54,7 @@ def test_quarters_meet_exactly() -> None:
 def test_hub(hub: Hub, layers: int) -> None:
     """Four quarters for each layer, all joined: volume, areas, normals, numbers of dofs."""
     part = body(hub, (3, 16, 4), (2, 6, 2))
-    assert len(part.multipatch.patches) == 4 * layers
+    assert len(part.space.multipatch.patches) == 4 * layers
     height, ring = hub.hub_top - hub.hub_bottom, hub.top - hub.bottom
     volume = np.pi * (height * (0.5**2 - 0.3**2) + ring * (1.0 - 0.5**2))
     assert scipy_of(part.mass()).sum() == pytest.approx(3 * STEEL.rho * volume, rel=1e-13)
@@ -73,7 +73,7 @@ def test_hub(hub: Hub, layers: int) -> None:
             outward = np.tile([0, 0, 1 if name.endswith("top") else -1], (len(points), 1))
         normal = points.normal @ TILTED.rotation
         assert np.abs(normal - outward * (-1 if name == "bore" else 1)).max() < 1e-13
-    assert len(np.unique(np.round(part.control_points, 9), axis=0)) == part.num_scalar_dofs
+    assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
 def test_disc_is_collapsed_at_its_axis_only() -> None:
@@ -97,7 +97,7 @@ def test_breaks_without_the_joints_are_refused(shape, axis: int, name: str) -> N
     elements = (4, 8, 5)[: len(shape.directions)]
     breaks = list(breaks_of(shape, elements))
     breaks[axis] = np.linspace(*shape.extent[axis], 4)
-    with pytest.raises(InputError, match=f"breaks along {name}"):
+    with pytest.raises(InputError, match=f"breaks of {name}"):
         nurbs_shape(shape, tuple(breaks))
 
 
@@ -143,7 +143,7 @@ def test_given_knots_are_kept(degree: tuple[int, int]) -> None:
     """Elements divide the scaled range evenly beside the knots; inner knots stay as smooth."""
     patches = Patches((bent(),), {"low": ((0, 1, 0),)})
     part = body(patches, (3, 2), degree)
-    (patch,) = part.multipatch.patches
+    (patch,) = part.space.multipatch.patches
     np.testing.assert_allclose(patch.breaks[0], [1, 2, 2.5, 3, 4], atol=1e-15)
     np.testing.assert_allclose(patch.breaks[1], [-1, 0, 0.2, 1], atol=1e-15)
     assert (patch.knots[0] == 2.5).sum() == 2 + degree[0] - 3

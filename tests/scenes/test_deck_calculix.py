@@ -3,13 +3,13 @@
 import decks
 import numpy as np
 import pytest
+from bodies import lagrange_body
 from deck_scenes import ELEMENTS, ROUND, SLIDING, alone, in_contact
 
 from comparisons.peers import calculix
-from fe_cea import FEBody
 from scenes import run_modes
 from scenes.body_meshes import body_mesh
-from scenes.deck.write import write_deck
+from scenes.export.decks.write import write_deck
 
 MASS = {"C3D8": None, "C3D10": 2, "C3D4": 1, "CPE4": None}
 """Degree to which CalculiX integrates the mass; None, exactly."""
@@ -19,7 +19,7 @@ def ours(scene, quadrature, top):
     """Frequencies of this program up to one, with the mass of another."""
     scene = scene.change("analysis.max_frequency", top)
     bodies = {
-        name: FEBody.from_mesh(
+        name: lagrange_body(
             name,
             body_mesh(name, spec, ()),
             degree=spec.fe_degree,

@@ -15,13 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from bodies import lagrange_body, nurbs_body
 from scipy.optimize import brentq
 from scipy.special import jv, yv
 
 from cea.material import IsotropicMaterial
 from cea.supports.boundary import Support
-from fe_cea import FEBody
-from iga_cea import NurbsBody
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
@@ -61,7 +60,7 @@ def body_of(backend, shape, breaks, degree, supports, order=None):
     """Body with given breaks, its geometry of the degree of its elements or of another order."""
     if backend == "iga":
         data = nurbs_shape(shape, breaks, Placement())
-        return NurbsBody(
+        return nurbs_body(
             "part",
             data.patches,
             data.faces,
@@ -70,7 +69,7 @@ def body_of(backend, shape, breaks, degree, supports, order=None):
             supports=supports,
         )
     made = shape_mesh(shape, "hexahedron", order or degree, breaks=breaks)
-    return FEBody.from_mesh("part", made, degree=degree, material=MATERIAL, supports=supports)
+    return lagrange_body("part", made, degree=degree, material=MATERIAL, supports=supports)
 
 
 def assert_order(counts, errors, order, within=0.2):

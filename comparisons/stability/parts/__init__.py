@@ -1,1 +1,1 @@
-"""What cases are made of: runs, ways to run, scenes, references, problems and their answers."""
+"""What cases are made of."""

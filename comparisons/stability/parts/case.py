@@ -1,23 +1,25 @@
-"""A case: runs with their references, and what must come out of each, said beforehand."""
+"""A case of the catalogue: rows of scenes, and what must come out of each, said beforehand."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
-from comparisons.stability.parts.problems import Problem
-from comparisons.stability.parts.references import Reference
-from comparisons.stability.parts.ways import Way
+from comparisons.stability.parts.problems import OfScene, Problem
+from comparisons.stability.parts.references import Reference, dense
+from comparisons.stability.parts.ways import WAYS, Way
 
 Verdict = Literal["accurate", "warned", "refused", "WRONG"]
 
 ACCURATE: tuple[Verdict, ...] = ("accurate",)
-"""The answer has the digits of the tolerance, and comes without a warning that is not allowed."""
+"""The answer has the digits of the tolerance and no warning but those allowed."""
 WARNED: tuple[Verdict, ...] = ("accurate", "warned")
 """Digits may be lost, and the result then says so."""
 HONEST: tuple[Verdict, ...] = ("accurate", "warned", "refused")
 """Anything but a wrong answer without a word."""
 REFUSED: tuple[Verdict, ...] = ("refused",)
-"""There is no answer: the run ends before it or without it, and names what is wrong."""
+"""There is no answer: the run ends with an error that names what is wrong."""
+NOT_ACCURATE: tuple[Verdict, ...] = ("warned", "refused")
+"""The answer is that of another problem: the run says so or is refused."""
 
 MESH = (
     "short-modes",
@@ -27,12 +29,12 @@ MESH = (
     "volumetric-locking",
     "doubtful-units",
 )
-"""Kinds of warnings that tell how far a mesh or a rule is from the continuum, or numbers from those
-of solids in SI units: beside a reference on the same mesh they may come, and excuse no error."""
+"""Warnings about the mesh, the point rule or the units: beside a reference on the same mesh they
+may come, and they excuse no error."""
 MESH_AND_PENALTY = (*MESH, "penalty-rounding")
-"""The same with the one of digits that a penalty costs: it may come where they are left over."""
+"""The same with the warning of digits that a penalty loses."""
 NONE: tuple[str, ...] = ()
-"""No warning may come: where the run must be accurate, it is easy."""
+"""No warning may come. A run that must be accurate without any warning is easy."""
 
 
 @dataclass(frozen=True)
@@ -42,24 +44,23 @@ class Run:
     Parameters
     ----------
     row
-        What sets it apart within its case, in words: "P = 1e6 N/m".
+        What distinguishes it within its case: "P = 1e6 N/m".
     way
         Backend and formulation.
     problem
         What is solved.
     reference
-        The true answer; None where there is none, and only a refusal is right.
+        The true answer; None where only a refusal is right.
     expected
         The verdicts that may come out.
     tolerance
         Relative error of lambda up to which an answer is accurate.
     lowest
-        How many of the reference's modes are looked at, where the problem does not say up to which
-        frequency.
+        Number of true modes in the window, where the problem gives no frequency.
     warnings
-        Kinds of warnings that may come although it is accurate; they excuse no error.
+        Kinds of warnings that may come although the answer is accurate.
     names
-        What a refusal must name.
+        What the message of a refusal must contain.
     """
 
     row: str
@@ -78,25 +79,75 @@ class Run:
         return self.expected == ACCURATE and not self.warnings
 
 
-@dataclass(frozen=True)
+class Rows:
+    """Scenes by row, each run in every one of some ways.
+
+    Parameters
+    ----------
+    scenes
+        Scenes as plain data, by what distinguishes them.
+    ways
+        Backends and formulations.
+    true
+        The reference of every run, or a function that makes it from the scene as it is run; None
+        where only a refusal is right.
+    instead
+        Scene of which the reference is made, where it is another one.
+    problem
+        Makes what is solved from the scene as it is run.
+    options
+        Other fields of :class:`Run`.
+    """
+
+    def __init__(
+        self,
+        scenes: Mapping[str, Mapping[str, Any]],
+        ways: Iterable[Way] = WAYS,
+        true: Callable[[dict[str, Any]], Reference] | Reference | None = dense,
+        *,
+        instead: Mapping[str, Any] | None = None,
+        problem: Callable[[dict[str, Any]], Problem] = OfScene,
+        **options: Any,
+    ) -> None:
+        self.scenes, self.ways, self.true, self.instead = scenes, tuple(ways), true, instead
+        self.problem, self.options = problem, options
+
+    def runs(self) -> Iterator[Run]:
+        """Every scene in every way."""
+        for row, scene in self.scenes.items():
+            for way in self.ways:
+                true = self.true
+                if true is not None and not isinstance(true, Reference):
+                    true = true(way.of(self.instead or scene))
+                yield Run(row, way, self.problem(way.of(scene)), true, **self.options)
+
+
+def refused(
+    scenes: Mapping[str, Mapping[str, Any]], ways: Iterable[Way] = WAYS, names: str = ""
+) -> Rows:
+    """Rows of scenes that must be refused, by a message that contains a name."""
+    return Rows(scenes, ways, None, expected=REFUSED, names=names)
+
+
 class Case:
     """A case of the catalogue.
 
     Parameters
     ----------
-    title
-        What it shows, in words.
     subject
-        What it belongs to: cases of a subject share a heat map.
-    runs
-        Makes its runs.
+        Cases of one subject share a heat map.
+    title
+        What it shows.
+    parts
+        Rows, or functions that yield runs.
     """
 
-    title: str
-    subject: str
-    runs: Callable[[], Iterable[Run]]
+    def __init__(
+        self, subject: str, title: str, *parts: Rows | Callable[[], Iterable[Run]]
+    ) -> None:
+        self.subject, self.title, self.parts = subject, title, parts
 
-
-def case(title: str, *, subject: str) -> Callable[[Callable[[], Iterable[Run]]], Case]:
-    """Make a function that yields runs a case; its file in the folder of cases names it."""
-    return lambda runs: Case(title, subject, runs)
+    def runs(self) -> Iterator[Run]:
+        """Its runs."""
+        for part in self.parts:
+            yield from part.runs() if isinstance(part, Rows) else part()

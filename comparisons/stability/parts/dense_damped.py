@@ -7,6 +7,13 @@ with C_b = alpha M_b + beta K_b and, where modes of bodies are damped, the sum o
 is part of K, but for springs (:mod:`cea.rotation`). All are put together once more from bodies'
 matrices, contact points and what the scene says, and solved as a generalised problem of twice the
 size in which lambda is relative to its typical size.
+
+Of a body that rotates without Coriolis forces, convective stiffness included, a change of frame
+gives the eigenvalues from those at rest: waves of m diameters have lambda_0 +- i m Omega, with
+
+    lambda_0^2 + (alpha + beta kappa + 2 zeta sqrt(kappa)) lambda_0 + kappa = 0.
+
+Of the rotation only m is taken, the eigenvalues of X^T B X of modes X of one frequency rounded.
 """
 
 from collections.abc import Mapping
@@ -124,3 +131,38 @@ def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floa
 
 def _at(value: float | str, x: Floats) -> Floats:
     return evaluate(Expression(value) if isinstance(value, str) else value, x)
+
+
+_TOGETHER = 1e-3
+"""Relative distance of kappa up to which waves of a mesh are two of one frequency."""
+
+
+def carried_eigenvalues(data: Mapping[str, Any]) -> Complexes:
+    """Lambda (1/s) with Im >= 0 of one body without springs, damped by factors or by one ratio.
+
+    Parameters
+    ----------
+    data
+        The scene as plain data; its rotation is without Coriolis forces.
+    """
+    scene = read_scene(dict(data) | {"analysis": {"kind": "cea", "max_frequency": 1.0}})
+    ((name, spec),) = scene.bodies.items()
+    assert spec.rotation is not None
+    assert spec.damping is not None
+    body = coupled(scene)[0].bodies[name]
+    kappa, X = eigh(array(body.stiffness()), array(body.mass()))
+    kappa[kappa <= _RIGID * kappa[-1]] = 0.0
+    B = 0.5 * X.T @ array(body.gyroscopic(replace(spec.rotation, rate=1.0))) @ X
+    apart = np.flatnonzero(np.diff(kappa) > _TOGETHER * kappa[1:]) + 1
+    groups = np.split(np.arange(len(kappa)), apart)
+    diameters = [np.round(eigvals(B[np.ix_(own, own)]).imag) for own in groups]
+    rayleigh, modal = spec.damping.rayleigh(), spec.damping.modal
+    damping = np.zeros_like(kappa)
+    if rayleigh is not None:
+        damping += rayleigh.alpha + rayleigh.beta * kappa
+    if modal is not None:
+        damping += 2 * (modal.ratio or 0.0) * np.sqrt(kappa)
+    root = np.emath.sqrt(damping**2 / 4 - kappa)
+    shift = 1j * spec.rotation.rate * np.concatenate(diameters)
+    values = np.concatenate([-damping / 2 + root + shift, -damping / 2 - root + shift])
+    return values[values.imag >= 0]

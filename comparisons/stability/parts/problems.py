@@ -1,24 +1,129 @@
-"""What a run solves: a scene, or a pencil of given matrices."""
+"""What a run solves, and what its answer says: eigenvalues or stresses, and what it claims."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, Protocol
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from cea.arrays import Floats
-from cea.eigen.krylov_schur import solve_modes
+from cea.arrays import Complexes, Floats
+from cea.eigen.classify import classify_run, thresholds
+from cea.eigen.krylov_schur import KrylovSchur, solve_modes
 from cea.eigen.pencil import Pencil
+from cea.eigen.spectrum import Spectrum
 from cea.matrices import distributed
 from cea.petsc import MPI
-from comparisons.stability.parts.answers import Answer, StressAnswer, answer_of, kinds
+from cea.reduced.greedy import TOLERANCE, Enrichment
+from cea.reduced.model import ReducedModel
+from cea.reduced.words import words_of
+from cea.warned import ResultWarning
 from scenes.describe import describe
-from scenes.read import read_scene
+from scenes.read import Scene, read_scene
 from scenes.results import ModesResult
-from scenes.run import run_scene
+from scenes.run import coupled, run_scene
 from scenes.stored import as_json
+
+UNDECIDED, NOT_COMPLETE = "undecided", "window-not-complete"
+"""Kinds of what an answer leaves open."""
+
+
+@dataclass(frozen=True)
+class ModesAnswer:
+    """Modes of a run, and what it says of them.
+
+    Parameters
+    ----------
+    eigenvalues
+        Lambda (1/s), shape (n,).
+    verdicts
+        The word of each mode.
+    verdict
+        That of the whole window.
+    thresholds
+        Growth rate (1/s) above which each is called unstable, shape (n,).
+    uncertainties
+        Error of lambda (1/s) that the run states for each, shape (n,).
+    complete
+        Whether the window claims to hold every mode.
+    max_frequency
+        Upper end of the window (Hz).
+    residual, condition
+        The worst of both.
+    warnings
+        Kinds of its warnings.
+    dofs
+        Number of unknowns.
+    min_growth
+        Growth rate (1/s) down to which the window holds every mode.
+    """
+
+    eigenvalues: Complexes
+    verdicts: tuple[str, ...]
+    verdict: str
+    thresholds: Floats
+    uncertainties: Floats
+    complete: bool
+    max_frequency: float
+    residual: float
+    condition: float
+    warnings: tuple[str, ...]
+    dofs: int
+    min_growth: float = -np.inf
+
+    @property
+    def says(self) -> tuple[str, ...]:
+        """Kinds of what it warns of: its warnings, modes undecided, a window not complete."""
+        undecided = "undecided" in (*self.verdicts, self.verdict)
+        open_ends = [UNDECIDED] * undecided + [NOT_COMPLETE] * (not self.complete)
+        return tuple(dict.fromkeys([*self.warnings, *open_ends]))
+
+
+@dataclass(frozen=True)
+class StressAnswer:
+    """Normal stresses (N/m^2) over both sides of the contacts of a static run, shape (n,)."""
+
+    stresses: Floats
+    warnings: tuple[str, ...]
+    dofs: int
+
+    @property
+    def says(self) -> tuple[str, ...]:
+        """Kinds of what it warns of."""
+        return self.warnings
+
+
+Answer = ModesAnswer | StressAnswer
+
+
+def answer_of(
+    modes: Spectrum, warnings: Iterable[ResultWarning], threshold: float | None, dofs: int
+) -> ModesAnswer:
+    """What a spectrum says; the threshold (1/s) of growth is relative where it is None."""
+    return ModesAnswer(
+        eigenvalues=modes.eigenvalues,
+        verdicts=tuple(modes.verdicts(threshold)),
+        verdict=modes.verdict(threshold),
+        thresholds=modes.thresholds(threshold),
+        uncertainties=modes.growth_uncertainties,
+        complete=modes.window.complete,
+        max_frequency=modes.window.max_frequency,
+        min_growth=getattr(modes.window, "min_growth", -np.inf),
+        residual=float(modes.residuals.max(initial=0.0)),
+        condition=float(modes.conditions.max(initial=1.0)),
+        warnings=_kinds(warnings),
+        dofs=dofs,
+    )
+
+
+def _of_result(result: Any, dofs: int) -> ModesAnswer:
+    return answer_of(result.modes, result.warnings, result.analysis.growth_threshold, dofs)
+
+
+def _kinds(warnings: Iterable[ResultWarning]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(warning.kind for warning in warnings))
 
 
 class Problem(Protocol):
@@ -30,7 +135,7 @@ class Problem(Protocol):
         Parameters
         ----------
         max_frequency
-            Upper end of the modes asked for (Hz), where the problem does not say it.
+            Upper end of the modes wanted (Hz), where the problem does not say it.
 
         Raises
         ------
@@ -44,39 +149,23 @@ class Problem(Protocol):
 
 @dataclass(frozen=True)
 class OfScene:
-    """A scene as plain data.
-
-    Parameters
-    ----------
-    data
-        What a scene file holds; ``analysis.max_frequency`` may be left to the reference.
-    """
+    """A scene as plain data; ``analysis.max_frequency`` may be left to the reference."""
 
     data: Mapping[str, Any]
 
     def solve(self, max_frequency: float | None) -> Answer:
-        """Read the scene and run it; what it gives can be stored."""
-        data = deepcopy(dict(self.data))
-        if data["analysis"]["kind"] == "cea":
-            data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
-        result = run_scene(read_scene(data))
+        """Read the scene and run it; the result can be stored."""
+        result = run_scene(_read(self.data, max_frequency))
         as_json(describe(result))
         if isinstance(result, ModesResult):
-            threshold, dofs = result.analysis.growth_threshold, result.system.size
-            return answer_of(result.modes, result.warnings, threshold, dofs)
+            return _of_result(result, result.system.size)
         stresses = [side.sigma_n for sides in result.stresses.values() for side in sides.values()]
-        return StressAnswer(np.concatenate(stresses), kinds(result.warnings), result.system.size)
+        return StressAnswer(np.concatenate(stresses), _kinds(result.warnings), result.system.size)
 
 
 @dataclass(frozen=True)
 class OfMatrices:
-    """Given matrices: lambda^2 M + K - F.
-
-    Parameters
-    ----------
-    stiffness, mass, friction
-        Symmetric K, M and unsymmetric F, shape (n, n).
-    """
+    """Given matrices, lambda^2 M + K - F: symmetric K, M and unsymmetric F, shape (n, n)."""
 
     stiffness: Floats
     mass: Floats
@@ -94,3 +183,75 @@ class OfMatrices:
             matrix.setOption(matrix.Option.SYMMETRIC, True)
         modes = solve_modes(Pencil.of(S, M, F if self.friction.any() else None), max_frequency)
         return answer_of(modes, modes.warnings, None, n)
+
+
+@dataclass(frozen=True)
+class OfParts:
+    """A scene whose friction is bounded by the part of its bodies near the contacts."""
+
+    data: Mapping[str, Any]
+
+    def solve(self, max_frequency: float | None) -> Answer:
+        """Modes of a window that rests on the part."""
+        scene = _read(self.data, max_frequency)
+        system, _, _ = coupled(scene)
+        pencil = system.pencil(parted_from=0)
+        assert pencil.near_contact is not None
+        modes = solve_modes(pencil, _end(scene))
+        return answer_of(modes, (*system.warnings, *modes.warnings), None, system.size)
+
+
+@dataclass(frozen=True)
+class OfMap:
+    """A scene as one value of a map: a reduced model answers.
+
+    Parameters
+    ----------
+    data
+        The scene.
+    axes
+        Values of parameters between which full solves are made; the scene's own are not among
+        them.
+    """
+
+    data: Mapping[str, Any]
+    axes: Mapping[str, Sequence[float]]
+
+    def solve(self, max_frequency: float | None) -> ModesAnswer:
+        """The reduced model at the values of the scene."""
+        scene = _read(self.data, max_frequency)
+        system, _, _ = coupled(scene, leave_out=False)
+        pencil, top = system.pencil(leave_out=False), _end(scene)
+        box = {name: (float(min(each)), float(max(each))) for name, each in self.axes.items()}
+        model = ReducedModel(pencil, box, top, self.data["analysis"].get("min_growth"))
+        built = Enrichment(model, KrylovSchur(pencil), top)
+        points = product(*self.axes.values())
+        built.cover([dict(zip(self.axes, values, strict=True)) for values in points])
+        found = built.at({}).window
+        words = words_of(found, None)
+        complete = all(each.complete for each in built.snapshots)
+        return ModesAnswer(
+            eigenvalues=found.eigenvalues,
+            verdicts=tuple(words),
+            verdict=classify_run(words, complete=complete),
+            thresholds=thresholds(found.eigenvalues),
+            uncertainties=found.uncertainties,
+            complete=complete,
+            max_frequency=top,
+            residual=found.bound,
+            condition=float(found.certificate.conditions.max(initial=1.0)),
+            warnings=() if found.bound <= TOLERANCE else ("not-certified",),
+            dofs=system.size,
+        )
+
+
+def _read(given: Mapping[str, Any], max_frequency: float | None) -> Scene:
+    """A scene, with the end of its window where it gives none."""
+    data = deepcopy(dict(given))
+    if data["analysis"]["kind"] == "cea":
+        data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
+    return read_scene(data)
+
+
+def _end(scene: Scene) -> float:
+    return float(scene.analysis.max_frequency)  # type: ignore[union-attr]

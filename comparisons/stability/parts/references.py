@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes
-from comparisons.stability.parts.carried import carried_eigenvalues
 from comparisons.stability.parts.dense import dense_eigenvalues
-from comparisons.stability.parts.dense_damped import damped_eigenvalues
+from comparisons.stability.parts.dense_damped import carried_eigenvalues, damped_eigenvalues
 
 _BEYOND = 1.3
 """How far beyond the modes looked at an exact list reaches."""
@@ -36,17 +35,17 @@ class Reference:
 
 def dense(scene: Mapping[str, Any]) -> Reference:
     """Dense eigenvalues of the assembled matrices of a scene (scipy)."""
-    return Reference("dense", lambda: _dense(_key(scene)))
+    return Reference("dense", lambda: _values(dense_eigenvalues, _key(scene)))
 
 
 def damped(scene: Mapping[str, Any]) -> Reference:
     """Dense eigenvalues of the assembled matrices of a scene with damping or rotation (scipy)."""
-    return Reference("dense", lambda: _damped(_key(scene)))
+    return Reference("dense", lambda: _values(damped_eigenvalues, _key(scene)))
 
 
 def carried(scene: Mapping[str, Any]) -> Reference:
     """Dense eigenvalues at rest of a damped body, carried along by its rotation (scipy)."""
-    return Reference("at rest", lambda: _carried(_key(scene)))
+    return Reference("at rest", lambda: _values(carried_eigenvalues, _key(scene)))
 
 
 def benign(scene: Mapping[str, Any], factor: float = 1.0) -> Reference:
@@ -59,12 +58,12 @@ def benign(scene: Mapping[str, Any], factor: float = 1.0) -> Reference:
     factor
         By what its eigenvalues are multiplied.
     """
-    return Reference("benign", lambda: factor * _dense(_key(scene)))
+    return Reference("benign", lambda: factor * _values(dense_eigenvalues, _key(scene)))
 
 
 def copies(number: int, scene: Mapping[str, Any]) -> Reference:
     """Dense eigenvalues of a scene, each so many times, for a scene of so many that are equal."""
-    return Reference("dense", lambda: np.repeat(_dense(_key(scene)), number))
+    return Reference("dense", lambda: np.repeat(_values(dense_eigenvalues, _key(scene)), number))
 
 
 def exact(problem: str, *, max_frequency: float, **parameters: Any) -> Reference:
@@ -103,21 +102,7 @@ def _key(scene: Mapping[str, Any]) -> str:
 
 
 @cache
-def _damped(scene: str) -> Complexes:
-    values = damped_eigenvalues(json.loads(scene))
-    values.flags.writeable = False
-    return values
-
-
-@cache
-def _carried(scene: str) -> Complexes:
-    values = carried_eigenvalues(json.loads(scene))
-    values.flags.writeable = False
-    return values
-
-
-@cache
-def _dense(scene: str) -> Complexes:
-    values = dense_eigenvalues(json.loads(scene))
+def _values(compute: Callable[[dict[str, Any]], Complexes], scene: str) -> Complexes:
+    values = compute(json.loads(scene))
     values.flags.writeable = False
     return values

@@ -6,8 +6,14 @@ from typing import Any
 
 Scene = dict[str, Any]
 
-_LENGTHS = ("size", "origin")
-"""Fields of rectangles that are lengths."""
+STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
+LINING = {"E": 8e9, "nu": 0.3, "rho": 2500.0}
+HELD_BELOW = [{"surface": "y_min"}]
+HELD_ABOVE = [{"surface": "y_max"}]
+WALLS = [{"surface": f"x_{end}", "components": ["x"]} for end in ("min", "max")]
+"""Rollers at both ends."""
+ALONG_X_IN_SPACE = {"vector": [1.0, 0.0, 0.0]}
+ABOUT_Z = {"circumferential_about": [0.0, 0.0, 1.0]}
 
 
 def body(
@@ -21,27 +27,11 @@ def body(
     supports: Sequence[Mapping[str, Any]] = (),
     **others: Any,
 ) -> Scene:
-    """A body on both backends, or on NURBS alone where its geometry is one of patches.
-
-    Parameters
-    ----------
-    geometry
-        Its shape.
-    elements
-        Elements along each direction, on both backends.
-    degree
-        Degree on both backends; Lagrange elements go to 4.
-    E, nu, rho
-        Material.
-    supports
-        Its supports.
-    others
-        Other fields of a body, e.g. placement.
-    """
+    """A body on both backends; on NURBS alone where its geometry is one of patches."""
     dim = len(elements)
-    cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
     mesh: Scene = {"iga": {"degree": [degree] * dim, "elements": list(elements)}}
     if geometry["shape"] != "patches" and degree <= 4:
+        cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
         mesh["fe"] = {"cell": cell, "degree": degree, "elements": list(elements)}
     return {
         "backend": "iga",
@@ -58,28 +48,24 @@ def rectangle(size: Sequence[float], origin: Sequence[float] = (0.0, 0.0)) -> Sc
     return {"shape": "rectangle", "size": list(size), "origin": list(origin)}
 
 
-def patch(bottom: Sequence[Sequence[float]], top: Sequence[Sequence[float]]) -> Scene:
-    """A quadrilateral patch, v from bottom to top, u along both; faces foot and, if any, head.
+def box(size: Sequence[float], origin: Sequence[float]) -> Scene:
+    """A box as geometry."""
+    return {"shape": "box", "size": list(size), "origin": list(origin)}
 
-    Parameters
-    ----------
-    bottom, top
-        Its two corners there.
-    """
-    points = [[list(low), list(high)] for low, high in zip(bottom, top, strict=True)]
-    return patches(points)
+
+def base(elements: Sequence[int] = (5, 3), **fields: Any) -> Scene:
+    """The body below a pad: 2 wide, 1 high, held at its foot, its top at y = 0."""
+    ground = {"supports": HELD_BELOW, **fields}
+    return body(rectangle((2.0, 1.0), (0.0, -1.0)), elements, **ground)
+
+
+def patch(bottom: Sequence[Sequence[float]], top: Sequence[Sequence[float]]) -> Scene:
+    """A quadrilateral patch between the corners of its bottom and its top: faces foot, head."""
+    return patches([[list(low), list(high)] for low, high in zip(bottom, top, strict=True)])
 
 
 def patches(points: Any, weights: Any = None, **fields: Any) -> Scene:
-    """One patch of linear splines, or of what the fields say; faces foot and head.
-
-    Parameters
-    ----------
-    points, weights
-        Control points, weights; all 1 by default.
-    fields
-        Other fields of a patch: degrees, knots.
-    """
+    """One patch of linear splines, or with other degrees and knots; faces foot and head."""
     given = {"degrees": [1, 1], "knots": [[0, 0, 1, 1], [0, 0, 1, 1]], "control_points": points}
     given |= fields | ({} if weights is None else {"weights": weights})
     faces = {"foot": [[0, 1, 0]]}
@@ -89,22 +75,22 @@ def patches(points: Any, weights: Any = None, **fields: Any) -> Scene:
 
 
 def contact(a: str, b: str, **fields: Any) -> Scene:
-    """A contact with friction along x; mortar until a way says else."""
-    base = {
+    """A contact with friction along x; mortar until a way changes it."""
+    return {
         "a": a,
         "b": b,
         "formulation": {"method": "mortar"},
         "mu": 0.3,
         "friction_direction_on_a": {"vector": [1.0, 0.0]},
+        **({} if "P" in fields or "p" in fields else {"p": 1.0}),
+        **fields,
     }
-    stiffness = {} if "P" in fields or "p" in fields else {"p": 1.0}
-    return base | stiffness | fields
 
 
 def scene(
     bodies: Mapping[str, Any], analysis: Mapping[str, Any] | None = None, **contacts: Any
 ) -> Scene:
-    """Bodies and contacts whose modes are asked for, up to a frequency that the reference says."""
+    """Bodies and contacts; the reference says up to which frequency modes are wanted."""
     return {
         "name": "stability",
         "bodies": dict(bodies),
@@ -122,38 +108,17 @@ def layers(
     height: float = 0.5,
     **fields: Any,
 ) -> Scene:
-    """Two layers between rollers, one sliding on the other: the problem `blocks`, on few elements.
+    """Two layers between rollers, one sliding on the other: the problem `blocks`, coarse.
 
-    Parameters
-    ----------
-    upper, lower
-        Fields of :func:`body` that differ: degree, E, nu, rho.
-    upper_elements, lower_elements
-        Elements along x and y.
-    height
-        Height of the upper layer.
-    fields
-        Fields of the contact.
+    ``upper`` and ``lower`` change fields of :func:`body`, ``height`` is that of the upper layer,
+    ``fields`` are those of the contact.
     """
-
-    def walls(held: str) -> list[Scene]:
-        return [
-            {"surface": held},
-            *({"surface": f"x_{end}", "components": ["x"]} for end in ("min", "max")),
-        ]
-
+    soft: Scene = {"E": 0.1, "nu": 0.25, "rho": 0.35, "supports": [*HELD_ABOVE, *WALLS]}
+    hard: Scene = {"supports": [*HELD_BELOW, *WALLS]}
     return scene(
         {
-            "upper": body(
-                rectangle((2.0, height)),
-                upper_elements,
-                **{"E": 0.1, "nu": 0.25, "rho": 0.35, "supports": walls("y_max"), **(upper or {})},
-            ),
-            "lower": body(
-                rectangle((2.0, 1.0), (0.0, -1.0)),
-                lower_elements,
-                **{"supports": walls("y_min"), **(lower or {})},
-            ),
+            "upper": body(rectangle((2.0, height)), upper_elements, **(soft | dict(upper or {}))),
+            "lower": base(lower_elements, **(hard | dict(lower or {}))),
         },
         interface=contact("upper.y_min", "lower.y_max", **fields),
     )
@@ -167,70 +132,72 @@ def pad(
     base_elements: Sequence[int] = (5, 3),
     **fields: Any,
 ) -> Scene:
-    """A pad that is held at its back, on a wider base.
-
-    Parameters
-    ----------
-    width, at
-        Width of the pad, and x of its left edge; the base reaches from 0 to 2.
-    pad_elements, base_elements
-        Elements along x and y.
-    fields
-        Fields of the contact.
-    """
+    """A pad, its left edge at x = ``at`` and held at its back, on a base from x = 0 to 2."""
+    upper = body(rectangle((width, 0.4), (at, 0.0)), pad_elements, E=0.5, supports=HELD_ABOVE)
     return scene(
-        {
-            "pad": body(
-                rectangle((width, 0.4), (at, 0.0)),
-                pad_elements,
-                E=0.5,
-                supports=[{"surface": "y_max"}],
-            ),
-            "base": body(
-                rectangle((2.0, 1.0), (0.0, -1.0)), base_elements, supports=[{"surface": "y_min"}]
-            ),
-        },
+        {"pad": upper, "base": base(base_elements)},
         contact=contact("pad.y_min", "base.y_max", **fields),
     )
+
+
+def on_base(geometry: Mapping[str, Any], *, held: bool = True) -> Scene:
+    """A NURBS body with the faces foot and head, on a base."""
+    supports = [{"surface": "head"}] if held else []
+    return scene(
+        {"pad": body(geometry, (3, 2), supports=supports), "base": base()},
+        contact=contact("pad.foot", "base.y_max"),
+    )
+
+
+def boxes(sizes: Mapping[str, tuple[Any, ...]], **fields: Any) -> Scene:
+    """Two boxes on each other; ``sizes`` gives size, origin, elements and E of upper and lower."""
+    parts = {
+        name: body(box(size, origin), elements, E=E, supports=supports)
+        for name, (size, origin, elements, E, supports) in sizes.items()
+    }
+    along = {"friction_direction_on_a": ALONG_X_IN_SPACE}
+    return scene(parts, contact=contact("upper.z_min", "lower.z_max", **(along | fields)))
 
 
 def sprag(angle: float = 60.0, mu: float = 0.3, **fields: Any) -> Scene:
     """A block whose back slides obliquely to its contact: with mu above cot(angle) it diverges.
 
-    Both bodies stand turned by an angle about z; the back of the block is held along x alone. It
-    moves along y, at cos(angle) to the normal of the contact, and friction takes away
+    Both bodies are turned by the angle (degrees) about z; the back of the block is held along x
+    alone. It moves along y, at cos(angle) to the normal of the contact, and friction takes away
     mu sin(angle) of what the contact gives back.
-
-    Parameters
-    ----------
-    angle
-        Angle (degrees).
-    mu
-        Friction coefficient.
-    fields
-        Fields of the contact.
     """
     turned = {"angle": angle}
     slope = {"field": [f"-cos({angle}*pi/180)", f"-sin({angle}*pi/180)"]}
-    return scene(
-        {
-            "block": body(
-                rectangle((1.0, 0.5)),
-                (3, 2),
-                supports=[{"surface": "y_max", "components": ["x"]}],
-                placement=turned,
-            ),
-            "base": body(
-                rectangle((2.0, 1.0), (-0.5, -1.0)),
-                (5, 2),
-                supports=[{"surface": "y_min"}],
-                placement=turned,
-            ),
-        },
-        contact=contact(
-            "block.y_min", "base.y_max", **{"mu": mu, "friction_direction_on_a": slope, **fields}
-        ),
+    roller = [{"surface": "y_max", "components": ["x"]}]
+    block = body(rectangle((1.0, 0.5)), (3, 2), supports=roller, placement=turned)
+    ground = body(
+        rectangle((2.0, 1.0), (-0.5, -1.0)), (5, 2), supports=HELD_BELOW, placement=turned
     )
+    sliding = {"mu": mu, "friction_direction_on_a": slope, **fields}
+    return scene(
+        {"block": block, "base": ground}, contact=contact("block.y_min", "base.y_max", **sliding)
+    )
+
+
+def pressed_layers(pressure: float, *, degree: int = 2, **law: Any) -> Scene:
+    """Layers pressed by normal compliance between rollers: pressure and closure are uniform."""
+    meshes = {"degree": degree}
+    data = layers(p=1.0, mu=0.0, lower_elements=(5, 3), upper=meshes, lower=meshes)
+    del data["contacts"]["interface"]["p"]
+    data["contacts"]["interface"] |= law
+    data["bodies"]["upper"]["supports"] = [{"surface": "y_max", "components": ["x"]}, *WALLS]
+    return data | {"loads": [{"surface": "upper.y_max", "pressure": pressure}]}
+
+
+def uniform(data: Mapping[str, Any], p: float) -> Scene:
+    """Pressed layers where p is known."""
+    interface = dict(data["contacts"]["interface"])
+    for name in ("c_n", "m_n"):
+        interface.pop(name, None)
+    known = changed(data, {"contacts.interface": interface | {"p": p}}) | {"loads": []}
+    for name in ("load_steps", "geometric_stiffness"):
+        known["analysis"].pop(name, None)
+    return known
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, Any]) -> Scene:
@@ -245,20 +212,17 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, Any]) -> Scene:
     return copy
 
 
-def in_units(data: Mapping[str, Any], *, metre: float = 1.0, kilogram: float = 1.0) -> Scene:
-    """A scene of rectangles in other units of length and mass, with p given; the second stays.
+def up_to(frequency: float, data: Mapping[str, Any]) -> Scene:
+    """A scene with the end of its window (Hz)."""
+    return changed(data, {"analysis.max_frequency": frequency})
 
-    Parameters
-    ----------
-    data
-        The scene in m, kg, s.
-    metre, kilogram
-        One metre, one kilogram in the new units.
-    """
+
+def in_units(data: Mapping[str, Any], *, metre: float = 1.0, kilogram: float = 1.0) -> Scene:
+    """A scene of rectangles with p given, in units in which a metre and a kilogram are so much."""
     copy = deepcopy(dict(data))
     for each in copy["bodies"].values():
         geometry = each["geometry"]
-        for name in set(_LENGTHS) & set(geometry):
+        for name in ("size", "origin"):
             geometry[name] = [length * metre for length in geometry[name]]
         each["material"]["E"] *= kilogram / metre
         each["material"]["rho"] *= kilogram / metre**3

@@ -94,3 +94,18 @@ def chosen(ways: tuple[Way, ...], *names: str, backend: Backend | None = None) -
         for way in ways
         if (not names or way.name.startswith(names)) and backend in (None, way.backend)
     )
+
+
+def without(ways: tuple[Way, ...], word: str) -> tuple[Way, ...]:
+    """Those of some ways whose name does not hold a word."""
+    return tuple(way for way in ways if word not in way.name)
+
+
+FEW = chosen(WAYS, "GPTS, penalty", "GPTS, saddle", "mortar")
+PAIR = chosen(WAYS, *QUICK)
+UNIFORM = tuple(
+    way
+    for way in (*PENALTY, *SADDLE, *OPEN)
+    if way.name.startswith(("GPTS,", "segments", "mortar")) and way.name != "mortar, saddle"
+)
+"""Those that pass a uniform pressure on meshes that match, and that a law can meet."""

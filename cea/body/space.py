@@ -1,0 +1,163 @@
+"""What a backend must offer to make a body; its surfaces in :mod:`cea.surface`.
+
+A space has scalar basis functions numbered 0 .. ``num_scalar_dofs`` - 1 over all ranks. A *full*
+displacement vector holds component c of function i at ``dim * i + c``.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from cea.arrays import Floats, Ints
+from cea.rotation import Rotation
+from cea.supports.boundary import Support
+from cea.supports.constraints import Constraints
+from cea.surface import Surface
+from cea.volume import VolumeCells, VolumeSample
+
+
+class Space(Protocol):
+    """Displacements of a body on one discretisation: all that a backend implements.
+
+    Matrices are PETSc AIJ of all dofs (full x full), made anew at each call and given away; making
+    one is collective. Symmetric and skew ones are so to the last bit.
+    """
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space, 2 or 3."""
+        ...
+
+    @property
+    def comm(self) -> Any:
+        """MPI communicator (mpi4py)."""
+        ...
+
+    @property
+    def ranges(self) -> Ints:
+        """First scalar dof of each rank, and the end of the last, rising, shape (ranks + 1,)."""
+        ...
+
+    @property
+    def surfaces(self) -> Mapping[str, Surface]:
+        """Named surfaces, the same on every rank."""
+        ...
+
+    def constrain(self, supports: Sequence[Support], field: str) -> Constraints:
+        """What supports leave free.
+
+        Parameters
+        ----------
+        supports
+            What is held.
+        field
+            Name of the supports in messages.
+        """
+        ...
+
+    def stiffness(self, lame: tuple[float, float]) -> Any:
+        """Elastic stiffness (N/m), symmetric.
+
+        Parameters
+        ----------
+        lame
+            Lame parameters (lambda, mu) (N/m^2).
+        """
+        ...
+
+    def mass(self, rho: float) -> Any:
+        """Consistent mass at a density (kg/m^3), symmetric, kg; components are not coupled."""
+        ...
+
+    def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`) at a density (kg/m^3), skew, kg."""
+        ...
+
+    def convective(self, rho: float, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`) at a density (kg/m^3), symmetric, kg."""
+        ...
+
+    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+        """Stiffness that stresses make: int sigma_ij d_i u . d_j v, symmetric, N/m.
+
+        Sigma is the stress of a displacement by the law of the material (Wriggers, Nonlinear Finite
+        Element Methods, 2008, sec. 4.2.3).
+
+        Parameters
+        ----------
+        lame
+            Lame parameters (lambda, mu) (N/m^2).
+        displacement
+            Displacement of all dofs (m), the same on every rank, shape (dim * num_scalar_dofs,).
+        """
+        ...
+
+    @property
+    def dof_positions(self) -> Floats | None:
+        """Coefficients of the position x in the space (m), on every rank; collective.
+
+        Shape (num_scalar_dofs, dim); None where x does not lie in it, so that a rotation does not.
+        """
+        ...
+
+    @property
+    def node_positions(self) -> Floats | None:
+        """Where the scalar dofs of this rank lie (m), shape (n_local, dim).
+
+        None where no part of the body can be assembled alone.
+        """
+        ...
+
+    def part(self, nodes: NDArray[np.bool_]) -> "Space":
+        """The space integrated over those cells alone whose dofs are all among some.
+
+        Parameters
+        ----------
+        nodes
+            Whether each scalar dof of this rank is among them, shape (n_local,).
+
+        Raises
+        ------
+        InputError
+            When no part can be assembled alone.
+        """
+        ...
+
+    def prolongation(self, coarse: Any) -> tuple[csr_array, float]:
+        """Functions of a coarser space in this one.
+
+        Parameters
+        ----------
+        coarse
+            A space of the same backend and body, on the same ranks.
+
+        Returns
+        -------
+        tuple
+            The coefficients of all coarse functions on the scalar dofs of this rank, shape
+            (n_local, coarse num_scalar_dofs), and the largest difference that was found between a
+            coarse function and these, relative to its coefficients.
+
+        Raises
+        ------
+        InputError
+            When the spaces are not those of one body.
+        """
+        ...
+
+    def volume_sample(self, subdivisions: int) -> VolumeSample:
+        """Sample of the whole body, each cell or knot span divided so many times a direction.
+
+        Gathered: complete on rank 0.
+        """
+        ...
+
+    def volume_cells(self) -> VolumeCells:
+        """Cells of the whole body with its geometry and functions as they are.
+
+        Gathered: complete on rank 0.
+        """
+        ...

@@ -1,0 +1,186 @@
+"""Modes followed from mesh to mesh by shape, and the error bars of those on the finest mesh."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations, pairwise
+from math import isfinite
+
+import numpy as np
+
+from cea.arrays import Complexes, Ints
+from cea.eigen.eigenvalue_matching import assign, connected
+from comparisons.converge.bars import Estimated, bar_of, opened, pair, single
+from comparisons.converge.ladder import Mesh
+from scenes.run_matching import match_runs
+
+
+@dataclass
+class Followed:
+    """Meshes of one backend, with the modes that stand for one another.
+
+    Parameters
+    ----------
+    meshes
+        From the first on; only the last holds its vectors.
+    links
+        Groups of modes of each mesh and of the next that were matched.
+    """
+
+    meshes: list[Mesh] = field(default_factory=list)
+    links: list[list[tuple[Ints, Ints]]] = field(default_factory=list)
+
+    def add(self, mesh: Mesh) -> None:
+        """Match the modes of a new mesh with those of the last one; collective."""
+        if self.meshes:
+            last = self.meshes[-1]
+            self.links.append(matched(last, mesh))
+            self.meshes[-1] = replace(last, result=None)
+        self.meshes.append(mesh)
+
+    @property
+    def lost(self) -> Complexes:
+        """Modes of the last mesh but one that the last does not have."""
+        if not self.links:
+            return np.empty(0, complex)
+        followed = np.concatenate([np.empty(0, int), *(first for first, _ in self.links[-1])])
+        return np.delete(self.meshes[-2].eigenvalues, followed)
+
+
+def matched(first: Mesh, second: Mesh) -> list[tuple[Ints, Ints]]:
+    """Groups of modes of two meshes that stand for one another, by their numbers; collective.
+
+    Rigid motions stand for rigid motions where there are as many: rounding is no eigenvalue to
+    match them by.
+    """
+    assert first.result is not None
+    assert second.result is not None
+    at_rest = [np.flatnonzero(mesh.rigid) for mesh in (first, second)]
+    moving = [np.flatnonzero(~mesh.rigid) for mesh in (first, second)]
+    if len(at_rest[0]) != len(at_rest[1]):
+        at_rest, moving = [], [np.arange(len(mesh.eigenvalues)) for mesh in (first, second)]
+    match = match_runs(first.result, second.result, moving[0], moving[1])
+    groups = [(moving[0][group.first], moving[1][group.second]) for group in match.groups]
+    return [(at_rest[0], at_rest[1]), *groups] if at_rest and len(at_rest[0]) else groups
+
+
+def estimated(
+    followed: Followed, degree: int, *, damped: bool, grows: bool, by_degree: bool
+) -> list[Estimated]:
+    """Every mode of the finest mesh with its error bars, in the order of its eigenvalues.
+
+    Parameters
+    ----------
+    followed
+        The meshes.
+    degree
+        Degree of the elements.
+    damped
+        Whether something damps or rotates.
+    grows
+        Whether anything can grow: something damps, rotates or rubs.
+    by_degree
+        Whether meshes differ in the degree of their elements: then no ratio relates them.
+    """
+    mesh = followed.meshes[-1]
+    found: dict[int, Estimated] = {}
+    histories: dict[int, Complexes] = {}
+    for members in _clusters(followed):
+        newest = members[-1]
+        assert newest is not None
+        values = _values(members[-1:] if by_degree else members, followed)
+        corrected = None if mesh.corrected is None else mesh.corrected[newest]
+        rounding = mesh.uncertainties[newest]
+        if len(newest) == 2 and grows and not mesh.rigid[newest].any():
+            both = pair(values, corrected, degree, float(rounding.max()), damped=damped)
+            found |= dict(zip(newest.tolist(), both, strict=True))
+            continue
+        for i, number in enumerate(newest.tolist()):
+            better = None if corrected is None else complex(corrected[i])
+            found[number] = single(
+                values[:, i], better, degree, float(rounding[i]), damped=damped and grows
+            )
+            histories[number] = values[:, i]
+    if grows and not damped:
+        _open_where_bars_meet(found, histories, mesh, degree)
+    return [_rigid(mesh, i) if mesh.rigid[i] else found[i] for i in range(len(mesh.eigenvalues))]
+
+
+def _rigid(mesh: Mesh, number: int) -> Estimated:
+    value = complex(mesh.eigenvalues[number])
+    bar = abs(value) + float(mesh.uncertainties[number])
+    return Estimated(value, bar, bar)
+
+
+def _open_where_bars_meet(
+    found: dict[int, Estimated], histories: dict[int, Complexes], mesh: Mesh, degree: int
+) -> None:
+    """Leave open whether still modes grow that cannot be told apart by their splitting."""
+    still = [i for i in histories if found[i].still and not mesh.rigid[i]]
+    for i, j in combinations(still, 2):
+        a, b = found[i], found[j]
+        apart = abs(a.value.imag - b.value.imag)
+        copies = mesh.stable[[i, j]].all() and apart <= mesh.uncertainties[[i, j]].sum()
+        if copies or apart > a.frequency_bar + b.frequency_bar:
+            continue
+        count = min(len(histories[i]), len(histories[j]))
+        squares = [histories[k][-count:] ** 2 for k in (i, j)]
+        splitting = ((squares[0] - squares[1]) / 2) ** 2
+        richer = None
+        if mesh.corrected is not None:
+            own = mesh.corrected[[i, j]] ** 2
+            richer = complex(((own[0] - own[1]) / 2) ** 2)
+        bar, root = bar_of(splitting.tolist(), richer, degree), abs(complex(splitting[-1]))
+        if root <= bar.size or not isfinite(bar.size):
+            for k in (i, j):
+                found[k] = opened(found[k], root, bar.size)
+
+
+def _values(members: Sequence[Ints | None], followed: Followed) -> Complexes:
+    """Eigenvalues of a cluster on its last meshes in a row, beside the newest they are nearest."""
+    rows: list[Complexes] = []
+    for numbers, mesh in zip(reversed(members), reversed(followed.meshes), strict=False):
+        if numbers is None:
+            break
+        own = mesh.eigenvalues[numbers]
+        rows.append(own if not rows else own[assign(np.abs(own[None, :] - rows[-1][:, None]))[1]])
+    return np.array(rows[::-1])
+
+
+def _clusters(followed: Followed) -> list[tuple[Ints | None, ...]]:
+    """Modes that stand for one another or meet on some mesh, by their numbers on each.
+
+    None stands where a mesh has another number of them than the newest.
+    """
+    meshes = followed.meshes
+    starts = np.cumsum([0, *(len(mesh.eigenvalues) for mesh in meshes)])
+    linked = np.eye(starts[-1], dtype=bool)
+    for i, groups in enumerate(followed.links):
+        for first, second in groups:
+            _join(linked, np.concatenate([starts[i] + first, starts[i + 1] + second]))
+    for start, mesh in zip(starts, meshes, strict=False):
+        for both in _partners(mesh):
+            _join(linked, start + both)
+    found = []
+    for nodes in connected(linked):
+        each = [nodes[(nodes >= a) & (nodes < b)] - a for a, b in pairwise(starts)]
+        if count := len(each[-1]):
+            found.append(tuple(own if len(own) == count else None for own in each))
+    return found
+
+
+def _partners(mesh: Mesh) -> list[Ints]:
+    """Pairs lambda, -conj(lambda) of growing and decaying modes of equal frequency."""
+    values = mesh.eigenvalues
+    grows, decays = np.flatnonzero(values.real > 0), np.flatnonzero(values.real < 0)
+    if not len(grows) or not len(decays):
+        return []
+    distance = np.abs(values[grows][:, None] + values[decays].conj())
+    rows, columns = assign(distance)
+    bound = mesh.uncertainties[grows][rows] + mesh.uncertainties[decays][columns]
+    near = distance[rows, columns] <= bound
+    return [np.array([grows[i], decays[j]]) for i, j in zip(rows[near], columns[near], strict=True)]
+
+
+def _join(linked: np.ndarray, nodes: Ints) -> None:
+    """Link nodes with the first of them, which connects them all."""
+    linked[nodes[0], nodes] = linked[nodes, nodes[0]] = True

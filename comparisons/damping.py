@@ -1,0 +1,202 @@
+"""How damping moves the friction at which flutter begins: a mass between four walls.
+
+The model of Hulten made of elastic bodies. A stiff square of mass 1 kg slides past a wall on each
+of its sides, the friction of the walls going round it; penalties hold it with k1 along x and k2
+along y. Opposite walls share each, so that neither their forces nor their friction turns the
+square; what is left are two degrees of freedom,
+
+    x'' + c1 x' + k1 x - mu k2 y = 0,     y'' + c2 y' + mu k1 x + k2 y = 0
+
+up to terms of the order k / E. c1 = alpha damps the whole mass; c2 is more than that by friction
+that rises with the speed on the walls across x, along which they are slid on.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from comparisons.kit.numbers import number, plain, shown
+from comparisons.study.columns import Column
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.session import Session
+from comparisons.study.study import Case, Study
+from exact_cea.lumped import hulten_threshold
+from scenes.assembled import AssembledScene
+from scenes.read import Scene, read_scene
+
+K1, K2 = 1.0, 1.44
+"""Stiffness along x and y (N/m)."""
+MODULUS = 1e6
+"""Young's modulus of all bodies (N/m^2)."""
+_TOP = 0.3
+"""Upper end of the modes (Hz), above both of the mass, which are at 0.16 and 0.19."""
+_LOWEST, _HIGHEST = 0.005, 2.0
+"""Friction below and above every threshold."""
+_WALLS = {
+    "left": ("x_min", "x_max", (-0.2, 0.0), (0.2, 1.0), (0.0, 1.0), K1),
+    "right": ("x_max", "x_min", (1.0, 0.0), (0.2, 1.0), (0.0, -1.0), K1),
+    "lower": ("y_min", "y_max", (0.0, -0.2), (1.0, 0.2), (-1.0, 0.0), K2),
+    "upper": ("y_max", "y_min", (0.0, 1.0), (1.0, 0.2), (1.0, 0.0), K2),
+}
+"""Sides of the square and of the wall, corner and size of the wall, direction of friction on the
+square, stiffness along the normal of both walls together."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the study.
+
+    Parameters
+    ----------
+    backends
+        Backends of the bodies.
+    shares
+        Damping ratio of the second mode over that of the first.
+    ratios
+        Means of both damping ratios.
+    """
+
+    backends: tuple[str, ...] = ("fe", "iga")
+    shares: tuple[float, ...] = (1.0, 3.0, 10.0)
+    ratios: tuple[float, ...] = tuple(float(f"{r:.4g}") for r in np.geomspace(1e-3, 0.3, 8))
+
+
+def cases(options: Options) -> Iterator[Case]:
+    """A case for each backend and damping."""
+    for share in options.shares:
+        for ratio in options.ratios:
+            for backend in options.backends:
+                yield {"share": share, "ratio": ratio, "backend": backend}
+
+
+def dampings(share: float, ratio: float) -> tuple[float, float]:
+    """Damping c1, c2 (N s/m) for a mean damping ratio and how it is shared out."""
+    first = 2 * ratio / (1 + share)
+    return 2 * sqrt(K1) * first, 2 * sqrt(K2) * (2 * ratio - first)
+
+
+def exact(share: float, ratio: float) -> float:
+    """Friction at which the lumped system begins to flutter, by its closed formula."""
+    c1, c2 = dampings(share, ratio)
+    return float(hulten_threshold(K1, str(K2), repr(c1), repr(c2), digits=24)[0])
+
+
+def scene(case: Case, options: Options) -> Scene:
+    """The scene of a case, without friction."""
+    c1, c2 = dampings(case["share"], case["ratio"])
+    square = _body(case["backend"], (0.0, 0.0), (1.0, 1.0))
+    bodies = {"square": square | ({"damping": {"alpha": c1}} if c1 else {})}
+    contacts: dict[str, Any] = {}
+    for name, (of_square, of_wall, corner, size, direction, k) in _WALLS.items():
+        opposite = of_wall[:2] + {"min": "max", "max": "min"}[of_wall[2:]]
+        bodies[name] = _body(case["backend"], corner, size) | {"supports": [{"surface": opposite}]}
+        contacts[name] = {
+            "a": f"square.{of_square}",
+            "b": f"{name}.{of_wall}",
+            "formulation": {"method": "gpts", "points": 3},
+            "P": 0.5 * k,
+            "form": "penalty",
+            "friction_direction_on_a": {"vector": list(direction)},
+        }
+        if of_square[0] == "x" and c2 > c1:
+            contacts[name]["sliding"] = {"pressure": 1.0, "mu_slope": 0.5 * (c2 - c1)}
+    analysis = {"kind": "cea", "max_frequency": _TOP}
+    return read_scene(
+        {"name": "four walls", "bodies": bodies, "contacts": contacts, "analysis": analysis}
+    )
+
+
+def _body(backend: str, corner: tuple[float, ...], size: tuple[float, ...]) -> dict[str, Any]:
+    """A stiff rectangle of one element; the mass of the square is 1 kg."""
+    return {
+        "backend": backend,
+        "geometry": {"shape": "rectangle", "origin": list(corner), "size": list(size)},
+        "material": {"E": MODULUS, "nu": 0.3, "rho": 1.0},
+        "mesh": {
+            "fe": {"cell": "quadrilateral", "degree": 2, "elements": [1, 1]},
+            "iga": {"degree": [2, 2], "elements": [1, 1]},
+        },
+    }
+
+
+def evaluate(case: Case, session: Session) -> dict[str, float]:
+    """Friction at which the largest growth rate of the elastic bodies is 0, and the exact one."""
+    assert session.scene is not None
+    assembled = AssembledScene(session.scene)
+    try:
+        found = assembled.threshold("contacts.*.mu", _LOWEST, _HIGHEST).value
+    finally:
+        assembled.free()
+    right = exact(case["share"], case["ratio"])
+    return {"exact": right, "threshold": found, "error": abs(found / right - 1)}
+
+
+def curves(result: StudyResult) -> pd.DataFrame:
+    """The exact threshold over the range of damping ratios."""
+    runs = result.frame()
+    ratios = np.geomspace(runs["ratio"].min(), runs["ratio"].max(), 60).tolist()
+    return pd.DataFrame(
+        [
+            {"share": share, "ratio": ratio, "threshold": exact(share, ratio)}
+            for share in runs["share"].unique().tolist()
+            for ratio in ratios
+        ]
+    )
+
+
+def headline(result: StudyResult) -> str:
+    """Between which values damping moves the threshold, and how far off the elastic bodies are."""
+    runs = result.frame()
+    return (
+        f"Undamped flutter begins at μ = {number(exact(1.0, 0.0))}, damped between "
+        f"{number(runs['exact'].min())} and {number(runs['exact'].max())}; elastic bodies are "
+        f"within {number(runs['error'].max(), 1)} of the exact thresholds."
+    )
+
+
+COLUMNS = {
+    "share": Column("ζ₂ / ζ₁", show=plain),
+    "ratio": Column("mean damping ratio", show=number),
+    "exact": Column("exact", show=shown(8)),
+    "threshold": Column("friction at which flutter begins", show=shown(8)),
+}
+STUDY = Study(
+    name="damping",
+    title="Damping moves the threshold of flutter",
+    options=Options,
+    cases=cases,
+    scene=scene,
+    evaluate=evaluate,
+    quick={"backends": ("iga",), "shares": (1.0, 10.0), "ratios": (0.1,)},
+    sections=[
+        Section(
+            "Thresholds",
+            headline=headline,
+            plots=[
+                Plot(
+                    "damping",
+                    "Lines: exact, two degrees of freedom. Markers: elastic bodies.",
+                    StudyResult.frame,
+                    *("ratio", "threshold", ("share", "backend")),
+                    log="x",
+                    own=COLUMNS,
+                    lines=curves,
+                )
+            ],
+            tables=[
+                Table(
+                    "damping",
+                    "Friction at which flutter begins.",
+                    StudyResult.frame,
+                    COLUMNS,
+                    printed=True,
+                )
+            ],
+        )
+    ],
+)

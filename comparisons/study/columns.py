@@ -1,0 +1,125 @@
+"""Columns of tables: title, unit and form of the quantities that studies share."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+import pandas as pd
+
+from comparisons.kit.numbers import MISSING, growth, number, shown
+from scenes.names import backend_name
+
+
+@dataclass(frozen=True)
+class Column:
+    """How a column is shown.
+
+    Parameters
+    ----------
+    title
+        Its heading, and the title of an axis.
+    unit
+        Unit of its values.
+    show
+        Makes text of a value; None shows it as it is, set to the left.
+    """
+
+    title: str
+    unit: str = ""
+    show: Callable[[Any], str] | None = None
+
+    def cell(self, value: Any) -> str:
+        """Text of a value; a dash where there is none."""
+        if is_missing(value):
+            return MISSING
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        return self.show(value) if self.show else str(value)
+
+    @property
+    def axis(self) -> str:
+        """Title of an axis."""
+        return f"{self.title} ({self.unit})" if self.unit else self.title
+
+
+def _stiffness(value: float) -> str:
+    """A contact stiffness, infinite where the sides are tied."""
+    return number(value, 2) if isfinite(value) else "∞"
+
+
+COLUMNS = {
+    "backend": Column("backend", show=backend_name),
+    "formulation": Column("formulation"),
+    "P": Column("P", "N/m", _stiffness),
+    "p": Column("p", "N/m³", _stiffness),
+    "mu": Column("μ", show=shown(3)),
+    "points": Column("points", show=number),
+    "dofs": Column("dofs", show=number),
+    "mode": Column("mode", show=number),
+    "seconds": Column("run time", "s", shown(3)),
+    "memory": Column("peak memory", "MB", shown(3)),
+    "frequency": Column("frequency", "Hz", shown(6)),
+    "growth": Column("growth rate", "1/s", growth),
+    "residual": Column("residual", show=shown(2)),
+    "condition": Column("condition", show=shown(3)),
+    "error": Column("error", show=shown(2)),
+    "mesh": Column("mesh"),
+    "left_out": Column("left out"),
+    "reason": Column("reason"),
+}
+"""Quantities by the name of their column; an application gives its own beside a table."""
+
+_TEXTS = (backend_name,)
+"""Forms of texts: these columns are set to the left."""
+
+
+def is_missing(value: Any) -> bool:
+    """Whether there is no value."""
+    return value is None or value is pd.NA or (isinstance(value, float) and value != value)
+
+
+def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = None) -> Column:
+    """How a column is shown; numbers of a name that nobody declared get three digits.
+
+    Parameters
+    ----------
+    name
+        Name of the column; a number where a pivoted frame has one for each value.
+    frame
+        The frame it stands in.
+    own
+        Columns of the application, before those that studies share.
+    """
+    for known in (own or {}, COLUMNS):
+        if name in known:
+            return known[name]
+    title = number(name, 2) if isinstance(name, int | float) else str(name).replace("_", " ")
+    kind = frame[name].dtype.kind if name in frame else "O"
+    return Column(title, show={"f": shown(3), "i": number}.get(kind))
+
+
+def is_number(shown_as: Column) -> bool:
+    """Whether a column is set to the right and sorted by its values."""
+    return shown_as.show is not None and shown_as.show not in _TEXTS
+
+
+def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) -> pd.DataFrame:
+    """A frame with a column for each value of ``across``; rows and columns keep their order.
+
+    Parameters
+    ----------
+    frame
+        The frame.
+    index
+        Columns whose values a row has in common.
+    across
+        Column whose values are those of the new columns.
+    values
+        Column of the cells; one that has no row is missing.
+    """
+    if frame.empty:
+        return frame
+    rows = frame[[*index]].drop_duplicates()
+    cells = frame.pivot(index=[*index], columns=across, values=values).reset_index()
+    return rows.merge(cells, on=[*index], how="left")[[*index, *frame[across].unique()]]

@@ -1,0 +1,184 @@
+"""Cases of a study are computed one after the other, and resumed where the run was killed."""
+
+import json
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from hashlib import sha256
+from pathlib import Path
+from shutil import rmtree
+from time import perf_counter
+from typing import Any
+
+from cea.errors import InputError
+from cea.petsc import MPI
+from comparisons.kit.progress import Progress
+from comparisons.study.result import StudyResult, read, read_case, write_arrays
+from comparisons.study.session import Session
+from comparisons.study.study import Case, Study, evaluated
+from comparisons.study.worker import Workers
+from scenes.plain import as_data
+from scenes.stored import commit, record, write_record
+
+_DIRTY = "-dirty"
+
+
+def selected(study: Study, options: Any, only: Mapping[str, str]) -> list[Case]:
+    """Cases whose labels have the values given as text.
+
+    Raises
+    ------
+    InputError
+        When no case has such a label or value.
+    """
+    cases = list(study.cases(options))
+    for name, value in only.items():
+        if not any(name in case for case in cases):
+            raise InputError("only", name, f"one of {', '.join(cases[0])}")
+        values = dict.fromkeys(_text(case[name]) for case in cases)
+        if value not in values:
+            raise InputError("only", f"{name}={value}", f"one of {', '.join(values)}")
+        cases = [case for case in cases if _text(case[name]) == value]
+    return cases
+
+
+def _text(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def run(
+    study: Study,
+    options: Any,
+    out: Path,
+    *,
+    anew: bool = False,
+    only: Mapping[str, str] | None = None,
+    progress: Progress | None = None,
+) -> StudyResult:
+    """Compute the cases that are not stored; whatever ends it, the next call goes on from there.
+
+    Each case is stored as it is done, beside the folder of the result. A stored case is taken
+    where labels, scene, options and the commit of the program agree; a checkout with changes that
+    are not committed takes none. Cases that failed are computed again.
+
+    Parameters
+    ----------
+    study
+        The study.
+    options
+        Its options.
+    out
+        Folder of the result: cases of an earlier one are taken. Nothing is written to it.
+    anew
+        Whether every case is computed.
+    only
+        Labels and values, as text, of the cases to compute; others are in the result where they
+        are stored.
+    progress
+        Told of every case as it begins.
+
+    Returns
+    -------
+    StudyResult
+        The result, on every rank. :func:`finished` removes the stored cases once it is written.
+    """
+    comm, begun = MPI.COMM_WORLD, perf_counter()
+    progress = progress or Progress(step=lambda _: None, stage=lambda _: None)
+    chosen = [dict(case) for case in selected(study, options, only or {})]
+    known = comm.bcast(_known(study, out) if comm.rank == 0 and not anew else {})
+    store = _Store(comm, parts(out), known)
+    once: Mapping[str, Any] = {}
+    if study.once is not None:
+        given = study.once
+        key = _key(study, options, "once")
+        case, _ = store.take(key) or store.put(key, {"once": given(options)}, {})
+        once = case["once"]
+    session = Session(once, options, progress.stage)
+    workers = Workers(study, options, once) if study.process else None
+
+    def found(labels: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        key = _key(study, options, labels)
+        if (known := store.take(key)) is not None or labels not in chosen:
+            return known
+        progress.step(", ".join(f"{name} {_text(v)}" for name, v in labels.items()))
+        made = workers.evaluate(labels) if workers else evaluated(study, labels, session)
+        return store.put(key, *made)
+
+    every = map(dict, study.cases(options))
+    try:
+        if workers and study.process:
+            with ThreadPoolExecutor(study.process.at_once) as threads:
+                entries = list(threads.map(found, every))
+        else:
+            entries = [found(labels) for labels in every]
+    finally:
+        if workers:
+            workers.end()
+    done = [entry for entry in entries if entry is not None]
+    cases = [case for case, _ in done]
+    arrays = {case["key"]: own for case, own in done if own}
+    data = {"once": dict(once), "cases": cases}
+    whole = record(study.name, data, inputs=_inputs(options), seconds=perf_counter() - begun)
+    return StudyResult(whole, arrays)
+
+
+def _inputs(options: Any) -> dict[str, Any]:
+    """Options as a record has them."""
+    return json.loads(json.dumps(asdict(options), default=str))
+
+
+def _key(study: Study, options: Any, labels: Any) -> str:
+    """Digest of everything but the program that a case depends on."""
+    scene = as_data(study.scene(labels, options)) if study.scene and labels != "once" else None
+    inputs = [study.name, asdict(options), labels, scene]
+    return sha256(json.dumps(inputs, sort_keys=True, default=str).encode()).hexdigest()[:20]
+
+
+def parts(out: Path) -> Path:
+    """Folder of cases that are done while the study runs, beside that of its result."""
+    return out.with_name(f"{out.name}.cases")
+
+
+def finished(out: Path) -> None:
+    """Remove the cases stored while the study ran: its result holds them."""
+    rmtree(parts(out), ignore_errors=True)
+
+
+@dataclass
+class _Store:
+    """Cases by key: known ones are taken, new ones are written by rank 0 as they are done."""
+
+    comm: Any
+    folder: Path
+    known: dict[str, tuple[dict[str, Any], dict[str, Any]]]
+
+    def take(self, key: str) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        return self.known.get(key)
+
+    def put(
+        self, key: str, case: dict[str, Any], arrays: dict[str, Any]
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        case = case | {"key": key, "commit": commit()}
+        if self.comm.rank == 0:
+            write_arrays(arrays, self.folder, f"{key}.npz")
+            write_record(case, self.folder / f"{key}.json")
+        return case, arrays
+
+
+def _known(study: Study, out: Path) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
+    """Cases that may be taken: of an interrupted run, of a finished one, and shipped ones."""
+    found = _of_result(study, study.shipped) if study.shipped else []
+    if not commit().endswith(_DIRTY):
+        own = _of_result(study, out)
+        own += [read_case(file) for file in sorted(parts(out).glob("*.json"))]
+        found += [entry for entry in own if entry[0]["commit"] == commit()]
+    return {case["key"]: (case, arrays) for case, arrays in found if not case.get("failed")}
+
+
+def _of_result(study: Study, folder: Path) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    """Cases of a finished result, and what it computed once."""
+    try:
+        result = read(study.name, folder)
+    except InputError:
+        return []
+    return [(case, dict(result.arrays.get(case["key"], {}))) for case in result.cases]

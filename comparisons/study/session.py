@@ -1,0 +1,123 @@
+"""Runs of scenes in a study: bodies are reused while they are equal, what a run took is noted."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from comparisons.study.modes_view import Shapes
+from scenes.plain import as_data
+from scenes.read import Scene
+from scenes.results import ModesResult, StaticResult
+from scenes.run import run_scene
+
+_REMEMBERED = 2
+"""Runs whose bodies are remembered: cases often alternate between two backends."""
+
+
+class Session:
+    """What ``evaluate`` is given beside its case.
+
+    Attributes
+    ----------
+    scene
+        Scene of the case; None where the study has none for each.
+    once, options
+        What was computed once, and the options.
+    runs
+        What the runs of the case took and left out.
+    arrays, shapes
+        What the case kept.
+    """
+
+    def __init__(
+        self, once: Mapping[str, Any], options: Any, stage: Callable[[str], None] = lambda _: None
+    ) -> None:
+        self.once, self.options, self.stage = once, options, stage
+        self._earlier: list[tuple[Any, Any, Any]] = []
+        self._last: tuple[Scene | None, Any] = (None, None)
+        self.begin(None)
+
+    def begin(self, scene: Scene | None) -> None:
+        """Begin a case."""
+        self.scene = scene
+        self.runs: list[dict[str, Any]] = []
+        self.arrays: dict[str, np.ndarray] = {}
+        self.shapes = Shapes()
+        self._shown: list[tuple[str, list[Any]]] = []
+
+    def solve(self, scene: Scene | None = None, **options: Any) -> Any:
+        """Run a scene, that of the case by default.
+
+        Bodies and contact points of earlier runs are used again where their specifications are
+        equal; the very scene of the last run is not run again.
+
+        Parameters
+        ----------
+        scene
+            The scene.
+        options
+            As of :func:`scenes.run.run_scene`.
+
+        Returns
+        -------
+        ModesResult or StaticResult
+            The result.
+        """
+        scene = scene or self.scene
+        assert scene is not None, "the study gives no scene for its cases"
+        if scene == self._last[0] and not options:
+            return self._last[1]
+        bodies, interfaces = next(
+            (
+                (bodies, interfaces)
+                for specs, bodies, interfaces in self._earlier
+                if specs == scene.bodies
+            ),
+            (None, None),
+        )
+        given: Any = {"bodies": bodies, "interfaces": interfaces, "listener": self.stage} | options
+        result = run_scene(scene, **given)
+        kept = [entry for entry in self._earlier if entry[0] != scene.bodies]
+        self._earlier = [(scene.bodies, result.bodies, result.interfaces), *kept][:_REMEMBERED]
+        self._last = scene, result
+        self.note(result)
+        return result
+
+    def note(self, result: ModesResult | StaticResult) -> None:
+        """Note what a run took and left out; :meth:`solve` does it."""
+        self.runs.append(
+            {
+                "scene": as_data(result.scene),
+                "dofs": result.dofs,
+                "stages": dict(result.timer.seconds),
+                "skipped": dict(result.skipped),
+                "warnings": [warning.plain() for warning in result.warnings],
+            }
+        )
+
+    def keep(self, name: str, array: np.ndarray) -> None:
+        """Keep an array beside the record."""
+        self.arrays[name] = np.asarray(array)
+
+    def keep_modes(
+        self, name: str, result: ModesResult, numbers: Sequence[int], title: str = ""
+    ) -> None:
+        """Keep modes for the viewer of the page; collective.
+
+        Parameters
+        ----------
+        name
+            Name of the result, unique among all cases: the shape of mode i is ``name/i``.
+        result
+            The result.
+        numbers
+            Modes from 0, the most important first; as many are kept as there is room for.
+        title
+            What is said of the result.
+        """
+        bodies = list(result.bodies.values())
+        like = next((key for key, others in self._shown if others == bodies), None)
+        if like is None:
+            self._shown.append((name, bodies))
+        self.shapes.add(name, result, numbers, like, title)

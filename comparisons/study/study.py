@@ -1,0 +1,133 @@
+"""A study: its cases, what is computed for each, and how the results are shown."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from cea.errors import ConvergenceError, InputError
+from comparisons.study.modes_view import NUMBERS, stored
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Section
+from comparisons.study.session import Session
+from scenes.read import Scene
+from scenes.stored import as_json
+
+Case = Mapping[str, Any]
+"""What sets a case apart: plain values by name, which are columns of every table of it."""
+Rows = Mapping[str, Any] | Sequence[Mapping[str, Any]]
+"""A row of the table "runs", several of them, or rows by the name of their table."""
+
+
+def _one(labels: Any) -> int:
+    return 1
+
+
+@dataclass(frozen=True)
+class Process:
+    """How cases are computed in processes of their own.
+
+    Parameters
+    ----------
+    study
+        ``module:name`` of the study, by which the process finds it.
+    seconds
+        Time for a case, the start of the process not counted.
+    ranks
+        Ranks of a case.
+    at_once
+        Processes that share the cases.
+    """
+
+    study: str
+    seconds: float
+    ranks: Callable[[Any], int] = _one
+    at_once: int = 1
+
+
+@dataclass(frozen=True)
+class Study:
+    """Cases, what is computed for each, and how the results are shown.
+
+    Parameters
+    ----------
+    name
+        Name of the command, mark of the record, and folder below ``results``.
+    title
+        Title of the page.
+    options
+        Frozen dataclass of what a user may choose: its fields are options of the command, its
+        docstring describes them.
+    cases
+        Cases of given options, in the order in which they are run; all have the same labels.
+    evaluate
+        Computes a case: a row, rows, or rows by the name of their table. Collective on several
+        ranks. Values are plain: numbers, texts, truths and None where there is no number.
+    sections
+        Sections of the page.
+    scene
+        Scene of a case, where it has one: it is part of what a stored case must agree in.
+    once
+        Plain data computed once for all cases, e.g. exact eigenvalues.
+    quick
+        Options of ``--quick``, which tests run too.
+    check
+        The fault of a result in one line, which ends the command with code 1; "" where there is
+        none.
+    process
+        Cases are computed in other processes, so that a crash or an overlong case ends itself
+        alone; None computes them in this one.
+    shipped
+        Folder of results that come with the project: cases with equal inputs are taken from there
+        at any commit.
+    """
+
+    name: str
+    title: str
+    options: type
+    cases: Callable[[Any], Iterable[Case]]
+    evaluate: Callable[[Any, Session], Rows | Mapping[str, Rows]]
+    sections: Sequence[Section]
+    scene: Callable[[Any, Any], Scene | None] | None = None
+    once: Callable[[Any], Mapping[str, Any]] | None = None
+    quick: Mapping[str, Any] = field(default_factory=dict)
+    check: Callable[[StudyResult], str] | None = None
+    process: Process | None = None
+    shipped: Path | None = None
+
+
+def evaluated(
+    study: Study, labels: Case, session: Session
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A case with its tables, what its runs took and why it failed, and its arrays."""
+    start, tables, failed = perf_counter(), dict[str, Any](), ""
+    try:
+        session.begin(study.scene(labels, session.options) if study.scene else None)
+        tables = _tables(study.evaluate(labels, session))
+        as_json(tables)  # refuses what is no plain data, and what is no number
+    except (ConvergenceError, InputError) as error:
+        tables, failed = {}, str(error) or type(error).__name__
+    shapes, numbers = stored(session.shapes)
+    arrays = session.arrays | ({NUMBERS: numbers} if len(numbers) else {})
+    case = {
+        "labels": dict(labels),
+        "tables": tables,
+        "runs": session.runs,
+        "shapes": shapes,
+        "failed": failed,
+        "seconds": perf_counter() - start,
+    }
+    return case, arrays
+
+
+def _tables(rows: Any) -> dict[str, list[dict[str, Any]]]:
+    """Rows by the name of their table, their values as Python has them."""
+    if isinstance(rows, Mapping) and all(isinstance(each, list) for each in rows.values()):
+        return {name: [_plain(row) for row in each] for name, each in rows.items()}
+    return {"runs": [_plain(row) for row in ([rows] if isinstance(rows, Mapping) else rows)]}
+
+
+def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row whose numbers are those of Python: not every reader knows those of numpy."""
+    return {name: v.item() if hasattr(v, "item") else v for name, v in row.items()}

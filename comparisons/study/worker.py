@@ -1,0 +1,180 @@
+"""Cases in processes of their own, on any number of ranks: a crash or an overlong case ends itself.
+
+``python -m comparisons.study.worker MODULE:STUDY`` reads options as a line of JSON, then a case
+from each line, and answers with a line of JSON behind a mark, since libraries print what they like.
+"""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict
+from importlib import import_module
+from pathlib import Path
+from queue import Empty, Queue, SimpleQueue
+from threading import Thread
+from typing import Any
+
+from cea.errors import InputError
+from cea.petsc import MPI
+from comparisons.study.session import Session
+from comparisons.study.study import Study, evaluated
+
+_MARK = "\x1eanswer "
+_STARTS = 120.0
+"""Seconds in which a process must have begun."""
+_ENVIRONMENT = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MPIR_CVAR_POLLS_BEFORE_YIELD": "1",  # ranks that wait give way: others may share their cores
+}
+
+
+class Workers:
+    """Processes that share the cases, one of each for each number of ranks that cases need."""
+
+    def __init__(self, study: Study, options: Any, once: Mapping[str, Any]) -> None:
+        assert study.process is not None
+        self._process, self._given = study.process, [asdict(options), dict(once)]
+        self._idle: SimpleQueue[dict[int, Worker]] = SimpleQueue()
+        self._sets = [dict[int, Worker]() for _ in range(study.process.at_once)]
+        for each in self._sets:
+            self._idle.put(each)
+
+    def evaluate(self, labels: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+        """A case, and no arrays: it travels as text. Several threads may ask."""
+        ranks, workers = self._process.ranks(labels), self._idle.get()
+        try:
+            worker = workers.setdefault(ranks, Worker(self._process.study, self._given, ranks))
+            return worker.evaluate(labels, self._process.seconds), {}
+        finally:
+            self._idle.put(workers)
+
+    def end(self) -> None:
+        """End all processes."""
+        for workers in self._sets:
+            for worker in workers.values():
+                worker.end()
+
+
+class Worker:
+    """Computes cases of a study in another process, begun anew whenever it has died.
+
+    Parameters
+    ----------
+    study
+        ``module:name`` of the study.
+    given
+        Options of the study and what was computed once, plain data.
+    ranks
+        Ranks of the process.
+    """
+
+    def __init__(self, study: str, given: list[Any], ranks: int = 1) -> None:
+        self._command = [*launcher(ranks), sys.executable, "-m", __name__, study]
+        self._given = given
+        self._process: subprocess.Popen[str] | None = None
+
+    def evaluate(self, labels: dict[str, Any], seconds: float) -> dict[str, Any]:
+        """The case; one that failed where it took longer or ended the process."""
+        if self._process is None:
+            self._begin()
+        line = self._ask(labels, seconds)
+        if line:
+            return json.loads(line.removeprefix(_MARK))
+        reason = self._end_of(seconds)
+        return {"labels": labels, "tables": {}, "runs": [], "failed": reason,
+                "shapes": {"scenes": {}, "modes": {}}, "seconds": seconds}  # fmt: skip
+
+    def _begin(self) -> None:
+        self._process = subprocess.Popen(
+            self._command,
+            env=os.environ | _ENVIRONMENT,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        self._lines: Queue[str] = Queue()
+        Thread(target=self._read, args=(self._process.stdout, self._lines), daemon=True).start()
+        self._ask(self._given, _STARTS)  # it is ready
+
+    def _ask(self, question: Any, seconds: float) -> str:
+        """The marked line that answers; "" where none comes in time or the process has ended."""
+        assert self._process is not None
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write(json.dumps(question) + "\n")
+            self._process.stdin.flush()
+            return self._lines.get(timeout=seconds)
+        except (BrokenPipeError, Empty):
+            return ""
+
+    @staticmethod
+    def _read(stream: Any, lines: Queue[str]) -> None:
+        for line in stream:
+            if line.startswith(_MARK):
+                lines.put(line)
+        lines.put("")  # it has ended
+
+    def _end_of(self, seconds: float) -> str:
+        """End the process, and tell whether it had ended before."""
+        assert self._process is not None
+        try:
+            code: int | None = self._process.wait(0.2)
+        except subprocess.TimeoutExpired:
+            code = None
+        self.end()
+        return f"took more than {seconds:g} s" if code is None else f"ended with code {code}"
+
+    def end(self) -> None:
+        """End the process and its ranks."""
+        if self._process is not None and self._process.poll() is None:
+            os.killpg(self._process.pid, signal.SIGKILL)
+            self._process.wait()
+        self._process = None
+
+
+def launcher(ranks: int) -> list[str]:
+    """What starts a program on so many ranks.
+
+    Raises
+    ------
+    InputError
+        When there is no mpiexec.
+    """
+    if ranks == 1:
+        return []
+    beside = Path(sys.executable).with_name("mpiexec")
+    found = str(beside) if beside.is_file() else shutil.which("mpiexec")
+    if found is None:
+        raise InputError("ranks", ranks, "1 where there is no mpiexec")
+    return [found, "-n", str(ranks)]
+
+
+def main(name: str) -> None:
+    """Compute a case for each line of the input of rank 0."""
+    comm = MPI.COMM_WORLD
+
+    def next_line() -> Any:
+        return comm.bcast(sys.stdin.readline() if comm.rank == 0 else None)
+
+    def answer(data: Any) -> None:
+        if comm.rank == 0:
+            sys.stdout.write(f"\n{_MARK}{json.dumps(data)}\n")
+            sys.stdout.flush()
+
+    module, _, attribute = name.partition(":")
+    study = getattr(import_module(module), attribute)
+    options, once = json.loads(next_line())
+    session = Session(once, study.options(**options))
+    answer(None)
+    while line := next_line():
+        answer(evaluated(study, json.loads(line), session)[0])
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

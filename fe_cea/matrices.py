@@ -1,0 +1,228 @@
+"""Matrices of a Lagrange space, put together from compiled scalar forms.
+
+With the scalar basis functions phi_n, one form with a constant tensor C gives
+
+    G_ij = int d_i phi_m d_j phi_n    (C = e_i e_j^T; row m, column n; G_ji = G_ij^T)
+    K_ij = lambda G_ij + mu G_ji + mu delta_ij sum_k G_kk
+
+for the components i and j of an isotropic solid (Hughes, The Finite Element Method, 2000, sec. 2.8
+and 3.10). The same form with the stress in the place of C is the geometric stiffness, and with
+v v^T, v the velocity of a rotation, the convective stiffness. Every scalar matrix is put together
+with its transpose, so that symmetric matrices are symmetric, and skew ones skew, to the last bit.
+
+A form is compiled once for each element, whatever the material: numbers are dolfinx Constants.
+"""
+
+from itertools import combinations_with_replacement
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx.fem import Constant, Form, Function, form
+from dolfinx.fem.petsc import assemble_matrix, create_matrix
+from scipy.sparse import bsr_array, csr_array
+
+from cea.arrays import Floats, Ints
+from cea.matrices import destroy, distributed, local_part
+from cea.petsc import PETSc
+from cea.rotation import Rotation
+
+_JIT_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
+
+
+class LagrangeMatrices:
+    """Matrices of all dofs (full x full), PETSc AIJ, each made anew; making one is collective.
+
+    Parameters
+    ----------
+    V
+        Scalar Lagrange space (dolfinx).
+    comm
+        Communicator of the matrices, of the same ranks as that of the mesh.
+    cells
+        Cells of this rank that are integrated over; by default all of them.
+    """
+
+    def __init__(self, V: Any, comm: Any, cells: Ints | None = None) -> None:
+        self._space, self._mesh, self._comm = V, V.mesh, comm
+        self._dim = V.mesh.geometry.dim
+        if cells is None:
+            cells = np.arange(V.mesh.topology.index_map(V.mesh.topology.dim).size_local)
+        domains: Any = [(1, cells.astype(np.int32))]
+        self._cells = ufl.Measure("dx", domain=V.mesh, subdomain_data=domains)(1)
+        self._trial, self._test = ufl.TrialFunction(V), ufl.TestFunction(V)
+        self._order = max(V.ufl_element().degree, V.mesh.geometry.cmaps[0].degree)
+        self._is_simplex = V.mesh.basix_cell().name in ("triangle", "tetrahedron")
+
+    def stiffness(self, lame: tuple[float, float]) -> Any:
+        """Elastic stiffness (N/m), symmetric.
+
+        Parameters
+        ----------
+        lame
+            Lame parameters (lambda, mu) (N/m^2).
+        """
+        lam, mu = lame
+        every = range(self._dim)
+        tensor = Constant(self._mesh, np.zeros((self._dim, self._dim)))
+        integral = self._gradients(tensor, 2)
+        matrix = create_matrix(integral)
+        G = {}
+        for i, j in combinations_with_replacement(every, 2):
+            tensor.value[:] = 0.0
+            tensor.value[i, j] = 1.0
+            rows, transposed = _integrated(integral, matrix)
+            G[i, j], G[j, i] = rows.data, transposed
+            if i == j:
+                G[i, i] = 0.5 * (rows.data + transposed)
+        destroy(matrix)
+        blocks = np.empty((rows.nnz, self._dim, self._dim))
+        trace = mu * sum(G[k, k] for k in every)
+        for i, j in G:
+            blocks[:, i, j] = lam * G[i, j] + mu * G[j, i]
+            if i == j:
+                blocks[:, i, i] += trace
+        return self._matrix(_coupled(rows, blocks))
+
+    def mass(self, rho: float, degree: int | None = None) -> Any:
+        """Consistent mass (kg), symmetric; components are not coupled.
+
+        Parameters
+        ----------
+        rho
+            Density (kg/m^3).
+        degree
+            Degree of the quadrature, by default that which is exact on affine cells.
+        """
+        rows, transposed = self._products(degree)
+        return self._of_each_component(rows, 0.5 * rho * (rows.data + transposed))
+
+    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+        """Stiffness int sigma_ij d_i u . d_j v that stresses of a displacement make (N/m).
+
+        Parameters
+        ----------
+        lame
+            Lame parameters (lambda, mu) (N/m^2).
+        displacement
+            Displacement of all dofs (m), (dim * num_scalar_dofs,).
+        """
+        lam, mu = (Constant(self._mesh, value) for value in lame)
+        strain = ufl.sym(ufl.as_tensor([ufl.grad(u) for u in self._functions(displacement)]))
+        stress = lam * ufl.tr(strain) * ufl.Identity(self._dim) + 2 * mu * strain
+        rows, transposed = _scalar(self._gradients(stress, 3))
+        return self._of_each_component(rows, 0.5 * (rows.data + transposed))
+
+    def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""
+        degree = 2 * self._order + 1
+        rows, transposed = self._transport(rotation, degree)
+        skew = rho * (rows.data - transposed)
+        if rotation.coriolis:
+            return self._of_each_component(rows, skew)
+        products, mirrored = self._products(degree)
+        mass = rho * (products.data + mirrored)
+        return self._matrix(
+            _coupled(rows, _times(skew, np.eye(self._dim)) - _times(mass, rotation.spin(self._dim)))
+        )
+
+    def convective(self, rho: float, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), kg, symmetric."""
+        v, degree = self._velocity(rotation), 2 * self._order + 2
+        along = [ufl.dot(v, ufl.grad(each)) for each in (self._trial, self._test)]
+        rows, transposed = _scalar(self._form(along[0] * along[1], degree))
+        squares = 0.5 * rho * (rows.data + transposed)
+        if rotation.coriolis:
+            return self._of_each_component(rows, squares)
+        spin, eye = rotation.spin(self._dim), np.eye(self._dim)
+        of_trial, of_test = self._transport(rotation, degree)
+        skew = rho * (of_trial.data - of_test)
+        products, mirrored = self._products(degree)
+        mass = 0.5 * rho * (products.data + mirrored)
+        # R u = v . grad u - W u with the skew matrix W.
+        blocks = _times(squares, eye) + _times(skew, spin) + _times(mass, spin.T @ spin)
+        return self._matrix(_coupled(rows, blocks))
+
+    def _gradients(self, tensor: Any, factors: int) -> Form:
+        """Int C grad phi_n . grad phi_m, a product of so many gradients with C.
+
+        Gradients have one degree less than functions, but on boxes along one direction only.
+        """
+        integrand = ufl.inner(ufl.dot(tensor, ufl.grad(self._trial)), ufl.grad(self._test))
+        return self._form(integrand, factors * (self._order - self._is_simplex))
+
+    def _products(self, degree: int | None = None) -> tuple[csr_array, Floats]:
+        """Int phi_m phi_n, exact on affine cells by default."""
+        degree = 2 * self._order if degree is None else degree
+        return _scalar(self._form(self._trial * self._test, degree))
+
+    def _transport(self, rotation: Rotation, degree: int) -> tuple[csr_array, Floats]:
+        """Int phi_m v . grad phi_n with the velocity v of a rotation."""
+        along = ufl.dot(self._velocity(rotation), ufl.grad(self._trial))
+        return _scalar(self._form(along * self._test, degree))
+
+    def _form(self, integrand: Any, degree: int) -> Form:
+        measure = self._cells(metadata={"quadrature_degree": degree})
+        return form(integrand * measure, jit_options=dict(_JIT_OPTIONS))
+
+    def _velocity(self, rotation: Rotation) -> Any:
+        """Velocity a x r of a rotation at 1 rad/s (m)."""
+        spin = Constant(self._mesh, rotation.spin(self._dim))
+        origin = Constant(self._mesh, np.asarray(rotation.origin[: self._dim], dtype=float))
+        return ufl.dot(spin, ufl.SpatialCoordinate(self._mesh) - origin)
+
+    def _functions(self, displacement: Floats) -> list[Function]:
+        """Components of a displacement of all dofs."""
+        first, last = self._space.dofmap.index_map.local_range
+        own = displacement[self._dim * first : self._dim * last].reshape(-1, self._dim)
+        functions = []
+        for component in own.T:
+            u = Function(self._space)
+            u.x.array[: last - first] = component
+            u.x.scatter_forward()
+            functions.append(u)
+        return functions
+
+    def _of_each_component(self, rows: csr_array, values: Floats) -> Any:
+        """Matrix of components that are not coupled, by the same values at scalar entries."""
+        count, columns = rows.shape
+        scalar = csr_array((values, rows.indices, rows.indptr), shape=rows.shape)
+        repeated = csr_array(scalar[np.repeat(np.arange(count), self._dim)])
+        component = np.repeat(np.tile(np.arange(self._dim), count), np.diff(repeated.indptr))
+        entries = (repeated.data, self._dim * repeated.indices + component, repeated.indptr)
+        return self._matrix(csr_array(entries, shape=(self._dim * count, self._dim * columns)))
+
+    def _matrix(self, rows: csr_array) -> Any:
+        """PETSc AIJ matrix of the rows of every rank."""
+        return distributed(rows, rows.shape, self._comm, shared=True)
+
+
+def _scalar(integral: Form) -> tuple[csr_array, Floats]:
+    """Scalar matrix of a form, as :func:`_integrated`."""
+    matrix = create_matrix(integral)
+    found = _integrated(integral, matrix)
+    destroy(matrix)
+    return found
+
+
+def _integrated(integral: Form, matrix: Any) -> tuple[csr_array, Floats]:
+    """Rows of this rank of a scalar form, and the values of its transpose at the same entries."""
+    matrix.zeroEntries()
+    assemble_matrix(matrix, integral)
+    matrix.assemble()
+    transpose = matrix.transpose(PETSc.Mat())
+    found = local_part(matrix), local_part(transpose).data
+    destroy(transpose)
+    return found
+
+
+def _times(values: Floats, block: Floats) -> Floats:
+    """Block (dim, dim) times each value, (n, dim, dim)."""
+    return values[:, None, None] * block
+
+
+def _coupled(pattern: csr_array, blocks: Floats) -> csr_array:
+    """Rows of all components from a block (dim, dim) for each nonzero of scalar rows."""
+    rows, columns = pattern.shape
+    shape = (rows * blocks.shape[1], columns * blocks.shape[2])
+    return csr_array(bsr_array((blocks, pattern.indices, pattern.indptr), shape=shape).tocsr())

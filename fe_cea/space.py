@@ -1,0 +1,228 @@
+"""Displacements on Lagrange elements of dolfinx."""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, Self
+
+import numpy as np
+from dolfinx import la
+from dolfinx.fem import functionspace
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from cea.arrays import Floats, Ints
+from cea.checks import check_jacobians
+from cea.errors import InputError
+from cea.mesh import Mesh
+from cea.petsc import MPI
+from cea.ranks import agreed
+from cea.rotation import Rotation
+from cea.supports.boundary import Support
+from cea.supports.constraints import Constraints
+from cea.surface import TrueSurface
+from cea.volume import VolumeCells, VolumeSample
+from fe_cea.cells import lagrange_cells
+from fe_cea.distribution import distribute, lasting_communicator
+from fe_cea.facets import gather_facets
+from fe_cea.matrices import LagrangeMatrices
+from fe_cea.prolongation import prolongation
+from fe_cea.sampling import cell_jacobians, sample_volume
+from fe_cea.supports import nodal_constraints
+from fe_cea.surface import FESurface
+
+_UNKNOWN: Mapping[str, TrueSurface] = MappingProxyType({})
+
+
+class LagrangeSpace:
+    """Lagrange space of a mesh; implements :class:`cea.body.Space`.
+
+    Parameters
+    ----------
+    mesh
+        Mesh (dolfinx) of triangles, quadrilaterals, tetrahedra or hexahedra.
+    facet_tags
+        Tags of the boundary facets (dolfinx).
+    surface_tags
+        Tag of each named surface.
+    degree
+        Degree of the space, 1 to 4.
+    mass_quadrature
+        Degree of the quadrature of the mass; by default that which is exact on affine cells.
+        Programs that take fewer points have another mass: 2 is that of the four points of
+        quadratic tetrahedra in CalculiX.
+    true_surfaces
+        By name, surfaces that the facets interpolate, the same on every rank: initial gaps of
+        contacts are theirs. Where one is not known, its distance from the facets is estimated from
+        the angles between these, and initial gaps that are not above it count as zero.
+    field
+        Name of the body in messages.
+
+    Raises
+    ------
+    InputError
+        When the degree is not 1 to 4, that of a quadrature is negative, cells are inverted, or a
+        surface has no facets.
+    """
+
+    def __init__(
+        self,
+        mesh: Any,
+        facet_tags: Any,
+        surface_tags: Mapping[str, int],
+        *,
+        degree: int,
+        mass_quadrature: int | None = None,
+        true_surfaces: Mapping[str, TrueSurface] = _UNKNOWN,
+        field: str = "body",
+    ) -> None:
+        if type(degree) is not int or not 1 <= degree <= 4:
+            raise InputError(f"{field}.degree", degree, "1 to 4")
+        if mass_quadrature is not None and mass_quadrature < 0:
+            raise InputError(f"{field}.mass_quadrature", mass_quadrature, "0 or more")
+        self.comm = lasting_communicator(mesh.comm)
+        for surface, tag in surface_tags.items():
+            if self.comm.allreduce(len(facet_tags.find(tag))) == 0:
+                raise InputError(f"{field}.surfaces.{surface}", tag, "the tag of some facets")
+        with agreed(self.comm):
+            check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
+        self._field, self._mass_quadrature = field, mass_quadrature
+        self.scalar = functionspace(mesh, ("Lagrange", degree))
+        """Lagrange space of one component (dolfinx)."""
+        self._matrices = LagrangeMatrices(self.scalar, self.comm)
+        self._facets = {name: facet_tags.find(tag) for name, tag in surface_tags.items()}
+        self._true_surfaces = dict(true_surfaces)
+
+    @classmethod
+    def from_mesh(
+        cls,
+        mesh: Mesh | None,
+        *,
+        degree: int,
+        mass_quadrature: int | None = None,
+        true_surfaces: Mapping[str, TrueSurface] = _UNKNOWN,
+        field: str = "body",
+        comm: Any = MPI.COMM_WORLD,
+    ) -> Self:
+        """Space of a mesh given as plain arrays, whose named surfaces become its surfaces.
+
+        Parameters
+        ----------
+        mesh
+            The mesh; only that of rank 0 is read, other ranks may give None.
+        comm
+            Communicator to spread the mesh over.
+        degree, mass_quadrature, true_surfaces, field
+            As for :class:`LagrangeSpace`.
+
+        Raises
+        ------
+        InputError
+            When rank 0 has no mesh, or as for :class:`LagrangeSpace`.
+        """
+        spread = distribute(mesh, comm, f"{field}.mesh")
+        return cls(
+            spread.mesh,
+            spread.facet_tags,
+            spread.surface_tags,
+            degree=degree,
+            mass_quadrature=mass_quadrature,
+            true_surfaces=true_surfaces,
+            field=field,
+        )
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space, 2 or 3."""
+        return int(self.scalar.mesh.geometry.dim)
+
+    @cached_property
+    def ranges(self) -> Ints:
+        """First scalar dof of each rank, and the end of the last, (ranks + 1,)."""
+        ends = self.comm.allgather(self.scalar.dofmap.index_map.local_range[1])
+        return np.array([0, *ends])
+
+    @cached_property
+    def surfaces(self) -> Mapping[str, FESurface]:
+        """Named surfaces."""
+        count, known = self.scalar.dofmap.index_map.size_global, self._true_surfaces
+        return {
+            name: FESurface(name, gather_facets(self.scalar, facets), count, known.get(name))
+            for name, facets in self._facets.items()
+        }
+
+    def constrain(self, supports: Sequence[Support], field: str) -> Constraints:
+        """What supports leave free of the nodes."""
+        surfaces = self.surfaces if supports else {}
+        count = self.scalar.dofmap.index_map.size_global
+        return nodal_constraints(self.scalar, surfaces, supports, count, field)
+
+    def stiffness(self, lame: tuple[float, float]) -> Any:
+        """Elastic stiffness (N/m), symmetric."""
+        return self._matrices.stiffness(lame)
+
+    def mass(self, rho: float) -> Any:
+        """Consistent mass (kg), symmetric."""
+        return self._matrices.mass(rho, self._mass_quadrature)
+
+    def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""
+        return self._matrices.gyroscopic(rho, rotation)
+
+    def convective(self, rho: float, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), kg, symmetric."""
+        return self._matrices.convective(rho, rotation)
+
+    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+        """Stiffness that stresses of a displacement (m) make, N/m, symmetric."""
+        return self._matrices.geometric_stiffness(lame, displacement)
+
+    @property
+    def dof_positions(self) -> Floats | None:
+        """Nodes (m) on every rank, shape (num_scalar_dofs, dim); None where cells are curved more.
+
+        Of a geometry of higher degree than the space, x is no function of the space.
+        """
+        if self.scalar.mesh.geometry.cmaps[0].degree > self.scalar.ufl_element().degree:
+            return None
+        return np.concatenate(self.comm.allgather(self.node_positions))
+
+    @property
+    def node_positions(self) -> Floats:
+        """Nodes of this rank (m), shape (n_local, dim)."""
+        first, last = self.scalar.dofmap.index_map.local_range
+        return np.asarray(self.scalar.tabulate_dof_coordinates()[: last - first, : self.dim])
+
+    def part(self, nodes: NDArray[np.bool_]) -> "LagrangeSpace":
+        """The space integrated over those cells alone whose nodes are all among some."""
+        among = la.vector(self.scalar.dofmap.index_map, dtype=np.int8)
+        among.array[: len(nodes)] = nodes
+        among.scatter_forward()
+        topology = self.scalar.mesh.topology
+        count = topology.index_map(topology.dim).size_local
+        cells = np.flatnonzero(among.array[self.scalar.dofmap.list[:count]].all(axis=1))
+        part = copy(self)
+        part._matrices = LagrangeMatrices(self.scalar, self.comm, cells)
+        return part
+
+    def prolongation(self, coarse: "LagrangeSpace") -> tuple[csr_array, float]:
+        """Functions of the space of a coarser mesh (:mod:`fe_cea.prolongation`)."""
+        return prolongation(coarse.scalar, self.scalar, self.comm, f"{self._field}.mesh")
+
+    def volume_sample(self, subdivisions: int) -> VolumeSample:
+        """Sample of the whole body, each cell divided so many times a direction; on every rank.
+
+        Raises
+        ------
+        InputError
+            When subdivisions is less than 1.
+        """
+        return sample_volume(self.scalar, subdivisions)
+
+    def volume_cells(self) -> VolumeCells:
+        """Lagrange cells of the degree of the space, or of the geometry where higher; collective.
+
+        Complete on every rank.
+        """
+        return lagrange_cells(self.scalar)

@@ -1,0 +1,181 @@
+"""Matrices of joined NURBS patches, each from the coefficients of a form at Gauss points.
+
+With the gradients grad N_a = sum_k D_k N_a grad xi_k, isotropic elasticity
+
+    K[a i, b j] = int lambda d_i N_a d_j N_b + mu d_j N_a d_i N_b + mu delta_ij grad N_a . grad N_b
+
+(Hughes, The Finite Element Method, sec. 2.7) has the coefficients
+
+    C_km[ij] = lambda E[ij] + mu E[ji] + mu delta_ij tr E,    E = |J| grad xi_k (x) grad xi_m.
+
+With the derivative t_a of function a along a rotation (:mod:`cea.rotation`),
+
+    m_ab = int rho N_a N_b,    A_ab = int rho (N_a t_b - t_a N_b),    B_ab = int rho t_a t_b,
+
+A skew, and W v = a x v, the components of Y and Z are
+
+    Y = A (x) 1                 Z = B (x) 1                                 with Coriolis forces
+    Y = A (x) 1 - 2 m (x) W     Z = B (x) 1 + A (x) W + m (x) W^T W         without
+"""
+
+from collections.abc import Callable
+from functools import cached_property
+from itertools import combinations_with_replacement, product
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.rotation import Rotation
+from iga_cea.entries import entries
+from iga_cea.metric import VALUE, Metric
+from iga_cea.multipatch import Multipatch
+from iga_cea.pattern import Pattern
+from iga_cea.separation import Coefficients
+from iga_cea.storage import block_matrix, combined, component_matrix
+from iga_cea.sum_factorisation import Form
+
+
+class NurbsMatrices:
+    """Matrices of all dofs (full x full), PETSc AIJ, each made anew; making one is collective.
+
+    They are symmetric, or skew, to the last bit. Each raises InputError where a patch is folded.
+
+    Parameters
+    ----------
+    multipatch
+        The joined patches.
+    comm
+        MPI communicator.
+    """
+
+    def __init__(self, multipatch: Multipatch, comm: Any) -> None:
+        self._multipatch, self._comm, self._dim = multipatch, comm, multipatch.dim
+
+    @cached_property
+    def _pattern(self) -> Pattern:
+        return Pattern.of(self._multipatch, self._comm.rank)
+
+    def stiffness(self, lame: tuple[float, float]) -> Any:
+        """Elastic stiffness (N/m), of Lame parameters (N/m^2), symmetric."""
+        (lam, mu), dim = lame, self._dim
+
+        def coefficients(metric: Metric) -> Coefficients:
+            found: Coefficients = {}
+            for k, m in combinations_with_replacement(sorted(metric.gradients), 2):
+                scaled = metric.gradients[k] * metric.measure
+                E = scaled[:, None] * metric.gradients[m]
+                C = lam * E + mu * E.swapaxes(0, 1)
+                trace = mu * np.trace(E)
+                for i in range(dim):
+                    C[i, i] += trace
+                found[k, m] = C.reshape(dim * dim, *trace.shape)
+                found[m, k] = C.swapaxes(0, 1).reshape(dim * dim, *trace.shape)
+            return found
+
+        data = entries(self._multipatch, self._pattern, Form(dim, coefficients), self._comm)
+        return block_matrix(self._pattern, data, dim, self._comm)
+
+    def mass(self, rho: float) -> Any:
+        """Consistent mass (kg) of a density (kg/m^3), symmetric."""
+        return self._of_each_component(self._products(rho))
+
+    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+        """Stiffness int sigma_ij d_i N_a d_j N_b that stresses of a displacement make (N/m).
+
+        Parameters
+        ----------
+        lame
+            Lame parameters (lambda, mu) (N/m^2).
+        displacement
+            Displacement of all dofs (m), (dim * num_scalar_dofs,).
+        """
+        lam, mu = lame
+
+        def coefficients(metric: Metric) -> Coefficients:
+            slope = metric.field_gradient
+            stress = mu * (slope + slope.swapaxes(0, 1))
+            trace = lam * np.trace(slope)
+            for i in range(self._dim):
+                stress[i, i] += trace
+            stress *= metric.measure
+            pulled = {
+                k: np.einsum("ab...,b...->a...", stress, g) for k, g in metric.gradients.items()
+            }
+            return {
+                (k, m): np.sum(metric.gradients[k] * pulled[m], axis=0)[None]
+                for k, m in product(pulled, repeat=2)
+            }
+
+        form = Form(1, coefficients, displacement.reshape(-1, self._dim))
+        data = entries(self._multipatch, self._pattern, form, self._comm)
+        return self._of_each_component(data)
+
+    def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s, kg, skew."""
+        transport = self._transport(rho, rotation)
+        if rotation.coriolis:
+            return self._of_each_component(transport)
+        spin = rotation.spin(self._dim)
+        return self._sum((transport, np.eye(self._dim)), (self._products(rho), -2 * spin))
+
+    def convective(self, rho: float, rotation: Rotation) -> Any:
+        """Z of a rotation, kg, symmetric."""
+        speeds = self._speeds(rotation)
+
+        def coefficients(metric: Metric) -> Coefficients:
+            along, weight = speeds(metric), rho * metric.measure
+            return {
+                (k, m): (weight * (along[k] * along[m]))[None] for k, m in product(along, repeat=2)
+            }
+
+        squares = self._scalar(coefficients)
+        if rotation.coriolis:
+            return self._of_each_component(squares)
+        spin = rotation.spin(self._dim)
+        return self._sum(
+            (squares, np.eye(self._dim)),
+            (self._transport(rho, rotation), spin),
+            (self._products(rho), spin.T @ spin),
+        )
+
+    def _products(self, rho: float) -> Floats:
+        """Entries of m."""
+        return self._scalar(lambda metric: {(VALUE, VALUE): rho * metric.measure[None]})
+
+    def _transport(self, rho: float, rotation: Rotation) -> Floats:
+        """Entries of A."""
+        speeds = self._speeds(rotation)
+
+        def coefficients(metric: Metric) -> Coefficients:
+            found: Coefficients = {}
+            for k, speed in speeds(metric).items():
+                if k != VALUE:
+                    found[VALUE, k] = (rho * metric.measure * speed)[None]
+                    found[k, VALUE] = -found[VALUE, k]
+            return found
+
+        return self._scalar(coefficients, sign=-1)
+
+    def _speeds(self, rotation: Rotation) -> Callable[[Metric], dict[int, Floats]]:
+        """Gives the velocity along each parameter at 1 rad/s."""
+        spin, origin = rotation.spin(self._dim), np.asarray(rotation.origin[: self._dim])
+
+        def speeds(metric: Metric) -> dict[int, Floats]:
+            velocity = np.tensordot(spin, metric.x - origin[:, None, None, None], axes=1)
+            return {k: np.sum(velocity * g, axis=0) for k, g in metric.gradients.items()}
+
+        return speeds
+
+    def _scalar(self, coefficients: Callable[[Metric], Coefficients], sign: int = 1) -> Floats:
+        """Entries of a scalar matrix that is symmetric, or skew if the sign is -1."""
+        form = Form(1, coefficients)
+        return entries(self._multipatch, self._pattern, form, self._comm, sign=sign)
+
+    def _of_each_component(self, scalar: Floats) -> Any:
+        return component_matrix(self._pattern, scalar, self._dim, self._comm)
+
+    def _sum(self, *parts: tuple[Floats, Floats]) -> Any:
+        """Sum of Kronecker products of scalar matrices with small ones."""
+        data = combined(self._pattern, parts, self._dim)
+        return block_matrix(self._pattern, data, self._dim, self._comm)

@@ -1,0 +1,146 @@
+"""Displacements on joined NURBS patches."""
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from cea.arrays import Floats, Ints
+from cea.errors import InputError
+from cea.petsc import MPI
+from cea.rotation import Rotation
+from cea.supports.boundary import Support
+from cea.supports.constraints import Constraints
+from cea.volume import VolumeCells, VolumeSample
+from iga_cea.cells import bezier_cells
+from iga_cea.inputs import check_faces, check_patches, checked_continuity, checked_degree
+from iga_cea.matrices import NurbsMatrices
+from iga_cea.multipatch import End, Multipatch, join
+from iga_cea.patch import PatchGeometry, refine
+from iga_cea.prolongation import prolongation
+from iga_cea.sampling import sample_volume
+from iga_cea.supports import face_constraints
+from iga_cea.surface import NurbsSurface
+
+
+class NurbsSpace:
+    """Space of joined NURBS patches, rational with their weights; a :class:`cea.body.Space`.
+
+    Parameters
+    ----------
+    patches
+        Geometry of its patches: degrees, knots, control points, weights, breaks.
+    faces
+        Faces (patch, axis, side) of each named surface.
+    degree
+        Degree along each parameter, 1 to 8, not below that of the geometry.
+    continuity
+        Continuous derivatives at inserted breaks along each parameter; by default degree - 1.
+    field
+        Name of the body in messages.
+    comm
+        MPI communicator.
+
+    Raises
+    ------
+    InputError
+        When something does not fit, or patches touch that do not conform.
+    """
+
+    def __init__(
+        self,
+        patches: Sequence[PatchGeometry],
+        faces: Mapping[str, Sequence[End]],
+        degree: Sequence[int],
+        *,
+        continuity: Sequence[int] | None = None,
+        field: str = "body",
+        comm: Any = MPI.COMM_WORLD,
+    ) -> None:
+        self.dim = check_patches(patches, f"{field}.patches")
+        self.degree = checked_degree(degree, patches, f"{field}.degree")
+        self.continuity = checked_continuity(continuity, self.degree, f"{field}.continuity")
+        check_faces(faces, patches, self.dim, f"{field}.faces")
+        self.comm = comm
+        self._field = field
+        refined = [refine(patch, self.degree, self.continuity) for patch in patches]
+        self.multipatch: Multipatch = join(refined, comm.size, f"{field}.patches")
+        count = self.multipatch.num_scalar_dofs
+        self.surfaces: Mapping[str, NurbsSurface] = MappingProxyType(
+            {
+                name: NurbsSurface(name, self.multipatch.faces(ends), count)
+                for name, ends in faces.items()
+            }
+        )
+        self._matrices = NurbsMatrices(self.multipatch, comm)
+
+    @property
+    def ranges(self) -> Ints:
+        """First scalar dof of each rank, and the end of the last, (ranks + 1,)."""
+        return self.multipatch.dof_ranges
+
+    def constrain(self, supports: Sequence[Support], field: str) -> Constraints:
+        """What supports leave free, held over whole faces."""
+        count, gauss = self.multipatch.num_scalar_dofs, max(self.degree) + 2
+        return face_constraints(self.surfaces, supports, count, self.dim, gauss, field)
+
+    def stiffness(self, lame: tuple[float, float]) -> Any:
+        """Elastic stiffness (N/m), symmetric."""
+        return self._matrices.stiffness(lame)
+
+    def mass(self, rho: float) -> Any:
+        """Consistent mass (kg), symmetric."""
+        return self._matrices.mass(rho)
+
+    def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""
+        return self._matrices.gyroscopic(rho, rotation)
+
+    def convective(self, rho: float, rotation: Rotation) -> Any:
+        """Z of a rotation (:mod:`cea.rotation`), kg, symmetric."""
+        return self._matrices.convective(rho, rotation)
+
+    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+        """Stiffness that stresses of a displacement (m) make, N/m, symmetric."""
+        return self._matrices.geometric_stiffness(lame, displacement)
+
+    @property
+    def dof_positions(self) -> Floats:
+        """Control points (m), (num_scalar_dofs, dim): weights are those of the geometry."""
+        return self.multipatch.control_points
+
+    @property
+    def node_positions(self) -> None:
+        """None: functions reach over many knot spans, and no part is assembled alone."""
+        return None
+
+    def part(self, nodes: NDArray[np.bool_]) -> "NurbsSpace":
+        """Refused: no part is assembled alone."""
+        raise InputError(self._field, "NURBS", "a body of finite elements")
+
+    def prolongation(self, coarse: "NurbsSpace") -> tuple[csr_array, float]:
+        """Functions of coarser patches (:mod:`iga_cea.prolongation`)."""
+        rank, field = self.comm.rank, f"{self._field}.patches"
+        return prolongation(coarse.multipatch, self.multipatch, rank, field)
+
+    def volume_sample(self, subdivisions: int) -> VolumeSample:
+        """Sample of the whole body, each knot span divided so many times a direction.
+
+        Complete on every rank. Points on joints of patches appear once for each patch.
+
+        Raises
+        ------
+        InputError
+            When subdivisions is less than 1.
+        """
+        return sample_volume(self.multipatch, subdivisions)
+
+    def volume_cells(self) -> VolumeCells:
+        """Bezier elements of the knot spans. Complete on every rank.
+
+        Points on joints of patches appear once for each patch.
+        """
+        return bezier_cells(self.multipatch)

@@ -1,0 +1,266 @@
+"""The engine of studies: cases, resuming, records, processes, pages, the command."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from mpi import mpiexec
+from small_study import APART, HASTY, STUDY, Options
+from typer.testing import CliRunner
+
+from cea.errors import InputError
+from comparisons.cli import study as command
+from comparisons.cli.app import RENAMED, app
+from comparisons.study import run as engine
+from comparisons.study.columns import Column, column
+from comparisons.study.page import write_study
+from comparisons.study.result import read
+from comparisons.study.run import finished, parts, run, selected
+
+HELPERS = Path(__file__).parents[1] / "helpers"
+
+
+@pytest.fixture
+def clean(monkeypatch):
+    """A checkout without changes."""
+    monkeypatch.setattr(engine, "commit", lambda: "abc")
+
+
+@pytest.fixture
+def helpers_found(monkeypatch):
+    """Other processes find the helpers of the tests."""
+    path = os.pathsep.join([str(HELPERS), str(HELPERS.parents[1])])
+    monkeypatch.setenv("PYTHONPATH", path)
+
+
+def noted(out):
+    log = Path(out) / "log"
+    return log.read_text().split() if log.is_file() else []
+
+
+def options(tmp_path, **given):
+    return Options(log=str(tmp_path / "log"), **given)
+
+
+def test_frames_hold_rows_with_labels_as_plain_python(tmp_path):
+    result = run(STUDY, options(tmp_path), tmp_path / "out")
+    frame = result.frame()
+    assert list(frame.columns) == ["size", "kind", "square", "ranks"]
+    assert list(frame["square"]) == [1, 4, 9]
+    assert type(result.cases[0]["tables"]["runs"][0]["square"]) is float
+    assert list(result.array({"size": 3}, "powers")) == [0, 1, 2]
+    assert result.frame("no such table").empty
+    with pytest.raises(InputError, match="kept"):
+        result.array({"size": 3}, "other")
+
+
+def test_a_result_read_back_is_the_one_that_was_written(tmp_path):
+    result = run(STUDY, options(tmp_path, factor=inf), tmp_path)
+    write_study(STUDY, result, tmp_path)
+    again = read("squares", tmp_path)
+    pd.testing.assert_frame_equal(again.frame(), result.frame())
+    assert list(again.array({"size": 2}, "powers")) == [0, 1]
+    assert again.once == {"one": 1.0}
+    with pytest.raises(InputError, match="out"):
+        read("other", tmp_path)
+
+
+def test_failed_cases_are_told_and_a_missing_value_is_kept(tmp_path):
+    result = run(STUDY, options(tmp_path, sizes=(5, 13, 404, 2)), tmp_path / "out")
+    assert list(result.failed()["size"]) == [13, 404]
+    assert result.failed()["reason"][0] == "unlucky"
+    assert "square" in result.failed()["reason"][1]
+    assert list(result.frame()["square"].isna()) == [True, False]
+
+
+def test_a_study_that_was_killed_goes_on_where_it_was(tmp_path, clean):
+    """The process is killed while it computes its third case."""
+    out = tmp_path / "out"
+    program = (
+        "import os, signal, small_study as s\n"
+        "from comparisons.study import run as engine\n"
+        "engine.commit = lambda: 'abc'\n"
+        "def evaluate(case, session):\n"
+        "    if case['size'] == 3: os.kill(os.getpid(), signal.SIGKILL)\n"
+        "    return s.evaluate(case, session)\n"
+        f"options = s.Options(log={str(tmp_path / 'log')!r})\n"
+        "from dataclasses import replace\n"
+        "from pathlib import Path\n"
+        f"engine.run(replace(s.STUDY, evaluate=evaluate), options, Path({str(out)!r}))\n"
+    )
+    path = os.pathsep.join([str(HELPERS), str(HELPERS.parents[1])])
+    ended = subprocess.run([sys.executable, "-c", program], env=os.environ | {"PYTHONPATH": path})
+    assert ended.returncode == -signal.SIGKILL
+    assert noted(tmp_path) == ["1", "2"]
+    result = run(STUDY, options(tmp_path), out)
+    assert noted(tmp_path) == ["1", "2", "3"]
+    assert list(result.frame()["square"]) == [1, 4, 9]
+    assert list(result.array({"size": 2}, "powers")) == [0, 1]
+    finished(out)
+    assert not parts(out).exists()
+
+
+def test_stored_cases_are_taken_where_everything_agrees(tmp_path, clean, monkeypatch):
+    out = tmp_path / "out"
+
+    def computed(study=STUDY, anew=False, **given):
+        (tmp_path / "log").unlink(missing_ok=True)
+        result = run(study, options(tmp_path, **given), out, anew=anew)
+        write_study(study, result, out)
+        finished(out)
+        return noted(tmp_path)
+
+    assert computed() == ["1", "2", "3"]
+    assert computed() == []
+    assert computed(anew=True) == ["1", "2", "3"]
+    assert computed(factor=2.0) == ["1", "2", "3"]
+    assert computed(replace(STUDY, scene=lambda case, o: None), factor=2.0) == []
+    monkeypatch.setattr(engine, "as_data", lambda scene: {"another": 1})
+    assert computed(replace(STUDY, scene=lambda case, o: None), factor=2.0) == ["1", "2", "3"]
+    monkeypatch.setattr(engine, "commit", lambda: "def")
+    assert computed(replace(STUDY, scene=lambda case, o: None), factor=2.0) == ["1", "2", "3"]
+    monkeypatch.setattr(engine, "commit", lambda: "def-dirty")
+    for _ in range(2):
+        assert computed(factor=2.0) == ["1", "2", "3"]
+
+
+def test_failed_cases_are_computed_again(tmp_path, clean):
+    for _ in range(2):
+        run(STUDY, options(tmp_path, sizes=(13, 2)), tmp_path / "out")
+    assert noted(tmp_path) == ["13", "2", "13"]
+
+
+def test_shipped_cases_are_taken_at_any_commit(tmp_path, monkeypatch):
+    monkeypatch.setattr(engine, "commit", lambda: "old")
+    write_study(STUDY, run(STUDY, options(tmp_path), tmp_path / "a"), tmp_path / "shipped")
+    monkeypatch.setattr(engine, "commit", lambda: "new-dirty")
+    shipped = replace(STUDY, shipped=tmp_path / "shipped")
+    result = run(shipped, options(tmp_path), tmp_path / "b")
+    assert noted(tmp_path) == ["1", "2", "3"]
+    assert {case["commit"] for case in result.cases} == {"old"}
+
+
+def test_only_computes_the_cases_chosen_and_keeps_stored_ones(tmp_path, clean):
+    out = tmp_path / "out"
+    run(STUDY, options(tmp_path), out, only={"kind": "even"})
+    result = run(STUDY, options(tmp_path), out, only={"size": "3"})
+    assert noted(tmp_path) == ["2", "3"]
+    assert list(result.frame()["size"]) == [2, 3]
+    for only, allowed in (({"age": "1"}, "size, kind"), ({"size": "7"}, "1, 2, 3")):
+        with pytest.raises(InputError, match=allowed):
+            selected(STUDY, Options(), only)
+
+
+def test_a_crash_and_an_overlong_case_end_themselves_alone(tmp_path, helpers_found):
+    result = run(HASTY, Options(sizes=(1, 666, 2, 999, 3)), tmp_path / "out")
+    assert list(result.frame()["square"]) == [1, 4, 9]
+    assert list(result.failed()["reason"]) == ["ended with code 7", "took more than 3 s"]
+
+
+@pytest.mark.mpi
+def test_cases_run_on_their_number_of_ranks(tmp_path, helpers_found):
+    result = run(APART, Options(sizes=(1, 2)), tmp_path / "out")
+    assert list(result.frame()["ranks"]) == [1, 2]
+
+
+TOGETHER = """
+import sys
+from pathlib import Path
+from mpi import mpiexec
+from small_study import Options, STUDY
+from comparisons.study.run import run
+
+result = run(STUDY, Options(log=sys.argv[1] + "/log"), Path(sys.argv[1]) / "out")
+assert list(result.frame()["ranks"]) == [2, 2, 2]
+"""
+
+
+@pytest.mark.mpi
+def test_on_several_ranks_every_rank_has_the_result(tmp_path):
+    done = mpiexec(2, sys.executable, "-c", TOGETHER, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert len(list(parts(tmp_path / "out").glob("*.json"))) == 4
+
+
+def test_the_page_needs_no_other_file_and_escapes_what_it_shows(tmp_path):
+    result = run(STUDY, options(tmp_path, sizes=(1, 2, 5, 13)), tmp_path / "out")
+    page = write_study(STUDY, result, tmp_path / "out").read_text()
+    assert "Squares &lt;of&gt; numbers" in page
+    assert "<odd>" not in page
+    assert "square &amp; more" in page
+    assert "The largest is 4." in page
+    assert "unlucky" in page
+    assert not re.search(r'(src|href)="(?!#|data:)', page)
+    assert "No table." not in page, "a section that shows nothing is left out"
+    lines = (tmp_path / "out" / "squares.csv").read_text().splitlines()
+    assert lines == ["size,kind,square,ranks", "1,<odd>,1.0,1", "2,even,4.0,1", "5,<odd>,,1"]
+    assert (tmp_path / "out" / "squares.png").stat().st_size > 5000
+
+
+def test_drawn_anew_everything_is_the_same_to_the_byte(tmp_path):
+    out, again = tmp_path / "a", tmp_path / "b"
+    write_study(STUDY, run(STUDY, options(tmp_path), out), out)
+    write_study(STUDY, read("squares", out), again)
+    for file in sorted(out.iterdir()):
+        assert file.read_bytes() == (again / file.name).read_bytes(), file.name
+
+
+def test_columns_nobody_declared_are_shown_by_their_kind():
+    frame = pd.DataFrame({"own_name": [0.12345], "count": [12345], "text": ["a"], 1e4: [1.0]})
+    cells = [column(name, frame).cell(frame[name].tolist()[0]) for name in frame]
+    assert cells == ["0.123", "12\u202f345", "a", "1.00"]
+    assert [column(name, frame).title for name in frame][::3] == ["own name", "10\u202f000"]
+    assert Column("x").cell(None) == Column("x").cell(float("nan")) == "–"
+
+
+@pytest.fixture
+def squares(monkeypatch):
+    """The command ``cea study squares``."""
+    monkeypatch.setitem(command.STUDIES, "squares", ("x:y", "Squares.", ()))
+    monkeypatch.setattr(command, "study_at", lambda place: STUDY)
+    return lambda *arguments: CliRunner().invoke(app, ["study", "squares", *arguments])
+
+
+def test_options_of_a_study_are_options_of_its_command(squares, tmp_path):
+    told = squares("--help").output
+    assert "Factor and power." in told
+    assert "What is squared." in told
+    told = squares("--sizes", "4", "--sizes", "6", "--power", "3", "--out", str(tmp_path))
+    assert told.exit_code == 0, told.output
+    assert list(read("squares", tmp_path).frame()["square"]) == [64, 216]
+    assert told.output.splitlines()[0] == "The largest is 216."
+    assert str(tmp_path / "report.html") in told.output
+
+
+def test_a_fault_of_the_result_ends_with_code_1(squares, tmp_path):
+    told = squares("--sizes", "100", "--out", str(tmp_path))
+    assert told.exit_code == 1
+    assert "too large" in told.output
+    assert (tmp_path / "report.html").is_file()
+
+
+def test_redraw_runs_nothing(squares, tmp_path):
+    log = tmp_path / "log"
+    assert squares("--quick", "--log", str(log), "--out", str(tmp_path)).exit_code == 0
+    (tmp_path / "report.html").unlink()
+    told = squares("--redraw", "--out", str(tmp_path))
+    assert told.exit_code == 0, told.output
+    assert (tmp_path / "report.html").is_file()
+    assert log.read_text() == "2\n"
+    refused = squares("--redraw", "--quick", "--out", str(tmp_path))
+    assert "quick" in str(refused.exception)
+    wrong = squares("--only", "size", "--out", str(tmp_path))
+    assert "LABEL=VALUE" in str(wrong.exception)
+
+
+@pytest.mark.parametrize("name", RENAMED)
+def test_an_old_name_tells_the_new_one(name):
+    told = CliRunner().invoke(app, [name])
+    assert f"cea {RENAMED[name]}" in str(told.exception)

@@ -1,0 +1,104 @@
+"""A study of squares, for tests of the engine: it notes what it computes, fails, crashes, hangs."""
+
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cea.errors import ConvergenceError
+from cea.petsc import MPI
+from comparisons.study.columns import Column
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.study import Process, Study
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of it.
+
+    Parameters
+    ----------
+    sizes
+        What is squared.
+    factor, power
+        Factor and
+        power.
+    log
+        File in which cases are noted.
+    """
+
+    sizes: tuple[int, ...] = (1, 2, 3)
+    factor: float = 1.0
+    power: int = 2
+    log: str = ""
+
+
+def cases(options):
+    for size in options.sizes:
+        yield {"size": size, "kind": "<odd>" if size % 2 else "even"}
+
+
+def evaluate(case, session):
+    options, size = session.options, case["size"]
+    if options.log:
+        with Path(options.log).open("a") as file:
+            file.write(f"{size}\n")
+    if size == 13:
+        raise ConvergenceError("unlucky")
+    if size == 666:
+        os._exit(7)
+    if size == 999:
+        time.sleep(60)
+    if size == 404:
+        return {"square": float("nan")}
+    session.keep("powers", np.arange(size))
+    ranks = MPI.COMM_WORLD.allreduce(1)
+    square = np.float64(session.once["one"] * options.factor * size**options.power)
+    return {"square": None if size == 5 else square, "ranks": ranks}
+
+
+def once(options):
+    return {"one": 1.0}
+
+
+OWN = {"square": Column("square & more", "m²")}
+STUDY = Study(
+    "squares",
+    "Squares <of> numbers",
+    Options,
+    cases,
+    evaluate,
+    [
+        Section(
+            "Squares",
+            "Text & more.",
+            lambda result: f"The largest is {result.frame()['square'].max():g}.",
+            tables=[Table("squares", "All <squares>.", StudyResult.frame, OWN, group="kind")],
+            plots=[
+                Plot("squares", "Growth.", StudyResult.frame, "size", "square", ("kind",), log="y")
+            ],
+        ),
+        Section("Nothing", "No table.", tables=[Table("none", "", lambda r: r.frame("none"))]),
+    ],
+    once=once,
+    quick={"sizes": (2,)},
+    check=lambda result: "too large" if result.frame()["square"].max() > 1e3 else "",
+)
+APART = Study(
+    "squares",
+    "Squares",
+    Options,
+    cases,
+    evaluate,
+    STUDY.sections,
+    once=once,
+    process=Process("small_study:APART", 20.0, ranks=lambda case: case["size"]),
+)
+HASTY = Study(
+    *("squares", "Squares", Options, cases, evaluate, STUDY.sections),
+    once=once,
+    process=Process("small_study:HASTY", 3.0),
+)
