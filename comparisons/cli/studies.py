@@ -52,54 +52,6 @@ def accuracy(
     typer.echo(f"The report to open: {page.write(data, out)}")
 
 
-def stability(
-    case: Annotated[
-        list[str] | None, typer.Option("--case", help="Name of a case; may be repeated.")
-    ] = None,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="A few runs of each row: a minute instead of some.")
-    ] = False,
-    redraw: Annotated[
-        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
-    ] = False,
-    out: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("results/stability"),
-) -> None:
-    """Run stiff and extreme scenes against references; code 1 when one is not as expected."""
-    from comparisons.cli.extras import need
-    from comparisons.cli.output import console, print_table
-    from comparisons.cli.progress import working
-    from comparisons.cli.redraw import refuse_with_redraw
-
-    need("pictures", "exact")
-    from comparisons.stability.catalogue import catalogue
-    from comparisons.stability.page import read_stability, write_stability
-    from comparisons.stability.study import StabilityStudy, run_stability
-    from comparisons.stability.tables import verdicts_table
-    from comparisons.stability.words import summary
-    from scenes.out_folder import check_out, new_folder
-
-    refuse_with_redraw(redraw, {"case": case, "quick": quick})
-    if redraw:
-        data = read_stability(out)
-    else:
-        check_out(out)
-        study = StabilityStudy(tuple(case or ()), quick)
-
-        def begin(title: str) -> None:
-            console.print(f"· {title}")
-            work.step(title)
-
-        with working("stability", steps=len(study.cases or catalogue())) as work:
-            data = run_stability(study, begin)
-    with new_folder(out) as new:
-        report = new.final(write_stability(data, new.part))
-    print_table(verdicts_table(data))
-    typer.echo(summary(data))
-    typer.echo(f"The report to open: {report}")
-    if data["failed"]:
-        raise typer.Exit(1)
-
-
 def reference(
     recompute: Annotated[
         bool, typer.Option("--recompute", help="Run it anew (some minutes, 12 GB) and compare.")

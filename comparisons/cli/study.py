@@ -24,6 +24,11 @@ STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
         *("formulations.study:STUDY", "Which formulations pass patch tests, lock, keep momentum."),
         ("exact",),
     ),
+    "stability": (
+        *("stability.study:STUDY", "Stiff and extreme scenes beside references."),
+        ("exact",),
+    ),
+    "brake": ("brake.study:STUDY", "A ventilated brake on several meshes.", ()),
     "damping": ("damping:STUDY", "How damping moves the threshold of flutter.", ("exact",)),
 }
 """Place of each study below comparisons, its help, and the extras that it needs beside pictures."""

@@ -7,8 +7,7 @@ import pytest
 
 from comparisons.accuracy import page as accuracy_page
 from comparisons.accuracy.runner import COMMAND as ACCURACY
-from comparisons.brake import page as brake_page
-from comparisons.brake.study import COMMAND as BRAKE
+from comparisons.brake.study import STUDY as BRAKE
 from comparisons.paper.common.store import COMMAND as FIGURE
 from comparisons.paper.common.store import STORED
 from comparisons.peers.study import COMMAND as PEERS
@@ -23,7 +22,7 @@ RECORDS = [
     *((FIGURE, file) for file in sorted(STORED.glob("*.json.gz"))),
     (ACCURACY, MEASURED),
     ("reference", REFERENCE),
-    (BRAKE, Path(brake_page.__file__).with_name("results") / "result.json.gz"),
+    (BRAKE.name, BRAKE.shipped / "result.json.gz"),
     (PEERS, PEERS_STORED / "result.json.gz"),
     (SWEEP, Path(sweep_page.__file__).with_name("results") / "result.json.gz"),
 ]
