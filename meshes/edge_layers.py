@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from cea.errors import InputError, require
 from cea.mesh import Floats, Ints, Mesh, facet_nodes
-from meshes.files.content import first_of_near
-from meshes.files.kinds import named_sides
+from meshes.files.content import first_of_near, named_sides
 from meshes.shapes import Disc, Shape
 
 TOO_FEW = "more elements: at most two edges at one cell, and on one side of it"

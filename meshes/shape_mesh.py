@@ -68,7 +68,7 @@ def shape_mesh(
         return replace(flat, points=placement.apply(shape.crown(flat.points)))
     _check(shape, cell, order, breaks, size)
     if size is not None:
-        from meshes.outline import outline_mesh  # brings in gmsh
+        from meshes.unstructured import outline_mesh  # brings in gmsh
 
         mesh = outline_mesh(shape, order, size)
         return replace(mesh, points=placement.apply(mesh.points))

@@ -11,8 +11,7 @@ import numpy as np
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.files import regular
-from meshes.files.content import ElementBlock, Role, rows_of, without_nodes
-from meshes.files.kinds import KINDS, block
+from meshes.files.content import KINDS, ElementBlock, Role, block, rows_of, without_nodes
 
 _KEYWORD = re.compile(rb"^[ \t]*\*((?:[^\n]*,[ \t]*\n(?![ \t]*\*))*[^\n]*)", re.MULTILINE)
 """A line that begins with one star; it goes on where it ends with a comma."""

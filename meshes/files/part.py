@@ -13,8 +13,15 @@ from scipy.spatial import cKDTree
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.mesh import Cell
-from meshes.files.content import DIVIDED, ElementBlock, FileContent, Sets, first_of_near, shown
-from meshes.files.kinds import lacks_middles
+from meshes.files.content import (
+    DIVIDED,
+    ElementBlock,
+    FileContent,
+    Sets,
+    first_of_near,
+    lacks_middles,
+    shown,
+)
 
 _SAME = 1e-6
 """Distance below which nodes are one, relative to the shortest edge."""

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Ints
 from cea.errors import InputError
-from meshes.files.content import FileContent, node_marks, shown
-from meshes.files.kinds import FACES, side_nodes
+from meshes.files.content import FACES, FileContent, node_marks, shown, side_nodes
 from meshes.files.part import Part
 
 Bools = NDArray[np.bool_]
@@ -37,7 +36,7 @@ class Facets:
 
 @lru_cache(4)
 def facets_of(part: Part, n_points: int) -> Facets:
-    """Faces of the elements of a body, as :data:`meshes.files.kinds.FACES` counts them."""
+    """Faces of the elements of a body, as :data:`meshes.files.content.FACES` counts them."""
     marks = node_marks(n_points)
     most = max(len(FACES[block.cell]) for block in part.blocks)
     sums = np.zeros((len(part.elements), most), dtype=np.uint64)

@@ -19,8 +19,7 @@ import numpy as np
 from cea.arrays import Floats, Ints
 from cea.errors import require
 from cea.mesh import facet_nodes, node_order
-from meshes.files.content import ElementBlock, node_marks
-from meshes.files.kinds import FACES, full_kind, lacks_middles
+from meshes.files.content import FACES, ElementBlock, full_kind, lacks_middles, node_marks
 
 
 class Tetrahedra(NamedTuple):

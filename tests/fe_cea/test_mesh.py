@@ -17,7 +17,7 @@ from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.mesh import Mesh, node_order, reference_nodes
 from cea.supports.boundary import Support
-from meshes.gmsh_model import gmsh_session, read_gmsh
+from meshes.unstructured import gmsh_session, read_gmsh
 
 CORNERS = {
     "triangle": [[0.0, 0.0], [1.0, 0.1], [0.9, 1.2], [-0.1, 1.0]],

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from mpi4py import MPI
 
-from meshes.files.kinds import KINDS
+from meshes.files.content import KINDS
 from scenes.read import read_scene
 from scenes.run import run_modes
 

@@ -8,9 +8,9 @@ from mixed_blocks import mixed_blocks
 from mixed_files import abaqus_deck, ansys_archive, vtu_file
 
 from cea.errors import InputError
-from meshes.files.kinds import KINDS
-from meshes.gmsh_model import gmsh_session
+from meshes.files.content import KINDS
 from meshes.mesh_file import MeshFile
+from meshes.unstructured import gmsh_session
 
 WRITERS = {"a.inp": abaqus_deck, "a.cdb": ansys_archive, "a.vtu": vtu_file}
 

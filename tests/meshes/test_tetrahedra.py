@@ -1,5 +1,7 @@
 """Bodies of several kinds of solid elements divided into tetrahedra."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from basix import CellType, LagrangeVariant, make_quadrature
@@ -9,8 +11,8 @@ from mixed_blocks import mixed_blocks
 from cea.errors import InputError
 from cea.mesh import Mesh, facet_nodes, node_order
 from meshes.files.body import check_elements
-from meshes.files.kinds import FACES
-from meshes.files.tetrahedra import tetrahedra
+from meshes.files.content import FACES, KINDS, block
+from meshes.files.tetrahedra import completed, tetrahedra
 
 RULE = np.array([0.5 - np.sqrt(15) / 10, 0.5, 0.5 + np.sqrt(15) / 10]), np.array([5, 8, 5]) / 18
 
@@ -106,3 +108,25 @@ def test_elements_of_two_orders_are_refused():
     _, others = mixed_blocks(2)
     with pytest.raises(InputError, match="all of order 1 or all of order 2"):
         tetrahedra(points, [blocks[0], others[1]])
+
+
+def test_neighbours_of_20_and_27_nodes_share_the_middle_of_their_face():
+    """Two hexahedra on a row: the one that lacks the middle of the face takes that of the other."""
+    kind = KINDS["hexahedron27"]
+    at = np.concatenate([kind.reference, kind.reference + np.array([1.0, 0.0, 0.0])])
+    points, rows = np.unique(at, axis=0, return_inverse=True)
+    first, second = rows.reshape(2, 1, 27)
+    blocks = [
+        block("whole", "hexahedron27", np.array([1]), first),
+        block("fewer", "hexahedron20", np.array([2]), second[:, :20]),
+    ]
+    used = np.union1d(first, second[:, :20])
+    every, full = completed(points[used], [renumbered(each, used) for each in blocks])
+    assert len(every) == len(points)
+    nodes = np.concatenate([each.nodes for each in full])
+    assert len(np.intersect1d(*nodes)) == 9
+    np.testing.assert_allclose(every[nodes], at.reshape(2, 27, 3), atol=1e-15)
+
+
+def renumbered(elements, used):
+    return replace(elements, nodes=np.searchsorted(used, elements.nodes))

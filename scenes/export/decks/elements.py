@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.mesh import Cell, Ints, Mesh, matching_nodes, reference_nodes
-from meshes.files.kinds import facet_sides, full_kind, named_sides
+from meshes.files.content import facet_sides, full_kind, named_sides
 
 ELEMENTS: Mapping[tuple[Cell, int], str] = {
     ("tetrahedron", 1): "C3D4",
