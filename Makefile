@@ -51,7 +51,7 @@ compare: $(INSTALLED)
 	$(BIN)/cea study agreement $(ARGS)
 
 stability: $(INSTALLED)
-	$(BIN)/cea stability $(ARGS)
+	$(BIN)/cea study stability $(ARGS)
 
 test: $(INSTALLED)
 	$(BIN)/pytest $(PARALLEL) $(ARGS)

@@ -4,12 +4,11 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cea.arrays import Floats
 from cea.errors import InputError, require
 from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 
-Floats = NDArray[np.float64]
 Breaks = tuple[Floats, ...]
 
 CLOSED = (Annulus, Hub, Disc, Ring)

@@ -12,14 +12,12 @@ from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from scipy.special import comb
 
+from cea.arrays import Floats
 from cea.errors import InputError, require
 from meshes.simple_shapes import Box, Rectangle, Sector
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

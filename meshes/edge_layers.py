@@ -10,16 +10,14 @@ Edges run along one direction of a lattice all the way; in the plane they are po
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from cea.errors import InputError, require
 from cea.mesh import Floats, Ints, Mesh, facet_nodes
+from meshes.files.content import first_of_near
+from meshes.files.kinds import named_sides
 from meshes.shapes import Disc, Shape
 
 TOO_FEW = "more elements: at most two edges at one cell, and on one side of it"
@@ -157,7 +155,8 @@ def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> 
     lattice = mesh.cells.reshape(-1, *(n,) * dim)
     lattice = lattice[..., None] if along is None else np.moveaxis(lattice, 1 + along, -1)
     marked = singular[lattice[:, :: n - 1, :: n - 1]].all(axis=-1)
-    cells, points, facets = [mesh.cells], [mesh.points], _Facets(mesh)
+    cells, points, named = [mesh.cells], [mesh.points], named_sides(mesh)
+    sides = {name: [on] for name, on in named.items()}
     kept = np.ones(len(mesh.cells), dtype=bool)
     count, least = len(mesh.points), np.inf
     for pattern in np.unique(marked[marked.any(axis=(1, 2))], axis=0):
@@ -172,14 +171,20 @@ def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> 
         made = numbers[..., 0] if along is None else np.moveaxis(numbers, -1, 2 + along)
         made = made.reshape(len(some), len(quads), -1)
         cells.append(made.reshape(-1, made.shape[-1]))
-        facets.divide(some, made, quads, along)
+        parents = _sides_of_parts(quads, dim, along)
+        for name, on in named.items():
+            sides[name].append((on[some][:, parents] & (parents >= 0)).reshape(-1, 2 * dim))
     if len(points) == 1:
         return mesh
     every = np.concatenate(points)
-    first = _first_of_same(every, _SAME * least)
+    first = first_of_near(every, _SAME * least)
     cells[0] = mesh.cells[kept]
-    surfaces = {name: first[nodes] for name, nodes in facets.named().items()}
     parts = first[np.concatenate(cells)]
+    surfaces = {}
+    for name, (whole, *divided) in sides.items():
+        on = np.concatenate([whole[kept], *divided])
+        facets = enumerate(facet_nodes(mesh.cell, mesh.order))
+        surfaces[name] = np.concatenate([parts[on[:, i]][:, local] for i, local in facets])
     return Mesh(mesh.cell, mesh.order, every, parts, surfaces).without_loose_points()
 
 
@@ -202,67 +207,15 @@ def _least_distance(x: Floats) -> float:
     return float(min(np.linalg.norm(step, axis=-1).min() for step in steps))
 
 
-def _first_of_same(points: Floats, distance: float) -> Ints:
-    """Number of the first point of those that lie together with each."""
-    pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
-    size = len(points)
-    links = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=(size, size))
-    _, group = connected_components(links, directed=False)
-    _, first = np.unique(group, return_index=True)
-    return first[group]
-
-
-@dataclass
-class _Facets:
-    """Named facets of a mesh while its cells are divided."""
-
-    mesh: Mesh
-
-    def __post_init__(self) -> None:
-        self._left = dict(self.mesh.surfaces)
-        self._new: dict[str, list[Ints]] = {name: [] for name in self._left}
-        self._of_cell = facet_nodes(self.mesh.cell, self.mesh.order)
-
-    def divide(self, some: Ints, made: Ints, quads: Floats, along: int | None) -> None:
-        """Give the names of facets to those of the parts of their cells."""
-        axes = [axis for axis in range(self.mesh.dim) if axis != along]
-        for side, local in enumerate(self._of_cell):
-            axis, end = divmod(side, 2)
-            nodes = np.sort(self.mesh.cells[some][:, local], axis=1)
-            for name, left in self._left.items():
-                at, of = _matched(nodes, np.sort(left, axis=1))
-                if not len(at):
-                    continue
-                self._left[name] = np.delete(left, of, axis=0)
-                for part, facet in self._parts(quads, axes, axis, end, local):
-                    self._new[name].append(made[at, part][:, facet])
-
-    def _parts(
-        self, quads: Floats, axes: list[int], axis: int, end: int, local: Ints
-    ) -> list[tuple[int, Ints]]:
-        """Parts that have a part of a facet of the cell, and which of their facets that is."""
-        if axis not in axes:
-            return [(part, local) for part in range(len(quads))]
-        found = []
-        for part, corners in enumerate(quads):
-            for own in range(2):
-                for of_own in range(2):
-                    line = np.take(corners, of_own, axis=own)[:, axes.index(axis)]
-                    if (line == end).all():
-                        found.append((part, self._of_cell[2 * axes[own] + of_own]))
-        return found
-
-    def named(self) -> dict[str, Ints]:
-        """Facets by name, of cells that were divided and of those that were not."""
-        return {name: np.concatenate([left, *self._new[name]]) for name, left in self._left.items()}
-
-
-def _matched(rows: Ints, others: Ints) -> tuple[Ints, Ints]:
-    """Which rows are among others, all different, and which of those each is."""
-    both = np.concatenate([rows, others])
-    _, group = np.unique(both, axis=0, return_inverse=True)
-    place = np.full(group.max(initial=-1) + 1, -1)
-    place[group[len(rows) :]] = np.arange(len(others))
-    of = place[group[: len(rows)]]
-    at = np.flatnonzero(of >= 0)
-    return at, of[at]
+def _sides_of_parts(quads: Floats, dim: int, along: int | None) -> Ints:
+    """Facet of a cell on which each facet of each of its parts lies; -1 inside, (parts, 2 dim)."""
+    axes = [axis for axis in range(dim) if axis != along]
+    found: Ints = np.full((len(quads), 2 * dim), -1, dtype=np.int64)
+    if along is not None:
+        found[:, [2 * along, 2 * along + 1]] = 2 * along, 2 * along + 1
+    for part, own, of_own in np.ndindex(len(quads), 2, 2):
+        line = quads[part, of_own, :, :] if own == 0 else quads[part, :, of_own, :]
+        for axis, end in np.ndindex(2, 2):
+            if (line[:, axis] == end).all():
+                found[part, 2 * axes[own] + of_own] = 2 * axes[axis] + end
+    return found

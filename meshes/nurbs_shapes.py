@@ -16,8 +16,8 @@ from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cea.arrays import Floats
 from cea.errors import InputError, require
 from meshes.breaks import Breaks, check_ends
 from meshes.crowned import Crowned, crowned_bezier
@@ -25,7 +25,6 @@ from meshes.patches import Face, GivenPatch, NurbsFile, Patches
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
 
-Floats = NDArray[np.float64]
 Faces = Mapping[str, tuple[Face, ...]]
 
 _LINE = np.array([0.0, 0.0, 1.0, 1.0])

@@ -14,17 +14,13 @@ from typing import Any, ClassVar, Literal
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
-from cea.arrays import finite_numbers
+from cea.arrays import Floats, finite_numbers
 from cea.errors import InputError, require
+from meshes.files.content import first_of_near
 from meshes.files.sandbox import checked_state
 from meshes.units import Unit, check_unit, in_metres, is_fit
 
-Floats = NDArray[np.float64]
 Face = tuple[int, int, int]
 Faces = Mapping[str, tuple[Face, ...]]
 Spline = tuple[tuple[int, ...], tuple[tuple[float, ...], ...], Floats, Floats | None]
@@ -158,10 +154,7 @@ class Patches:
         if self.merge_nodes is None:
             return tuple(nets)
         every = np.concatenate([net.reshape(-1, net.shape[-1]) for net in nets])
-        pairs = cKDTree(every).query_pairs(self.merge_nodes, output_type="ndarray")
-        links = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(every),) * 2)
-        _, group = connected_components(links, directed=False)
-        every = every[np.unique(group, return_index=True)[1]][group]
+        every = every[first_of_near(every, self.merge_nodes)]
         ends = np.cumsum([net.size // net.shape[-1] for net in nets])[:-1]
         parts = zip(np.split(every, ends), nets, strict=True)
         return tuple(part.reshape(net.shape) for part, net in parts)
@@ -206,7 +199,7 @@ class NurbsFile:
     """A body of the NURBS patches of a file, joined where their faces coincide.
 
     Formats are the .json of splinepy and the .xml of G+Smo (gismo). Degrees are raised and knots
-    inserted as the mesh says, as those of :class:`Patches`; what the file has stays.
+    inserted as the mesh says, as those of :class:`meshes.patches.Patches`; what the file has stays.
 
     Parameters
     ----------

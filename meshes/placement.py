@@ -3,13 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from cea.arrays import of_size_one
+from cea.arrays import Floats, of_size_one
 from cea.errors import require
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

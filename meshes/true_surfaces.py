@@ -9,13 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cea.arrays import Floats
 from meshes.crowned import Crowned
 from meshes.placement import Placement
 from meshes.shapes import MeshFile, NurbsFile, Patches, Shape, VentilatedDisc, round_surfaces
-
-Floats = NDArray[np.float64]
 
 _IN_PLACE = Placement()
 _STEPS = 20

@@ -5,11 +5,9 @@ from math import pi
 
 import gmsh
 import numpy as np
-from numpy.typing import NDArray
 
+from cea.arrays import Floats
 from meshes.ventilated_disc import VentilatedDisc
-
-Floats = NDArray[np.float64]
 
 _AROUND = 12
 """Elements around each hole, at least."""

@@ -20,7 +20,8 @@ from cea.arrays import Floats, Ints
 from cea.contact.cell_coordinates import continued_coordinates
 from cea.contact.overlaps import SLIVER, STRAIGHT, clip, gauss, rule_on, simplified
 from cea.location import cross
-from cea.surface import Surface, SurfaceCells, SurfaceCoordinates, SurfacePoints
+from cea.surface import Surface
+from cea.surface_points import SurfaceCells, SurfaceCoordinates, SurfacePoints
 
 _POLYLINE = 16
 """Pieces, at most, that stand for an edge of b that is curved in the coordinates of a."""

@@ -23,7 +23,6 @@ COMMANDS = {
     "study": ("study:app", "Run a study: both backends, formulations, accuracy, damping, ..."),
     "figure": ("paper:figure", "Make a figure of the paper."),
     "claims": ("paper:claims", "Judge the paper's claims by the figures' data."),
-    "stability": ("studies:stability", "Run stiff and extreme scenes against references."),
     "bench": ("bench:app", "Time and memory beside other programs and methods."),
     "scene": ("scene:app", "Look at scenes without running them."),
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
@@ -34,6 +33,7 @@ COMMANDS = {
 RENAMED = {
     "brake": "study brake",
     "damping": "study damping",
+    "stability": "study stability",
     "compare": "study agreement",
     "export": "scene export",
     "formulations": "study formulations",

@@ -24,6 +24,10 @@ STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
         *("formulations.study:STUDY", "Which formulations pass patch tests, lock, keep momentum."),
         ("exact",),
     ),
+    "stability": (
+        *("stability.study:STUDY", "Stiff and extreme scenes beside references."),
+        ("exact",),
+    ),
     "brake": ("brake.study:STUDY", "A ventilated brake on several meshes.", ()),
     "reference": ("reference.study:STUDY", "Converged modes of disc and pad, as stored.", ()),
     "damping": ("damping:STUDY", "How damping moves the threshold of flutter.", ("exact",)),

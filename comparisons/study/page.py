@@ -158,8 +158,10 @@ def _section(
                 save(plots.draw(plot, result), out / f"{plot.name}.png")
                 drawn.append({"plot": plot, "panels": made})
             continue
-        name = getattr(plot, "__name__", "figure")
-        save(plot(result), out / f"{name}.png")
+        name, figure = getattr(plot, "__name__", "figure"), plot(result)
+        if figure is None:
+            continue
+        save(figure, out / f"{name}.png")
         caption = " ".join((plot.__doc__ or "").split())
         images.append({"image": Image.of(out / f"{name}.png"), "caption": caption})
     modes = section.modes and shapes is not None and bool(shapes.keys)

@@ -36,11 +36,14 @@ class Process:
         Time for a case, the start of the process not counted.
     ranks
         Ranks of a case.
+    at_once
+        Processes that share the cases.
     """
 
     study: str
     seconds: float
     ranks: Callable[[Any], int] = _one
+    at_once: int = 1
 
 
 @dataclass(frozen=True)

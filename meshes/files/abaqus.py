@@ -12,16 +12,10 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from meshes.files.abaqus_deck import Keyword, Scope, Type, keywords_of
-from meshes.files.content import (
-    ElementBlock,
-    FileContent,
-    Floats,
-    Ints,
-    Sets,
-    known_rows,
-)
+from meshes.files.content import ElementBlock, FileContent, Sets, known_rows
 from meshes.files.kinds import FACES
 
 _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INPUT")

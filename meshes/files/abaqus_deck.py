@@ -8,9 +8,10 @@ from typing import Literal
 
 import numpy as np
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.files import regular
-from meshes.files.content import ElementBlock, Floats, Ints, Role, rows_of, without_nodes
+from meshes.files.content import ElementBlock, Role, rows_of, without_nodes
 from meshes.files.kinds import KINDS, block
 
 _KEYWORD = re.compile(rb"^[ \t]*\*((?:[^\n]*,[ \t]*\n(?![ \t]*\*))*[^\n]*)", re.MULTILINE)

@@ -9,16 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from cea.arrays import Ints
 from cea.errors import InputError, require
-from meshes.files.content import (
-    ElementBlock,
-    FileContent,
-    Ints,
-    Role,
-    known_rows,
-    rows_of,
-    without_nodes,
-)
+from meshes.files.content import ElementBlock, FileContent, Role, known_rows, rows_of, without_nodes
 from meshes.files.kinds import block
 from meshes.files.sandbox import arrays_of
 

@@ -6,6 +6,7 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.mesh import (
     DIMENSION,
@@ -17,7 +18,7 @@ from cea.mesh import (
     node_order,
     reference_nodes,
 )
-from meshes.files.content import FileContent, Floats, Ints, node_marks
+from meshes.files.content import FileContent, node_marks
 from meshes.files.kinds import facet_sides
 from meshes.files.part import Part, check_nodes
 from meshes.files.surfaces import surface_faces

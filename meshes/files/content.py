@@ -6,11 +6,13 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
+from cea.arrays import Floats, Ints
 from cea.errors import require
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Role = Literal["solid", "mark", "structural"]
 
 
@@ -204,3 +206,12 @@ def shown(names: Iterable[str], limit: int = 20) -> str:
     known = list(names)
     more = f" and {len(known) - limit} more" if len(known) > limit else ""
     return ", ".join(known[:limit]) + more if known else "none"
+
+
+def first_of_near(points: Floats, distance: float) -> Ints:
+    """Number of the first of the points that a chain of steps below a distance joins to each."""
+    pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
+    size = len(points)
+    links = coo_array((np.ones(len(pairs), dtype=bool), tuple(pairs.T)), shape=(size, size))
+    _, group = connected_components(links, directed=False)
+    return np.unique(group, return_index=True)[1][group].astype(np.int64)

@@ -8,16 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from cea.arrays import Ints
 from cea.errors import require
 from cea.mesh import matching_nodes, reference_nodes
-from meshes.files.content import (
-    DIVIDED,
-    ElementBlock,
-    FileContent,
-    Ints,
-    rows_of,
-    without_copies,
-)
+from meshes.files.content import DIVIDED, ElementBlock, FileContent, rows_of, without_copies
 from meshes.files.kinds import full_kind
 from meshes.files.sandbox import arrays_of
 
@@ -39,7 +33,11 @@ def gmsh_content(file: Path) -> FileContent:
     """Nodes, elements and physical groups of a file."""
     with file.open("rb") as stream:
         require(stream.read(11) == b"$MeshFormat", "file", str(file), "a .msh file of gmsh")
-    arrays = arrays_of(Path(__file__), file)
+    return content_of(arrays_of(Path(__file__), file))
+
+
+def content_of(arrays: Mapping[str, Any]) -> FileContent:
+    """Nodes, elements and physical groups of the arrays of a model."""
     what, numbers = json.loads(arrays["what"].item()), arrays["tags"]
     require(len(numbers) > 0, "file", "no nodes", "a mesh")
     points = arrays["positions"].reshape(-1, 3)
@@ -94,15 +92,8 @@ def _groups(
     return {name: np.concatenate(parts) for name, parts in sets.items() if parts}
 
 
-def _write_arrays(mesh: str, arrays: str) -> None:
-    """Read a mesh and write nodes, elements of each kind in each entity, kinds and groups."""
-    import gmsh
-
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.option.setNumber("General.NumThreads", 1)
-    gmsh.merge(mesh)
-    model = gmsh.model
+def arrays_of_model(model: Any) -> dict[str, Any]:
+    """Nodes, elements of each kind in each entity, kinds and physical groups of a gmsh model."""
     tags, positions, _ = model.mesh.getNodes()
     found: dict[str, Any] = {}
     blocks: list[list[int]] = []
@@ -119,7 +110,19 @@ def _write_arrays(mesh: str, arrays: str) -> None:
         entities = model.getEntitiesForPhysicalGroup(dim, tag).tolist()
         groups.append([int(dim), int(tag), model.getPhysicalName(dim, tag), entities])
     what = json.dumps({"blocks": blocks, "kinds": kinds, "groups": groups})
-    np.savez(arrays, tags=tags.astype(np.int64), positions=positions, what=what, **found)
+    tags = tags.astype(np.int64)
+    return found | {"tags": tags, "positions": positions, "what": np.array(what)}
+
+
+def _write_arrays(mesh: str, arrays: str) -> None:
+    """Read a mesh and write its arrays."""
+    import gmsh
+
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("General.NumThreads", 1)
+    gmsh.merge(mesh)
+    np.savez(arrays, **arrays_of_model(gmsh.model))
 
 
 if __name__ == "__main__":

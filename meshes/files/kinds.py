@@ -4,9 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cea.mesh import Cell, facet_nodes, node_order
-from meshes.files.content import ElementBlock, Floats, Ints, Role
+from cea.arrays import Floats, Ints
+from cea.mesh import Cell, Mesh, facet_nodes, node_order
+from meshes.files.content import ElementBlock, Role
 
 _SAME = 1e-6
 """Reference nodes nearer than this are one."""
@@ -140,3 +142,19 @@ def block(
     """Elements of a kind in :data:`KINDS` whose nodes, (n, n_nodes), are in its order."""
     cell, order, _, reference = KINDS[kind]
     return ElementBlock(name, cell, order, numbers, nodes, reference, role)
+
+
+def named_sides(mesh: Mesh) -> dict[str, NDArray[np.bool_]]:
+    """Which facets of which cells have each name, (n_cells, n_facets)."""
+    of_cell = facet_nodes(mesh.cell, mesh.order)
+    found = {name: np.zeros((len(mesh.cells), len(of_cell)), dtype=bool) for name in mesh.surfaces}
+    for side, local in enumerate(of_cell):
+        nodes = np.sort(mesh.cells[:, local], axis=1)
+        for name, facets in mesh.surfaces.items():
+            found[name][np.isin(_keys(nodes), _keys(np.sort(facets, axis=1))), side] = True
+    return found
+
+
+def _keys(rows: Ints) -> NDArray[np.void]:
+    """Rows as single values, equal for equal rows, (n,)."""
+    return np.ascontiguousarray(rows).view([("", rows.dtype)] * rows.shape[1]).ravel()

@@ -16,8 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
-from meshes.files.content import ElementBlock, FileContent, Floats, Ints, Role, rows_of
+from meshes.files.content import ElementBlock, FileContent, Role, rows_of
 from meshes.files.kinds import block
 from meshes.files.sandbox import checked_state
 

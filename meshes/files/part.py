@@ -10,9 +10,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.mesh import Cell
-from meshes.files.content import DIVIDED, ElementBlock, FileContent, Floats, Ints, Sets, shown
+from meshes.files.content import DIVIDED, ElementBlock, FileContent, Sets, first_of_near, shown
 from meshes.files.kinds import lacks_middles
 
 _SAME = 1e-6
@@ -120,13 +121,7 @@ def merged(content: FileContent, distance: float) -> FileContent:
     shortest = min((float(_edges(content.points, c).min()) for c in cells), default=np.inf)
     allowed = f"less than half the shortest edge of an element, {shortest:g}"
     require(distance < shortest / 2, "merge_nodes", distance, allowed)
-    pairs = cKDTree(content.points).query_pairs(distance, output_type="ndarray")
-    n = len(content.points)
-    links = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(n, n))
-    _, group = connected_components(links, directed=False)
-    first = np.full(group.max() + 1, n, dtype=np.int64)
-    np.minimum.at(first, group, np.arange(n))
-    number = first[group]
+    number = first_of_near(content.points, distance)
     blocks = [replace(block, nodes=number[block.nodes]) for block in content.blocks]
     sets = Sets(content.node_sets, lambda rows: np.unique(number[rows]))
     return replace(content, blocks=blocks, node_sets=sets)

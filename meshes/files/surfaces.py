@@ -8,8 +8,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import Ints
 from cea.errors import InputError
-from meshes.files.content import FileContent, Ints, node_marks, shown
+from meshes.files.content import FileContent, node_marks, shown
 from meshes.files.kinds import FACES, side_nodes
 from meshes.files.part import Part
 

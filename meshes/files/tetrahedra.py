@@ -16,9 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cea.arrays import Floats, Ints
 from cea.errors import require
 from cea.mesh import facet_nodes, node_order
-from meshes.files.content import ElementBlock, Floats, Ints, node_marks
+from meshes.files.content import ElementBlock, node_marks
 from meshes.files.kinds import FACES, full_kind, lacks_middles
 
 

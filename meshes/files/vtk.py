@@ -8,9 +8,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.files import regular
-from meshes.files.content import ElementBlock, FileContent, Floats, Ints, without_copies
+from meshes.files.content import ElementBlock, FileContent, without_copies
 from meshes.files.kinds import KINDS, block
 
 _CELLS = {

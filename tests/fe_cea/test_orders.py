@@ -16,7 +16,7 @@ from scipy.sparse.linalg import spsolve
 from cea.errors import InputError
 from cea.location import locate_along
 from cea.supports.boundary import Pressure, Support
-from cea.surface import Status, SurfaceCoordinates
+from cea.surface_points import Status, SurfaceCoordinates
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
 

@@ -10,7 +10,7 @@ from bodies import lagrange_body
 from cea.errors import InputError
 from cea.location import locate_along
 from cea.material import IsotropicMaterial
-from cea.surface import Status, SurfaceCoordinates
+from cea.surface_points import Status, SurfaceCoordinates
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
@@ -333,9 +333,9 @@ def test_wrong_requests_are_refused():
     surface = make("box", "hexahedron", 1).surfaces["x_min"]
     with pytest.raises(InputError, match="greville"):
         surface.abscissae("greville")
-    with pytest.raises(InputError, match="at least 1"):
+    with pytest.raises(InputError, match="at least one"):
         surface.gauss_points(0)
-    with pytest.raises(InputError, match="at least 2"):
+    with pytest.raises(InputError, match="at least two"):
         surface.grid(1)
     lost = SurfaceCoordinates(np.array([0, -1]), np.full((2, 2), 0.5))
     for evaluate in (surface.position, surface.normal, surface.trace, surface.gradient):

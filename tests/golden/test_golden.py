@@ -20,7 +20,7 @@ from comparisons.formulations.pairings import PAIRINGS
 from comparisons.formulations.study import STUDY, Options
 from comparisons.peers import calculix
 from comparisons.study.run import run
-from scenes.deck.write import write_deck
+from scenes.export.decks.write import write_deck
 
 QUICK = ("blocks_iga", "hertz_cylinder_iga", "patch_test_fe")
 """Frozen scenes that the quick tests run, a second or two each."""

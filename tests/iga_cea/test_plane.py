@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 from cea.body import Body
 from cea.errors import InputError
 from cea.supports.boundary import Pressure, Spring, Support
-from cea.surface import Status
+from cea.surface_points import Status
 from meshes.placement import Placement
 from meshes.shapes import Rectangle, Ring, RingSector
 

@@ -12,8 +12,8 @@ from mpi import cea_on_ranks
 
 from comparisons.cli.app import main
 from scenes import run_modes
-from scenes.deck.bodies import deck_bodies
-from scenes.deck.write import write_deck
+from scenes.export.decks.bodies import deck_bodies
+from scenes.export.decks.write import write_deck
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from mpi import on_ranks
 
 from comparisons.peers import calculix as peer
 from scenes.body_meshes import body_mesh, used_surfaces
-from scenes.deck.write import write_deck
+from scenes.export.decks.write import write_deck
 from scenes.read import read_scene
 from scenes.run import run_modes
 

@@ -8,7 +8,8 @@ from typing import ClassVar
 
 from cea.contact.coupling import Coupling
 from cea.errors import InputError
-from cea.surface import Surface, SurfacePoints
+from cea.surface import Surface
+from cea.surface_points import SurfacePoints
 
 
 class Formulation(ABC):

@@ -5,7 +5,8 @@ from typing import ClassVar, Literal
 
 from cea.contact.coupling import Coupling
 from cea.contact.formulations.base import Formulation, check_points, register
-from cea.surface import Surface, SurfacePoints
+from cea.surface import Surface
+from cea.surface_points import SurfacePoints
 
 
 @register

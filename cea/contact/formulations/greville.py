@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from cea.contact.formulations.base import Formulation, register
-from cea.surface import Surface, SurfacePoints
+from cea.surface import Surface
+from cea.surface_points import SurfacePoints
 
 
 @register

@@ -12,11 +12,11 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from cea.contact.friction import Circumferential
-from scenes.deck.bodies import DeckBody
-from scenes.deck.contacts import DeckContact, deck_contacts
-from scenes.deck.lines import comments, joined, keyword, number, numbers
-from scenes.deck.sliding import RigidMotion, moving_bodies
-from scenes.deck.supports import boundary_lines, displacement_lines, local_frames
+from scenes.export.decks.bodies import DeckBody
+from scenes.export.decks.contacts import DeckContact, deck_contacts
+from scenes.export.decks.lines import comments, joined, keyword, number, numbers
+from scenes.export.decks.sliding import RigidMotion, moving_bodies
+from scenes.export.decks.supports import boundary_lines, displacement_lines, local_frames
 from scenes.read import Scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 
@@ -29,13 +29,7 @@ BASIS = 2
 def abaqus_text(
     scene: Scene, bodies: Mapping[str, DeckBody], model: str, modes: int, told: list[str]
 ) -> str:
-    """Text of the deck; parameters as for :func:`scenes.deck.calculix.calculix_text`.
-
-    Raises
-    ------
-    InputError
-        When no motion makes friction act as the scene says.
-    """
+    """Text of the deck; parameters as for :func:`scenes.export.decks.calculix.calculix_text`."""
     contacts = deck_contacts(scene.contacts, bodies, RELATIVE_CLOSURE)
     motions = moving_bodies(scene.contacts, bodies)
     heading = [

@@ -9,7 +9,7 @@ import numpy as np
 from cea.errors import InputError
 from cea.mesh import Floats, Ints, Mesh, lattice
 from scenes.body_meshes import body_mesh, used_surfaces
-from scenes.deck.elements import ELEMENTS, element_nodes, faces_of
+from scenes.export.decks.elements import ELEMENTS, element_nodes, faces_of
 from scenes.read import Scene
 from scenes.spec.body import BodySpec
 
@@ -52,7 +52,7 @@ class DeckBody:
     @property
     def element_type(self) -> str:
         """Name of its elements."""
-        return ELEMENTS[self.mesh.cell, self.mesh.order].name
+        return ELEMENTS[self.mesh.cell, self.mesh.order]
 
     @cached_property
     def elements(self) -> Ints:
@@ -65,7 +65,7 @@ class DeckBody:
 
     def faces_of(self, surface: str) -> tuple[Ints, Ints]:
         """Elements, from 0, and faces, from 1, of a surface."""
-        return faces_of(self.mesh, self.elements, self.mesh.surfaces[surface])
+        return faces_of(self.mesh, surface)
 
     def area_of(self, surface: str) -> float:
         """Area of a surface (m^2; m in the plane)."""
@@ -116,13 +116,7 @@ def _gauss(dim: int, simplex: bool) -> tuple[Floats, Floats]:
 
 
 def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
-    """Bodies of a scene by name, meshed and numbered; the scene was checked before.
-
-    Raises
-    ------
-    InputError
-        When a mesh file has elements that a deck has not.
-    """
+    """Bodies of a scene by name, meshed and numbered; the scene was checked before."""
     bodies: dict[str, DeckBody] = {}
     node = element = 1
     for name, spec in scene.bodies.items():

@@ -8,24 +8,14 @@ import numpy as np
 from cea.errors import InputError
 from cea.mesh import Floats, Ints
 from cea.supports.frames import Cylindrical
-from scenes.deck.bodies import DeckBody, set_name
-from scenes.deck.lines import keyword, numbers, set_lines, value_lines
+from scenes.export.decks.bodies import DeckBody, set_name
+from scenes.export.decks.lines import keyword, numbers, set_lines, value_lines
 from scenes.spec.support import SupportSpec
 
 
 @dataclass(frozen=True)
 class LocalFrame:
-    """A cylindrical frame of some nodes.
-
-    Parameters
-    ----------
-    name
-        Name of the set of these nodes.
-    nodes
-        Their rows in the mesh of the body, rising.
-    origin, axis
-        A point of the axis (m) and its direction, three numbers each.
-    """
+    """A cylindrical frame of some nodes."""
 
     name: str
     nodes: Ints
@@ -54,13 +44,7 @@ _Frame = tuple[tuple[float, ...], tuple[float, ...]] | None
 
 
 def local_frames(body: DeckBody) -> list[LocalFrame]:
-    """Cylindrical frames that the supports of a body need.
-
-    Raises
-    ------
-    InputError
-        When a node would need two frames.
-    """
+    """Cylindrical frames that the supports of a body need."""
     frames: dict[tuple[tuple[float, ...], tuple[float, ...]], list[Ints]] = {}
     others: list[tuple[int, _Frame, Ints]] = []
     for i, spec in enumerate(body.spec.supports):

@@ -12,7 +12,7 @@ import numpy as np
 from cea.contact.friction import AlongVector, Circumferential, FrictionDirection
 from cea.errors import InputError
 from cea.mesh import Floats
-from scenes.deck.bodies import DeckBody
+from scenes.export.decks.bodies import DeckBody
 from scenes.spec.contact import ContactSpec
 
 _TANGENT = 1e-6
@@ -21,15 +21,7 @@ _TANGENT = 1e-6
 
 @dataclass(frozen=True)
 class RigidMotion:
-    """A rigid velocity, of size one where it is slowest.
-
-    Parameters
-    ----------
-    direction
-        Direction of friction on side a: along a vector, or circumferential.
-    radius
-        Least distance from the axis (m) of a point that slides; 1 of a translation.
-    """
+    """A rigid velocity, of size one where it is slowest."""
 
     direction: AlongVector | Circumferential
     radius: float = 1.0
@@ -48,14 +40,7 @@ class RigidMotion:
 def moving_bodies(
     contacts: Mapping[str, ContactSpec], bodies: Mapping[str, DeckBody]
 ) -> dict[str, RigidMotion]:
-    """Motions of the bodies that move, by name; all others rest.
-
-    Raises
-    ------
-    InputError
-        When a direction of friction is none of a rigid motion that keeps the sides together, or
-        bodies would move in two ways.
-    """
+    """Motions of the bodies that move, by name; all others rest."""
     found: dict[str, tuple[str, FrictionDirection]] = {}
     motions: dict[str, RigidMotion] = {}
     resting = {c.a.split(".")[0] for c in contacts.values() if c.mu}

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.errors import InputError
-from scenes.deck.bodies import DeckBody, set_name
-from scenes.deck.lines import keyword, number, numbers
+from scenes.export.decks.bodies import DeckBody, set_name
+from scenes.export.decks.lines import keyword, number, numbers
 from scenes.spec.contact import ContactSpec
 
 
@@ -82,17 +82,7 @@ class DeckContact:
 def deck_contacts(
     contacts: Mapping[str, ContactSpec], bodies: Mapping[str, DeckBody], relative_closure: float
 ) -> list[DeckContact]:
-    """Contacts of a scene that was checked before.
-
-    Parameters
-    ----------
-    contacts
-        What the scene says of them.
-    bodies
-        Its bodies.
-    relative_closure
-        Closure over the size of all bodies.
-    """
+    """Contacts of a scene that was checked before."""
     points = np.concatenate([body.mesh.points for body in bodies.values()])
     closure = relative_closure * float(np.ptp(points, axis=0).max())
     return [

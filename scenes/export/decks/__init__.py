@@ -1,4 +1,4 @@
 """Scenes written as input decks of other programs: Abaqus and CalculiX.
 
-:func:`scenes.deck.write.write_deck` is what callers need.
+:func:`scenes.export.decks.write.write_deck` is what callers need.
 """

@@ -13,11 +13,11 @@ slip CalculiX gives a point its stick stiffness, which the scene has not: it is 
 
 from collections.abc import Iterator, Mapping
 
-from scenes.deck.bodies import DeckBody
-from scenes.deck.contacts import DeckContact, deck_contacts
-from scenes.deck.lines import comments, joined, keyword, numbers
-from scenes.deck.sliding import RigidMotion, moving_bodies
-from scenes.deck.supports import boundary_lines, displacement_lines
+from scenes.export.decks.bodies import DeckBody
+from scenes.export.decks.contacts import DeckContact, deck_contacts
+from scenes.export.decks.lines import comments, joined, keyword, numbers
+from scenes.export.decks.sliding import RigidMotion, moving_bodies
+from scenes.export.decks.supports import boundary_lines, displacement_lines
 from scenes.read import Scene
 
 RELATIVE_CLOSURE = 1e-12
@@ -33,26 +33,7 @@ _BEYOND = 2.0
 def calculix_text(
     scene: Scene, bodies: Mapping[str, DeckBody], model: str, modes: int, told: list[str]
 ) -> str:
-    """Text of the deck.
-
-    Parameters
-    ----------
-    scene
-        The scene, which was checked before.
-    bodies
-        Its bodies.
-    model
-        Name of the file of the model.
-    modes
-        Number of modes.
-    told
-        Lines that say what the deck is.
-
-    Raises
-    ------
-    InputError
-        When no motion makes friction act as the scene says.
-    """
+    """Text of the deck."""
     contacts = deck_contacts(scene.contacts, bodies, RELATIVE_CLOSURE)
     heading = [*comments(told), f"*INCLUDE, INPUT={model}", *boundary_lines(bodies)]
     if not contacts:

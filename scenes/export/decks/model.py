@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 
-from scenes.deck.bodies import DeckBody, material_name, set_name
-from scenes.deck.lines import (
+from scenes.export.decks.bodies import DeckBody, material_name, set_name
+from scenes.export.decks.lines import (
     comments,
     element_lines,
     face_lines,
@@ -13,7 +13,7 @@ from scenes.deck.lines import (
     numbers,
     set_lines,
 )
-from scenes.deck.supports import transform_lines
+from scenes.export.decks.supports import transform_lines
 from scenes.read import Scene
 
 
