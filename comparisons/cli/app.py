@@ -26,11 +26,8 @@ COMMANDS = {
     "bench": ("bench:app", "Time and memory beside other programs and methods."),
     "scene": ("scene:app", "Look at scenes without running them."),
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
-    "export": ("export:export", "Write a scene as input decks of other programs."),
     "doctor": ("doctor:doctor", "Tell whether this installation works, and what mends it."),
     "accuracy": ("studies:accuracy", "Error of every method against run time."),
-    "race": ("race:race", "Time a scene of matrices beside other programs."),
-    "peers": ("peers:peers", "What CalculiX and this program find on the same meshes."),
 }
 """Place of each command below this package, and its help."""
 RENAMED = {
@@ -38,7 +35,10 @@ RENAMED = {
     "damping": "study damping",
     "stability": "study stability",
     "compare": "study agreement",
+    "export": "scene export",
     "formulations": "study formulations",
+    "peers": "bench calculix",
+    "race": "bench matrices",
     "reference": "study reference",
 }
 """Commands under the names that they had, and what they are called now."""

@@ -1,4 +1,4 @@
-"""The command ``cea export``: a scene for other programs."""
+"""The command ``cea scene export``: a scene for other programs."""
 
 from pathlib import Path
 from typing import Annotated, Literal
