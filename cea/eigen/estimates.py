@@ -114,6 +114,7 @@ def _window(problem: EigenProblem, found: Found, search: WindowSearch, values: C
         "bounded": found.bounded,
         "odd": found.odd,
         "symmetric_count": found.counted,
+        "whole": found.subspace.whole,
     }
     if isinstance(search, DampedSearch):
         below = int(np.sum((values.imag >= 0) & (values.imag <= end)))

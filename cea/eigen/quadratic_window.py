@@ -30,12 +30,12 @@ class QuadraticWindow(Window):
     def evidence(self) -> str:
         """Why the window is believed complete, or how far it is not, in words."""
         found = (
-            f"{self.found} eigenvalues lambda fill {self.discs} "
-            f"disc{'s' * (self.discs > 1)}, which hold the window down to the growth rate "
-            f"{self.min_growth:.4g} 1/s and in which appended random vectors found no further one"
+            f"{self.searched}; the window reaches down to the growth rate {self.min_growth:.4g} 1/s"
         )
         if self.odd:
             return f"{found}; the sign of a determinant shows that a real one is missing"
+        if self.whole:
+            return found
         if self.bounded:
             return f"{found}; no eigenvalue of the window grows faster"
         return f"{found}; modes that grow faster than {self.max_growth:.4g} 1/s are not excluded"

@@ -54,6 +54,8 @@ class Window:
         growth is above their errors.
     lowest
         Frequency (Hz) of the lowest mode above an empty window, where it was found.
+    whole
+        Whether the system is so small that all eigenvalues were computed.
     """
 
     max_frequency: float
@@ -69,6 +71,17 @@ class Window:
     symmetric_count: int | None
     growing_above: tuple[tuple[float, float], ...] = field(default=(), kw_only=True)
     lowest: float | None = field(default=None, kw_only=True)
+    whole: bool = field(default=False, kw_only=True)
+
+    @property
+    def searched(self) -> str:
+        """What was computed, and why nothing is missing there, in words."""
+        if self.whole:
+            return f"LAPACK computed all eigenvalues, of which {self.found} were kept"
+        return (
+            f"{self.found} eigenvalues fill {self.discs} disc{'s' * (self.discs > 1)}, "
+            "in which appended random vectors found no further one"
+        )
 
     @property
     def complete(self) -> bool:
@@ -91,12 +104,11 @@ class Window:
                 f"below kappa = {self.upper:.5g} {self.found_below} eigenvalues were found, and "
                 f"the inertia of S - kappa M counts {self.symmetric_count}"
             )
-        found = (
-            f"{self.found} eigenvalues fill {self.discs} disc{'s' * (self.discs > 1)}, "
-            "in which appended random vectors found no further one"
-        )
+        found = self.searched
         if self.odd:
             return f"{found}; the sign of a determinant shows that a real one is missing"
+        if self.whole:
+            return found
         if self.bounded:
             return f"{found}; no eigenvalue lies farther"
         return f"{found}; modes that grow faster than {self.max_growth:.4g} 1/s are not excluded"
