@@ -17,14 +17,14 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study
-from scenes.names import backend_name
-from scenes.read import Scene, load_scene
-from scenes.results import ModesResult
-from scenes.run import run_scene
-from scenes.run_matching import match_unstable
+from scenes.results.matching import match_unstable
+from scenes.results.result import ModesResult
+from scenes.running.run import run_scene
 from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.variants import BACKENDS, on_backend, with_contact
+from scenes.spec.names import backend_name
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import BACKENDS, on_backend, with_contact
 
 EXPECTED = {
     ("Greville", 25, 1e14): 1722.0,

@@ -14,9 +14,9 @@ from cea.arrays import Complexes, Floats
 from cea.eigen.eigenvalue_matching import match_spectrum
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, overrides
-from scenes.read import load_scene
-from scenes.results import ModesResult
-from scenes.run import run_modes
+from scenes.results.result import ModesResult
+from scenes.running.run import run_modes
+from scenes.spec.reading import load_scene
 
 REACH = 0.25
 """Relative distance at which a computed eigenvalue no longer stands for an exact one."""

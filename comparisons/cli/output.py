@@ -12,8 +12,8 @@ from comparisons.kit.tables import Table as ReportTable
 
 if TYPE_CHECKING:
     from comparisons.study.sections import Table as FrameTable
-    from scenes.matrix_run import MatrixResult
-    from scenes.results import ModesResult, StaticResult
+    from scenes.results.result import ModesResult, StaticResult
+    from scenes.running.matrices import MatrixResult
 
 console = Console(highlight=False)
 
@@ -88,7 +88,7 @@ def print_result(
     to
         Where it is printed.
     """
-    from scenes.results import StaticResult
+    from scenes.results.result import StaticResult
 
     if isinstance(result, StaticResult):
         say(to, str(result))
@@ -116,7 +116,7 @@ def print_warnings(warnings: Iterable[Mapping[str, Any]], to: Console = console)
 
 def _say_left_out(skipped: Mapping[str, str], to: Console) -> None:
     """Name what the run did without; the reasons stand in result.json."""
-    from scenes.unused import GIVEN
+    from scenes.checking.unused import GIVEN
 
     given = [name for name, reason in skipped.items() if reason.startswith(GIVEN)]
     others = [name for name in skipped if name not in given]

@@ -7,10 +7,10 @@ import typer
 
 if TYPE_CHECKING:
     from comparisons.cli.progress import Working
-    from scenes.matrix_run import MatrixResult
-    from scenes.matrix_scene import MatrixScene
-    from scenes.read import Scene
-    from scenes.results import ModesResult, StaticResult
+    from scenes.results.result import ModesResult, StaticResult
+    from scenes.running.matrices import MatrixResult
+    from scenes.spec.matrices import MatrixScene
+    from scenes.spec.reading import Scene
 
 
 def run(
@@ -40,7 +40,7 @@ def run(
 ) -> None:
     """Run one scene and write its result.json."""
     from comparisons.cli.explain import explain_bodies, explain_matrices
-    from scenes.matrix_scene import is_of_matrices, load_matrices
+    from scenes.spec.matrices import is_of_matrices, load_matrices
 
     inputs = {"scene": scene, "set": set_ or [], "backend": backend}
     if is_of_matrices(scene):
@@ -62,7 +62,7 @@ def run(
 
 def _results_of(scene: "Scene | MatrixScene") -> Path:
     """Folder of the results of a scene where none is given."""
-    from scenes.names import file_name
+    from scenes.spec.names import file_name
 
     return Path("results") / file_name(scene.name)
 
@@ -86,9 +86,9 @@ def report_matrices(
     from comparisons.cli.extras import need
     from comparisons.cli.progress import working
     from comparisons.kit.records import last_seconds
-    from scenes.describe import RUN
-    from scenes.matrix_run import run_matrices
-    from scenes.out_folder import check_run_out
+    from scenes.results.describe import RUN
+    from scenes.results.folder import check_run_out
+    from scenes.running.matrices import run_matrices
 
     expected = last_seconds(out, RUN, inputs)
     with working("reading matrices", expected=expected) as work:
@@ -110,10 +110,10 @@ def _run_bodies(
     from comparisons.cli.extras import need
     from comparisons.cli.progress import working
     from comparisons.kit.records import last_seconds
-    from scenes.describe import RUN
-    from scenes.out_folder import check_run_out
-    from scenes.read import load_scene
-    from scenes.run import run_scene
+    from scenes.results.describe import RUN
+    from scenes.results.folder import check_run_out
+    from scenes.running.run import run_scene
+    from scenes.spec.reading import load_scene
 
     with working("reading the scene"):
         chosen = load_scene(inputs["scene"], inputs["set"], inputs["backend"])
@@ -136,9 +136,9 @@ def _write(
     """Print a result, then put it in the place of an earlier one."""
     from comparisons.cli.output import console, print_result, say
     from comparisons.cli.progress import working
-    from scenes.describe import save_result
-    from scenes.matrix_run import MatrixResult
-    from scenes.out_folder import RESULT, new_folder
+    from scenes.results.describe import save_result
+    from scenes.results.folder import RESULT, new_folder
+    from scenes.running.matrices import MatrixResult
 
     page = None
     print_result(result)
@@ -165,7 +165,7 @@ def _draw(
     result: "ModesResult | StaticResult", folder: Path, work: "Working"
 ) -> dict[str, list[str]]:
     """Write the pictures and files for ParaView that a scene asks for; their names."""
-    from scenes.results import ModesResult
+    from scenes.results.result import ModesResult
 
     files = {}
     output = result.scene.output
@@ -175,13 +175,13 @@ def _draw(
         work.stage("pictures")
         pictures = draw_contacts(result, folder)
         if isinstance(result, ModesResult):
-            from scenes.pictures import draw_modes
+            from scenes.export.pictures import draw_modes
 
             pictures += draw_modes(result, output.pictures, folder, animated=True)
         files["pictures"] = [file.name for file in pictures]
     if output.paraview:
-        from scenes.paraview import write_paraview
-        from scenes.paraview_steps import write_load_steps
+        from scenes.export.paraview import write_paraview
+        from scenes.export.paraview_steps import write_load_steps
 
         work.stage("files for ParaView")
         collections = write_paraview(result, output.paraview, folder)

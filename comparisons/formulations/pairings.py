@@ -18,13 +18,13 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
-from scenes.names import backend_name
-from scenes.read import Scene, load_scene
-from scenes.results import ModesResult
-from scenes.run_matching import match_unstable
+from scenes.results.matching import match_unstable
+from scenes.results.result import ModesResult
 from scenes.spec.body import Backend, BodySpec
 from scenes.spec.mesh import MeshSpec
-from scenes.variants import BACKENDS, with_contact
+from scenes.spec.names import backend_name
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import BACKENDS, with_contact
 
 FREQUENCY_BOUND = 0.01
 """Largest relative difference of frequencies that agree."""

@@ -13,7 +13,7 @@ from cea.arrays import Floats
 from cea.contact.operators import Contact
 from cea.system.sliding_state import ContactState
 from comparisons.kit.plots import AXIS, BLUE, GREY, save
-from scenes.results import ModesResult, StaticResult
+from scenes.results.result import ModesResult, StaticResult
 
 _OPEN = "#D9D9D9"
 _FLAT = 0.5

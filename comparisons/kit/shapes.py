@@ -16,8 +16,8 @@ from cea.eigen.classify import BY_URGENCY, GROWING
 from comparisons.kit.binary import STEPS, Binary, quantised
 from comparisons.kit.interactive import literal
 from comparisons.kit.numbers import growth, number
-from scenes.results import ModesResult, StaticResult
-from scenes.skin import Skin, skins
+from scenes.pictures.skin import Skin, skins
+from scenes.results.result import ModesResult, StaticResult
 
 _POINTS = 4000
 """Points of the outsides of a scene, about: more are not seen on a screen."""
@@ -88,7 +88,7 @@ class Shapes:
         title
             What is said of the result.
         """
-        from scenes.drawing import largest_deflection  # brings pyvista
+        from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
         outside = _outside(result)
         shapes = {
@@ -112,7 +112,7 @@ class Shapes:
     def _add_scene(
         self, key: str, result: ModesResult | StaticResult, outside: Mapping[str, Skin]
     ) -> None:
-        from scenes.drawing import view_of  # brings pyvista
+        from scenes.pictures.drawing import view_of  # brings pyvista
 
         points = [skin.points for skin in outside.values()]
         scene = self._scene(outside)
@@ -175,7 +175,7 @@ class Shapes:
 
 def _outside(result: ModesResult | StaticResult) -> dict[str, Skin]:
     """Outsides of the bodies with no more points than a page has room for; collective."""
-    from scenes.decimation import reduced  # brings pyvista
+    from scenes.pictures.decimation import reduced  # brings pyvista
 
     return reduced(skins(result.bodies, _POINTS), _MOST_POINTS)
 

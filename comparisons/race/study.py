@@ -17,9 +17,9 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 from cea.arrays import Complexes
 from cea.errors import InputError
 from cea.petsc import MPI
-from scenes.matrix_run import AssembledMatrices, MatrixResult
-from scenes.matrix_scene import MatrixScene
-from scenes.stored import record
+from scenes.results.record import record
+from scenes.running.matrices import AssembledMatrices, MatrixResult
+from scenes.spec.matrices import MatrixScene
 
 COMMAND = "race"
 SHIFTS = 5

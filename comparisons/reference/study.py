@@ -24,12 +24,12 @@ from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study
 from meshes.breaks import graded
-from scenes.read import Scene, load_scene
-from scenes.results import ModesResult
-from scenes.run_matching import match_runs
+from scenes.results.matching import match_runs
+from scenes.results.result import ModesResult
 from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.variants import on_backend, with_contact
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import on_backend, with_contact
 
 GROWTH = 10.0
 """Growth rate (1/s) above which digits of it are asked for."""

@@ -11,10 +11,10 @@ from comparisons.kit.provenance import machine
 from comparisons.kit.shapes import Shapes, by_importance
 from comparisons.kit.tables import Table
 from comparisons.run_report import plots, tables, words
-from scenes.matrix_run import MatrixResult
-from scenes.results import ModesResult, StaticResult
-from scenes.steady import steady_lines
-from scenes.stored import read_record
+from scenes.results.record import read_record
+from scenes.results.result import ModesResult, StaticResult
+from scenes.running.matrices import MatrixResult
+from scenes.running.steady import steady_lines
 
 TEMPLATE = Path(__file__).with_name("page.html")
 _KEY = "run"
@@ -29,7 +29,7 @@ def write_run_report(result: ModesResult | StaticResult | MatrixResult, record: 
     result
         The run.
     record
-        Its ``result.json``, as :func:`scenes.describe.save_result` wrote it.
+        Its ``result.json``, as :func:`scenes.results.describe.save_result` wrote it.
 
     Returns
     -------

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from comparisons.study.modes_view import Shapes
-from scenes.plain import as_data
-from scenes.read import Scene
-from scenes.results import ModesResult, StaticResult
-from scenes.run import run_scene
+from scenes.results.result import ModesResult, StaticResult
+from scenes.running.run import run_scene
+from scenes.spec.plain import as_data
+from scenes.spec.reading import Scene
 
 _REMEMBERED = 2
 """Runs whose bodies are remembered: cases often alternate between two backends."""
@@ -57,7 +57,7 @@ class Session:
         scene
             The scene.
         options
-            As of :func:`scenes.run.run_scene`.
+            As of :func:`scenes.running.run.run_scene`.
 
         Returns
         -------

@@ -83,7 +83,7 @@ class ContactSpec:
     sliding: SlidingSpec | None = None
 
     left_out: ClassVar[tuple[str, ...]] = ("c_n", "m_n", "added_gap", "sliding")
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         for name, value in (("p", self.p), ("mu", self.mu), ("added_gap", self.added_gap)):

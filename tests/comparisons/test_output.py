@@ -20,8 +20,8 @@ from comparisons.kit.numbers import shown
 from comparisons.kit.records import RESULT, last_seconds
 from comparisons.kit.tables import Column, Table
 from scenes import load_scene
-from scenes.opened import StoredModes
-from scenes.stored import record, write_record
+from scenes.results.opened import StoredModes
+from scenes.results.record import record, write_record
 
 WIDTHS = (40, 60, 80, 120)
 WINDOW = Window(12000.0, 1e9, inf, 4, 2, inf, True, False, 1e10, 4, None)

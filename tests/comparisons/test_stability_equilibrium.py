@@ -10,8 +10,8 @@ from cea.matrices import destroy, gather
 from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
 from comparisons.stability.parts.problems import OfScene
 from scenes import read_scene
-from scenes.run import coupled, run_static
-from scenes.scene_error import SceneError
+from scenes.running.run import coupled, run_static
+from scenes.spec.problems import SceneError
 
 EPS = np.finfo(float).eps
 

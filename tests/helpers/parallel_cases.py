@@ -15,12 +15,12 @@ from cea.eigen.options import KrylovOptions
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
-from scenes.describe import describe
-from scenes.read import load_scene, read_scene
-from scenes.results import ModesResult
-from scenes.run import run_modes, run_scene
-from scenes.scene_files import SCENES
-from scenes.validation import checked
+from scenes.results.describe import describe
+from scenes.results.result import ModesResult
+from scenes.running.run import run_modes, run_scene
+from scenes.spec.files import SCENES
+from scenes.spec.plain import checked
+from scenes.spec.reading import load_scene, read_scene
 
 in_krylov_spaces = patch(
     "cea.eigen.krylov_schur.KrylovOptions", lambda: KrylovOptions(dense_limit=0)

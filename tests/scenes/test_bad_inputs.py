@@ -17,13 +17,13 @@ from cea.eigen.formula import Formula
 from cea.errors import InputError
 from cea.fields import Expression
 from cea.mesh import Mesh
-from scenes.describe import save_result
-from scenes.matrix_scene import load_matrices, read_matrix_scene
-from scenes.opened import open_result
-from scenes.read import load_scene, read_scene
-from scenes.run import run_scene
-from scenes.scene_error import SceneError
-from scenes.stored import write_record
+from scenes.results.describe import save_result
+from scenes.results.opened import open_result
+from scenes.results.record import write_record
+from scenes.running.run import run_scene
+from scenes.spec.matrices import load_matrices, read_matrix_scene
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
 
 SEED = 12
 QUICK, FULL, RUNS = 400, 10_000, 200

@@ -8,10 +8,10 @@ from covering import covering
 from file_scenes import built, eigenvalues, from_file, on_any_number_of_ranks
 from mpi import on_ranks
 
-from scenes.describe import describe
-from scenes.read import load_scene, read_scene
-from scenes.run import run_modes
-from scenes.scene_error import SceneError
+from scenes.results.describe import describe
+from scenes.running.run import run_modes
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
 
 FILES = ("a.msh", "a.inp", "a.cdb", "a.bdf", "a.xdmf", "a.vtu")
 NEEDED = {"cdb": "mapdl_archive", "xdmf": "h5py", "vtu": "meshio"}
@@ -129,7 +129,7 @@ def test_a_degree_is_of_files_alone():
 
 
 def test_meshes_of_files_that_do_not_fit_into_memory_are_refused(scene_file, monkeypatch):
-    monkeypatch.setattr("scenes.memory.available_memory", lambda: 2e8)
+    monkeypatch.setattr("scenes.checking.memory.available_memory", lambda: 2e8)
     with pytest.raises(ValueError, match=r"bodies.cube.geometry.file.* fits into memory"):
         run_modes(load_scene(scene_file))
 

@@ -8,9 +8,9 @@ from peak_memory import PEAK
 
 from cea.errors import InputError
 from scenes import memory
-from scenes.memory import available_memory, check_memory, estimated_memory
-from scenes.read import load_scene
-from scenes.run import run_modes
+from scenes.checking.memory import available_memory, check_memory, estimated_memory
+from scenes.running.run import run_modes
+from scenes.spec.reading import load_scene
 
 PEAK_OF_A_RUN = (
     PEAK

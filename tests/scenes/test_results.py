@@ -19,7 +19,7 @@ from scenes import (
     run_scene,
     run_static,
 )
-from scenes.paraview import write_paraview
+from scenes.export.paraview import write_paraview
 
 GPTS = {"method": "gpts", "points": 3}
 MU = "contacts.interface.mu"

@@ -8,9 +8,9 @@ from blocks import assemble, two_blocks
 from covering import covering
 
 import cea.eigen.krylov_schur
-from scenes.read import read_scene
-from scenes.run import run_scene, skipped_by
-from scenes.unused import GIVEN, unused_input
+from scenes.checking.unused import GIVEN, unused_input
+from scenes.running.run import run_scene, skipped_by
+from scenes.spec.reading import read_scene
 
 GPTS = {"method": "gpts", "points": 3}
 LOAD = {"surface": "upper.x_min", "pressure": 1.0}
@@ -158,5 +158,5 @@ def test_nothing_unused_is_imported(backend, absent, tmp_path):
     )
     assert done.returncode == 0, done.stderr
     imported = set(done.stdout.split("imported", 1)[1].split())
-    assert {"petsc4py", "scenes.run"} <= imported
+    assert {"petsc4py", "scenes.running.run"} <= imported
     assert not absent & imported

@@ -14,8 +14,8 @@ from blocks import two_blocks
 
 from cea.errors import InputError
 from scenes import open_result, read_scene, run_modes, run_static, save_result
-from scenes.opened import StoredModes, StoredResult, StoredStatic
-from scenes.stored import PROVENANCE, commit, commit_of, read_record, record, write_record
+from scenes.results.opened import StoredModes, StoredResult, StoredStatic
+from scenes.results.record import PROVENANCE, commit, commit_of, read_record, record, write_record
 
 GPTS = {"method": "gpts", "points": 3}
 ROOT = Path(__file__).parents[2]

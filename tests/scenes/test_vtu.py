@@ -23,11 +23,11 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.shapes import Annulus, Disc, Ring
-from scenes.paraview import write_paraview
-from scenes.read import read_scene
-from scenes.results import ModesResult
-from scenes.run import run_scene
-from scenes.vtu import cell_grid, in_space, point_grid
+from scenes.export.paraview import write_paraview
+from scenes.pictures.grids import cell_grid, in_space, point_grid
+from scenes.results.result import ModesResult
+from scenes.running.run import run_scene
+from scenes.spec.reading import read_scene
 
 RNG = np.random.default_rng(11)
 ANNULUS, RING, DISC = Annulus(0.5, 1.0, 0.0, 0.3), Ring(0.5, 1.0), Disc(1.0, 0.0, 0.3)

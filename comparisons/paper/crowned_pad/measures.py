@@ -7,7 +7,7 @@ from cea.errors import InputError
 from comparisons.paper.common.figure import Data, as_lists
 from comparisons.paper.crowned_pad.case import CONTACT, COUNTER, DISC, FACE, PAD
 from meshes.shapes import Crowned, Sector
-from scenes.results import ModesResult
+from scenes.results.result import ModesResult
 
 RADII, ANGLES = 9, 60
 """Points across and along the pad."""

@@ -30,9 +30,9 @@ from comparisons.paper.common.style import COLOURS, drawing
 from comparisons.paper.disc_pad.case import DISC, PAD
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra
-from scenes.plain import as_data
-from scenes.results import ModesResult
+from scenes.results.result import ModesResult
 from scenes.spec.body import Backend
+from scenes.spec.plain import as_data
 
 _MARKERS = "os^"
 

@@ -24,9 +24,9 @@ from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.measures import motion_ratio
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra, displacements
 from comparisons.paper.disc_pad.shape_drawing import draw_lines, draw_shapes
-from scenes.plain import as_data
-from scenes.results import ModesResult
+from scenes.results.result import ModesResult
 from scenes.spec.body import Backend
+from scenes.spec.plain import as_data
 
 P = 1e6
 """Contact stiffness of the figures (N/m)."""
@@ -243,7 +243,7 @@ def _slope_at_edge(line: Data) -> float:
 
 def _bodies(result: ModesResult, mode: int) -> Data:
     """Points, cells and real displacements of both bodies at the phase of largest deflection."""
-    from scenes.drawing import largest_deflection  # brings pyvista
+    from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
     points, cells, shapes = {}, {}, {}
     for name, body in result.system.bodies.items():

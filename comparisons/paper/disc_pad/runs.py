@@ -15,10 +15,10 @@ from comparisons.paper.common.figure import Data
 from comparisons.paper.common.store import fingerprint
 from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase
 from meshes.shapes import Annulus, Sector
-from scenes.describe import describe_modes
-from scenes.plain import as_data
-from scenes.results import ModesResult
-from scenes.run import run_modes
+from scenes.results.describe import describe_modes
+from scenes.results.result import ModesResult
+from scenes.running.run import run_modes
+from scenes.spec.plain import as_data
 
 _SHAPE_GRID = (7, 12)
 """Points across and along the contact at which shapes are compared."""

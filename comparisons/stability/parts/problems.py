@@ -20,11 +20,11 @@ from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
 from cea.reduced.words import words_of
 from cea.warned import ResultWarning
-from scenes.describe import describe
-from scenes.read import Scene, read_scene
-from scenes.results import ModesResult
-from scenes.run import coupled, run_scene
-from scenes.stored import as_json
+from scenes.results.describe import describe
+from scenes.results.record import as_json
+from scenes.results.result import ModesResult
+from scenes.running.run import coupled, run_scene
+from scenes.spec.reading import Scene, read_scene
 
 UNDECIDED, NOT_COMPLETE = "undecided", "window-not-complete"
 """Kinds of what an answer leaves open."""

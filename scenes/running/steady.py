@@ -1,0 +1,166 @@
+"""What a result tells of its state of steady sliding: data, lines, warnings."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from cea.contact.laws import NormalCompliance
+from cea.contact.operators import Contact
+from cea.eigen.modes import Modes
+from cea.matrices import destroy
+from cea.petsc import Vec
+from cea.system.coupled import CoupledSystem
+from cea.system.equilibrium import LEFT_OVER
+from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
+from cea.warned import ResultWarning
+from scenes.checking.closed_zone import coarse_closed_zone
+from scenes.checking.geometry_error import geometry_error
+from scenes.running.following import kept_state_warning
+from scenes.spec.reading import Scene
+
+_NOISE = 4.0
+"""Closures, in parts of what rounding makes of displacements, that are neither open nor closed."""
+
+
+def steady_data(steady: SteadySliding) -> dict[str, Any]:
+    """A state of steady sliding as plain data, without fields over points."""
+    unique = steady.uniqueness
+    return {
+        "uncertainty": steady.uncertainty,
+        "residual": steady.residual,
+        "iterations": steady.iterations,
+        "path": [_step_data(step) for step in steady.path],
+        "contacts": {name: _contact_data(state) for name, state in steady.contacts.items()},
+        "uniqueness": unique and {"parity": unique.parity, "margin": unique.margin},
+    }
+
+
+def _step_data(step: LoadStep) -> dict[str, Any]:
+    data: dict[str, Any] = {
+        "load": step.factor,
+        "residuals": list(step.residuals),
+        "closed": list(step.closed),
+        "parity": step.parity,
+    }
+    if step.state is not None:
+        data |= {
+            "iterations": len(step.lengths),
+            "contacts": {name: _contact_data(s) for name, s in step.state.contacts.items()},
+            "margin": step.state.margin,
+        }
+    return data
+
+
+def _contact_data(state: ContactState) -> dict[str, Any]:
+    return {
+        "normal_force": state.normal_force,
+        "friction_force": state.friction_force,
+        "force_on_a": state.force_on_a.tolist(),
+        "area": state.area,
+        "closed_area": state.closed_area,
+        "largest_pressure": float(state.pressure.max()),
+        "largest_stiffness": float(state.stiffness.max()),
+    }
+
+
+def steady_lines(data: dict[str, Any]) -> list[str]:
+    """Lines for people of :func:`steady_data`: half passes in each load step, and at last."""
+    steps = [
+        f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
+        for step in data["path"]
+        for name, contact in step.get("contacts", {}).items()
+    ]
+    return steps + [_line(name, contact) for name, contact in data["contacts"].items()]
+
+
+def _line(name: str, contact: dict[str, Any]) -> str:
+    closed = 100 * contact["closed_area"] / contact["area"]
+    return (
+        f"steady sliding, {name}: normal force {contact['normal_force']:.6g} N, friction "
+        f"{contact['friction_force']:.6g} N, {closed:.3g} % of the area closed, pressure to "
+        f"{contact['largest_pressure']:.6g} N/m^2"
+    )
+
+
+def steady_warnings(scene: Scene, system: CoupledSystem) -> tuple[ResultWarning, ...]:
+    """What steady sliding must be read with, or loads that nothing asks for; collective."""
+    steady = system.steady
+    if steady is None:
+        return tuple(_loads_without_effect(scene))
+    found = list(steady.uniqueness.warnings()) if steady.uniqueness is not None else []
+    found += _residual(steady)
+    largest = _largest(steady.displacement)
+    for contact in system.contacts:
+        if contact.name in steady.contacts:
+            state = steady.contacts[contact.name]
+            found += _open(contact, state)
+            found += _undecided(contact, state, _NOISE * steady.uncertainty * largest)
+            found += geometry_error(system, steady, contact, state)
+            halves = sum(each.pair == contact.pair for each in system.contacts)
+            found += coarse_closed_zone(scene.bodies, contact, state, halves)
+    return tuple(found)
+
+
+def kept_state_warnings(steady: SteadySliding | None, modes: Modes) -> Iterator[ResultWarning]:
+    """What sensitivities must be read with: modes with left vectors were asked for them."""
+    moving = sorted(modes.pencil.stiffness_parameters)
+    if steady is not None and modes.left is not None and moving:
+        yield kept_state_warning(", ".join(moving))
+
+
+def _loads_without_effect(scene: Scene) -> Iterator[ResultWarning]:
+    if scene.loads and scene.analysis.kind == "cea":
+        yield ResultWarning(
+            "loads-without-effect",
+            "the stiffness of every contact is given: loads change no mode; c_n in the place of P "
+            "or p lets them press the sides together",
+            {"loads": len(scene.loads)},
+        )
+
+
+def _largest(x: Vec) -> float:
+    """Largest absolute entry of a PETSc vector."""
+    sizes = x.duplicate()
+    x.copy(sizes)
+    sizes.abs()
+    largest = sizes.max()[1]
+    destroy(sizes)
+    return float(largest)
+
+
+def _residual(steady: SteadySliding) -> Iterator[ResultWarning]:
+    """Forces that rounding leaves over, where the contact is very stiff."""
+    if steady.residual > LEFT_OVER:
+        yield ResultWarning(
+            "equilibrium-rounding",
+            f"rounding leaves {steady.residual:.1e} of the load of steady sliding over: contact "
+            "pressures have no more digits",
+            {"residual": steady.residual},
+        )
+
+
+def _open(contact: Contact, state: ContactState) -> Iterator[ResultWarning]:
+    """A contact that is open while others are not."""
+    if not state.closed_area:
+        yield ResultWarning(
+            "contact-open",
+            f"contacts.{contact.name} is open in steady sliding: it carries nothing",
+            {"contact": contact.pair, "half": contact.name},
+        )
+
+
+def _undecided(contact: Contact, state: ContactState, noise: float) -> Iterator[ResultWarning]:
+    """Points that rounding makes open or closed, where their stiffness jumps."""
+    law = contact.half.law
+    if not isinstance(law, NormalCompliance) or law.m > 1:
+        return
+    points = np.abs(state.closure) <= noise
+    area = float(contact.interface.points.weight[points].sum())
+    if area:
+        yield ResultWarning(
+            "closure-undecided",
+            f"rounding decides whether {area / state.area:.2g} of the area of "
+            f"contacts.{contact.name} is open; with m_n = 1 its stiffness jumps there",
+            {"contact": contact.pair, "half": contact.name, "fraction": area / state.area},
+        )
