@@ -17,9 +17,8 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study
+from scenes import Result, run_scene
 from scenes.results.matching import match_unstable
-from scenes.results.result import ModesResult
-from scenes.running.run import run_scene
 from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.names import backend_name
@@ -236,14 +235,14 @@ def _disc_pad(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     return {"eigenvalues": modes, "windows": windows, "agreement": pairs}
 
 
-def _formulation_of(result: ModesResult) -> str:
+def _formulation_of(result: Result) -> str:
     (contact,) = result.scene.contacts.values()
     rule = contact.formulation
     n = getattr(rule, "points", None)
     return f"{rule.name} {n} x {n}" if isinstance(rule, GaussPointToSurface) else rule.name
 
 
-def _window(result: ModesResult) -> dict[str, Any]:
+def _window(result: Result) -> dict[str, Any]:
     """What was searched, and the largest errors of what was found."""
     window, rows = result.modes.window, result.table()
     points = [interface.points for interface in result.interfaces.values()]

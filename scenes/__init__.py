@@ -11,20 +11,18 @@ if TYPE_CHECKING:
     from cea.contact.formulations import register as register
     from scenes.checking.check import Inspection as Inspection
     from scenes.checking.check import inspect_scene as inspect_scene
-    from scenes.results.describe import save_result as save_result
-    from scenes.results.opened import open_result as open_result
-    from scenes.results.result import ModesResult as ModesResult
-    from scenes.results.result import StaticResult as StaticResult
+    from scenes.results.record import save_result as save_result
+    from scenes.results.result import Result as Result
+    from scenes.running.analysis import open_result as open_result
+    from scenes.running.analysis import run_scene as run_scene
     from scenes.running.assembled import AssembledScene as AssembledScene
     from scenes.running.assembled import assemble as assemble
     from scenes.running.enrich import richer_scene as richer_scene
     from scenes.running.matrices import AssembledMatrices as AssembledMatrices
-    from scenes.running.matrices import MatrixResult as MatrixResult
     from scenes.running.matrices import run_matrices as run_matrices
+    from scenes.running.modes import run_modes as run_modes
     from scenes.running.nested import estimate_errors as estimate_errors
-    from scenes.running.run import run_modes as run_modes
-    from scenes.running.run import run_scene as run_scene
-    from scenes.running.run import run_static as run_static
+    from scenes.running.static import run_static as run_static
     from scenes.spec.files import scene_names as scene_names
     from scenes.spec.matrices import MatrixScene as MatrixScene
     from scenes.spec.matrices import load_matrices as load_matrices
@@ -36,19 +34,20 @@ if TYPE_CHECKING:
 
 _OWNERS = {
     "cea.contact.formulations": ("Formulation", "register"),
-    "scenes.running.assembled": ("AssembledScene", "assemble"),
-    "scenes.results.describe": ("save_result",),
     "scenes.checking.check": ("Inspection", "inspect_scene"),
-    "scenes.running.matrices": ("AssembledMatrices", "MatrixResult", "run_matrices"),
-    "scenes.spec.matrices": ("MatrixScene", "load_matrices", "read_matrix_scene"),
-    "scenes.running.nested": ("estimate_errors",),
-    "scenes.results.opened": ("open_result",),
-    "scenes.spec.reading": ("Scene", "load_scene", "read_scene"),
-    "scenes.spec.problems": ("SceneError",),
-    "scenes.spec.files": ("scene_names",),
-    "scenes.results.result": ("ModesResult", "StaticResult"),
+    "scenes.results.record": ("save_result",),
+    "scenes.results.result": ("Result",),
+    "scenes.running.analysis": ("open_result", "run_scene"),
+    "scenes.running.assembled": ("AssembledScene", "assemble"),
     "scenes.running.enrich": ("richer_scene",),
-    "scenes.running.run": ("run_modes", "run_scene", "run_static"),
+    "scenes.running.matrices": ("AssembledMatrices", "run_matrices"),
+    "scenes.running.modes": ("run_modes",),
+    "scenes.running.nested": ("estimate_errors",),
+    "scenes.running.static": ("run_static",),
+    "scenes.spec.files": ("scene_names",),
+    "scenes.spec.matrices": ("MatrixScene", "load_matrices", "read_matrix_scene"),
+    "scenes.spec.problems": ("SceneError",),
+    "scenes.spec.reading": ("Scene", "load_scene", "read_scene"),
 }
 """Names by the module they come from."""
 

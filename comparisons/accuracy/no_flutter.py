@@ -13,8 +13,8 @@ import numpy as np
 
 from comparisons.accuracy.problems import PROBLEMS, BodyMesh, Problem
 from comparisons.accuracy.study import RULES, Case, Method, overrides
+from scenes import run_modes
 from scenes.results.matching import circumferential_orders
-from scenes.running.run import run_modes
 from scenes.spec.reading import load_scene
 
 Data = dict[str, Any]

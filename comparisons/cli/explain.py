@@ -8,8 +8,7 @@ import typer
 
 def explain_bodies(scene: str, set_: list[str], backend: Literal["fe", "iga"] | None) -> None:
     """Tell the steps of a scene of bodies; nothing is built."""
-    from scenes.checking.steps import needed_by
-    from scenes.running.run import skipped_by
+    from scenes.checking.steps import needed_by, skipped_by
     from scenes.spec.reading import load_scene
 
     chosen = load_scene(scene, set_, backend)

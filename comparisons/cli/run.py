@@ -7,8 +7,7 @@ import typer
 
 if TYPE_CHECKING:
     from comparisons.cli.progress import Working
-    from scenes.results.result import ModesResult, StaticResult
-    from scenes.running.matrices import MatrixResult
+    from scenes import Result
     from scenes.spec.matrices import MatrixScene
     from scenes.spec.reading import Scene
 
@@ -86,8 +85,8 @@ def report_matrices(
     from comparisons.cli.extras import need
     from comparisons.cli.progress import working
     from comparisons.kit.records import last_seconds
-    from scenes.results.describe import RUN
     from scenes.results.folder import check_run_out
+    from scenes.results.record import RUN
     from scenes.running.matrices import run_matrices
 
     expected = last_seconds(out, RUN, inputs)
@@ -110,9 +109,9 @@ def _run_bodies(
     from comparisons.cli.extras import need
     from comparisons.cli.progress import working
     from comparisons.kit.records import last_seconds
-    from scenes.results.describe import RUN
+    from scenes import run_scene
     from scenes.results.folder import check_run_out
-    from scenes.running.run import run_scene
+    from scenes.results.record import RUN
     from scenes.spec.reading import load_scene
 
     with working("reading the scene"):
@@ -127,7 +126,7 @@ def _run_bodies(
 
 
 def _write(
-    result: "ModesResult | StaticResult | MatrixResult",
+    result: "Result",
     out: Path,
     inputs: dict[str, Any],
     *,
@@ -136,14 +135,13 @@ def _write(
     """Print a result, then put it in the place of an earlier one."""
     from comparisons.cli.output import console, print_result, say
     from comparisons.cli.progress import working
-    from scenes.results.describe import save_result
+    from scenes import save_result
     from scenes.results.folder import RESULT, new_folder
-    from scenes.running.matrices import MatrixResult
 
     page = None
     print_result(result)
     with working("writing") as work, new_folder(out, root=result.comm.rank == 0) as new:
-        drawn = {} if isinstance(result, MatrixResult) else _draw(result, new.part, work)
+        drawn = {} if result.coupled is None else _draw(result, new.part, work)
         record = save_result(result, new.part / RESULT, inputs=inputs, data=drawn)
         if report:
             page = new.final(_report(result, record))
@@ -154,27 +152,23 @@ def _write(
         typer.echo(f"The report to open: {page}")
 
 
-def _report(result: "ModesResult | StaticResult | MatrixResult", record: Path) -> Path:
+def _report(result: "Result", record: Path) -> Path:
     """Write the page of a run beside its record."""
     from comparisons.run_report.page import write_run_report
 
     return write_run_report(result, record)
 
 
-def _draw(
-    result: "ModesResult | StaticResult", folder: Path, work: "Working"
-) -> dict[str, list[str]]:
+def _draw(result: "Result", folder: Path, work: "Working") -> dict[str, list[str]]:
     """Write the pictures and files for ParaView that a scene asks for; their names."""
-    from scenes.results.result import ModesResult
-
-    files = {}
+    files: dict[str, list[str]] = {}
     output = result.scene.output
     if output.pictures:
         from comparisons.kit.contact_pictures import draw_contacts
 
         work.stage("pictures")
         pictures = draw_contacts(result, folder)
-        if isinstance(result, ModesResult):
+        if result.spectrum is not None:
             from scenes.export.pictures import draw_modes
 
             pictures += draw_modes(result, output.pictures, folder, animated=True)

@@ -18,6 +18,7 @@ from cea.eigen.spectrum import Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
 from comparisons.kit.progress import Progress
+from scenes import Result, run_modes
 from scenes.checking.memory import estimated_memory
 from scenes.checking.run_time import estimated_seconds
 from scenes.refinement.meshes import (
@@ -27,10 +28,8 @@ from scenes.refinement.meshes import (
     on_backend_of_shapes,
     refined,
 )
-from scenes.results.result import ModesResult
 from scenes.running.enrich import enriched_scene
 from scenes.running.nested import estimate_errors
-from scenes.running.run import run_modes
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.body import Backend
 from scenes.spec.reading import Scene
@@ -83,7 +82,7 @@ class Mesh:
     stable: NDArray[np.bool_]
     window: Window
     warnings: tuple[ResultWarning, ...]
-    result: ModesResult | None = field(repr=False)
+    result: Result | None = field(repr=False)
     corrected: Complexes | None = None
 
 

@@ -51,7 +51,7 @@ def solve(backend: Backend) -> Finding:
 
 def worst_error(backend: Backend) -> float:
     """Largest relative error of the eigenvalues of the two blocks."""
-    from scenes.running.run import run_modes
+    from scenes import run_modes
     from scenes.spec.reading import load_scene
 
     scene = load_scene(_SCENE, backend=backend).change(_COARSE)

@@ -28,8 +28,8 @@ def solve(scene_data: dict[str, Any], mass_quadrature: int | None) -> dict[str, 
     """
     from cea.body import Body
     from fe_cea import LagrangeSpace
+    from scenes import run_modes
     from scenes.building.body_meshes import body_mesh
-    from scenes.running.run import run_modes
     from scenes.spec.reading import read_scene
 
     scene = read_scene(scene_data)

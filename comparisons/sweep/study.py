@@ -13,10 +13,10 @@ from cea.eigen.eigenvalue_matching import assign
 from cea.errors import ConvergenceError, InputError
 from comparisons.kit.run_warnings import Run, merged_warnings
 from comparisons.kit.tables import Data
+from scenes import Result
 from scenes.results.record import record
-from scenes.results.result import ModesResult
 from scenes.running.assembled import AssembledScene
-from scenes.running.matrices import AssembledMatrices, MatrixResult
+from scenes.running.matrices import AssembledMatrices
 from scenes.running.swept import means_several, parameters_meant, stiffnesses_meant
 from scenes.spec.matrices import is_of_matrices, load_matrices
 from scenes.spec.problems import SceneError
@@ -31,7 +31,7 @@ _MOST = 1000
 
 Assembled = AssembledScene | AssembledMatrices
 """A scene that is solved at changed fields."""
-Result = ModesResult | MatrixResult
+Result = Result
 """What comes of it."""
 
 

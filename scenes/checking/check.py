@@ -15,8 +15,8 @@ from scenes.building.build import build_bodies, build_half_passes, build_interfa
 from scenes.checking.doubts import doubtful_numbers, overlapping_bodies
 from scenes.checking.memory import MemoryEstimate, check_memory, estimated_memory
 from scenes.checking.run_time import estimated_seconds
+from scenes.checking.steps import skipped_by
 from scenes.checking.warnings import scene_warnings
-from scenes.running.run import skipped_by
 from scenes.spec.reading import Scene
 
 _OF_STIFFNESS = ("point-rule", "over-constrained")

@@ -1,5 +1,8 @@
-"""The steps that a scene needs, with the reason for each; those it leaves out stand beside them."""
+"""The steps that a scene needs and those it leaves out, with the reason for each."""
 
+from scenes.building.body_meshes import changed_elements
+from scenes.checking.doubts import left_alone
+from scenes.checking.unused import unused_input
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
@@ -106,3 +109,45 @@ def _solve(scene: Scene) -> dict[str, str]:
     else:
         kind = f"linear in lambda^2, {'symmetric' if symmetric else 'unsymmetric by friction'}"
     return {"eigenvalues": f"to {analysis.max_frequency:g} Hz; {kind}"}
+
+
+def skipped_by(scene: Scene) -> dict[str, str]:
+    """What a scene does not need, or gives without use, with the reason; none is computed."""
+    rotations = [body.rotation for body in scene.bodies.values() if body.rotation is not None]
+    skipped = unused_input(scene)
+    if reason := left_alone(scene):
+        skipped["doubts of units"] = reason
+    if not scene.slides_steadily:
+        skipped["newton"] = "contact stiffness is known, no steady sliding state is sought"
+    if not scene.damped:
+        linear = "" if rotations else ": the problem is linear in lambda^2"
+        skipped["damping"] = f"no damping{linear}"
+    if not rotations:
+        skipped["gyroscopic"] = "no body rotates"
+    elif not any(rotation.convective_stiffness for rotation in rotations):
+        skipped["convective stiffness"] = "not asked for: of the order of rho Omega^2"
+    if not any(contact.mu for contact in scene.contacts.values()):
+        skipped["friction"] = "mu = 0: no slip operator, symmetric solver"
+    of_modes = scene.analysis.kind == "cea"
+    if of_modes and scene.slides_steadily and not scene.stiffened_by_stress:
+        skipped["geometric stiffness"] = "not asked for: of the order of sigma / E"
+    if not scene.contacts:
+        skipped["search"] = "no contacts"
+    if scene.analysis.kind == "static":
+        bodies = scene.bodies.values()
+        used = {"damping": any(body.circulates for body in bodies), "gyroscopic": False}
+        used["mass"] = any(body.rotates_in_equilibrium for body in bodies)
+        skipped["eigenvalues"] = "static analysis"
+        for name, acts in used.items():
+            if skipped.pop(name, None) is None and not acts:
+                skipped[name] = "static analysis"
+    elif not scene.loads:
+        skipped["loads"] = "no loads"
+    if not scene.output.pictures:
+        skipped["pictures"] = "none asked for"
+    if not scene.output.paraview:
+        skipped["paraview"] = "no files for ParaView asked for"
+    meshes = [body.mesh.fe for body in scene.bodies.values() if body.backend == "fe"]
+    if not any(mesh.size for mesh in meshes if mesh is not None):
+        skipped["gmsh"] = "no body has an unstructured mesh"
+    return skipped | changed_elements(scene)

@@ -22,7 +22,7 @@ from scenes.pictures.grids import (
     write_collection,
     write_grid,
 )
-from scenes.results.result import ModesResult, StaticResult
+from scenes.results.result import Result
 from scenes.results.shapes import displacements
 
 
@@ -55,7 +55,7 @@ class Solution:
         }
 
 
-def write_paraview(result: ModesResult | StaticResult, count: int, out: Path) -> list[Path]:
+def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     """Write modes, or the displacement of a static analysis, as files for ParaView.
 
     Points of the bodies bear ``displacement`` (m); those of the contacts ``normal``, ``weight``
@@ -82,14 +82,14 @@ def write_paraview(result: ModesResult | StaticResult, count: int, out: Path) ->
     """
     bodies, contacts = result.bodies, result.system.contacts
     is_root = next(iter(bodies.values())).comm.rank == 0
-    modes = _chosen(result, count) if isinstance(result, ModesResult) else []
+    modes = _chosen(result, count) if result.spectrum is not None else []
     solutions = _solutions(result, modes)
-    volumes = Collection(out, "modes" if isinstance(result, ModesResult) else "displacement")
+    volumes = Collection(out, "modes" if result.spectrum is not None else "displacement")
     surfaces = Collection(out, "contacts")
     cells = {name: body.volume_cells() for name, body in bodies.items()}
     u = {
         name: result.mode_shapes(name, cells[name].values, modes, everywhere=False)
-        if isinstance(result, ModesResult)
+        if result.spectrum is not None
         else result.displacements(name, cells[name].values, everywhere=False)[..., None]
         for name in bodies
     }
@@ -141,15 +141,15 @@ class Collection:
             self.entries.append(Entry(shown, part, file))
 
 
-def _chosen(result: ModesResult, count: int) -> list[int]:
+def _chosen(result: Result, count: int) -> list[int]:
     """The most unstable modes, then others by rising frequency: so many, by rising number."""
     every = [*result.most_unstable(count), *range(len(result.modes))]
     return sorted(list(dict.fromkeys(every))[:count])
 
 
-def _solutions(result: ModesResult | StaticResult, modes: list[int]) -> list[Solution]:
+def _solutions(result: Result, modes: list[int]) -> list[Solution]:
     """Some modes, or the static displacement."""
-    if isinstance(result, StaticResult):
+    if result.spectrum is None:
         return [Solution(0, "static", ("",), {})]
     return [
         Solution(
@@ -188,10 +188,10 @@ def contact_grid(contact: Contact, states: Mapping[str, ContactState]) -> Any:
     return grid
 
 
-def _gaps(result: ModesResult | StaticResult, contact: Contact, modes: list[int]) -> Complexes:
+def _gaps(result: Result, contact: Contact, modes: list[int]) -> Complexes:
     """Gaps (m) at all points of a contact, (points, solutions), on every rank."""
     interface = contact.interface
-    if isinstance(result, ModesResult):
+    if result.spectrum is not None:
         vectors, prescribed = result.modes.vectors[:, modes], 0.0
     else:
         vectors, prescribed = result.displacement.array[:, None].astype(complex), 1.0
@@ -207,13 +207,11 @@ def _gaps(result: ModesResult | StaticResult, contact: Contact, modes: list[int]
     return np.concatenate(interface.comm.allgather(gap))
 
 
-def _pressure(
-    result: ModesResult | StaticResult, contact: Contact, solution: Solution
-) -> dict[str, Floats]:
+def _pressure(result: Result, contact: Contact, solution: Solution) -> dict[str, Floats]:
     """Pressure (N/m^2) at all points of a contact that has one, on every rank."""
     if not contact.has_pressure:
         return {}
-    if isinstance(result, StaticResult):
+    if result.spectrum is None:
         if not contact.half.law.linear:
             return {}  # the contact pressure of the state stands there
         pressure = contact.pressure(result.displacement)

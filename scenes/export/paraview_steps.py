@@ -8,13 +8,13 @@ import numpy as np
 from cea.files import folder_whole
 from scenes.export.paraview import Collection, Solution, contact_grid
 from scenes.pictures.grids import cell_grid, in_space, write_collection
-from scenes.results.result import ModesResult, StaticResult
+from scenes.results.result import Result
 from scenes.results.shapes import gathered_displacements
 
 _NAME = "load_steps"
 
 
-def write_load_steps(result: ModesResult | StaticResult, out: Path) -> list[Path]:
+def write_load_steps(result: Result, out: Path) -> list[Path]:
     """Write the equilibria at all load steps, cut ones too, as files for ParaView.
 
     Points of the bodies bear ``displacement`` (m); those of contacts with a law ``contact

@@ -10,7 +10,7 @@ from PIL import Image
 
 from cea.files import write_whole
 from scenes.pictures.drawing import Drawing
-from scenes.results.result import ModesResult
+from scenes.results.result import Result
 
 _FRAMES = 24
 _FRAME_MILLISECONDS = 60
@@ -20,7 +20,7 @@ _COLOURS = 128
 """Colours of an animation."""
 
 
-def draw_modes(result: ModesResult, count: int, out: Path, *, animated: bool = False) -> list[Path]:
+def draw_modes(result: Result, count: int, out: Path, *, animated: bool = False) -> list[Path]:
     """Draw the most unstable modes, or the first ones where none is unstable.
 
     Parameters

@@ -1,60 +1,21 @@
-"""Results as plain data for ``result.json``: scenes as run, timings, eigenvalues, stresses."""
+"""Results as plain data for ``result.json``, and eigenvalues made of such data again."""
 
-from collections.abc import Mapping
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum, Window
-from cea.system.contact_stresses import SideStress
-from scenes.running.matrices import MatrixResult
+from cea.errors import InputError
+from scenes.results.record import RunRecord
+from scenes.results.result import Result
+from scenes.results.steady import steady_data
 from scenes.spec.plain import as_data
-from scenes.results.result import ModesResult, StaticResult
-from scenes.running.steady import steady_data
-from scenes.results.record import record, write_record
-
-RUN = "run"
-"""Command that a record of a run names."""
 
 
-def save_result(
-    result: ModesResult | StaticResult | MatrixResult,
-    file: str | Path,
-    *,
-    inputs: Mapping[str, Any] | None = None,
-    data: Mapping[str, Any] | None = None,
-) -> Path:
-    """Write the record of a run, which :func:`scenes.results.opened.open_result` opens; collective.
-
-    Parameters
-    ----------
-    result
-        The run.
-    file
-        The file; rank 0 writes it.
-    inputs
-        What the run was asked for in words; by default the name of the scene.
-    data
-        More to be kept beside it.
-    """
-    path, described = Path(file), describe(result)
-    seconds = described.pop("seconds")
-    if result.comm.rank == 0:
-        inputs = {"scene": result.scene.name} if inputs is None else inputs
-        described |= data or {}
-        told = [warning.plain() for warning in result.warnings]
-        write_record(record(RUN, described, inputs=inputs, seconds=seconds, warnings=told), path)
-    return path
-
-
-def describe(result: ModesResult | StaticResult | MatrixResult) -> dict[str, Any]:
-    """Everything about a run, plain data as :func:`scenes.results.record.write_record` takes them.
-
-    What was found comes first; `docs/result_json.md` says what every field is.
-    """
+def described_run(result: Result) -> dict[str, Any]:
+    """What every run has: the scene as run, unknowns, seconds, contact points, forces."""
     run = {
         "scene": as_data(result.scene),
         "dofs": {"free": result.dofs},
@@ -62,22 +23,12 @@ def describe(result: ModesResult | StaticResult | MatrixResult) -> dict[str, Any
         "seconds": result.timer.total,
         "skipped": dict(result.skipped),
     }
-    if isinstance(result, MatrixResult):
-        run["matrices"] = {name: piece.plain() for name, piece in result.pieces.items()}
-    else:
-        run |= _of_bodies(result)
-    if isinstance(result, StaticResult):
-        return run | {
-            "stresses": {
-                name: {side: _stress(stress) for side, stress in sides.items()}
-                for name, sides in result.stresses.items()
-            }
-        }
-    found = describe_modes(result.modes, result.analysis.growth_threshold)
-    return {"summary": result.summary} | found | run
+    if result.pieces:
+        return run | {"matrices": {name: piece.plain() for name, piece in result.pieces.items()}}
+    return run | _of_bodies(result)
 
 
-def _of_bodies(result: ModesResult | StaticResult) -> dict[str, Any]:
+def _of_bodies(result: Result) -> dict[str, Any]:
     """What runs of bodies have, and those of matrices have not."""
     bodies = {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()}
     data: dict[str, Any] = {
@@ -137,16 +88,6 @@ def _window(window: Window) -> dict[str, Any]:
     return asdict(window) | {"complete": window.complete, "evidence": window.evidence}
 
 
-def _stress(stress: SideStress) -> dict[str, Any]:
-    return {
-        "oscillation": stress.oscillation,
-        "min": float(stress.sigma_n.min()),
-        "max": float(stress.sigma_n.max()),
-        "arc": stress.arc.tolist(),
-        "sigma_n_along": [_number(v) for v in stress.sigma_n_along],
-    }
-
-
 def _interface(interface: Interface) -> dict[str, Any]:
     return {
         "points": len(interface.points),
@@ -157,5 +98,23 @@ def _interface(interface: Interface) -> dict[str, Any]:
     }
 
 
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+def opened_modes(record: RunRecord) -> Spectrum:
+    """Eigenvalues of a record with their errors.
+
+    Raises
+    ------
+    InputError
+        When it has none.
+    """
+    if record.eigenvalues is None or record.window is None:
+        raise InputError("scene.analysis.kind", "cea", "'static', as the data are")
+    values = record.eigenvalues
+    return Spectrum(
+        np.array([complex(value.re, value.im) for value in values], dtype=complex),
+        np.array([value.residual for value in values], dtype=float),
+        np.array([value.condition for value in values], dtype=float),
+        np.array([value.uncertainty for value in values], dtype=float),
+        record.window,
+        bounded=np.array([value.bounded for value in values], dtype=bool),
+        warnings=record.warnings,
+    )

@@ -18,14 +18,14 @@ from cea.eigen.mode_matching import (
 )
 from cea.errors import InputError
 from cea.surface import Surface
-from scenes.results.result import ModesResult
+from scenes.results.result import Result
 
 _SAMPLES = 15
 
 
 def match_runs(
-    first: ModesResult,
-    second: ModesResult,
+    first: Result,
+    second: Result,
     first_modes: NDArray[np.int64] | None = None,
     second_modes: NDArray[np.int64] | None = None,
     *,
@@ -47,7 +47,7 @@ def match_runs(
     return match_modes(*_mode_sets(first, second, first_modes, second_modes), near)
 
 
-def match_unstable(first: ModesResult, second: ModesResult) -> dict[str, Any]:
+def match_unstable(first: Result, second: Result) -> dict[str, Any]:
     """Pair the unstable modes of two runs of one scene.
 
     Modes are paired so that shape and eigenvalue agree best over all pairs together; nothing is
@@ -85,7 +85,7 @@ def match_unstable(first: ModesResult, second: ModesResult) -> dict[str, Any]:
 
 
 def circumferential_orders(
-    result: ModesResult, surfaces: Sequence[str] = (), *, angles: int = 64, circles: int = 3
+    result: Result, surfaces: Sequence[str] = (), *, angles: int = 64, circles: int = 3
 ) -> CircumferentialContent:
     """Circumferential content of every mode of a run on surfaces of revolution about the z axis.
 
@@ -112,7 +112,7 @@ def circumferential_orders(
     return circumferential_content(np.concatenate(u))
 
 
-def _on_circles(result: ModesResult, surface: str, angles: int, circles: int) -> Complexes:
+def _on_circles(result: Result, surface: str, angles: int, circles: int) -> Complexes:
     """Displacements of every mode in cylindrical components, (circles, angles, dim, modes)."""
     body, name = surface.split(".")
     side = result.system.bodies[body].surfaces[name]
@@ -154,8 +154,8 @@ def _turns(theta: Floats, dim: int) -> Floats:
 
 
 def _mode_sets(
-    first: ModesResult,
-    second: ModesResult,
+    first: Result,
+    second: Result,
     first_modes: NDArray[np.int64] | None,
     second_modes: NDArray[np.int64] | None,
 ) -> tuple[ModeSet, ModeSet]:
@@ -180,7 +180,7 @@ def _mode_sets(
     )
 
 
-def _places(result: ModesResult) -> list[str]:
+def _places(result: Result) -> list[str]:
     """Both sides of every contact; every surface of scenes without contacts."""
     contacts = result.scene.contacts.values()
     sides = [side for contact in contacts for side in (contact.a, contact.b)]

@@ -19,11 +19,20 @@ from math import inf, isinf, isnan
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel, TypeAdapter
+
+from cea.eigen.quadratic_window import QuadraticWindow
+from cea.eigen.spectrum import Window
 from cea.errors import InputError
 from cea.files import regular, write_whole
+from cea.warned import ResultWarning
+from scenes.results.result import Result
 
 PROVENANCE = ("command", "inputs", "versions", "commit", "machine", "seconds", "warnings")
 """Fields of every record; what else it holds is data of its command."""
+
+RUN = "run"
+"""Command that a record of a run names."""
 
 _PACKAGE = "friction-cea"
 _PACKAGES = {
@@ -37,6 +46,99 @@ _PACKAGES = {
 _LARGEST = 2**30
 """Bytes of JSON that are read at most: a small compressed file may hold any number of them."""
 _INFINITIES = {"inf": inf, "-inf": -inf}
+
+
+class Record(BaseModel):
+    """What made a record: command, inputs, versions and the machine."""
+
+    command: str
+    inputs: dict[str, Any]
+    versions: dict[str, str]
+    commit: str
+    machine: dict[str, Any]
+    seconds: float
+    warnings: tuple[Any, ...]
+
+
+class Eigenvalue(BaseModel):
+    """One of the eigenvalues of a record, with its errors."""
+
+    re: float
+    im: float
+    residual: float
+    condition: float
+    uncertainty: float
+    bounded: bool = False
+
+
+class SideStress(BaseModel):
+    """Normal stress of one side of a contact in a record."""
+
+    min: float
+    max: float
+    arc: list[float]
+    sigma_n_along: list[float | None]
+
+
+class Dofs(BaseModel):
+    """Counts of unknowns in a record."""
+
+    free: int
+
+
+class RunRecord(Record):
+    """The record of a run (`docs/result_json.md`): what is needed to open it as a result."""
+
+    scene: dict[str, Any]
+    dofs: Dofs
+    timings: dict[str, float]
+    skipped: dict[str, str]
+    warnings: tuple[ResultWarning, ...]
+    eigenvalues: list[Eigenvalue] | None = None
+    window: QuadraticWindow | Window | None = None
+    stresses: dict[str, dict[str, SideStress]] | None = None
+
+
+def checked_record[T: Record](kind: type[T], data: Mapping[str, Any]) -> T:
+    """Plain data as a record: no text for numbers, no list for tables.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        When something is broken.
+    """
+    return TypeAdapter(kind).validate_json(json.dumps(data), strict=True)
+
+
+def save_result(
+    result: Result,
+    file: str | Path,
+    *,
+    inputs: Mapping[str, Any] | None = None,
+    data: Mapping[str, Any] | None = None,
+) -> Path:
+    """Write the record of a run, which :func:`scenes.open_result` opens; collective.
+
+    Parameters
+    ----------
+    result
+        The run.
+    file
+        The file; rank 0 writes it.
+    inputs
+        What the run was asked for in words; by default the name of the scene.
+    data
+        More to be kept beside it.
+    """
+    path, described = Path(file), dict(result.data)
+    seconds = described.pop("seconds")
+    if result.comm.rank == 0:
+        inputs = {"scene": result.scene.name} if inputs is None else inputs
+        described |= data or {}
+        warnings = [warning.plain() for warning in result.warnings]
+        made = record(RUN, described, inputs=inputs, seconds=seconds, warnings=warnings)
+        write_record(made, path)
+    return path
 
 
 def record(

@@ -1,6 +1,7 @@
 """Arrays of numpy and scipy from distributed vectors and matrices."""
 
 from collections.abc import Mapping, Sequence
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -8,8 +9,12 @@ from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from cea.arrays import Complexes
 from cea.body.unknowns import free_operator
-from cea.matrices import destroy, gather, scaled_total
+from cea.eigen.multipliers import with_circulatory
+from cea.errors import InputError
+from cea.matrices import destroy, gather, local_part, scaled_total
+from cea.petsc import PETSc
 from cea.ranks import local_rows
+from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 
 
@@ -112,6 +117,88 @@ def gathered_displacements(
         return np.concatenate(comm.allgather(u))
     parts = comm.gather(u)
     return u[:0] if parts is None else np.concatenate(parts)
+
+
+def displacements_at(
+    system: CoupledSystem,
+    place: str,
+    at: SurfaceCoordinates | csr_array | None,
+    vectors: Complexes,
+    *,
+    prescribed: float = 0.0,
+    everywhere: bool = True,
+) -> Complexes:
+    """:func:`gathered_displacements` of a body, or of a surface "body.surface".
+
+    Raises
+    ------
+    InputError
+        When there is no such place.
+    """
+    body, _, name = place.partition(".")
+    if body not in system.bodies:
+        raise InputError("place", place, f"one of {', '.join(system.bodies)}")
+    if name:
+        surfaces = system.bodies[body].surfaces
+        if name not in surfaces or not isinstance(at, SurfaceCoordinates):
+            allowed = ", ".join(f"{body}.{each}" for each in surfaces)
+            raise InputError("place", place, f"one of {allowed}, with coordinates on it")
+        at = surfaces[name].trace(at)
+    elif isinstance(at, SurfaceCoordinates):
+        raise InputError("place", place, "a surface, body.surface, for coordinates on it")
+    return gathered_displacements(
+        system, body, at, vectors, prescribed=prescribed, everywhere=everywhere
+    )
+
+
+def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[str, csr_array]:
+    """Matrices of bodies and contacts, as :meth:`scenes.results.result.Result.matrices` says."""
+    for contact in system.contacts:
+        name = f"contacts.{contact.pair}.P"
+        if not values.get(name, 0.0) < inf:
+            raise InputError(name, values[name], "finite for matrices")
+    pencil = system.pencil(eliminate=True)
+    pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "M": [], "K_n": [], "K_f": []}
+    for term in pencil.terms:
+        factor = term.coefficient.at(values)
+        if term.role == "mass":
+            pieces["M"].append((factor, term.matrix))
+        elif term.role == "damping":
+            name = "C" if term.symmetric else "Y"
+            pieces.setdefault(name, []).append((factor, term.matrix))
+        elif term.contact:
+            name, sign = ("K_n", 1) if term.symmetric else ("K_f", -1)
+            pieces[name].append((sign * factor, term.matrix))
+        else:
+            name = "K" if term.symmetric else "K_c"
+            pieces.setdefault(name, []).append((factor, term.matrix))
+    if not pieces["M"]:
+        del pieces["M"]
+    sums = gathered_sums(pieces, system.template)
+    comm = system.template.comm.tompi4py()
+    low_rank = pencil.low_rank_at(values)
+    if low_rank is not None:
+        sums |= gathered_rows("W", csr_array(low_rank.root()), comm)
+    circulatory = pencil.circulatory_at(values)
+    if circulatory is not None:
+        full = with_circulatory(None, circulatory)
+        left = full.reaction.transpose(PETSc.Mat())
+        for name, matrix in (("L", left), ("N", full.compliance), ("J", full.closure)):
+            sums |= gathered_rows(name, local_part(matrix), comm)
+        full.free()
+        destroy(left)
+    return sums
+
+
+def summed_matrices(
+    pencil: Any, values: Mapping[str, float], template: Any
+) -> dict[str, csr_array]:
+    """M, C where there is one, and K of a pencil of matrices from files; collective."""
+    letters = {"mass": "M", "damping": "C", "stiffness": "K"}
+    pieces: dict[str, list[tuple[float, Any]]] = {}
+    for term in pencil.terms:
+        pieces.setdefault(letters[term.role], []).append((term.coefficient.at(values), term.matrix))
+    return gathered_sums(pieces, template)
 
 
 def gathered_sums(

@@ -15,18 +15,13 @@ from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshol
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.results.result import ModesResult
-from scenes.running.following import FollowedState, kept_state_warning
+from scenes.checking.steady import kept_state_warning
+from scenes.results.result import Result
+from scenes.running.following import FollowedState
+from scenes.running.modes import result_of_modes, run_modes, solved
 from scenes.running.parameter_changes import at_parameters, parameters_changed
-from scenes.running.run import (
-    RunOptions,
-    coupled,
-    result_of_modes,
-    run_modes,
-    solved,
-    system_warnings,
-)
 from scenes.running.swept import parameters_meant
+from scenes.running.system import RunOptions, coupled, system_warnings
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.reading import Scene
 
@@ -103,7 +98,7 @@ class AssembledScene:
         left: bool = False,
         listener: Callable[[str], None] | None = None,
         **of_every_contact: Any,
-    ) -> ModesResult:
+    ) -> Result:
         """Modes of the scene with fields changed.
 
         Parameters
@@ -139,7 +134,7 @@ class AssembledScene:
         *,
         left: bool = False,
         listener: Callable[[str], None] | None = None,
-    ) -> ModesResult:
+    ) -> Result:
         """Modes of the scene at parameters of its pencil.
 
         Parameters
@@ -167,7 +162,7 @@ class AssembledScene:
         *,
         left: bool,
         listener: Callable[[str], None] | None,
-    ) -> ModesResult:
+    ) -> Result:
         """Modes of another scene, that of the pencil at some parameters where these are given."""
         if values is None or not self._holds_at(values):
             options: RunOptions = {"listener": listener, **self._built}

@@ -12,28 +12,6 @@ from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.residuals import internal_forces
 from cea.errors import ConvergenceError
 from cea.system.coupled import CoupledSystem
-from cea.warned import ResultWarning
-
-STATE_KEPT = "steady-state-kept"
-"""Kind of the warning that a state is not the one at other parameters."""
-
-
-def kept_state_warning(parameters: str) -> ResultWarning:
-    """What is told where such parameters change and the state is kept.
-
-    Parameters
-    ----------
-    parameters
-        In words.
-    """
-    return ResultWarning(
-        STATE_KEPT,
-        f"the state of steady sliding depends on {parameters}, and is kept in derivatives and "
-        "thresholds: closed zones and contact stiffness are those of the scene; a threshold with "
-        "follow_steady_state seeks it at each value",
-        {"parameters": parameters},
-    )
-
 
 _STEP = 1e-5
 """Step of difference quotients of matrices, relative to the value."""

@@ -1,10 +1,8 @@
 """Scenes of matrices from files to modes: one run, or many at other parameters."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
-
-from scipy.sparse import csr_array
 
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
@@ -22,67 +20,12 @@ from scenes.matrices.pencil import (
     read_pieces,
     symmetrised_pieces,
 )
-from scenes.results.of_modes import OfModes
-from scenes.results.shapes import gathered_sums
+from scenes.results.result import Result
+from scenes.running.analysis import analysis_of
+from scenes.running.modes import describe, lines, opened, table
 from scenes.spec.matrices import ROLES, MatrixScene
 
-_LETTERS = {"mass": "M", "damping": "C", "stiffness": "K"}
-
-
-@dataclass(frozen=True)
-class MatrixResult(OfModes):
-    """Modes of a scene of matrices.
-
-    Parameters
-    ----------
-    scene
-        The scene as run.
-    modes
-        Eigenvalues, eigenvectors, their errors and the window that was searched.
-    pieces
-        The matrices as read, by name.
-    timer
-        Seconds by stage.
-    skipped
-        What the scene did not need, with the reason.
-    """
-
-    scene: MatrixScene
-    modes: Modes
-    pieces: Mapping[str, Piece]
-    timer: StageTimer
-    skipped: Mapping[str, str]
-
-    @property
-    def dofs(self) -> int:
-        """Unknowns."""
-        return int(self.modes.template.getSize())
-
-    @property
-    def warnings(self) -> tuple[ResultWarning, ...]:
-        """What the result must be read with: the warnings of its modes are all of them."""
-        return self.modes.warnings
-
-    @property
-    def comm(self) -> Any:
-        """Communicator (mpi4py)."""
-        return self.modes.template.comm.tompi4py()
-
-    def matrices(self) -> dict[str, csr_array]:
-        """M, C where there is one, and K at the parameters that were solved at; collective.
-
-        Returns
-        -------
-        dict
-            scipy matrices on rank 0; empty on other ranks.
-        """
-        pieces: dict[str, list[tuple[float, Any]]] = {}
-        for term in self.modes.pencil.terms:
-            factor = term.coefficient.at(self.modes.values)
-            pieces.setdefault(_LETTERS[term.role], []).append((factor, term.matrix))
-        return gathered_sums(pieces, self.modes.template)
-
-    __repr__ = OfModes.__repr__
+__all__ = ["AssembledMatrices", "describe", "lines", "opened", "run", "run_matrices", "table"]
 
 
 class AssembledMatrices:
@@ -134,7 +77,7 @@ class AssembledMatrices:
         *,
         left: bool = False,
         listener: Callable[[str], None] | None = None,
-    ) -> MatrixResult:
+    ) -> Result:
         """Modes of the scene with parameters and the window changed.
 
         Parameters
@@ -168,9 +111,15 @@ class AssembledMatrices:
             left=left,
             timer=timer,
         )
-        modes = replace(modes, warnings=self.warnings(modes))
-        skipped = skipped_by(scene, self.pieces)
-        return MatrixResult(scene, modes, self.pieces, timer, skipped)
+        return Result(
+            analysis_of(scene),
+            scene,
+            timer,
+            skipped_by(scene, self.pieces),
+            self.warnings(modes),
+            spectrum=modes,
+            pieces=self.pieces,
+        )
 
     def warnings(self, modes: Modes) -> tuple[ResultWarning, ...]:
         """What modes of its pencil must be read with."""
@@ -226,7 +175,7 @@ def run_matrices(
     *,
     left: bool = False,
     listener: Callable[[str], None] | None = None,
-) -> MatrixResult:
+) -> Result:
     """Modes of a scene of matrices.
 
     Parameters
@@ -251,6 +200,10 @@ def run_matrices(
         result.timer.add(stage, seconds)
     assembled.free()
     return result
+
+
+run = run_matrices
+"""As :class:`scenes.results.result.Analysis` has it; what is told is what is told of modes."""
 
 
 def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str]:

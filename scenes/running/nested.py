@@ -13,9 +13,10 @@ from cea.timing import StageTimer
 from scenes.building.build import build_bodies
 from scenes.building.made_of import body_parts
 from scenes.checking.memory import check_memory
-from scenes.results.result import ModesResult
+from scenes.results.result import Result
 from scenes.running.enrich import richer_scene
-from scenes.running.run import RunOptions, coupled, run_modes
+from scenes.running.modes import run_modes
+from scenes.running.system import RunOptions, coupled
 from scenes.spec.reading import Scene
 
 
@@ -38,7 +39,7 @@ def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Prolon
 
 
 def estimate_errors(
-    result: ModesResult,
+    result: Result,
     richer: Scene | None = None,
     *,
     steps: int = 1,
@@ -85,7 +86,7 @@ def estimate_errors(
 
 @contextmanager
 def _on(
-    scene: Scene, result: ModesResult, listener: Callable[[str], None] | None
+    scene: Scene, result: Result, listener: Callable[[str], None] | None
 ) -> Iterator[tuple[Matrices, Prolongation, StageTimer]]:
     """The pencil of another scene, the prolongation to it, and a timer of what it takes."""
     bodies = _with_those_of(result, scene, listener)
@@ -101,7 +102,7 @@ def _on(
 
 
 def _with_those_of(
-    result: ModesResult, scene: Scene, listener: Callable[[str], None] | None
+    result: Result, scene: Scene, listener: Callable[[str], None] | None
 ) -> dict[str, Body]:
     """Bodies of a scene; those of a result that are the same, with their matrices."""
     check_memory(scene, on_disk=False)

@@ -9,8 +9,8 @@ from covering import covering
 
 from cea.contact.interface import pair
 from cea.errors import InputError
+from scenes import run_modes, run_scene
 from scenes.running.assembled import assemble as assemble_scene
-from scenes.running.run import run_modes, run_scene
 from scenes.spec.reading import read_scene
 
 GPTS = {"method": "gpts", "points": 3}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from motions import dense
 
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.reading import load_scene
 
 flint = pytest.importorskip("flint")

@@ -10,7 +10,7 @@ from motions import control_points, dense, product, resultant, rotation_of, unkn
 
 from cea.eigen.krylov_schur import solve_modes
 from cea.matrices import gather
-from scenes.running.run import run_scene
+from scenes import run_scene
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene
 

@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 from cea.material import IsotropicMaterial
 from scenes import assemble, read_scene, run_scene
 from scenes.building.build import build_body
-from scenes.running.run import skipped_by
+from scenes.checking.steps import skipped_by
 from scenes.spec.plain import as_data
 from scenes.spec.problems import SceneError
 

@@ -15,7 +15,7 @@ from scipy.linalg import eigh, eigvals
 from cea.eigen.neumann import NeumannSeries
 from cea.eigen.shifted import Shifted
 from cea.rotation import Rotation
-from scenes.running.run import coupled
+from scenes.running.system import coupled
 from scenes.spec.reading import read_scene
 
 RING = {"shape": "ring", "inner_radius": 0.6, "outer_radius": 1.0}

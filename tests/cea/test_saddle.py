@@ -12,7 +12,7 @@ from scipy.linalg import eigvals, null_space
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.shifted import count_below
 from cea.errors import InputError
-from scenes.running.run import run_scene
+from scenes import run_scene
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene
 

@@ -8,8 +8,8 @@ import pytest
 from cea.contact.formulations import Mortar, Segments
 from cea.timing import StageTimer
 from comparisons.formulations.patch_tests import PRESSURE, PROBLEMS
+from scenes import run_scene
 from scenes.building.build import build_bodies
-from scenes.running.run import run_scene
 from scenes.spec.variants import with_contact
 
 KINDS = ("hexahedra", "tetrahedra", "NURBS")

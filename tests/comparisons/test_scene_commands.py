@@ -9,8 +9,7 @@ from PIL import Image
 
 import cea
 from comparisons.cli.app import main
-from scenes.checking.steps import needed_by
-from scenes.running.run import skipped_by
+from scenes.checking.steps import needed_by, skipped_by
 from scenes.spec.files import SCENES, matrix_scene_names, scene_names
 from scenes.spec.reading import load_scene
 

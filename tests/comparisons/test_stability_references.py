@@ -8,7 +8,7 @@ from comparisons.stability.parts.dense import dense_eigenvalues, dense_kappas, l
 from comparisons.stability.parts.references import copies, dense
 from comparisons.stability.parts.scenes import in_units, layers, moved, sprag
 from comparisons.stability.parts.ways import ALONE, WAYS, chosen
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.reading import read_scene
 
 

@@ -16,8 +16,8 @@ from comparisons.cli.app import main
 from comparisons.sweep.axes import read_axis
 from comparisons.sweep.distributions import read_distribution
 from meshes.files.reading import read_mesh_file
+from scenes import run_modes
 from scenes.results.record import read_record
-from scenes.running.run import run_modes
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
 from scenes.spec.toml import scene_text

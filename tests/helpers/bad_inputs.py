@@ -21,7 +21,7 @@ from meshes.mesh_file import MeshFile
 from meshes.patches import NurbsFile
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box
-from scenes.results.opened import open_result
+from scenes import open_result
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
 

@@ -8,7 +8,7 @@ from gmsh_models import gmsh_model
 
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
-from scenes.running.run import run_static
+from scenes import run_static
 from scenes.spec.reading import read_scene
 
 MORTAR = {"method": "mortar"}

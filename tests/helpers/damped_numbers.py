@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.reading import read_scene
 
 RATE = 0.3

@@ -3,7 +3,7 @@
 import numpy as np
 
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.reading import read_scene
 
 

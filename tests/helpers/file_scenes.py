@@ -9,7 +9,7 @@ from mesh_writers import write
 from cea.petsc import MPI
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.plain import plain_data
 from scenes.spec.reading import load_scene, read_scene
 

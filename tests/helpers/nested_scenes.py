@@ -7,9 +7,9 @@ from reference_data import plane_meshes
 
 from cea.eigen.eigenvalue_matching import assign
 from cea.matrices import gather
+from scenes import run_modes
 from scenes.running.enrich import richer_scene
 from scenes.running.nested import estimate_errors, prolongation
-from scenes.running.run import run_modes
 from scenes.spec.reading import load_scene
 
 MESHES = {

@@ -15,9 +15,7 @@ from cea.eigen.options import KrylovOptions
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
-from scenes.results.describe import describe
-from scenes.results.result import ModesResult
-from scenes.running.run import run_modes, run_scene
+from scenes import run_modes, run_scene
 from scenes.spec.files import SCENES
 from scenes.spec.plain import checked
 from scenes.spec.reading import load_scene, read_scene
@@ -200,7 +198,7 @@ def asymmetry(matrix):
 def facts(scene):
     result = run_scene(scene)
     system = result.system
-    data = describe(result)
+    data = dict(result.data)
     shown = {
         "contacts": data["contacts"],
         "dofs": data["dofs"],
@@ -217,7 +215,7 @@ def facts(scene):
         ],
     }
     traces = probes(result)
-    if isinstance(result, ModesResult):
+    if result.spectrum is not None:
         modes = result.modes
         shapes = np.concatenate([result.mode_shapes(name, traces[name]) for name in system.bodies])
         shown |= {

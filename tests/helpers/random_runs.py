@@ -28,7 +28,7 @@ from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import release
 from cea.errors import ConvergenceError, InputError
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.problems import SceneError
 
 

@@ -4,8 +4,8 @@ import numpy as np
 from nested_scenes import paired
 from scipy.linalg import eigvals
 
+from scenes import run_modes
 from scenes.running.enrich import richer_scene
-from scenes.running.run import run_modes
 
 
 def dense_eigenvalues(scene):

@@ -3,7 +3,7 @@
 import numpy as np
 from damped_numbers import damped_disc
 
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.reading import read_scene
 
 DAMPING = {

@@ -17,10 +17,8 @@ from cea.eigen.formula import Formula
 from cea.errors import InputError
 from cea.fields import Expression
 from cea.mesh import Mesh
-from scenes.results.describe import save_result
-from scenes.results.opened import open_result
+from scenes import open_result, run_scene, save_result
 from scenes.results.record import write_record
-from scenes.running.run import run_scene
 from scenes.spec.matrices import load_matrices, read_matrix_scene
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene

@@ -24,9 +24,9 @@ from curved_scenes import (
 from mpi import on_ranks
 
 from cea.timing import StageTimer
+from scenes import run_static
 from scenes.building.build import build_bodies, build_interfaces
 from scenes.checking.check import inspect_scene, largest_gap
-from scenes.running.run import run_static
 from scenes.spec.reading import load_scene, read_scene
 
 GPTS = {"method": "gpts", "points": 4}

@@ -10,10 +10,8 @@ from pressed import pressed_blocks
 
 from cea.errors import InputError
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
-from scenes.results.describe import save_result
-from scenes.results.opened import open_result
+from scenes import open_result, run_modes, save_result
 from scenes.running.assembled import AssembledScene
-from scenes.running.run import run_modes
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 

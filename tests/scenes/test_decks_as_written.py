@@ -5,7 +5,7 @@ import pytest
 
 from cea.errors import InputError
 from meshes.mesh_file import MeshFile
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 

@@ -3,7 +3,7 @@
 import pytest
 from covering import covering
 
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.reading import load_scene
 
 

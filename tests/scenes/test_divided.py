@@ -7,8 +7,8 @@ import pytest
 from reference_data import BLOCK_BODIES, DRUM_BODIES, compare, exact, plane_meshes, solve
 
 from cea.timing import StageTimer
+from scenes import run_scene
 from scenes.building.build import build_bodies
-from scenes.running.run import run_scene
 from scenes.spec.reading import load_scene
 
 MESHES = {

@@ -8,8 +8,7 @@ from covering import covering
 from file_scenes import built, eigenvalues, from_file, on_any_number_of_ranks
 from mpi import on_ranks
 
-from scenes.results.describe import describe
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
 
@@ -64,10 +63,10 @@ def test_elements_of_higher_degree_on_the_cells_of_a_file(tmp_path):
 
 def test_results_say_where_nodes_were_added(tmp_path):
     scene = read_scene(from_file(built("hexahedron", 2), tmp_path / "a.inp", lacking=True))
-    told = describe(run_modes(scene))["skipped"]
+    told = run_modes(scene).data["skipped"]
     assert "upper, lower" in told["serendipity"]
     whole = read_scene(from_file(built("hexahedron", 2), tmp_path / "a.msh"))
-    assert "serendipity" not in describe(run_modes(whole))["skipped"]
+    assert "serendipity" not in run_modes(whole).data["skipped"]
 
 
 SCENE = """

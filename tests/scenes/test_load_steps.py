@@ -15,8 +15,8 @@ from cea.system.sliding_newton import Iteration, SlidingNewton
 from cea.system.steady_sliding import check_steps
 from comparisons.kit.contact_pictures import draw_contacts
 from scenes import assemble, open_result, read_scene, run_scene, save_result
+from scenes.checking.steps import skipped_by
 from scenes.export.paraview_steps import write_load_steps
-from scenes.running.run import skipped_by
 from scenes.spec.plain import as_data
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene

@@ -7,9 +7,9 @@ from mpi import run
 from peak_memory import PEAK
 
 from cea.errors import InputError
-from scenes import memory
+from scenes import run_modes
+from scenes.checking import memory
 from scenes.checking.memory import available_memory, check_memory, estimated_memory
-from scenes.running.run import run_modes
 from scenes.spec.reading import load_scene
 
 PEAK_OF_A_RUN = (

@@ -11,10 +11,8 @@ from scipy.sparse.linalg import spsolve
 
 from cea.errors import InputError
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
-from scenes.results.describe import save_result
-from scenes.results.opened import open_result
+from scenes import open_result, run_modes, save_result
 from scenes.running.assembled import AssembledScene
-from scenes.running.run import run_modes
 from scenes.spec.plain import as_data
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene

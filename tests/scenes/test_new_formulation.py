@@ -10,7 +10,7 @@ from blocks import two_blocks
 from cea.contact import formulations
 from cea.contact.formulations import Formulation, GaussPointToSurface, register, registered
 from cea.errors import InputError
-from scenes.running.run import run_scene
+from scenes import run_scene
 from scenes.spec.contact_checks import suits
 from scenes.spec.plain import plain_data
 from scenes.spec.problems import SceneError

@@ -9,7 +9,7 @@ from covering import covering
 from reference_data import compare, exact, solve
 
 from exact_cea.reference import exact_eigenvalues
-from scenes.running.run import run_scene
+from scenes import run_scene
 from scenes.spec.reading import load_scene, read_scene
 
 BACKENDS = ("iga", "fe")

@@ -7,9 +7,9 @@ import pytest
 from closed_patches import LINE, annulus
 
 from cea.errors import InputError
+from scenes import run_modes, run_scene
 from scenes.running.enrich import richer_scene
 from scenes.running.nested import estimate_errors
-from scenes.running.run import run_modes, run_scene
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from scenes.running.run import run_scene
+from scenes import run_scene
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 

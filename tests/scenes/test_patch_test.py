@@ -6,7 +6,7 @@ import pytest
 from covering import covering
 
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
-from scenes.running.run import run_scene
+from scenes import run_scene
 from scenes.spec.reading import load_scene
 from scenes.spec.variants import on_backend, with_contact
 

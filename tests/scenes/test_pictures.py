@@ -12,10 +12,10 @@ from PIL import Image
 from scipy.sparse import eye_array
 
 from cea.volume import VolumeSample
+from scenes import run_scene
 from scenes.export.paraview import write_paraview
 from scenes.export.pictures import draw_modes
 from scenes.pictures.drawing import Drawing, largest_deflection
-from scenes.running.run import run_scene
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 

@@ -15,7 +15,7 @@ from cea.errors import InputError
 from cea.fields import MAX_DEPTH, Expression
 from cea.mesh import Mesh
 from meshes.patches import GivenPatch
-from scenes.results.opened import open_result
+from scenes import open_result
 from scenes.results.record import read_record, write_record
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene

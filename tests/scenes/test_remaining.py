@@ -8,8 +8,8 @@ from nested_scenes import coarse_modes
 from reference_data import stored
 from richer_truth import apart_from_richer
 
+from scenes import run_modes
 from scenes.running.nested import estimate_errors
-from scenes.running.run import run_modes
 from scenes.spec.reading import read_scene
 
 BACKENDS = ("fe", "iga")

@@ -8,10 +8,10 @@ from reduced_cases import enrichment
 
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.krylov_schur import KrylovSchur
+from scenes import run_modes
 from scenes.running.assembled import AssembledScene
 from scenes.running.enrich import richer_scene
 from scenes.running.nested import estimate_errors
-from scenes.running.run import run_modes
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from scenes.running.run import run_modes
+from scenes import run_modes
 from scenes.spec.reading import read_scene
 
 RATE, THICKNESS = 0.004, 0.1

@@ -11,8 +11,9 @@ from scipy.special import jv, jvp, yv, yvp
 from cea.errors import ConvergenceError
 from cea.system.equilibrium import checked_residual
 from cea.system.sliding_problem import SlidingProblem
+from scenes import run_modes, run_static
 from scenes.running.assembled import AssembledScene
-from scenes.running.run import coupled, run_modes, run_static
+from scenes.running.system import coupled
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 

@@ -8,8 +8,9 @@ from blocks import assemble, two_blocks
 from covering import covering
 
 import cea.eigen.krylov_schur
+from scenes import run_scene
+from scenes.checking.steps import skipped_by
 from scenes.checking.unused import GIVEN, unused_input
-from scenes.running.run import run_scene, skipped_by
 from scenes.spec.reading import read_scene
 
 GPTS = {"method": "gpts", "points": 3}
@@ -158,5 +159,5 @@ def test_nothing_unused_is_imported(backend, absent, tmp_path):
     )
     assert done.returncode == 0, done.stderr
     imported = set(done.stdout.split("imported", 1)[1].split())
-    assert {"petsc4py", "scenes.running.run"} <= imported
+    assert {"petsc4py", "scenes.running.system"} <= imported
     assert not absent & imported

@@ -9,7 +9,7 @@ from pressed import AREA, PRESSURE, SOFT, pressed_blocks
 from same_numbers import assert_same
 
 from scenes import assemble, open_result, read_scene, run_modes, run_scene, save_result
-from scenes.running.run import skipped_by
+from scenes.checking.steps import skipped_by
 from scenes.spec.files import scene_names
 from scenes.spec.plain import as_data
 from scenes.spec.problems import SceneError

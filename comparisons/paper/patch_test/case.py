@@ -19,7 +19,7 @@ from cea.system.contact_stresses import pressure_along, stress_map
 from comparisons.kit.numbers import number
 from comparisons.paper.common.families import FAMILIES, Family
 from comparisons.paper.common.figure import Data, as_lists
-from scenes.running.run import run_static
+from scenes import run_static
 from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene, load_scene

@@ -20,7 +20,7 @@ from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.common.style import COLOURS, drawing
 from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
-from scenes.running.run import run_static
+from scenes import run_static
 from scenes.spec.analysis import StaticAnalysis
 from scenes.spec.body import Backend
 from scenes.spec.plain import as_data

@@ -23,7 +23,7 @@ from cea.arrays import Complexes, Floats
 from cea.contact.interface import along
 from cea.contact.operators import Contact
 from cea.system.coupled import CoupledSystem
-from scenes.running.run import coupled
+from scenes.running.system import coupled
 from scenes.spec.reading import read_scene
 
 _SHIFT = 0.37

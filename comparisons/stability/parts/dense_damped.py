@@ -28,7 +28,7 @@ from cea.contact.operators import Contact
 from cea.fields import Expression, evaluate
 from cea.system.coupled import CoupledSystem
 from comparisons.stability.parts.dense import array, constraint, jump
-from scenes.running.run import coupled
+from scenes.running.system import coupled
 from scenes.spec.motion import DampingSpec, SlidingSpec
 from scenes.spec.reading import read_scene
 

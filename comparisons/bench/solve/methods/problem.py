@@ -10,7 +10,7 @@ import numpy as np
 from cea.eigen.pencil import Matrices, Pencil
 from cea.errors import InputError
 from cea.petsc import PETSc
-from scenes.running.run import coupled
+from scenes.running.system import coupled
 from scenes.spec.reading import Scene, load_scene
 
 SCENE = "disc_pad"

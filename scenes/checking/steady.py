@@ -1,7 +1,6 @@
-"""What a result tells of its state of steady sliding: data, lines, warnings."""
+"""What a state of steady sliding must be read with."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -12,75 +11,16 @@ from cea.matrices import destroy
 from cea.petsc import Vec
 from cea.system.coupled import CoupledSystem
 from cea.system.equilibrium import LEFT_OVER
-from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
+from cea.system.sliding_state import ContactState, SteadySliding
 from cea.warned import ResultWarning
 from scenes.checking.closed_zone import coarse_closed_zone
 from scenes.checking.geometry_error import geometry_error
-from scenes.running.following import kept_state_warning
 from scenes.spec.reading import Scene
 
+STATE_KEPT = "steady-state-kept"
+"""Kind of the warning that a state is not the one at other parameters."""
 _NOISE = 4.0
 """Closures, in parts of what rounding makes of displacements, that are neither open nor closed."""
-
-
-def steady_data(steady: SteadySliding) -> dict[str, Any]:
-    """A state of steady sliding as plain data, without fields over points."""
-    unique = steady.uniqueness
-    return {
-        "uncertainty": steady.uncertainty,
-        "residual": steady.residual,
-        "iterations": steady.iterations,
-        "path": [_step_data(step) for step in steady.path],
-        "contacts": {name: _contact_data(state) for name, state in steady.contacts.items()},
-        "uniqueness": unique and {"parity": unique.parity, "margin": unique.margin},
-    }
-
-
-def _step_data(step: LoadStep) -> dict[str, Any]:
-    data: dict[str, Any] = {
-        "load": step.factor,
-        "residuals": list(step.residuals),
-        "closed": list(step.closed),
-        "parity": step.parity,
-    }
-    if step.state is not None:
-        data |= {
-            "iterations": len(step.lengths),
-            "contacts": {name: _contact_data(s) for name, s in step.state.contacts.items()},
-            "margin": step.state.margin,
-        }
-    return data
-
-
-def _contact_data(state: ContactState) -> dict[str, Any]:
-    return {
-        "normal_force": state.normal_force,
-        "friction_force": state.friction_force,
-        "force_on_a": state.force_on_a.tolist(),
-        "area": state.area,
-        "closed_area": state.closed_area,
-        "largest_pressure": float(state.pressure.max()),
-        "largest_stiffness": float(state.stiffness.max()),
-    }
-
-
-def steady_lines(data: dict[str, Any]) -> list[str]:
-    """Lines for people of :func:`steady_data`: half passes in each load step, and at last."""
-    steps = [
-        f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
-        for step in data["path"]
-        for name, contact in step.get("contacts", {}).items()
-    ]
-    return steps + [_line(name, contact) for name, contact in data["contacts"].items()]
-
-
-def _line(name: str, contact: dict[str, Any]) -> str:
-    closed = 100 * contact["closed_area"] / contact["area"]
-    return (
-        f"steady sliding, {name}: normal force {contact['normal_force']:.6g} N, friction "
-        f"{contact['friction_force']:.6g} N, {closed:.3g} % of the area closed, pressure to "
-        f"{contact['largest_pressure']:.6g} N/m^2"
-    )
 
 
 def steady_warnings(scene: Scene, system: CoupledSystem) -> tuple[ResultWarning, ...]:
@@ -100,6 +40,23 @@ def steady_warnings(scene: Scene, system: CoupledSystem) -> tuple[ResultWarning,
             halves = sum(each.pair == contact.pair for each in system.contacts)
             found += coarse_closed_zone(scene.bodies, contact, state, halves)
     return tuple(found)
+
+
+def kept_state_warning(parameters: str) -> ResultWarning:
+    """What is told where such parameters change and the state is kept.
+
+    Parameters
+    ----------
+    parameters
+        In words.
+    """
+    return ResultWarning(
+        STATE_KEPT,
+        f"the state of steady sliding depends on {parameters}, and is kept in derivatives and "
+        "thresholds: closed zones and contact stiffness are those of the scene; a threshold with "
+        "follow_steady_state seeks it at each value",
+        {"parameters": parameters},
+    )
 
 
 def kept_state_warnings(steady: SteadySliding | None, modes: Modes) -> Iterator[ResultWarning]:
