@@ -218,7 +218,7 @@ CASES = {
             },
             ALONE,
             damped,
-            warnings=(*MESH, "centrifugal-stresses"),
+            warnings=(*MESH, "centrifugal-stresses", "faster-than-waves"),
         ),
     ),
     "sliding_speed": Case(
