@@ -13,7 +13,7 @@ from comparisons.kit.tables import Table
 from comparisons.run_report import plots, tables, words
 from scenes import Result
 from scenes.results.record import read_record
-from scenes.results.result.steady import steady_lines
+from scenes.results.steady import steady_lines
 
 TEMPLATE = Path(__file__).with_name("page.html")
 _KEY = "run"

@@ -10,7 +10,7 @@ from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError
 from scenes.results.record import RunRecord
 from scenes.results.result import Result
-from scenes.results.result.steady import steady_data
+from scenes.results.steady import steady_data
 from scenes.spec.plain import as_data
 
 

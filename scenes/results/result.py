@@ -23,8 +23,8 @@ from cea.system.coupled import CoupledSystem
 from cea.system.sliding_state import SteadySliding
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.results.result.steady import steady_lines
 from scenes.results.shapes import displacements_at, summed_matrices, system_matrices
+from scenes.results.steady import steady_lines
 from scenes.spec.names import backend_name
 
 if TYPE_CHECKING:
