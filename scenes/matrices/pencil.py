@@ -15,8 +15,8 @@ from cea.matrices import destroy, distributed, zeros
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows, made_on_first
 from cea.warned import ResultWarning
-from scenes.matrices.files.read import read_labelled
-from scenes.matrices.files.symmetry import (
+from scenes.matrices.reading import read_labelled
+from scenes.matrices.symmetry import (
     Symmetry,
     equal_entries,
     half_of,

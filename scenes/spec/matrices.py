@@ -17,7 +17,7 @@ from pydantic import ConfigDict, Field, SkipValidation, TypeAdapter
 from cea.eigen.formula import RESERVED, Formula
 from cea.eigen.parameters import Parameter
 from cea.errors import InputError
-from scenes.matrices.files.read import split_name
+from scenes.matrices.reading import split_name
 from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
 from scenes.spec.consistency import needs_no_steady_state
 from scenes.spec.files import OF_MATRICES, scene_file, set_fields, tables_of

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import coo_array
 
 from cea.arrays import Ints
-from scenes.matrices.files.symmetry import half_of, mirrored
+from scenes.matrices.symmetry import half_of, mirrored
 
 _COORDINATES, _LABELS = 3, 5
 """Numbers in a line."""

@@ -11,19 +11,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, issparse
+from scipy.sparse import coo_array, csr_array, issparse
 
 from cea.arrays import Ints
 from cea.errors import InputError
-from scenes.matrices.files.abaqus import read_abaqus_matrix
-from scenes.matrices.files.matlab import read_variables
-from scenes.matrices.files.matrix_market import read_matrix_market
+from meshes.files.sandbox import arrays_of
+from scenes.matrices.abaqus import read_abaqus_matrix
 
 LARGEST_SIZE = 50_000_000
 """Rows of a matrix at most: more is a broken header, or nothing that a run could solve."""
 _MOST_ENTRIES = 2**31 - 1
 """What indices of 32 bits can count."""
-_HDF = b"\x89HDF"
+_PROGRAM = Path(__file__).with_name("program.py")
+_HDF, _NEWER = b"\x89HDF", b"MATLAB 7.3"
 _PETSC_MATRIX = 1211216
 """First number of a matrix in PETSc's binary format."""
 _COMPRESSED = ("csr", "csc", "bsr")
@@ -112,6 +112,8 @@ def _read(path: Path, variable: str | None) -> Any:
             return reader(path, variable)
     except (_UnreadableError, OSError, MemoryError):
         raise
+    except InputError as error:  # of the program that reads
+        raise _UnreadableError(f"a whole {kind} file: {error.allowed}") from None
     except Exception as error:  # readers of foreign formats raise anything where a file is broken
         told = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise _UnreadableError(f"a whole {kind} file: {told}") from error
@@ -130,27 +132,35 @@ def _reader(path: Path) -> tuple[str, Callable[[Path, str | None], Any]]:
 
 
 def _matlab(path: Path, variable: str | None) -> Any:
-    content = path.read_bytes()
-    if content.startswith(_HDF) or content.startswith(b"MATLAB 7.3"):
+    with path.open("rb") as stream:
+        begin = stream.read(len(_NEWER))
+    if begin.startswith(_HDF) or begin == _NEWER:
         raise _UnreadableError("MATLAB's format to version 7.2: save it with save(..., '-v7')")
-    found = {each.name: each for each in read_variables(content)}
-    names = ", ".join(found) or "none"
-    if variable is None and len(found) != 1:
-        raise _UnreadableError(f"one matrix, or FILE:VARIABLE; the matrices are {names}")
-    chosen = found.get(variable) if variable is not None else next(iter(found.values()))
-    if chosen is None:
-        raise _UnreadableError(f"a variable among {names}")
-    if chosen.complex:
-        raise _UnreadableError("real numbers, not complex")
-    if len(chosen.shape) == 2:
-        _check_size(*chosen.shape)
-    return chosen.matrix()
+    arrays = arrays_of(_PROGRAM, path)
+    names = sorted({entry.rpartition(" ")[0] for entry in arrays})
+    if variable is None and len(names) != 1:
+        told = ", ".join(names) or "none"
+        raise _UnreadableError(f"one matrix, or FILE:VARIABLE; the matrices are {told}")
+    if variable is not None and variable not in names:
+        raise _UnreadableError(f"a variable among {', '.join(names) or 'none'}")
+    return _of_arrays(arrays, variable if variable is not None else names[0])
 
 
 def _matrix_market(path: Path, _: str | None) -> Any:
-    content = path.read_bytes()
-    whole = gzip.decompress(content) if path.suffix == ".gz" else content
-    return read_matrix_market(whole) if whole.startswith(b"%%") else read_abaqus_matrix(whole)
+    with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as stream:
+        if stream.read(2) != b"%%":
+            stream.seek(0)
+            return read_abaqus_matrix(stream.read())
+    return _of_arrays(arrays_of(_PROGRAM, path), "")
+
+
+def _of_arrays(arrays: dict[str, Any], name: str) -> Any:
+    """A matrix of those that the program read."""
+    if f"{name} dense" in arrays:
+        return arrays[f"{name} dense"]
+    data, row, col, shape = (arrays[f"{name} {part}"] for part in ("data", "row", "col", "shape"))
+    _check_size(*(int(n) for n in shape))
+    return coo_array((data, (row, col)), shape=tuple(int(n) for n in shape))
 
 
 def _scipy(path: Path, _: str | None) -> Any:
