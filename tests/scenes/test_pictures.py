@@ -47,7 +47,7 @@ def with_growth(result, growth):
     conditions = np.ones_like(result.modes.conditions)
     modes = replace(result.modes, eigenvalues=eigenvalues, conditions=conditions)
     analysis = replace(result.scene.analysis, growth_threshold=0.01)
-    return replace(result, modes=modes, scene=replace(result.scene, analysis=analysis))
+    return replace(result, spectrum=modes, scene=replace(result.scene, analysis=analysis))
 
 
 def test_most_unstable_modes_are_drawn_first(result):
