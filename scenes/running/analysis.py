@@ -11,7 +11,7 @@ from cea.timing import StageTimer
 from scenes.results.record import PROVENANCE, Record, RunRecord, checked_record, read_record
 from scenes.results.result import Analysis, Result
 from scenes.spec.matrices import MatrixScene, read_matrix_scene
-from scenes.spec.problems import faults_told_by
+from scenes.spec.problems import problems
 from scenes.spec.reading import Scene, read_scene
 
 ANALYSES = {
@@ -73,7 +73,7 @@ def open_result(file: str | Path) -> Result:
     try:
         return _opened(data)
     except ValidationError as error:
-        first = faults_told_by(error)[0]
+        first = problems(error, data, {})[0]
         raise InputError("file", str(file), f"a stored result; broken at {first}") from error
 
 

@@ -13,8 +13,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from cea.errors import InputError
-from scenes.spec.field_tree import FieldTree
-from scenes.spec.problems import SceneError, faults_told_by
+from scenes.spec.problems import SceneError, problems
 
 
 def as_data(section: Any) -> Any:
@@ -69,13 +68,14 @@ def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
     try:
         return kind.validate_json(content)
     except ValidationError as error:
-        raise SceneError(faults_told_by(error, _tree(kind))) from error
+        plain = json.loads(content)
+        raise SceneError(problems(error, plain, _schema(kind))) from error
 
 
 @cache
-def _tree(kind: TypeAdapter[Any]) -> FieldTree:
+def _schema(kind: TypeAdapter[Any]) -> dict[str, Any]:
     """The fields of a kind of scene."""
-    return FieldTree(kind.json_schema())
+    return kind.json_schema()
 
 
 def plain_data(value: Any) -> Any:
