@@ -47,7 +47,7 @@ Direction = Annotated[
     Discriminator(
         _kind_of_direction,
         custom_error_type="form",
-        custom_error_message="a table: {vector = ...}, {circumferential_about = ...}, {field = ...}",
+        custom_error_message="a table {vector = ...}, {circumferential_about = ...}, {field = ...}",
     ),
 ]
 
