@@ -14,7 +14,7 @@ from cea.contact.interface import Interface, default_reach, pair
 from cea.contact.laws import Friction, LinearLaw, NormalLaw
 from cea.contact.sliding import Sliding
 from cea.errors import InputError
-from cea.fields import Expression, evaluate
+from cea.expressions import Expression, evaluate
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Force, Pressure

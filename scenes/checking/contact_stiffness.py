@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from cea.contact.operators import Contact
-from cea.fields import Expression, evaluate
+from cea.expressions import Expression, evaluate
 from meshes.ventilated_disc import VentilatedDisc
 from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene

@@ -11,7 +11,7 @@ from cea.contact.formulations import Formulation, registered
 from cea.contact.friction import AlongField, AlongVector, Circumferential
 from cea.contact.laws import NormalCompliance
 from cea.errors import InputError
-from cea.fields import Expression
+from cea.expressions import Expression
 from scenes.spec.motion import SlidingSpec
 
 
@@ -66,8 +66,8 @@ class ContactSpec:
         Global contact stiffness, the integral of p over the interface (N/m).
     p
         Contact stiffness (N/m^3), a number or an expression in the coordinates
-        (:class:`cea.fields.Expression`), which is zero where the sides have lifted off; either P or
-        p is given, or c_n.
+        (:class:`cea.expressions.Expression`), which is zero where the sides have lifted off;
+        either P or p is given, or c_n.
     c_n, m_n
         Normal compliance -sigma_n = c_n (u_n - g_n)_+^m_n (N/m^(2 + m_n)), m_n 1 or more, 1 by
         default: the loads press the sides together, and p is that of steady sliding.

@@ -6,7 +6,7 @@ from typing import Any
 from cea.checks import check_surface
 from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError
-from cea.fields import Expression
+from cea.expressions import Expression
 from scenes.spec.body import Backend
 from scenes.spec.contact import ContactSpec
 from scenes.spec.scene import SceneSpec

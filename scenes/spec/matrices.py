@@ -14,9 +14,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, SkipValidation, TypeAdapter
 
-from cea.eigen.formula import RESERVED, Formula
 from cea.eigen.parameters import Parameter
 from cea.errors import InputError
+from cea.expressions import RESERVED, Formula
 from scenes.matrices.reading import split_name
 from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
 from scenes.spec.consistency import needs_no_steady_state
@@ -51,7 +51,7 @@ class MatrixScene:
     mass, stiffness, damping
         Coefficient of each matrix in M (kg), K (N/m) and C (N s/m), damping and gyroscopic parts
         alike: a number, or arithmetic in the parameters and pi
-        (:class:`cea.eigen.formula.Formula`).
+        (:class:`cea.expressions.Formula`).
     analysis
         The modes that are wanted.
     parameters

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from cea.damping import ModalDamping, RayleighDamping
 from cea.errors import InputError
-from cea.fields import Expression
+from cea.expressions import Expression
 
 
 @dataclass(frozen=True)

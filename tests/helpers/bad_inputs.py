@@ -14,7 +14,7 @@ from mesh_writers import write
 from scene_mutations import HOSTILE, NAMES, Bad, drawn, places, random_mutation, text_of, valid
 
 from cea.errors import ConvergenceError, InputError
-from cea.fields import Expression
+from cea.expressions import Expression
 from cea.mesh import Mesh
 from meshes.breaks import breaks_of
 from meshes.mesh_file import MeshFile

@@ -13,9 +13,8 @@ from matrix_files import scene as a_scene_of_matrices
 from scene_mutations import HOSTILE, NAMES, Bad, coarse, mutations, random_mutation, valid
 from stored_runs import PATCH, a_record
 
-from cea.eigen.formula import Formula
 from cea.errors import InputError
-from cea.fields import Expression
+from cea.expressions import Expression, Formula
 from cea.mesh import Mesh
 from scenes import open_result, run_scene, save_result
 from scenes.results.record import write_record

@@ -12,7 +12,7 @@ from scene_mutations import HOSTILE, valid
 from stored_runs import PATCH, a_record
 
 from cea.errors import InputError
-from cea.fields import MAX_DEPTH, Expression
+from cea.expressions import MAX_DEPTH, Expression
 from cea.mesh import Mesh
 from meshes.patches import GivenPatch
 from scenes import open_result

@@ -25,7 +25,7 @@ from scipy.linalg import eigh, eigvals
 
 from cea.arrays import Complexes, Floats
 from cea.contact.operators import Contact
-from cea.fields import Expression, evaluate
+from cea.expressions import Expression, evaluate
 from cea.system.coupled import CoupledSystem
 from comparisons.stability.parts.dense import array, constraint, jump
 from scenes.running.system import coupled

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from cea.eigen.formula import Formula
 from cea.errors import InputError
+from cea.expressions import Formula
 
 AT = {"parameters.a": 0.7, "parameters.b": -1.3}
 NAMES = {"a": "parameters.a", "b": "parameters.b"}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cea.errors import InputError
-from cea.fields import Expression, evaluate
+from cea.expressions import Expression, evaluate
 
 X = np.random.default_rng(1).normal(size=(50, 3))
 
