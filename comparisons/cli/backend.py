@@ -28,7 +28,7 @@ def with_backend(
     if backend is None:
         return tuple(overrides)
     from cea.errors import InputError
-    from scenes.spec.matrices import is_of_matrices
+    from scenes.spec.files import is_of_matrices
     from scenes.spec.reading import load_scene
 
     if is_of_matrices(scene):

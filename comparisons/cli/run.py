@@ -39,10 +39,12 @@ def run(
 ) -> None:
     """Run one scene and write its result.json."""
     from comparisons.cli.explain import explain_bodies, explain_matrices
-    from scenes.spec.matrices import is_of_matrices, load_matrices
+    from scenes.spec.files import is_of_matrices
 
     inputs = {"scene": scene, "set": set_ or [], "backend": backend}
     if is_of_matrices(scene):
+        from scenes.spec.matrices import load_matrices
+
         _refuse("backend", backend, "left out: a scene of matrices has no bodies")
         if explain:
             explain_matrices(scene, set_ or [], data)

@@ -43,7 +43,7 @@ def check(
     out: Annotated[Path, typer.Option(help="Folder of the picture.")] = Path("results/check"),
 ) -> None:
     """Tell every fault of a scene, else what it would take; nothing is solved."""
-    from scenes.spec.matrices import is_of_matrices
+    from scenes.spec.files import is_of_matrices
 
     if is_of_matrices(scene):
         _check_matrices(scene, set_ or [], data)

@@ -19,7 +19,8 @@ from scenes.running.matrices import AssembledMatrices
 from scenes.running.swept import no_two_alike, parameters_meant, stiffnesses_meant
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.contact import ContactSpec
-from scenes.spec.matrices import is_of_matrices, load_matrices
+from scenes.spec.files import is_of_matrices
+from scenes.spec.matrices import load_matrices
 from scenes.spec.plain import as_data
 from scenes.spec.reading import load_scene
 

@@ -18,7 +18,8 @@ from scenes.results.record import record
 from scenes.running.assembled import AssembledScene
 from scenes.running.matrices import AssembledMatrices
 from scenes.running.swept import means_several, parameters_meant, stiffnesses_meant
-from scenes.spec.matrices import is_of_matrices, load_matrices
+from scenes.spec.files import is_of_matrices
+from scenes.spec.matrices import load_matrices
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene
 

@@ -12,6 +12,7 @@ the facets is estimated, and initial gaps below that count as zero.
 """
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,8 +21,10 @@ from cea.contact.laws import NormalCompliance
 from cea.contact.operators import Contact
 from cea.ranks import agreed
 from cea.system.coupled import CoupledSystem
-from cea.system.sliding_state import ContactState, SteadySliding
 from cea.warned import ResultWarning
+
+if TYPE_CHECKING:
+    from cea.system.sliding_state import ContactState, SteadySliding
 
 _ALLOWED = 0.01
 """Relative error of pressures in the mean square that is told; peaks err by two or three times it.
@@ -57,7 +60,7 @@ def gaps_as_zero(contact: Contact) -> Iterator[ResultWarning]:
 
 
 def geometry_error(
-    system: CoupledSystem, steady: SteadySliding, contact: Contact, state: ContactState
+    system: CoupledSystem, steady: "SteadySliding", contact: Contact, state: "ContactState"
 ) -> Iterator[ResultWarning]:
     """Closures that do not stand out from the errors of curved facets; collective."""
     interface, law = contact.interface, contact.half.law

@@ -6,7 +6,6 @@ import numpy as np
 
 from cea.contact.laws import NormalCompliance
 from cea.contact.operators import Contact
-from cea.eigen.modes import Modes
 from cea.matrices import destroy
 from cea.petsc import Vec
 from cea.system.coupled import CoupledSystem
@@ -23,11 +22,10 @@ _NOISE = 4.0
 """Closures, in parts of what rounding makes of displacements, that are neither open nor closed."""
 
 
-def steady_warnings(scene: Scene, system: CoupledSystem) -> tuple[ResultWarning, ...]:
-    """What steady sliding must be read with, or loads that nothing asks for; collective."""
-    steady = system.steady
-    if steady is None:
-        return tuple(_loads_without_effect(scene))
+def steady_warnings(
+    scene: Scene, system: CoupledSystem, steady: SteadySliding
+) -> tuple[ResultWarning, ...]:
+    """What a state of steady sliding must be read with; collective."""
     found = list(steady.uniqueness.warnings()) if steady.uniqueness is not None else []
     found += _residual(steady)
     largest = _largest(steady.displacement)
@@ -57,23 +55,6 @@ def kept_state_warning(parameters: str) -> ResultWarning:
         "follow_steady_state seeks it at each value",
         {"parameters": parameters},
     )
-
-
-def kept_state_warnings(steady: SteadySliding | None, modes: Modes) -> Iterator[ResultWarning]:
-    """What sensitivities must be read with: modes with left vectors were asked for them."""
-    moving = sorted(modes.pencil.stiffness_parameters)
-    if steady is not None and modes.left is not None and moving:
-        yield kept_state_warning(", ".join(moving))
-
-
-def _loads_without_effect(scene: Scene) -> Iterator[ResultWarning]:
-    if scene.loads and scene.analysis.kind == "cea":
-        yield ResultWarning(
-            "loads-without-effect",
-            "the stiffness of every contact is given: loads change no mode; c_n in the place of P "
-            "or p lets them press the sides together",
-            {"loads": len(scene.loads)},
-        )
 
 
 def _largest(x: Vec) -> float:

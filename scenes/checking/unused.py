@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.contact import ContactSpec
-from scenes.spec.matrices import ROLES, MatrixScene
 from scenes.spec.reading import Scene
 
 GIVEN = "given, not used: "
@@ -20,23 +19,6 @@ def unused_input(scene: Scene) -> dict[str, str]:
         The scene.
     """
     return {field: f"{GIVEN}{reason}" for field, reason in _unused(scene)}
-
-
-def unused_parameters(scene: MatrixScene) -> dict[str, str]:
-    """What a scene of matrices gives though its run does without it, with the reason.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    """
-    formulas = [formula for role in ROLES for formula in scene.sum(role).values()]
-    used = frozenset().union(*(formula.names for formula in formulas))
-    found = {path: "in no coefficient" for path in scene.values if path not in used}
-    acting = [c for c in scene.sum("damping").values() if c.at(scene.values) != 0]
-    if scene.window.min_growth is not None and not acting:
-        found["analysis.min_growth"] = "nothing damps, and every growth is sought"
-    return {field: f"{GIVEN}{reason}" for field, reason in found.items()}
 
 
 def _unused(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -98,6 +98,17 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
     return tuple(found)
 
 
+def loads_without_effect(scene: Scene) -> Iterator[ResultWarning]:
+    """Loads that press nothing together."""
+    if scene.loads and scene.analysis.kind == "cea":
+        yield ResultWarning(
+            "loads-without-effect",
+            "the stiffness of every contact is given: loads change no mode; c_n in the place of P "
+            "or p lets them press the sides together",
+            {"loads": len(scene.loads)},
+        )
+
+
 def volumetric_locking(name: str, body: BodySpec) -> Iterator[ResultWarning]:
     """A material that keeps its volume, in elements of a degree too low for it."""
     degree, smooth = _degree(body)

@@ -35,14 +35,6 @@ class _UnreadableError(ValueError):
     """What is wrong with a file, in words that say what is allowed."""
 
 
-def split_name(text: str) -> tuple[str, str | None]:
-    """Name of a file and of a variable in it, from ``file.mat`` or ``file.mat:variable``."""
-    name, colon, variable = text.rpartition(":")
-    if colon and name.endswith(".mat") and variable.isidentifier():
-        return name, variable
-    return text, None
-
-
 def read_labelled(
     file: str | Path, variable: str | None = None, *, field: str = "file"
 ) -> tuple[csr_array, Ints | None]:

@@ -7,8 +7,6 @@ import numpy as np
 
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum, Window
-from cea.errors import InputError
-from scenes.results.record import RunRecord
 from scenes.results.result import Result
 from scenes.results.steady import steady_data
 from scenes.spec.plain import as_data
@@ -96,25 +94,3 @@ def _interface(interface: Interface) -> dict[str, Any]:
         "largest_distance": interface.largest_distance,
         "tolerance": interface.opposite.tolerance,
     }
-
-
-def opened_modes(record: RunRecord) -> Spectrum:
-    """Eigenvalues of a record with their errors.
-
-    Raises
-    ------
-    InputError
-        When it has none.
-    """
-    if record.eigenvalues is None or record.window is None:
-        raise InputError("scene.analysis.kind", "cea", "'static', as the data are")
-    values = record.eigenvalues
-    return Spectrum(
-        np.array([complex(value.re, value.im) for value in values], dtype=complex),
-        np.array([value.residual for value in values], dtype=float),
-        np.array([value.condition for value in values], dtype=float),
-        np.array([value.uncertainty for value in values], dtype=float),
-        record.window,
-        bounded=np.array([value.bounded for value in values], dtype=bool),
-        warnings=record.warnings,
-    )

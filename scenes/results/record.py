@@ -19,13 +19,8 @@ from math import inf, isinf, isnan
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, TypeAdapter
-
-from cea.eigen.quadratic_window import QuadraticWindow
-from cea.eigen.spectrum import Window
 from cea.errors import InputError
 from cea.files import regular, write_whole
-from cea.warned import ResultWarning
 from scenes.results.result import Result
 
 PROVENANCE = ("command", "inputs", "versions", "commit", "machine", "seconds", "warnings")
@@ -46,68 +41,6 @@ _PACKAGES = {
 _LARGEST = 2**30
 """Bytes of JSON that are read at most: a small compressed file may hold any number of them."""
 _INFINITIES = {"inf": inf, "-inf": -inf}
-
-
-class Record(BaseModel):
-    """What made a record: command, inputs, versions and the machine."""
-
-    command: str
-    inputs: dict[str, Any]
-    versions: dict[str, str]
-    commit: str
-    machine: dict[str, Any]
-    seconds: float
-    warnings: tuple[Any, ...]
-
-
-class Eigenvalue(BaseModel):
-    """One of the eigenvalues of a record, with its errors."""
-
-    re: float
-    im: float
-    residual: float
-    condition: float
-    uncertainty: float
-    bounded: bool = False
-
-
-class SideStress(BaseModel):
-    """Normal stress of one side of a contact in a record."""
-
-    min: float
-    max: float
-    arc: list[float]
-    sigma_n_along: list[float | None]
-
-
-class Dofs(BaseModel):
-    """Counts of unknowns in a record."""
-
-    free: int
-
-
-class RunRecord(Record):
-    """The record of a run (`docs/result_json.md`): what is needed to open it as a result."""
-
-    scene: dict[str, Any]
-    dofs: Dofs
-    timings: dict[str, float]
-    skipped: dict[str, str]
-    warnings: tuple[ResultWarning, ...]
-    eigenvalues: list[Eigenvalue] | None = None
-    window: QuadraticWindow | Window | None = None
-    stresses: dict[str, dict[str, SideStress]] | None = None
-
-
-def checked_record[T: Record](kind: type[T], data: Mapping[str, Any]) -> T:
-    """Plain data as a record: no text for numbers, no list for tables.
-
-    Raises
-    ------
-    pydantic.ValidationError
-        When something is broken.
-    """
-    return TypeAdapter(kind).validate_json(json.dumps(data), strict=True)
 
 
 def save_result(

@@ -18,18 +18,17 @@ from cea.eigen.modes import Modes
 from cea.eigen.spectrum import Spectrum
 from cea.errors import InputError
 from cea.surface_points import SurfaceCoordinates
-from cea.system.contact_stresses import NormalStress
 from cea.system.coupled import CoupledSystem
-from cea.system.sliding_state import SteadySliding
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from scenes.results.shapes import displacements_at, summed_matrices, system_matrices
-from scenes.results.steady import steady_lines
 from scenes.spec.names import backend_name
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
+    from cea.system.contact_stresses import NormalStress
+    from cea.system.sliding_state import SteadySliding
     from scenes.pictures.drawing import Drawing
 
 
@@ -112,7 +111,7 @@ class Result:
     skipped: Mapping[str, str]
     warnings: tuple[ResultWarning, ...] = ()
     spectrum: Spectrum | None = None
-    stresses: Mapping[str, Mapping[str, NormalStress]] = field(default_factory=dict)
+    stresses: Mapping[str, Mapping[str, "NormalStress"]] = field(default_factory=dict)
     reactions: Mapping[str, Floats] = field(default_factory=dict)
     interfaces: Mapping[str, Interface] = field(default_factory=dict)
     pieces: Mapping[str, Any] = field(default_factory=dict)
@@ -167,7 +166,7 @@ class Result:
         return self.system.bodies
 
     @property
-    def steady(self) -> SteadySliding | None:
+    def steady(self) -> "SteadySliding | None":
         """The state of steady sliding; None where the stiffness of every contact is given."""
         return self.system.steady
 
@@ -369,6 +368,8 @@ class Result:
 
     def steady_lines(self) -> list[str]:
         """What contacts carry in steady sliding; where supports prescribe, what they bear too."""
+        from scenes.results.steady import steady_lines
+
         data = self.data
         lines = steady_lines(data["steady_sliding"]) if "steady_sliding" in data else []
         if self.scene.backends == "matrices" or not self.scene.prescribes:

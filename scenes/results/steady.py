@@ -1,12 +1,13 @@
 """A state of steady sliding as plain data, and as lines for people."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
+if TYPE_CHECKING:
+    from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
 
 
-def steady_data(steady: SteadySliding) -> dict[str, Any]:
+def steady_data(steady: "SteadySliding") -> dict[str, Any]:
     """A state of steady sliding as plain data, without fields over points."""
     unique = steady.uniqueness
     return {
@@ -19,7 +20,7 @@ def steady_data(steady: SteadySliding) -> dict[str, Any]:
     }
 
 
-def _step_data(step: LoadStep) -> dict[str, Any]:
+def _step_data(step: "LoadStep") -> dict[str, Any]:
     data: dict[str, Any] = {
         "load": step.factor,
         "residuals": list(step.residuals),
@@ -35,7 +36,7 @@ def _step_data(step: LoadStep) -> dict[str, Any]:
     return data
 
 
-def _contact_data(state: ContactState) -> dict[str, Any]:
+def _contact_data(state: "ContactState") -> dict[str, Any]:
     return {
         "normal_force": state.normal_force,
         "friction_force": state.friction_force,

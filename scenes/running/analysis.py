@@ -1,18 +1,21 @@
 """The kinds of analysis there are, and what each does of running, storing and opening results."""
 
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import ValidationError
 
 from cea.errors import InputError
 from cea.timing import StageTimer
-from scenes.results.record import PROVENANCE, Record, RunRecord, checked_record, read_record
+from scenes.results.record import PROVENANCE, read_record
 from scenes.results.result import Analysis, Result
-from scenes.spec.matrices import MatrixScene, read_matrix_scene
 from scenes.spec.problems import problems
 from scenes.spec.reading import Scene, read_scene
+
+if TYPE_CHECKING:
+    from scenes.spec.matrices import MatrixScene
 
 ANALYSES = {
     "cea": "scenes.running.modes",
@@ -23,9 +26,9 @@ ANALYSES = {
 named here alone."""
 
 
-def analysis_of(scene: Scene | MatrixScene) -> Analysis:
+def analysis_of(scene: "Scene | MatrixScene") -> Analysis:
     """What runs a scene; its module is imported."""
-    kind = "matrices" if isinstance(scene, MatrixScene) else scene.analysis.kind
+    kind = scene.analysis.kind if isinstance(scene, Scene) else "matrices"
     return cast(Analysis, import_module(ANALYSES[kind]))
 
 
@@ -79,6 +82,9 @@ def open_result(file: str | Path) -> Result:
 
 def _opened(data: dict[str, Any]) -> Result:
     """Plain data as a result."""
+    from scenes.results.opened import Record, RunRecord, checked_record
+    from scenes.spec.matrices import read_matrix_scene
+
     made = {name: data[name] for name in PROVENANCE}
     stored = {name: value for name, value in data.items() if name not in PROVENANCE}
     if "scene" not in data or not {"eigenvalues", "stresses"} & data.keys():
@@ -86,7 +92,8 @@ def _opened(data: dict[str, Any]) -> Result:
         return Result(None, None, StageTimer(), {}, provenance=made, stored=stored)
     record = checked_record(RunRecord, data)
     of_matrices = "files" in record.scene
-    scene = read_matrix_scene(record.scene) if of_matrices else read_scene(record.scene)
+    read: Callable[[Mapping[str, Any]], Any] = read_matrix_scene if of_matrices else read_scene
+    scene = read(record.scene)
     timer = StageTimer()
     timer.seconds = record.timings
     kind = analysis_of(scene)

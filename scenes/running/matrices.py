@@ -12,7 +12,7 @@ from cea.petsc import MPI
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.checking.unused import unused_parameters
+from scenes.checking.unused import GIVEN
 from scenes.matrices.pencil import (
     Piece,
     check_mass,
@@ -224,3 +224,20 @@ def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str
     skipped["pictures"] = "matrices have no geometry"
     skipped["paraview"] = "matrices have no geometry"
     return skipped | unused_parameters(scene)
+
+
+def unused_parameters(scene: MatrixScene) -> dict[str, str]:
+    """What a scene of matrices gives though its run does without it, with the reason.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    """
+    formulas = [formula for role in ROLES for formula in scene.sum(role).values()]
+    used = frozenset().union(*(formula.names for formula in formulas))
+    found = {path: "in no coefficient" for path in scene.values if path not in used}
+    acting = [c for c in scene.sum("damping").values() if c.at(scene.values) != 0]
+    if scene.window.min_growth is not None and not acting:
+        found["analysis.min_growth"] = "nothing damps, and every growth is sought"
+    return {field: f"{GIVEN}{reason}" for field, reason in found.items()}

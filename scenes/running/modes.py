@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from cea.contact.interface import Interface
 from cea.eigen.krylov_schur import KrylovSchur
@@ -12,17 +12,19 @@ from cea.eigen.run_window import run_window
 from cea.errors import InputError
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from scenes.checking.steady import kept_state_warnings
+from cea.warned import ResultWarning
 from scenes.checking.steps import skipped_by
 from scenes.checking.warnings import short_modes
-from scenes.results.describe import describe_modes, described_run, opened_modes
-from scenes.results.record import RunRecord
+from scenes.results.describe import describe_modes, described_run
 from scenes.results.result import Fields, Result
 from scenes.running.analysis import analysis_of
 from scenes.running.factor_storage import factor_storage
 from scenes.running.system import RunOptions, coupled, system_warnings
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.reading import Scene
+
+if TYPE_CHECKING:
+    from scenes.results.opened import RunRecord
 
 
 def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]) -> Result:
@@ -126,10 +128,20 @@ def result_of_modes(
     with timer("post-processing"):
         found = (
             *system_warnings(scene, system, modes.values),
-            *kept_state_warnings(system.steady, modes),
+            *_kept_state(system, modes),
             *short_modes(scene, system.bodies, result.mode_shapes, len(modes)),
         )
     return replace(result, warnings=(*modes.warnings, *found))
+
+
+def _kept_state(system: CoupledSystem, modes: Modes) -> tuple[ResultWarning, ...]:
+    """That sensitivities keep the state of steady sliding: left vectors were asked for them."""
+    moving = sorted(modes.pencil.stiffness_parameters)
+    if system.steady is None or modes.left is None or not moving:
+        return ()
+    from scenes.checking.steady import kept_state_warning
+
+    return (kept_state_warning(", ".join(moving)),)
 
 
 def describe(result: Result) -> dict[str, Any]:
@@ -138,8 +150,10 @@ def describe(result: Result) -> dict[str, Any]:
     return {"summary": result.summary} | found | described_run(result)
 
 
-def opened(record: RunRecord) -> Fields:
+def opened(record: "RunRecord") -> Fields:
     """Eigenvalues from a record."""
+    from scenes.results.opened import opened_modes
+
     return {"spectrum": opened_modes(record)}
 
 

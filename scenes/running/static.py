@@ -13,7 +13,7 @@ from scenes.checking.doubts import (
 )
 from scenes.checking.steps import skipped_by
 from scenes.results.describe import described_run
-from scenes.results.record import RunRecord, SideStress
+from scenes.results.opened import RunRecord, SideStress
 from scenes.results.result import Fields, Result
 from scenes.running.analysis import analysis_of
 from scenes.running.system import RunOptions, coupled, system_warnings

@@ -1,14 +1,11 @@
 """The coupled system of a scene, linearised about steady sliding where a contact has a law."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import TypedDict
 
 from cea.body import Body
 from cea.contact.interface import Interface
 from cea.system.coupled import CoupledSystem
-from cea.system.held import support_reactions
-from cea.system.steady_sliding import steady_sliding
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from scenes.building.build import (
@@ -25,8 +22,7 @@ from scenes.checking.doubts import (
 )
 from scenes.checking.memory import check_memory
 from scenes.checking.motion_warnings import faster_than_waves
-from scenes.checking.steady import steady_warnings
-from scenes.checking.warnings import scene_warnings
+from scenes.checking.warnings import loads_without_effect, scene_warnings
 from scenes.spec.reading import Scene
 
 
@@ -75,14 +71,9 @@ def coupled(
     interfaces = build_interfaces(scene, bodies, timer, located)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
     if scene.slides_steadily:
-        steps = scene.analysis.load_steps
-        steady = steady_sliding(system, timer, steps=steps or 1, history=steps is not None)
-        with timer("assembly"):
-            stiffens = scene.stiffened_by_stress
-            system = system.linearised(steady, geometric_stiffness=stiffens)
-        with timer("post-processing"):
-            reactions = support_reactions(system, steady.displacement, steady.forces)
-            system = replace(system, steady=replace(steady, reactions=reactions))
+        from scenes.running.steady import linearised
+
+        system = linearised(scene, system, timer)
     return system, interfaces, timer
 
 
@@ -100,13 +91,16 @@ def system_warnings(
     values
         Parameters at which the pencil of the system is that of the scene.
     """
-    steady = system.steady
-    return (
+    found = (
         *doubtful_numbers(scene),
         *overlapping_bodies(scene, system.bodies),
         *faster_than_waves(scene, system.bodies),
         *scene_warnings(scene, system.contacts),
         *system.warnings_at(values or {}),
-        *steady_warnings(scene, system),
-        *(doubtful_motions(scene, system, steady.displacement) if steady is not None else ()),
     )
+    if system.steady is None:
+        return (*found, *loads_without_effect(scene))
+    from scenes.checking.steady import steady_warnings
+
+    motions = doubtful_motions(scene, system, system.steady.displacement)
+    return (*found, *steady_warnings(scene, system, system.steady), *motions)

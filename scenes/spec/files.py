@@ -99,3 +99,15 @@ def scene_file(scene: str | Path) -> Path:
         return Path(scene)
     of_matrices = OF_MATRICES / f"{text}.toml"
     return of_matrices if text in matrix_scene_names() else SCENES / f"{text}.toml"
+
+
+def is_of_matrices(scene: str | Path) -> bool:
+    """Whether a scene file names matrices and no bodies.
+
+    Raises
+    ------
+    SceneError
+        When there is no such file, or no TOML in it.
+    """
+    tables = tables_of(scene)
+    return "files" in tables and "bodies" not in tables

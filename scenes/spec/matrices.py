@@ -17,7 +17,6 @@ from pydantic import ConfigDict, Field, SkipValidation, TypeAdapter
 from cea.eigen.parameters import Parameter
 from cea.errors import InputError
 from cea.expressions import RESERVED, Formula
-from scenes.matrices.reading import split_name
 from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
 from scenes.spec.consistency import needs_no_steady_state
 from scenes.spec.files import OF_MATRICES, scene_file, set_fields, tables_of
@@ -123,18 +122,6 @@ class MatrixScene:
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "MatrixScene":
         """The scene with fields changed, as :meth:`scenes.spec.reading.Scene.change`."""
         return read_matrix_scene(changed(self, field, value))
-
-
-def is_of_matrices(scene: str | Path) -> bool:
-    """Whether a scene file names matrices and no bodies.
-
-    Raises
-    ------
-    SceneError
-        When there is no such file, or no TOML in it.
-    """
-    tables = tables_of(scene)
-    return "files" in tables and "bodies" not in tables
 
 
 def load_matrices(
@@ -273,3 +260,11 @@ def _text(value: Any, place: str = "coefficient") -> str:
     if not (number and abs(value) <= float_info.max):  # whole numbers may be beyond all others
         raise InputError(place, value, "a finite number, or arithmetic as text")
     return repr(float(value))
+
+
+def split_name(text: str) -> tuple[str, str | None]:
+    """Name of a file and of a variable in it, from ``file.mat`` or ``file.mat:variable``."""
+    name, colon, variable = text.rpartition(":")
+    if colon and name.endswith(".mat") and variable.isidentifier():
+        return name, variable
+    return text, None

@@ -11,8 +11,9 @@ from scipy.sparse import coo_array, csr_array, random_array, save_npz
 
 from cea.errors import InputError
 from cea.petsc import MPI, PETSc
-from scenes.matrices.reading import read_matrix, split_name
+from scenes.matrices.reading import read_matrix
 from scenes.matrices.symmetry import equal_entries, mean_with_transpose, symmetry_of
+from scenes.spec.matrices import split_name
 
 RNG = np.random.default_rng(0)
 GOOD = csr_array(random_array((7, 7), density=0.4, rng=np.random.default_rng(3)))
