@@ -13,6 +13,8 @@ from cea.petsc import PETSc
 _ROOM = (20, 200, 1000)
 """Room (per cent) for pivots that are delayed beyond what is foreseen: more where it runs out."""
 _NO_ROOM: Any = PETSc.PC.FailedReason.FACTOR_OUTMEMORY
+_LACKS_MEMORY = (-7, -8, -9, -11, -12, -13, -14, -15, -17, -19, -20)
+"""Values of INFOG(1) with which MUMPS ends for lack of memory."""
 _FOLDER = "mat_mumps_ooc_tmpdir"
 """Option of PETSc that names the folder of factors on disk."""
 _LARGE = 10_000
@@ -40,6 +42,8 @@ class Mumps:
     ------
     ConvergenceError
         When A is singular, or the factorisation fails.
+    MemoryError
+        When there is no memory for the factors.
     """
 
     def __init__(self, matrix: Any, *, symmetric: bool, inertia: bool = False) -> None:
@@ -60,7 +64,10 @@ class Mumps:
             self._set_up()
         if self._pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
             rows = matrix_size(self.matrix)
+            code = self._pc.getFactorMatrix().getMumpsInfog(1)
             self.free()
+            if code in _LACKS_MEMORY:
+                raise MemoryError(f"factors of {rows} rows: MUMPS ends with INFOG(1) = {code}")
             raise ConvergenceError(f"a matrix of {rows} rows is singular")
 
     def _set_up(self) -> None:

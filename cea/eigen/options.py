@@ -43,4 +43,4 @@ class KrylovOptions:
     restart: float = 3.5
     max_restarts: int = 200
     max_discs: int = 3
-    dense_limit: int = 1200
+    dense_limit: int = 1000

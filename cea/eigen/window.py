@@ -430,7 +430,7 @@ class DampedSearch(WindowSearch):
         less beyond the decay asked for; where that does not help it is reduced, if nobody asked.
         """
         most = sys.maxsize
-        if 2 * self._matrices.size > self._options.dense_limit:
+        if self._matrices.size > self._options.dense_limit:  # else any number is affordable
             self.factorisations += 1
             with self._timer("factorisation"):
                 most = _CROWDED * count_below(self._matrices, self._end**2) + _FEW

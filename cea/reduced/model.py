@@ -308,18 +308,22 @@ class ReducedModel:
             closes, slides = contact.closes, contact.slides
             gaps = closes.times(vectors)
             new, lost = span.vectors[:, old:], np.zeros(2)
-            pushes, lost[0] = self._with_images(small.pushes, closes.transposed(new), 0.0)
-            slid, rubs = np.zeros_like(gaps), np.zeros_like(pushes)
+            normal_forces, lost[0] = self._with_images(
+                small.normal_forces, closes.transposed(new), 0.0
+            )
+            slid, friction_forces = np.zeros_like(gaps), np.zeros_like(normal_forces)
             if slides is not None:
                 slid = slides.times(vectors)
-                rubs, lost[1] = self._with_images(small.rubs, slides.transposed(new), 0.0)
+                friction_forces, lost[1] = self._with_images(
+                    small.friction_forces, slides.transposed(new), 0.0
+                )
             comm, forces = self.norm.comm, span.vectors
             whole = replace(
                 small,
                 closes=comm.bcast(comm.allreduce(forces.T @ gaps)),
                 slides=comm.bcast(comm.allreduce(forces.T @ slid)),
-                pushes=pushes,
-                rubs=rubs,
+                normal_forces=normal_forces,
+                friction_forces=friction_forces,
                 lost=float(np.hypot(small.lost, lost.max())),
             )
             grown.append(whole)
@@ -328,7 +332,11 @@ class ReducedModel:
             self.small,
             pieces=tuple(piece.padded(rows) for piece in self.small.pieces),
             contacts=tuple(
-                replace(each, pushes=_padded(each.pushes, rows), rubs=_padded(each.rubs, rows))
+                replace(
+                    each,
+                    normal_forces=_padded(each.normal_forces, rows),
+                    friction_forces=_padded(each.friction_forces, rows),
+                )
                 for each in grown
             ),
         )

@@ -35,7 +35,7 @@ class SmallContact:
         c_c and c_f (:class:`cea.reduced.pieces.ContactPiece`).
     closes, slides
         N and T, shape (m, k); T is zero without friction.
-    pushes, rubs
+    normal_forces, friction_forces
         Q^T J^T F and Q^T R^T F, shape (q, m).
     lost
         Norm of what Q does not hold of these.
@@ -45,8 +45,8 @@ class SmallContact:
     friction: Dependence
     closes: Floats
     slides: Floats
-    pushes: Floats
-    rubs: Floats
+    normal_forces: Floats
+    friction_forces: Floats
     lost: float
 
 
@@ -62,7 +62,7 @@ class Saddle:
         abs(N^T) + abs(c_f T^T), shape (k, m).
     compliance
         c_c of each force, shape (m,).
-    pushes, rubs
+    right, left
         Coordinates of forces of right and of left vectors, shape (q, m).
     lost
         Norm of what these leave out.
@@ -90,8 +90,8 @@ class Saddle:
             np.concatenate(
                 [np.full(len(e.closes), e.inverse_stiffness.at(values)) for e in contacts]
             ),
-            np.hstack([each.pushes - c * each.rubs for c, each in both]),
-            np.hstack([each.pushes for each in contacts]),
+            np.hstack([each.normal_forces - c * each.friction_forces for c, each in both]),
+            np.hstack([each.normal_forces for each in contacts]),
             sum((1 + abs(c)) * each.lost for c, each in both),
         )
 

@@ -12,7 +12,7 @@ from cea.reduced.small import SmallPencil, SmallPiece
 
 Arrays = Mapping[str, NDArray[Any]]
 """Arrays by their names."""
-_OF_CONTACTS = ("closes", "slides", "pushes", "rubs")
+_OF_CONTACTS = ("closes", "slides", "normal_forces", "friction_forces")
 
 
 def arrays_of(small: SmallPencil) -> dict[str, NDArray[Any]]:
@@ -62,6 +62,15 @@ def _piece(piece: SmallPiece, number: int, arrays: Arrays) -> SmallPiece:
 
 
 def _contact(contact: SmallContact, number: int, arrays: Arrays) -> SmallContact:
-    closes, slides, pushes, rubs = (arrays[f"{name}{number}"] for name in _OF_CONTACTS)
+    closes, slides, normal_forces, friction_forces = (
+        arrays[f"{name}{number}"] for name in _OF_CONTACTS
+    )
     lost = float(arrays[f"lost{number}"])
-    return replace(contact, closes=closes, slides=slides, pushes=pushes, rubs=rubs, lost=lost)
+    return replace(
+        contact,
+        closes=closes,
+        slides=slides,
+        normal_forces=normal_forces,
+        friction_forces=friction_forces,
+        lost=lost,
+    )

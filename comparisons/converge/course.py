@@ -80,13 +80,13 @@ class Course:
     def bars(self) -> list[Estimated]:
         """Modes of the finest mesh with their error bars."""
         damped = self.scene.damped or self.scene.rotates
-        rubs = any(contact.mu for contact in self.scene.contacts.values())
+        has_friction = any(contact.mu for contact in self.scene.contacts.values())
         ladder = self.ladder
         return estimated(
             self.followed,
             ladder.degree,
             damped=damped,
-            grows=damped or rubs,
+            grows=damped or has_friction,
             by_degree=ladder.by_degree,
         )
 

@@ -1,4 +1,4 @@
-"""Meshes of a scene on one backend, each finer than the one before; they hang on the scene alone.
+"""Meshes of a scene on one backend, each finer than the one before; they depend on the scene alone.
 
 Mesh number i, from 0, has the elements of the scene along each direction times the ratio to the
 power of i - 2, and i layers at singular edges: the third has the nodes of the scene's own, but for

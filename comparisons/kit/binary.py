@@ -57,11 +57,6 @@ class Binary:
         small = numbers.size == 0 or int(numbers.max()) < 2**16
         return self.add(numbers, "uint16" if small else "uint32")
 
-    @property
-    def compressed_size(self) -> int:
-        """Bytes that it takes in a page."""
-        return len(self.text())
-
     def text(self) -> str:
         """Everything, compressed with gzip, in base64."""
         return packed(self.content())

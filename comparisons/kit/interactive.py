@@ -138,7 +138,3 @@ def scripts() -> Markup:
 def style() -> Markup:
     """Style of every page."""
     return Markup((_HERE / "style.css").read_text("utf-8"))
-
-
-FAINT = GREY
-"""Colour of what stands back."""

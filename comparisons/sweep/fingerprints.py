@@ -2,7 +2,7 @@
 
 A scene, a mesh or a matrix may change under its name while a sweep is interrupted. Norms alone do
 not see that unknowns are numbered otherwise or that friction pulls the other way: each matrix is
-multiplied from both sides by vectors that are the same each time. Warnings hang on the scene too.
+multiplied from both sides by vectors that are the same each time. Warnings depend on the scene too.
 """
 
 from collections.abc import Iterator, Mapping

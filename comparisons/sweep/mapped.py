@@ -67,7 +67,7 @@ class Mapped:
         Parameters of the pencil that each axis means, and the factor of each on its values: P of a
         contact has one where the axis is p.
     scene
-        The scene as plain data, which warnings may hang on too.
+        The scene as plain data, on which warnings depend too.
     max_frequency
         Upper end of the window (Hz).
     growth_threshold

@@ -7,9 +7,15 @@ import sys
 import tempfile
 from time import time
 
+import numpy as np
 import pytest
+from scipy.sparse import csr_array, diags_array, kronsum
 
 from cea.eigen.factors_on_disk import factors_on_disk, folder_of_factors
+from cea.eigen.mumps import Mumps
+from cea.errors import ConvergenceError
+from cea.matrices import distributed
+from cea.petsc import MPI, PETSc
 
 HOLDS = """
 from time import sleep
@@ -62,3 +68,18 @@ def test_a_folder_of_anything_else_stays(own_folder):
     with factors_on_disk():
         pass
     assert (other / "notes").exists()
+
+
+def test_lack_of_memory_is_not_told_as_a_singular_matrix():
+    """MUMPS is allowed a megabyte for factors that take ten times as much."""
+    steps = diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(220, 220))
+    plate = csr_array(kronsum(steps, steps))
+    PETSc.Options().setValue("mat_mumps_icntl_23", 1)
+    try:
+        with pytest.raises(MemoryError, match="MUMPS"):
+            Mumps(distributed(plate, plate.shape, MPI.COMM_SELF), symmetric=False)
+    finally:
+        PETSc.Options().delValue("mat_mumps_icntl_23")
+    nothing = csr_array(np.diag([1.0, 0.0, 2.0]))
+    with pytest.raises(ConvergenceError, match="singular"):
+        Mumps(distributed(nothing, nothing.shape, MPI.COMM_SELF), symmetric=False)

@@ -11,8 +11,13 @@ from comparisons.study.page import write_study
 from comparisons.study.result import read
 from comparisons.study.run import run
 
+# `make stability ARGS=--quick` is a step of its own; test_stability.py runs one of its cases.
+QUICK = [
+    pytest.param(name, marks=pytest.mark.slow if name == "stability" else ()) for name in STUDIES
+]
 
-@pytest.mark.parametrize("name", STUDIES)
+
+@pytest.mark.parametrize("name", QUICK)
 def test_quick_options_run_and_show(name, tmp_path):
     study = study_at(f"comparisons.{STUDIES[name][0]}")
     assert study.name == name

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import cea
+from comparisons.cli.app import COMMANDS, RENAMED
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
@@ -33,6 +34,15 @@ def test_every_file_that_is_named_exists(document):
 
 def test_paths_are_found_in_text():
     assert named_files("`cea/body.py`, `docs/` and `cea run`") == {"cea/body.py", "docs/"}
+
+
+def test_every_command_that_is_named_exists():
+    """Folders and options aside: the word after `cea` is a command, by the name it has now."""
+    texts = [path.read_text(encoding="utf-8") for path in DOCUMENTS if path.name != "CHANGELOG.md"]
+    named = {name for text in texts for name in re.findall(r"[`/ ]cea ([a-z]+)\b(?!/)", text)}
+    assert "run" in named
+    assert named & set(RENAMED) == set()
+    assert named <= set(COMMANDS)
 
 
 def test_who_wants_to_change_something_finds_the_file():

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from hertz import LineContact, PointContact, contact_modulus, relative_radius
 from scipy.integrate import quad
 
 from cea.errors import InputError
-from exact_cea.hertz import LineContact, PointContact, contact_modulus, relative_radius
 
 STEEL, PAD = (2.1e11, 0.3), (8e9, 0.25)
 MODULUS = contact_modulus(STEEL, PAD)

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+from hertz import LineContact, PointContact, contact_modulus
 
-from exact_cea.hertz import LineContact, PointContact, contact_modulus
 from meshes.breaks import graded
 from scenes import load_scene, run_static
 
