@@ -1,7 +1,7 @@
 """Errors of eigenvalues, estimated in a richer space without an eigenproblem there.
 
-Prolonged right and left vectors X, Y of the coarse mesh take one block inverse step in the richer
-space, two with damping (:mod:`cea.nested.block_steps`). To first order its projected problem is
+Prolonged right and left vectors X, Y of the coarse mesh take block inverse steps in the richer
+space (:mod:`cea.nested.block_steps`). To first order the projected problem of one is
 
     d lambda = - (y^H r + s^H e) / y^H (2 lambda M + D) x,
 
@@ -120,8 +120,8 @@ def error_estimate(
     prolongation
         From the coarse displacements to those of the richer space.
     steps
-        Block inverse steps; one gives the error to a few per cent where it is small scale. With
-        damping or rotation there is one more, which bounds what remains.
+        Block inverse steps; one gives the error to a few per cent where it is small scale, the
+        next bound what remains.
 
     Raises
     ------

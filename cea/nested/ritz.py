@@ -59,10 +59,11 @@ def ritz(
 ) -> tuple[Complexes, Complexes, Complexes]:
     """Eigenvalues, right and left vectors of a projected problem, whose bases may be dependent."""
     if symmetric:
-        sizes, turned = np.linalg.eigh(mean_with_transpose(masses))
+        sizes, turned = np.linalg.eigh(0.5 * (masses + masses.T))
         large = sizes > DEPENDENT * sizes.max()
         kept = turned[:, large]
-        mu, z = eigh(mean_with_transpose(kept.T @ works @ kept), np.diag(sizes[large]))
+        own = kept.T @ works @ kept
+        mu, z = eigh(0.5 * (own + own.T), np.diag(sizes[large]))
         vectors = kept @ z + 0j
         return mu + 0j, vectors, vectors
     u, sizes, vt = np.linalg.svd(masses)
@@ -85,8 +86,3 @@ def quadratic_ritz(
     companion = np.block([[none, one], [-stiffness / scale**2, -damping / scale]])
     found, w, z = eig(companion, left=True)
     return scale * found, V @ z[:count] + 0j, U @ w[count:] + 0j
-
-
-def mean_with_transpose(matrix: Floats) -> Floats:
-    """Symmetric part of a matrix that is symmetric but for rounding."""
-    return np.asarray(0.5 * (matrix + matrix.T))

@@ -185,7 +185,7 @@ class Ladder:
             return replace(mesh, corrected=mesh.eigenvalues)
         begun, own = perf_counter(), mesh.result
         richer = enriched_scene(own.scene)
-        found = estimate_errors(own, richer, listener=progress.stage)
+        found = estimate_errors(own, richer, steps=1, listener=progress.stage)
         seconds = own.comm.bcast(perf_counter() - begun)
         return replace(mesh, corrected=found.corrected, seconds=mesh.seconds + seconds)
 
