@@ -48,10 +48,10 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@touch $@
 
 compare: $(INSTALLED)
-	$(BIN)/cea compare $(ARGS)
+	$(BIN)/cea study agreement $(ARGS)
 
 stability: $(INSTALLED)
-	$(BIN)/cea stability $(ARGS)
+	$(BIN)/cea study stability $(ARGS)
 
 test: $(INSTALLED)
 	$(BIN)/pytest $(PARALLEL) $(ARGS)

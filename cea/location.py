@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
-from cea.surface import Location, Status, SurfaceCoordinates
+from cea.surface_points import Location, Status, SurfaceCoordinates
 
 TOLERANCE = 1e-8
 """Default miss allowed, relative to the local mesh size."""

@@ -4,7 +4,8 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.material import IsotropicMaterial
-from cea.surface import Surface, SurfaceCoordinates
+from cea.surface import Surface
+from cea.surface_points import SurfaceCoordinates
 
 
 def boundary_stress(

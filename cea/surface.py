@@ -8,126 +8,32 @@ corner has the normal of the element whose coordinates it bears, and rules have 
 each part (:mod:`cea.corners`).
 """
 
-from dataclasses import dataclass
-from enum import IntEnum
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from dataclasses import replace
+from functools import cached_property
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
+from cea.candidates import CellBounds
+from cea.corners import connected, equal_shares, pairs_of_equal, smooth_parts, split_functions
+from cea.errors import InputError
+from cea.location import locate_along
+from cea.surface_points import (
+    Location,
+    SurfaceCells,
+    SurfaceCoordinates,
+    SurfacePoints,
+    gauss_rule,
+    lattice,
+)
 
-
-class Status(IntEnum):
-    """Outcome of locating one point on a surface."""
-
-    INSIDE = 0
-    EDGE = 1
-    MISSED = 2
-
-
-@dataclass(frozen=True)
-class SurfaceCoordinates:
-    """Points of a surface in its own coordinates.
-
-    Parameters
-    ----------
-    element
-        Surface element (facet, or face of a patch) that holds each point, shape (n,).
-    xi
-        Reference coordinates in that element, shape (n, dim - 1).
-    """
-
-    element: Ints
-    xi: Floats
-
-    def __len__(self) -> int:
-        return len(self.element)
-
-    def __getitem__(self, rows: Any) -> "SurfaceCoordinates":
-        return SurfaceCoordinates(self.element[rows], self.xi[rows])
-
-
-@dataclass(frozen=True)
-class SurfacePoints:
-    """Points of a rule on a surface.
-
-    Parameters
-    ----------
-    at
-        Where the points lie, in coordinates of the surface.
-    x
-        Positions (m), shape (n, dim).
-    normal
-        Outward unit normals, shape (n, dim).
-    weight
-        Area weights (m^2; m in 2D), shape (n,).
-    """
-
-    at: SurfaceCoordinates
-    x: Floats
-    normal: Floats
-    weight: Floats
-
-    def __len__(self) -> int:
-        return len(self.x)
-
-    def __getitem__(self, rows: Any) -> "SurfacePoints":
-        return SurfacePoints(self.at[rows], self.x[rows], self.normal[rows], self.weight[rows])
-
-
-@dataclass(frozen=True)
-class SurfaceCells:
-    """Cells of a surface, inside which its traces are smooth: facets, or knot spans of patches.
-
-    Parameters
-    ----------
-    element
-        Surface element of each cell, shape (n,).
-    corners
-        Corners in the element's coordinates, in cyclic order, shape (n, corners, dim - 1).
-    degree
-        Highest degree of the traces along a direction.
-    tensor
-        Whether traces have that degree along each direction, rather than in all.
-    """
-
-    element: Ints
-    corners: Floats
-    degree: int
-    tensor: bool
-
-
-@dataclass(frozen=True)
-class Location:
-    """Points found, or missed, on a surface along given directions.
-
-    Parameters
-    ----------
-    at
-        Where each point was found; the nearest candidate where it was missed.
-    distance
-        Signed distance (m) along the direction from the point to the surface, shape (n,).
-    miss
-        Distance (m) by which the line through the point misses the surface, shape (n,);
-        infinite where no element was near enough to try.
-    status
-        One :class:`Status` per point, shape (n,).
-    tolerance
-        Miss allowed, relative to the local mesh size.
-    """
-
-    at: SurfaceCoordinates
-    distance: Floats
-    miss: Floats
-    status: NDArray[np.int8]
-    tolerance: float
-
-    @property
-    def missed(self) -> NDArray[np.bool_]:
-        """True where a point was missed, shape (n,)."""
-        return self.status == Status.MISSED
+_MERGE = 1e-7
+"""Grid points nearer than this, relative to the spacing on the smallest element, are one."""
 
 
 class TrueSurface(Protocol):
@@ -158,113 +64,130 @@ class TrueSurface(Protocol):
         ...
 
 
-class Surface(Protocol):
-    """A named surface (curve in 2D) of a body."""
+class Surface(ABC):
+    """A named surface (curve in 2D) of a body.
+
+    A backend gives the members marked abstract; points, normals, location and what corners split
+    are written here, once.
+
+    Parameters
+    ----------
+    name
+        Name of the surface.
+    num_scalar_dofs
+        Scalar dofs of the body: columns of the trace.
+    true
+        The surface of the shape that elements interpolate; None where they are that, or it is not
+        known.
+    """
+
+    abscissa_kinds: ClassVar[tuple[str, ...]]
+    """Kinds of abscissae this surface has: ``nodes``, or ``greville`` and ``botella``."""
+    abscissa_weights: ClassVar[tuple[str, ...]]
+    """Kinds of weights they may bear: ``equal``, and one more."""
+
+    def __init__(self, name: str, num_scalar_dofs: int, true: TrueSurface | None = None) -> None:
+        self.name, self.num_scalar_dofs, self._true = name, num_scalar_dofs, true
 
     @property
-    def name(self) -> str:
-        """Name of the surface."""
-        ...
+    @abstractmethod
+    def domains(self) -> tuple[Floats, Floats]:
+        """Least and greatest coordinates xi of each element, (num_elements, dim - 1) each.
 
-    @property
-    def dim(self) -> int:
-        """Dimension of space, 2 or 3."""
-        ...
+        Elements are intervals and rectangles between them, or, where cells are no tensor products,
+        the unit triangle.
+        """
 
-    @property
-    def num_scalar_dofs(self) -> int:
-        """Scalar dofs of the body: columns of the trace."""
-        ...
-
-    @property
-    def area(self) -> float:
-        """Area (m^2; length in 2D)."""
-        ...
-
-    @property
-    def num_elements(self) -> int:
-        """Number of its elements: facets of a mesh, faces of NURBS patches."""
-        ...
-
-    @property
-    def mesh_size(self) -> float:
-        """Largest diameter of its elements (m)."""
-        ...
-
-    @property
-    def abscissa_kinds(self) -> tuple[str, ...]:
-        """Kinds of abscissae this surface has: ``nodes``, or ``greville`` and ``botella``."""
-        ...
-
-    @property
-    def abscissa_weights(self) -> tuple[str, ...]:
-        """Kinds of weights they may bear: ``equal``, and ``tributary`` or ``area``."""
-        ...
-
+    @abstractmethod
     def cells(self) -> SurfaceCells:
-        """Cells inside which the traces are smooth."""
-        ...
+        """Cells inside which the traces are smooth: parallelograms, or triangles, of xi."""
 
-    def gauss_points(self, n: int) -> SurfacePoints:
-        """Gauss points, n per direction in each cell, weights with the Jacobian."""
-        ...
+    @property
+    @abstractmethod
+    def element_areas(self) -> Floats:
+        """Area (m^2; length in 2D) of each element, shape (num_elements,)."""
 
-    def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
-        """Abscissae of the split trace space, each once: at a corner once for each smooth part.
+    @abstractmethod
+    def size(self, element: Ints) -> Floats:
+        """Local mesh size (m) of elements: the largest diameter of a cell, shape (n,)."""
 
-        Parameters
-        ----------
-        kind
-            One of ``abscissa_kinds``.
-        weights
-            One of ``abscissa_weights``: ``equal`` shares the area of each smooth part evenly among
-            its points; the others give positive shares of the area by the split trace functions,
-            added up to the area.
-
-        Raises
-        ------
-        InputError
-            When the surface has no abscissae or weights of this kind.
-        """
-        ...
-
-    def grid(self, n: int) -> SurfacePoints:
-        """Equally spaced points, shared ones once: at a corner once for each smooth part.
-
-        n per direction over each face of a NURBS patch (in its parameters), or n per side of each
-        facet of a mesh; both include the boundary. The area of each smooth part is shared evenly
-        among its points.
-        """
-        ...
-
-    def locate(self, x: Floats, direction: Floats, reach: float) -> Location:
-        """Find points on the surface along a direction.
-
-        Parameters
-        ----------
-        x
-            Points (m), shape (n, dim).
-        direction
-            Unit directions, shape (n, dim).
-        reach
-            Largest distance (m) along the direction, either way.
-        """
-        ...
-
+    @abstractmethod
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """Positions (m), (n, dim), and derivatives dx_i/dxi_j, (n, dim, dim - 1).
 
         Outside its element xi is taken by the continued polynomials.
         """
-        ...
+
+    @abstractmethod
+    def area_normals(self, at: SurfaceCoordinates) -> tuple[Floats, Floats, Floats]:
+        """Positions (m) and outward unit normals, (n, dim) each, and area per area of xi, (n,)."""
+
+    @property
+    @abstractmethod
+    def function_dofs(self) -> Ints:
+        """Scalar dofs of the functions that have a value on each element, element by element."""
+
+    @abstractmethod
+    def function_points(self, kind: str) -> SurfaceCoordinates:
+        """Abscissae of a kind of these functions, on the same elements."""
+
+    @abstractmethod
+    def values(self, at: SurfaceCoordinates, columns: Ints, count: int) -> csr_array:
+        """Values of these functions in given columns, one each, of so many: (n, count)."""
+
+    @abstractmethod
+    def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
+        """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
+
+    @abstractmethod
+    def join_smoothly(self, at: SurfaceCoordinates, pairs: Ints) -> NDArray[np.bool_]:
+        """Whether elements join smoothly at pairs, (m, 2), of points that lie at one place."""
+
+    @abstractmethod
+    def shares(self) -> Floats:
+        """Positive shares of the area of the split functions, added up to it, (functions,)."""
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space, 2 or 3."""
+        return self.domains[0].shape[1] + 1
+
+    @property
+    def num_elements(self) -> int:
+        """Number of its elements: facets of a mesh, faces of NURBS patches."""
+        return len(self.domains[0])
+
+    @cached_property
+    def area(self) -> float:
+        """Area (m^2; length in 2D)."""
+        return float(self.element_areas.sum())
+
+    @cached_property
+    def mesh_size(self) -> float:
+        """Largest diameter of its cells (m)."""
+        return float(self.size(np.arange(self.num_elements)).max())
 
     def position(self, at: SurfaceCoordinates) -> Floats:
         """Positions (m), shape (n, dim)."""
-        ...
+        return self.tangents(self.known(at), at.xi)[0]
 
     def normal(self, at: SurfaceCoordinates) -> Floats:
         """Outward unit normals, shape (n, dim)."""
-        ...
+        self.known(at)
+        return self.area_normals(at)[1]
+
+    def known(self, at: SurfaceCoordinates) -> Ints:
+        """Elements of points, once checked that each has one.
+
+        Raises
+        ------
+        InputError
+            When a point was missed.
+        """
+        if len(at) and not 0 <= at.element.min() <= at.element.max() < self.num_elements:
+            wrong = [at.element.min(), at.element.max()]
+            raise InputError("at.element", wrong, f"0 to {self.num_elements - 1}: points found")
+        return at.element
 
     def offset(self, at: SurfaceCoordinates, direction: Floats) -> Floats:
         """Signed distance (m) from the surface as meshed to that of the shape, shape (n,).
@@ -278,22 +201,98 @@ class Surface(Protocol):
         direction
             Unit directions along which it is measured, shape (n, dim).
         """
-        ...
+        if self._true is None:
+            return np.zeros(len(at))
+        return self._true.distance(self.position(at), direction)
 
     def normal_error(self, at: SurfaceCoordinates) -> Floats:
         """Normals as meshed less those of the shape, shape (n, dim).
 
         Zero where the surface is that of the shape, or no shape is known.
         """
-        ...
+        normal = self.normal(at)
+        if self._true is None:
+            return np.zeros_like(normal)
+        return normal - self._true.normal(self.position(at), normal)
 
     def geometry_error(self, at: SurfaceCoordinates) -> Floats:
         """Estimate of how far the true surface lies from where `offset` puts it (m), shape (n,)."""
-        ...
+        return np.zeros(len(at))
+
+    def gauss_points(self, n: int) -> SurfacePoints:
+        """Gauss points, n per direction in each cell, weights with the Jacobian.
+
+        In triangles the collapsed product of Gauss-Legendre and Gauss-Jacobi points, exact to
+        degree 2n - 1 as in rectangles.
+
+        Raises
+        ------
+        InputError
+            When n is less than 1.
+        """
+        if n < 1:
+            raise InputError("gauss_points", n, "at least one per direction")
+        cells = self.cells()
+        t, weights = gauss_rule(n, self.dim - 1, simplex=not cells.tensor)
+        at, extent = cells.coordinates(t)
+        x, normal, area = self.area_normals(at)
+        return SurfacePoints(at, x, normal, (extent[:, None] * weights).ravel() * area)
+
+    def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
+        """Abscissae of the split trace space, each once: at a corner once for each smooth part.
+
+        Parameters
+        ----------
+        kind
+            One of ``abscissa_kinds``.
+        weights
+            One of ``abscissa_weights``: ``equal`` shares the area of each smooth part evenly among
+            its points; the others are :meth:`shares`.
+
+        Raises
+        ------
+        InputError
+            When the surface has no abscissae or weights of this kind.
+        """
+        if kind not in self.abscissa_kinds:
+            raise InputError("abscissae", kind, f"one of {', '.join(self.abscissa_kinds)}")
+        if weights not in self.abscissa_weights:
+            raise InputError("weights", weights, f"one of {', '.join(self.abscissa_weights)}")
+        first = np.sort(np.unique(self.functions, return_index=True)[1])
+        points = self._even(self.function_points(kind)[first])
+        if weights == "equal":
+            return points
+        return replace(points, weight=self.shares()[self.functions[first]])
+
+    def grid(self, n: int) -> SurfacePoints:
+        """Equally spaced points, shared ones once: at a corner once for each smooth part.
+
+        n per direction over each face of a NURBS patch (in its parameters), or n per side of each
+        facet of a mesh; both include the boundary. The area of each smooth part is shared evenly
+        among its points.
+
+        Raises
+        ------
+        InputError
+            When n is less than 2.
+        """
+        if n < 2:
+            raise InputError("grid", n, "at least two points per direction, the ends")
+        low, high = self.domains
+        t = lattice(n - 1, self.dim - 1, simplex=not self.cells().tensor) / (n - 1)
+        xi = low[:, None] + t * (high - low)[:, None]
+        element = np.repeat(np.arange(len(low)), len(t))
+        at = SurfaceCoordinates(element, xi.reshape(-1, self.dim - 1))
+        nearest = float(self.size(np.arange(self.num_elements)).min()) / (n - 1)
+        tree = cKDTree(self.position(at))
+        twins = tree.query_pairs(_MERGE * nearest, output_type="ndarray")
+        groups = connected(twins[self.join_smoothly(at, twins)], len(at))
+        return self._even(at[np.sort(np.unique(groups, return_index=True)[1])])
 
     def trace(self, at: SurfaceCoordinates) -> csr_array:
         """Values of the scalar basis functions, shape (n, num_scalar_dofs)."""
-        ...
+        self.known(at)
+        return self.values(at, self.function_dofs, self.num_scalar_dofs)
 
     def split_trace(self, at: SurfaceCoordinates) -> csr_array:
         """Values of the trace functions split at corners, shape (n, num_scalar_dofs + further).
@@ -301,8 +300,65 @@ class Surface(Protocol):
         A function that reaches over a corner is one function for each smooth part: one in its own
         column, the others in further columns. Without corners it is the trace.
         """
-        ...
+        self.known(at)
+        count = max(self.num_scalar_dofs, int(self.functions.max(initial=0)) + 1)
+        return self.values(at, self.functions, count)
 
-    def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
-        """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
-        ...
+    @cached_property
+    def functions(self) -> Ints:
+        """Numbers of the trace functions split at corners, as :attr:`function_dofs`."""
+        dofs = self.function_dofs
+        pairs = pairs_of_equal(dofs)
+        smooth = self.join_smoothly(self.function_points(self.abscissa_kinds[0]), pairs)
+        return split_functions(dofs, connected(pairs[smooth], len(dofs)), self.num_scalar_dofs)
+
+    @cached_property
+    def _parts(self) -> Ints:
+        """Smooth part of each element, (num_elements,)."""
+        element = self.function_points(self.abscissa_kinds[0]).element
+        return smooth_parts(element, self.functions, self.num_elements)
+
+    def _even(self, at: SurfaceCoordinates) -> SurfacePoints:
+        """Points that share the area of their smooth part evenly."""
+        x, normal, _ = self.area_normals(at)
+        areas = np.bincount(self._parts, weights=self.element_areas)
+        return SurfacePoints(at, x, normal, equal_shares(self._parts[at.element], areas, self.area))
+
+    def locate(self, x: Floats, direction: Floats, reach: float) -> Location:
+        """Find points on the surface along a direction (:mod:`cea.location`).
+
+        Parameters
+        ----------
+        x
+            Points (m), shape (n, dim).
+        direction
+            Unit directions, shape (n, dim).
+        reach
+            Largest distance (m) along the direction, either way.
+        """
+        return locate_along(self, x, direction, reach)
+
+    def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
+        """Cells that lines of limited reach may meet: points, elements and xi to start from."""
+        return self._bounds.candidates(x, direction, reach)
+
+    @cached_property
+    def _bounds(self) -> CellBounds:
+        return CellBounds(self.cells(), self.tangents)
+
+    def clamp(self, element: Ints, xi: Floats) -> Floats:
+        """Nearest reference coordinates inside the element, (n, dim - 1)."""
+        if self.cells().tensor:
+            low, high = self.domains
+            return np.clip(xi, low[element], high[element])
+        inside = np.maximum(xi, 0.0)
+        along = np.clip((1 + xi[:, 0] - xi[:, 1]) / 2, 0.0, 1.0)
+        slanted = np.column_stack([along, 1 - along])
+        return np.where(inside.sum(axis=1, keepdims=True) > 1, slanted, inside)
+
+    def on_edge(self, element: Ints, xi: Floats, tolerance: float) -> NDArray[np.bool_]:
+        """True where xi lies on the boundary of its element, within a part of its range."""
+        low, high = (ends[element] for ends in self.domains)
+        t = (xi - low) / (high - low)
+        far = 1 - (t.max(axis=1) if self.cells().tensor else t.sum(axis=1))
+        return np.minimum(t.min(axis=1), far) <= tolerance

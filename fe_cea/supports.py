@@ -12,7 +12,7 @@ from cea.supports.constraints import Constraints
 from cea.supports.directions import Directions, merged
 from cea.supports.elimination import constrain
 from cea.supports.frames import SurfaceNormal
-from cea.surface import SurfaceCoordinates
+from cea.surface_points import SurfaceCoordinates
 from fe_cea.facets import FacetBasis
 from fe_cea.surface import FESurface
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from cea.arrays import Floats, Ints
 from cea.ranks import agreed
-from iga_cea.chunks import chunks
+from iga_cea.grids import chunks
 from iga_cea.metric import Map, factors_of, lines_of
 from iga_cea.multipatch import Multipatch
 from iga_cea.pattern import Order, Pattern

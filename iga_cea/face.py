@@ -11,11 +11,10 @@ import numpy as np
 
 from cea.arrays import Floats, Ints
 from cea.location import cross
-from iga_cea.botella import botella
 from iga_cea.face_shape import FaceShape, tensor_splines
 from iga_cea.grids import applied_along, grid_points, projected
 from iga_cea.patch import Patch
-from iga_cea.splines import basis_matrix, greville
+from iga_cea.splines import basis_matrix, botella, greville
 
 _SINGULAR = 1e-12
 """Jacobian taken for zero, relative to the power of its longest tangent."""

@@ -15,11 +15,11 @@ from scipy.spatial import KDTree
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.location import locate_along
-from iga_cea.chart import FaceChart
 from iga_cea.face import PatchFace
 from iga_cea.grids import grid_points
 from iga_cea.patch import subdivided
 from iga_cea.splines import find_span
+from iga_cea.surface import NurbsSurface
 
 TOLERANCE = 1e-7
 """Distance at which points coincide, relative to the local mesh size."""
@@ -172,9 +172,9 @@ class _Side:
         return KDTree(x[on_edge])
 
     @cached_property
-    def chart(self) -> FaceChart:
+    def chart(self) -> NurbsSurface:
         """The face as point location sees it."""
-        return FaceChart([self.face])
+        return NurbsSurface("side", [self.face], 0)
 
 
 def _neighbours(sides: Sequence[_Side]) -> Iterator[tuple[_Side, _Side]]:

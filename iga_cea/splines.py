@@ -9,6 +9,9 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
 
+_HALVINGS = 60
+"""Bisections: the bracket then is shorter than the spacing of floating point numbers."""
+
 
 def find_span(knots: Floats, degree: int, x: Floats) -> Ints:
     """Index i of the non-empty span ``knots[i] <= x < knots[i + 1]``; the last one is closed.
@@ -231,3 +234,32 @@ def gauss_rule(breaks: Floats, n: int) -> tuple[Floats, Floats]:
     half = np.diff(breaks)[:, None] / 2
     middle = (breaks[1:, None] + breaks[:-1, None]) / 2
     return middle + half * nodes, half * weights
+
+
+def botella(knots: Floats, degree: int) -> Floats:
+    """Botella points: parameters of the maxima of the B-splines, one for each function.
+
+    O. Botella, On a collocation B-spline method for the solution of the Navier-Stokes equations,
+    Computers & Fluids 31 (2002).
+
+    A B-spline i rises over its first span and falls over its last one, and has one maximum: it
+    lies between knots i + 1 and i + degree, and bisection by the sign of the slope cannot fail.
+    Where these knots are one, as at the ends, the function is 1 there.
+
+    Parameters
+    ----------
+    knots
+        Open knot vector.
+    degree
+        Degree, at least 1.
+    """
+    function = np.arange(len(knots) - degree - 1)
+    low, high = knots[function + 1], knots[function + degree]
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        first, table = basis_functions(knots, degree, middle, 1)
+        # A middle rounded to the end of a support finds its function gone: it has fallen.
+        place = np.clip(function - first, 0, degree)
+        rising = (table[1, function, place] > 0) & (place == function - first)
+        low, high = np.where(rising, middle, low), np.where(rising, high, middle)
+    return (low + high) / 2

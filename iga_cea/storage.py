@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cea.arrays import Floats, Ints
 from cea.matrices import from_blocks
 from cea.petsc import PETSc
-from iga_cea.chunks import chunks
+from iga_cea.grids import chunks
 from iga_cea.pattern import Pattern
 
 _CACHED = 2**10

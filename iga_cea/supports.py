@@ -33,7 +33,7 @@ from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.supports.directions import Directions, merged
 from cea.supports.elimination import ProjectedConstraints, constrain
-from cea.surface import SurfaceCoordinates
+from cea.surface_points import SurfaceCoordinates
 from iga_cea.grids import grid_points
 from iga_cea.surface import NurbsSurface
 

@@ -4,12 +4,11 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cea.arrays import Floats
 from cea.errors import InputError, require
 from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 
-Floats = NDArray[np.float64]
 Breaks = tuple[Floats, ...]
 
 CLOSED = (Annulus, Hub, Disc, Ring)
@@ -84,20 +83,7 @@ def breaks_of(
 def check_breaks(
     shape: Shape, elements: Sequence[int], through: Mapping[str, Sequence[float]], field: str
 ) -> None:
-    """Refuse elements and coordinates that give no breaks, without making any.
-
-    Parameters
-    ----------
-    shape, elements, through
-        As of :func:`breaks_of`.
-    field
-        Name of the mesh in messages.
-
-    Raises
-    ------
-    InputError
-        Naming elements or through.
-    """
+    """Refuse elements and coordinates that give no breaks, without making any."""
     try:
         asked = _asked(shape, elements, through)
         for name, ends, count in zip(shape.directions, shape.extent, elements, strict=True):
@@ -107,6 +93,14 @@ def check_breaks(
         if name == "count":
             name, value = "elements", tuple(elements)
         raise InputError(f"{field}.{name}", value, error.allowed) from None
+
+
+def check_ends(shape: Shape, breaks: Breaks) -> None:
+    """Refuse breaks that do not rise from one end of a shape to the other."""
+    for name, values, (low, high) in zip(shape.directions, breaks, shape.extent, strict=True):
+        rising = len(values) > 1 and bool((np.diff(values) > 0).all())
+        fits = rising and np.allclose([values[0], values[-1]], [low, high], rtol=1e-12)
+        require(bool(fits), f"breaks of {name}", values, f"rising, from {low} to {high}")
 
 
 def _asked(

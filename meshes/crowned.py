@@ -7,18 +7,17 @@ from the point of equal radius at the apex: its square is a rational function of
 NURBS hold the face exactly. What lies behind the face follows it in proportion.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
+from scipy.special import comb
 
+from cea.arrays import Floats
 from cea.errors import InputError, require
-from meshes.plane_shapes import Rectangle
-from meshes.solid_shapes import Box, Sector
-
-Floats = NDArray[np.float64]
+from meshes.simple_shapes import Box, Rectangle, Sector
 
 
 @dataclass(frozen=True)
@@ -118,57 +117,45 @@ class Crowned:
             corners[:, 0], corners[:, 1] = r * np.cos(theta), r * np.sin(theta)
         return float(self.depth(corners).max())
 
-    def depth(self, points: Floats) -> Floats:
-        """How much deeper than at its apex the face lies in the body (m).
+    def _offsets(self, points: Floats) -> Iterator[tuple[float, Floats, Floats | None]]:
+        """Radii of curvature, and vectors from the apex whose length is s, (..., dim).
 
-        Parameters
-        ----------
-        points
-            Cartesian points of the base (m), shape (..., dim); what they are across the face does
-            not matter.
-
-        Returns
-        -------
-        ndarray
-            Shape (...).
+        Along theta, the direction of the apex (2,) too.
         """
-        total = np.zeros(points.shape[:-1])
-        round_ = isinstance(self.base, Sector)
         for name, radius in self.radii.items():
             axis = self.directions.index(name)
-            low, high = self.extent[axis]
-            apex = self.apex.get(name, 0.5 * (low + high))
-            if not round_:
-                total += (points[..., axis] - apex) ** 2 / (2 * radius)
-                continue
-            r = np.hypot(points[..., 0], points[..., 1])
-            if name == "r":
-                total += (r - apex) ** 2 / (2 * radius)
+            apex = self.apex.get(name, 0.5 * sum(self.extent[axis]))
+            offset, middle = np.zeros(points.shape), None
+            if not isinstance(self.base, Sector):
+                offset[..., axis] = points[..., axis] - apex
             else:
-                middle = np.array([np.cos(np.deg2rad(apex)), np.sin(np.deg2rad(apex))])
-                chord = points[..., :2] - r[..., None] * middle
-                total += (chord**2).sum(axis=-1) / (2 * radius)
+                r = np.hypot(points[..., 0], points[..., 1])[..., None]
+                if name == "r":
+                    offset[..., :2] = (r - apex) * points[..., :2] / r
+                else:
+                    middle = np.array([np.cos(np.deg2rad(apex)), np.sin(np.deg2rad(apex))])
+                    offset[..., :2] = points[..., :2] - r * middle
+            yield radius, offset, middle
+
+    def depth(self, points: Floats) -> Floats:
+        """How much deeper than at its apex the face lies in the body (m), shape (...).
+
+        Of Cartesian points of the base (m), (..., dim); what they are across the face is ignored.
+        """
+        total = np.zeros(points.shape[:-1])
+        for radius, offset, _ in self._offsets(points):
+            total += (offset**2).sum(axis=-1) / (2 * radius)
         return total
 
     def slope(self, points: Floats) -> Floats:
         """Gradient of the depth at Cartesian points of the base (m), shape (..., dim)."""
         total = np.zeros(points.shape)
-        for name, radius in self.radii.items():
-            axis = self.directions.index(name)
-            low, high = self.extent[axis]
-            apex = self.apex.get(name, 0.5 * (low + high))
-            if not isinstance(self.base, Sector):
-                total[..., axis] += (points[..., axis] - apex) / radius
-                continue
-            r = np.hypot(points[..., 0], points[..., 1])[..., None]
-            outwards = points[..., :2] / r
-            if name == "r":
-                total[..., :2] += (r - apex) * outwards / radius
-            else:
-                middle = np.array([np.cos(np.deg2rad(apex)), np.sin(np.deg2rad(apex))])
-                chord = points[..., :2] - r * middle
-                along = (chord @ middle)[..., None] * outwards
-                total[..., :2] += (chord - along) / radius
+        for radius, offset, middle in self._offsets(points):
+            total += offset / radius
+            if middle is not None:  # the point of equal radius at the apex moves with r
+                plane = points[..., :2]
+                along = (offset[..., :2] @ middle) / np.hypot(plane[..., 0], plane[..., 1])
+                total[..., :2] -= along[..., None] * plane / radius
         return total
 
     def crown(self, points: Floats) -> Floats:
@@ -182,3 +169,33 @@ class Crowned:
         moved = points.copy()
         moved[..., self.across] += inwards * self.depth(points)
         return moved
+
+
+def crowned_bezier(
+    shape: Crowned, degrees: Sequence[int], control_points: Floats, weights: Floats
+) -> tuple[tuple[int, ...], Floats, Floats]:
+    """Degrees, control points and weights of a crowned patch whose base is one Bezier element.
+
+    The crowned coordinate times the weight function is a polynomial of the raised degrees, and so
+    is known from its values on a grid.
+    """
+    raised = tuple(max(p, 2) if axis in shape.bent else p for axis, p in enumerate(degrees))
+    net = np.concatenate([control_points * weights[..., None], weights[..., None]], axis=-1)
+    for axis, (p, q) in enumerate(zip(degrees, raised, strict=True)):
+        net = _along(net, axis, _bernstein(p, np.linspace(0, 1, q + 1)))
+    weight = net[..., -1:]
+    net = np.concatenate([weight * shape.crown(net[..., :-1] / weight), weight], axis=-1)
+    for axis, q in enumerate(raised):
+        net = _along(net, axis, np.linalg.inv(_bernstein(q, np.linspace(0, 1, q + 1))))
+    return raised, net[..., :-1] / net[..., -1:], net[..., -1]
+
+
+def _bernstein(degree: int, t: Floats) -> Floats:
+    """Values of the Bernstein polynomials, shape (len(t), degree + 1)."""
+    k = np.arange(degree + 1)
+    return comb(degree, k) * t[:, None] ** k * (1 - t[:, None]) ** (degree - k)
+
+
+def _along(net: Floats, axis: int, matrix: Floats) -> Floats:
+    """Combine control points along one axis."""
+    return np.moveaxis(np.tensordot(matrix, net, axes=(1, axis)), 0, axis)

@@ -9,16 +9,138 @@ disc is, is divided into two smaller ones at both and five others.
 Edges run along one direction of a lattice all the way; in the plane they are points.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
+from cea.errors import InputError, require
 from cea.mesh import Floats, Ints, Mesh, facet_nodes
-from meshes.edge_templates import quads_towards
+from meshes.files.content import first_of_near, named_sides
+from meshes.shapes import Disc, Shape
+
+TOO_FEW = "more elements: at most two edges at one cell, and on one side of it"
+"""What is asked of elements among which there is no room for layers."""
+Edge = Mapping[str, float]
+"""Coordinates along two directions of a shape, those that an edge lies across."""
+
+
+def run_along(shape: Shape, edges: Sequence[Edge]) -> int | None:
+    """Axis that edges run along, None in the plane."""
+    directions, pairs = shape.directions, {frozenset(edge) for edge in edges}
+    known = [pair for pair in pairs if len(pair) == 2 and pair <= set(directions)]
+    allowed = f"coordinates along the same two of {', '.join(directions)} each"
+    require(len(pairs) == len(known) == 1, "edges", [dict(edge) for edge in edges], allowed)
+    for edge in edges:
+        for name, (low, high) in zip(directions, shape.extent, strict=True):
+            inside = low <= edge.get(name, low) <= high
+            require(inside, "edges", dict(edge), f"{name} from {low} to {high}")
+        on_rim = not isinstance(shape, Disc) or (
+            edge.get("r") == shape.outer_radius and "z" in edge
+        )
+        require(on_rim, "edges", dict(edge), "r of the rim, and z")
+    return next((i for i, name in enumerate(directions) if name not in known[0]), None)
+
+
+def check_edges(shape: Shape, edges: Sequence[Edge], field: str) -> None:
+    """Refuse edges that layers cannot be laid around, as :func:`run_along` does."""
+    try:
+        run_along(shape, edges)
+    except InputError as error:
+        raise InputError(f"{field}.{error.field}", error.value, error.allowed) from None
+
+
+def check_room(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge], field: str) -> None:
+    """Refuse elements among which there is no room for layers towards edges."""
+    counts = tuple(len(each) - 1 for each in breaks)
+    require(fit(shape, breaks, edges), f"{field}.elements", counts, TOO_FEW)
+
+
+def fit(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge]) -> bool:
+    """Whether no cell between breaks has edges at opposite corners, or at more than two."""
+    along, directions = run_along(shape, edges), shape.directions
+    axes = [axis for axis in range(len(directions)) if axis != along]
+    at = np.zeros([len(breaks[axis]) for axis in axes], dtype=bool)
+    for edge in edges:
+        places = (np.abs(breaks[axis] - edge[directions[axis]]).argmin() for axis in axes)
+        at[tuple(places)] = True
+    a, b, c, d = at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]
+    opposite = (a & d) | (b & c)
+    return not opposite.any()
+
+
+def edge_nodes(
+    node: Ints, breaks: Sequence[Floats], directions: Sequence[str], edge: Edge, order: int
+) -> Ints:
+    """Numbers of the nodes of a lattice on an edge."""
+    for axis, (name, each) in reversed(list(enumerate(zip(directions, breaks, strict=True)))):
+        if name in edge:
+            at = int(np.abs(each - edge[name]).argmin())
+            from_end = (len(each) - 1 - at) * order
+            near = abs(each[at] - edge[name]) <= 1e-9 * (each[-1] - each[0])
+            require(
+                bool(near and from_end < node.shape[axis]),
+                "edges",
+                dict(edge),
+                f"element boundaries along {name}",
+            )
+            node = np.take(node, node.shape[axis] - 1 - from_end, axis=axis)
+    return node.ravel()
+
+
+RATIO = 0.2
+"""Size of a cell of a layer relative to the next one: near what suits corners best."""
+_TURN = np.array([0.55, 0.3])
+"""Where the cells between two edges turn, in parts of the cell: away from the side that both are
+on, and along it."""
+
+
+def quads_towards(marked: NDArray[np.bool_], layers: int) -> Floats:
+    """What a square is divided into towards marked corners, (n, 2, 2, 2).
+
+    Corners [i, j] of each quadrilateral by their two coordinates, from 0 to 1; of right hand.
+    """
+    whole = np.stack(np.meshgrid([0.0, 1.0], [0.0, 1.0], indexing="ij"), axis=-1)[None]
+    if not layers:
+        return whole
+    corners = np.argwhere(marked)
+    alone = len(corners) == 1
+    shared = [] if alone else np.flatnonzero((corners == corners[0]).all(axis=0)).tolist()
+    if not alone and (len(corners) > 2 or not shared):
+        raise InputError("elements", f"{len(corners)} edges at a cell", TOO_FEW)
+    corner = np.array([[True, False], [False, False]])
+    small = RATIO * quads_towards(corner, layers - 1)
+    quads = _around_one(small) if alone else _around_two(small)
+    if not alone and shared[0] == 1:
+        quads = quads.swapaxes(1, 2)[..., ::-1]
+    for axis in range(2):
+        if corners[0, axis] == 1:
+            quads = np.flip(quads, axis=1 + axis).copy()
+            quads[..., axis] = 1 - quads[..., axis]
+    return quads
+
+
+def _around_one(small: Floats) -> Floats:
+    """Towards the corner (0, 0), which is divided already."""
+    q = RATIO
+    along = [[[q, 0], [q, q]], [[1, 0], [1, 1]]]
+    up = [[[0, q], [0, 1]], [[q, q], [1, 1]]]
+    return np.concatenate([small, np.array([along, up], dtype=float)])
+
+
+def _around_two(small: Floats) -> Floats:
+    """Towards the corners (0, 0) and (0, 1), of which the first is divided already."""
+    q, (a, b) = RATIO, _TURN
+    low = np.concatenate([small, np.array([[[[q, 0], [q, q]], [[1, 0], [a, b]]]])])
+    high = np.flip(low, axis=2).copy()
+    high[..., 1] = 1 - high[..., 1]
+    between = [
+        [[[0, q], [0, 1 - q]], [[q, q], [q, 1 - q]]],
+        [[[q, q], [q, 1 - q]], [[a, b], [a, 1 - b]]],
+        [[[a, b], [a, 1 - b]], [[1, 0], [1, 1]]],
+    ]
+    return np.concatenate([low, high, np.array(between)])
+
 
 _SAME = 1e-3
 """Distance of nodes, relative to the least of a cell, below which they are one."""
@@ -27,29 +149,13 @@ Bools = NDArray[np.bool_]
 
 
 def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> Mesh:
-    """Divide the cells around edges towards them.
-
-    Parameters
-    ----------
-    mesh
-        Quadrilaterals or hexahedra.
-    singular
-        Whether each point of the mesh lies on an edge, shape (n_points,).
-    along
-        Axis of the cells' lattices that edges run along; None in the plane.
-    layers
-        Times that cells are divided.
-
-    Raises
-    ------
-    InputError
-        When a cell has edges at opposite corners, or at more than two.
-    """
+    """Divide the cells around edges towards them."""
     n, dim = mesh.order + 1, mesh.dim
     lattice = mesh.cells.reshape(-1, *(n,) * dim)
     lattice = lattice[..., None] if along is None else np.moveaxis(lattice, 1 + along, -1)
     marked = singular[lattice[:, :: n - 1, :: n - 1]].all(axis=-1)
-    cells, points, facets = [mesh.cells], [mesh.points], _Facets(mesh)
+    cells, points, named = [mesh.cells], [mesh.points], named_sides(mesh)
+    sides = {name: [on] for name, on in named.items()}
     kept = np.ones(len(mesh.cells), dtype=bool)
     count, least = len(mesh.points), np.inf
     for pattern in np.unique(marked[marked.any(axis=(1, 2))], axis=0):
@@ -64,34 +170,25 @@ def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> 
         made = numbers[..., 0] if along is None else np.moveaxis(numbers, -1, 2 + along)
         made = made.reshape(len(some), len(quads), -1)
         cells.append(made.reshape(-1, made.shape[-1]))
-        facets.divide(some, made, quads, along)
+        parents = _sides_of_parts(quads, dim, along)
+        for name, on in named.items():
+            sides[name].append((on[some][:, parents] & (parents >= 0)).reshape(-1, 2 * dim))
     if len(points) == 1:
         return mesh
     every = np.concatenate(points)
-    first = _first_of_same(every, _SAME * least)
+    first = first_of_near(every, _SAME * least)
     cells[0] = mesh.cells[kept]
-    surfaces = {name: first[nodes] for name, nodes in facets.named().items()}
     parts = first[np.concatenate(cells)]
+    surfaces = {}
+    for name, (whole, *divided) in sides.items():
+        on = np.concatenate([whole[kept], *divided])
+        facets = enumerate(facet_nodes(mesh.cell, mesh.order))
+        surfaces[name] = np.concatenate([parts[on[:, i]][:, local] for i, local in facets])
     return Mesh(mesh.cell, mesh.order, every, parts, surfaces).without_loose_points()
 
 
 def _placed(nodes: Floats, quads: Floats, order: int) -> Floats:
-    """Nodes of the parts of cells, on the maps of these.
-
-    Parameters
-    ----------
-    nodes
-        Nodes of the cells, (cells, n, n, along, dim).
-    quads
-        Parts of each, (parts, 2, 2, 2).
-    order
-        Order of the geometry, n - 1.
-
-    Returns
-    -------
-    ndarray
-        (cells, parts, n, n, along, dim).
-    """
+    """Nodes of the parts of cells, on the maps of these."""
     t = np.arange(order + 1) / order
     ends = np.stack([1 - t, t])
     at = np.einsum("ai,bj,qabx->qijx", ends, ends, quads)
@@ -109,85 +206,15 @@ def _least_distance(x: Floats) -> float:
     return float(min(np.linalg.norm(step, axis=-1).min() for step in steps))
 
 
-def _first_of_same(points: Floats, distance: float) -> Ints:
-    """Number of the first point of those that lie together with each."""
-    pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
-    size = len(points)
-    links = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=(size, size))
-    _, group = connected_components(links, directed=False)
-    _, first = np.unique(group, return_index=True)
-    return first[group]
-
-
-@dataclass
-class _Facets:
-    """Named facets of a mesh while its cells are divided.
-
-    Parameters
-    ----------
-    mesh
-        The mesh.
-    """
-
-    mesh: Mesh
-
-    def __post_init__(self) -> None:
-        self._left = dict(self.mesh.surfaces)
-        self._new: dict[str, list[Ints]] = {name: [] for name in self._left}
-        self._of_cell = facet_nodes(self.mesh.cell, self.mesh.order)
-
-    def divide(self, some: Ints, made: Ints, quads: Floats, along: int | None) -> None:
-        """Give the names of facets to those of the parts of their cells.
-
-        Parameters
-        ----------
-        some
-            Numbers of the cells.
-        made
-            Nodes of their parts, (cells, parts, n_nodes).
-        quads
-            What each is divided into.
-        along
-            Axis that all parts run along.
-        """
-        axes = [axis for axis in range(self.mesh.dim) if axis != along]
-        for side, local in enumerate(self._of_cell):
-            axis, end = divmod(side, 2)
-            nodes = np.sort(self.mesh.cells[some][:, local], axis=1)
-            for name, left in self._left.items():
-                at, of = _matched(nodes, np.sort(left, axis=1))
-                if not len(at):
-                    continue
-                self._left[name] = np.delete(left, of, axis=0)
-                for part, facet in self._parts(quads, axes, axis, end, local):
-                    self._new[name].append(made[at, part][:, facet])
-
-    def _parts(
-        self, quads: Floats, axes: list[int], axis: int, end: int, local: Ints
-    ) -> list[tuple[int, Ints]]:
-        """Parts that have a part of a facet of the cell, and which of their facets that is."""
-        if axis not in axes:
-            return [(part, local) for part in range(len(quads))]
-        found = []
-        for part, corners in enumerate(quads):
-            for own in range(2):
-                for of_own in range(2):
-                    line = np.take(corners, of_own, axis=own)[:, axes.index(axis)]
-                    if (line == end).all():
-                        found.append((part, self._of_cell[2 * axes[own] + of_own]))
-        return found
-
-    def named(self) -> dict[str, Ints]:
-        """Facets by name, of cells that were divided and of those that were not."""
-        return {name: np.concatenate([left, *self._new[name]]) for name, left in self._left.items()}
-
-
-def _matched(rows: Ints, others: Ints) -> tuple[Ints, Ints]:
-    """Which rows are among others, all different, and which of those each is."""
-    both = np.concatenate([rows, others])
-    _, group = np.unique(both, axis=0, return_inverse=True)
-    place = np.full(group.max(initial=-1) + 1, -1)
-    place[group[len(rows) :]] = np.arange(len(others))
-    of = place[group[: len(rows)]]
-    at = np.flatnonzero(of >= 0)
-    return at, of[at]
+def _sides_of_parts(quads: Floats, dim: int, along: int | None) -> Ints:
+    """Facet of a cell on which each facet of each of its parts lies; -1 inside, (parts, 2 dim)."""
+    axes = [axis for axis in range(dim) if axis != along]
+    found: Ints = np.full((len(quads), 2 * dim), -1, dtype=np.int64)
+    if along is not None:
+        found[:, [2 * along, 2 * along + 1]] = 2 * along, 2 * along + 1
+    for part, own, of_own in np.ndindex(len(quads), 2, 2):
+        line = quads[part, of_own, :, :] if own == 0 else quads[part, :, of_own, :]
+        for axis, end in np.ndindex(2, 2):
+            if (line[:, axis] == end).all():
+                found[part, 2 * axes[own] + of_own] = 2 * axes[axis] + end
+    return found

@@ -4,10 +4,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator
 
 from cea.errors import InputError, require
@@ -15,20 +14,10 @@ from cea.mesh import Mesh
 from meshes.files.body import body_mesh
 from meshes.files.content import FileContent
 from meshes.files.part import Part, part_of
+from meshes.files.reading import read_mesh_file
 from meshes.files.surfaces import check_sets, marks_of, surface_faces
 from meshes.placement import Placement
-from meshes.read_mesh_file import read_mesh_file
-
-Unit = Literal["m", "cm", "mm", "um", "in", "ft"]
-METRES: dict[Unit, tuple[float, float]] = {
-    "m": (1, 1),
-    "cm": (1, 100),
-    "mm": (1, 1000),
-    "um": (1, 10**6),
-    "in": (254, 10**4),
-    "ft": (3048, 10**4),
-}
-"""Each unit in metres, as a fraction: numbers of the file are multiplied, then divided."""
+from meshes.units import Unit, check_unit, in_metres, is_fit
 
 
 def _one_or_more(sets: Any) -> Any:
@@ -44,27 +33,7 @@ Sets = Annotated[
 ]
 """Sets of a file that make a surface; one alone may be given by its name."""
 
-_LONGEST = 100
-"""Characters of a name of a surface."""
 _IN_PLACE = Placement()
-
-
-def in_metres(values: NDArray[np.float64], unit: Unit) -> NDArray[np.float64]:
-    """Lengths of a file in metres."""
-    above, below = METRES[unit]
-    return values * above / below
-
-
-def check_unit(unit: str | None) -> None:
-    """Refuse a file whose unit of length nobody told.
-
-    Raises
-    ------
-    InputError
-        Naming unit.
-    """
-    allowed = f"the unit of length of the file, one of {', '.join(get_args(Unit))}"
-    require(unit is not None, "unit", None, allowed)
 
 
 @dataclass(frozen=True)
@@ -215,8 +184,3 @@ class MeshFile:
         faces = {name: self._sets(name) for name in surfaces}
         mesh = body_mesh(self.content, self._part, faces, self.part)
         return replace(mesh, points=placement.apply(in_metres(mesh.points, self._unit)))
-
-
-def is_fit(name: str) -> bool:
-    """Whether a name can stand in "body.surface"."""
-    return 0 < len(name) <= _LONGEST and name.isprintable() and not set(name) & set(" .,[]")

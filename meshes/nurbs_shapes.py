@@ -16,18 +16,15 @@ from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cea.arrays import Floats
 from cea.errors import InputError, require
-from meshes.breaks import Breaks
-from meshes.crowned import Crowned
-from meshes.crowned_bezier import crowned_bezier
-from meshes.nurbs_file import NurbsFile
-from meshes.patches import Face, GivenPatch, Patches
+from meshes.breaks import Breaks, check_ends
+from meshes.crowned import Crowned, crowned_bezier
+from meshes.patches import Face, GivenPatch, NurbsFile, Patches
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
 
-Floats = NDArray[np.float64]
 Faces = Mapping[str, tuple[Face, ...]]
 
 _LINE = np.array([0.0, 0.0, 1.0, 1.0])
@@ -136,10 +133,7 @@ def nurbs_shape(
 
 
 def _check(shape: Shape, breaks: Breaks) -> None:
-    for name, (low, high), values in zip(shape.directions, shape.extent, breaks, strict=True):
-        rises = len(values) >= 2 and bool(np.all(np.diff(values) > 0))
-        fits = rises and np.allclose([values[0], values[-1]], [low, high])
-        require(fits, f"breaks along {name}", values, f"rising from {low} to {high}")
+    check_ends(shape, breaks)
     joints: dict[int, Sequence[float]] = {}
     if isinstance(shape, Annulus | Disc | Hub | Ring):
         joints[1] = (90.0, 180.0, 270.0)
@@ -147,7 +141,7 @@ def _check(shape: Shape, breaks: Breaks) -> None:
         joints |= {0: (shape.hub_radius,), 2: (shape.bottom, shape.top)}
     for axis, needed in joints.items():
         distance = np.abs(breaks[axis][:, None] - needed).min(axis=0)
-        field, allowed = f"breaks along {shape.directions[axis]}", f"{needed} among them"
+        field, allowed = f"breaks of {shape.directions[axis]}", f"{needed} among them"
         require(bool(np.all(distance <= _SNAP)), field, breaks[axis], allowed)
 
 
@@ -175,17 +169,7 @@ def _linear_parameters(values: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class _Arc:
-    """Arc of the unit circle.
-
-    Parameters
-    ----------
-    points
-        Its control points, (3, 2).
-    weight
-        Weight of the middle one.
-    parameters
-        Parameters of the wanted element boundaries.
-    """
+    """Arc of the unit circle."""
 
     points: Floats
     weight: float
@@ -239,19 +223,7 @@ def _straight(shape: Box | Rectangle, breaks: Breaks, placement: Placement) -> N
 def _round(
     arc: _Arc, radii: Floats, heights: tuple[Floats, ...], placement: Placement
 ) -> NurbsPatch:
-    """Patch over an arc between radii, in plane strain or between heights.
-
-    Parameters
-    ----------
-    arc
-        The arc.
-    radii
-        Breaks along r (m).
-    heights
-        Breaks along z (m); empty in plane strain.
-    placement
-        Where to put it.
-    """
+    """Patch over an arc between radii, in plane strain or between heights."""
     plane = radii[[0, -1], None, None] * arc.points
     weights = np.broadcast_to([1.0, arc.weight, 1.0], (2, 3))
     for z in heights:

@@ -1,23 +1,37 @@
-"""Geometry given as NURBS patches: knots, control points and weights, checked before use."""
+"""Geometry given as NURBS patches: knots, control points and weights, checked before use.
 
-from dataclasses import dataclass
-from functools import cached_property
+They stand in the scene or in a file of splinepy (.json) or G+Smo (.xml): plain lists of numbers,
+read here, as splinepy ends the program over files that are not whole.
+"""
+
+import base64
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from pathlib import Path
 from typing import Any, ClassVar, Literal
+from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
-from cea.arrays import finite_numbers
-from cea.errors import require
+from cea.arrays import Floats, finite_numbers
+from cea.errors import InputError, require
+from meshes.files.content import first_of_near
+from meshes.files.sandbox import checked_state
+from meshes.units import Unit, check_unit, in_metres, is_fit
 
-Floats = NDArray[np.float64]
 Face = tuple[int, int, int]
+Faces = Mapping[str, tuple[Face, ...]]
+Spline = tuple[tuple[int, ...], tuple[tuple[float, ...], ...], Floats, Floats | None]
+"""Degrees, knots, control points (n1, ..., dim) and weights (n1, ...) in the unit of a file."""
 
 _SAME = 1e-10
 """Length of a step between control points in one place, relative to the longest."""
+_KEPT = 4
+"""Files whose content is kept, for the bodies of a scene."""
+_LARGEST = 2**28
+"""Bytes of a file."""
 
 
 @dataclass(frozen=True)
@@ -140,10 +154,7 @@ class Patches:
         if self.merge_nodes is None:
             return tuple(nets)
         every = np.concatenate([net.reshape(-1, net.shape[-1]) for net in nets])
-        pairs = cKDTree(every).query_pairs(self.merge_nodes, output_type="ndarray")
-        links = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(every),) * 2)
-        _, group = connected_components(links, directed=False)
-        every = every[np.unique(group, return_index=True)[1]][group]
+        every = every[first_of_near(every, self.merge_nodes)]
         ends = np.cumsum([net.size // net.shape[-1] for net in nets])[:-1]
         parts = zip(np.split(every, ends), nets, strict=True)
         return tuple(part.reshape(net.shape) for part, net in parts)
@@ -181,3 +192,174 @@ def _check_knots(knots: Floats, p: int, field: str, given: tuple[float, ...]) ->
     require(bool(open_ends), field, given, f"first and last knot exactly {p + 1} times")
     often = int(np.unique(knots[p + 1 : -p - 1], return_counts=True)[1].max(initial=0))
     require(often <= p, field, given, f"inner knots at most {p} times: continuity 0 at least")
+
+
+@dataclass(frozen=True)
+class NurbsFile:
+    """A body of the NURBS patches of a file, joined where their faces coincide.
+
+    Formats are the .json of splinepy and the .xml of G+Smo (gismo). Degrees are raised and knots
+    inserted as the mesh says, as those of :class:`meshes.patches.Patches`; what the file has stays.
+
+    Parameters
+    ----------
+    file
+        The file; in a scene file, relative to it.
+    unit
+        Unit of length of the file: m, cm, mm, um, in or ft. There is no default.
+    faces
+        Faces [patch, axis, side] of each named surface; side 0 is where the parameter is least.
+        Boundaries that a file of G+Smo names need not be listed here.
+    merge_nodes
+        Distance, in the unit of the file, within which control points are made one; by default none
+        are.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, or holds no patches that make a body.
+    """
+
+    file: str
+    unit: Unit | None = None
+    faces: dict[str, tuple[Face, ...]] = field(default_factory=dict)
+    merge_nodes: float | None = None
+    shape: Literal["nurbs_file"] = "nurbs_file"
+
+    left_out: ClassVar[tuple[str, ...]] = ("merge_nodes",)
+    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+
+    def __post_init__(self) -> None:
+        check_unit(self.unit)
+        require(bool(self.given.patches), "file", self.file, "patches")
+
+    @cached_property
+    def given(self) -> Patches:
+        """Its patches (m)."""
+        assert self.unit is not None
+        splines, named = _read(*checked_state(Path(self.file), "a file of patches", _LARGEST))
+        faces = {name: ends for name, ends in named.items() if is_fit(name)} | self.faces
+        try:
+            patches = tuple(_patch(spline, self.unit) for spline in splines)
+        except InputError as error:
+            raise InputError("file", f"{self.file}: {error.field}", error.allowed) from None
+        near = self.merge_nodes
+        if near is not None:
+            near = float(in_metres(np.array(near), self.unit))
+        return Patches(patches, faces, near)
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return self.given.directions
+
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        """Names of the surfaces."""
+        return self.given.surfaces
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], ...]:
+        """Range of the scaled parameters."""
+        return self.given.extent
+
+
+def _patch(spline: Spline, unit: Unit) -> GivenPatch:
+    """A patch in metres; of points in space, a patch of the plane keeps x and y."""
+    degrees, knots, points, weights = spline
+    dim = len(degrees)
+    if dim == 2 and points.shape[-1] == 3:
+        flat = bool((points[..., 2] == 0).all())
+        require(flat, "control_points", "z", "patches of the plane in z = 0")
+        points = points[..., :2]
+    lengths = in_metres(points, unit)
+    listed = None if weights is None else tuple(weights.tolist())
+    return GivenPatch(degrees, knots, tuple(lengths.tolist()), listed)
+
+
+@lru_cache(_KEPT)
+def _read(file: Path, _changed: int, _size: int) -> tuple[list[Spline], Faces]:
+    reader = {".json": _of_splinepy, ".xml": _of_gismo}.get(file.suffix.lower())
+    if reader is None:
+        raise InputError("file", str(file), "one that ends in .json or .xml")
+    try:
+        return reader(file.read_text("utf-8"))
+    except (ValueError, LookupError, TypeError, AttributeError, SyntaxError, RecursionError):
+        allowed = f"a whole {file.suffix} file of patches; it is not as its format has it"
+        raise InputError("file", str(file), allowed) from None
+
+
+def _of_splinepy(text: str) -> tuple[list[Spline], Faces]:
+    """Patches of a file of splinepy; it names no faces."""
+    data = json.loads(text)
+    packed = bool(data["Base64Encoding"])
+    return [_of_json(one, packed) for one in data["SplineList"]], {}
+
+
+def _of_json(data: Mapping[str, Any], packed: bool) -> Spline:
+    degrees = tuple(int(p) for p in data["degrees"])
+    given = data.get("knot_vectors")
+    if given is None:  # Bezier patches
+        given = [[0.0] * (p + 1) + [1.0] * (p + 1) for p in degrees]
+    points, weights = data["control_points"], data.get("weights")
+    if packed:
+        points = _unpacked(points).reshape(-1, int(data["dim"]))
+        weights = None if weights is None else _unpacked(weights)
+    return _spline(degrees, given, np.asarray(points, dtype=float), weights)
+
+
+def _unpacked(text: str) -> Floats:
+    return np.frombuffer(base64.b64decode(text), dtype=np.float64)
+
+
+def _of_gismo(text: str) -> tuple[list[Spline], Faces]:
+    """Patches of a file of G+Smo, and its named boundaries."""
+    root = ElementTree.fromstring(text)
+    splines: list[Spline] = []
+    place: dict[str | None, int] = {}
+    for geometry in root.iter("Geometry"):
+        place[geometry.get("id")] = len(splines)
+        splines.append(_of_xml(geometry))
+    faces: dict[str, tuple[Face, ...]] = {}
+    for boundary in root.iter("boundary"):
+        numbers = [int(each) for each in (boundary.text or "").split()]
+        if name := boundary.get("name"):
+            for patch, side in zip(numbers[::2], numbers[1::2], strict=True):
+                end = place[str(patch)], (side - 1) // 2, (side - 1) % 2  # ends of parameters
+                faces[name] = (*faces.get(name, ()), end)
+    return splines, faces
+
+
+def _of_xml(geometry: ElementTree.Element) -> Spline:
+    vectors = {}
+    for basis in geometry.iter("Basis"):
+        knots = basis.find("KnotVector")
+        if knots is not None:
+            degree = int(knots.attrib["degree"])
+            vectors[int(basis.attrib.get("index", 0))] = degree, _numbers(knots)
+    degrees, knots_of = zip(*(vectors[axis] for axis in range(len(vectors))), strict=True)
+    coefficients = next(geometry.iter("coefs"))
+    points = _numbers(coefficients).reshape(-1, int(coefficients.attrib["geoDim"]))
+    weights = next(geometry.iter("weights"), None)
+    return _spline(degrees, knots_of, points, None if weights is None else _numbers(weights))
+
+
+def _numbers(element: ElementTree.Element) -> Floats:
+    """Numbers of an element, written out or packed."""
+    text, form = element.text or "", element.get("format", "ASCII").lower()
+    if form == "b64float64":
+        return _unpacked(text.strip())
+    if form != "ascii":
+        raise ValueError(form)
+    return np.array(text.split(), dtype=float)
+
+
+def _spline(degrees: Any, knots: Any, points: Floats, weights: Any) -> Spline:
+    """A patch whose points run fastest along the first parameter."""
+    vectors = tuple(tuple(float(k) for k in vector) for vector in knots)
+    shape = tuple(len(k) - p - 1 for k, p in zip(vectors, degrees, strict=True))
+    order = tuple(range(len(shape)))[::-1]
+    net = points.reshape(*shape[::-1], points.shape[-1]).transpose(*order, len(shape))
+    if weights is not None:
+        weights = np.asarray(weights, dtype=float).reshape(shape[::-1]).T
+    return tuple(degrees), vectors, net, weights

@@ -3,13 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from cea.arrays import of_size_one
+from cea.arrays import Floats, of_size_one
 from cea.errors import require
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -42,25 +39,13 @@ class Placement:
         ).as_matrix()
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse a place out of the plane for a body in the plane.
-
-        Raises
-        ------
-        InputError
-            Under the name of the field.
-        """
+        """Refuse a place out of the plane for a body in the plane."""
         if dim == 2:
             stays = np.allclose(self.rotation[2], [0, 0, 1]) and self.translation[2] == 0
             require(bool(stays), field, self, "a rotation about z and a shift in x, y")
 
     def apply(self, points: Floats) -> Floats:
-        """Placed copies of points (m), shape (..., 3), or (..., 2) in plane strain.
-
-        Raises
-        ------
-        InputError
-            When points of the plane would leave it.
-        """
+        """Placed copies of points (m), shape (..., 3), or (..., 2) in plane strain."""
         dim = points.shape[-1]
         self.check(dim, "placement")
         rotation, translation = self.rotation, np.asarray(self.translation)

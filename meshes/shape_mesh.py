@@ -7,14 +7,13 @@ import numpy as np
 
 from cea.errors import InputError, require
 from cea.mesh import DIMENSION, MAX_ORDER, SIMPLICES, Cell, Mesh
-from meshes.breaks import Breaks
+from meshes.breaks import Breaks, check_ends
 from meshes.crowned import Crowned
-from meshes.division import divided
+from meshes.edge_layers import Edge
 from meshes.patches import Patches
 from meshes.placement import Placement
 from meshes.shapes import Shape
-from meshes.singular_edges import Edge
-from meshes.structured import structured_mesh
+from meshes.structured import divided, structured_mesh
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 
 _IN_PLACE = Placement()
@@ -34,8 +33,8 @@ def shape_mesh(
     """Mesh a shape; its surfaces (curves in the plane) bear the names ``shape.surfaces``.
 
     Curved cells are polynomials through the Gauss-Lobatto points of the circles (see
-    :mod:`meshes.nodes`); up to order 2 these are the nodes. Crowned faces pass through all nodes,
-    and are exact on straight bases from order 2. Only unstructured meshes need gmsh.
+    :mod:`meshes.structured`); up to order 2 these are the nodes. Crowned faces pass through all
+    nodes, and are exact on straight bases from order 2. Only unstructured meshes need gmsh.
 
     Parameters
     ----------
@@ -69,7 +68,7 @@ def shape_mesh(
         return replace(flat, points=placement.apply(shape.crown(flat.points)))
     _check(shape, cell, order, breaks, size)
     if size is not None:
-        from meshes.outline import outline_mesh  # brings in gmsh
+        from meshes.unstructured import outline_mesh  # brings in gmsh
 
         mesh = outline_mesh(shape, order, size)
         return replace(mesh, points=placement.apply(mesh.points))
@@ -101,14 +100,7 @@ def _check_breaks(shape: Shape, breaks: Breaks | None) -> None:
     along = ", ".join(shape.directions)
     if breaks is None or len(breaks) != len(shape.directions):
         raise InputError("breaks", breaks, f"one array along each of {along}")
-    for name, values, (low, high) in zip(shape.directions, breaks, shape.extent, strict=True):
-        rising = len(values) > 1 and bool((np.diff(values) > 0).all())
-        require(
-            rising and bool(np.isclose([values[0], values[-1]], [low, high], rtol=1e-12).all()),
-            f"breaks of {name}",
-            values,
-            f"rising, from {low} to {high}",
-        )
+    check_ends(shape, breaks)
     if shape.directions[1] == "theta":
         step = float(np.diff(breaks[1]).max())
         require(step < 180, "breaks of theta", step, "less than 180 degrees apart")

@@ -9,24 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cea.arrays import Floats
 from meshes.crowned import Crowned
 from meshes.placement import Placement
-from meshes.shapes import (
-    Annulus,
-    Box,
-    Disc,
-    Hub,
-    Rectangle,
-    Ring,
-    RingSector,
-    Sector,
-    Shape,
-    VentilatedDisc,
-)
-
-Floats = NDArray[np.float64]
+from meshes.shapes import MeshFile, NurbsFile, Patches, Shape, VentilatedDisc, round_surfaces
 
 _IN_PLACE = Placement()
 _STEPS = 20
@@ -48,15 +35,7 @@ class Plane:
 
 @dataclass(frozen=True)
 class Cylinders:
-    """Cylinders along the z axis, or circles in the plane; a point belongs to the nearest.
-
-    Parameters
-    ----------
-    radius
-        Their radius (m).
-    centres
-        Where their axes cross z = 0 (m).
-    """
+    """Cylinders along the z axis, or circles in the plane; a point belongs to the nearest."""
 
     radius: float
     centres: Sequence[tuple[float, float]] = ((0.0, 0.0),)
@@ -85,13 +64,7 @@ class Cylinders:
 
 @dataclass(frozen=True)
 class CrownedFace:
-    """The crowned face of a shape.
-
-    Parameters
-    ----------
-    shape
-        The shape.
-    """
+    """The crowned face of a shape."""
 
     shape: Crowned
 
@@ -126,15 +99,7 @@ class CrownedFace:
 
 @dataclass(frozen=True)
 class Placed:
-    """A surface of a shape that is put somewhere.
-
-    Parameters
-    ----------
-    surface
-        The surface in the coordinates of its shape.
-    placement
-        Where the shape is put.
-    """
+    """A surface of a shape that is put somewhere."""
 
     surface: Plane | Cylinders | CrownedFace
     placement: Placement
@@ -159,48 +124,22 @@ class Placed:
 
 
 def true_surfaces(shape: Shape, placement: Placement = _IN_PLACE) -> dict[str, Placed]:
-    """Surfaces of a shape by name; none of a mesh file, which does not tell what it interpolates.
-
-    Parameters
-    ----------
-    shape
-        The shape.
-    placement
-        Where it is put.
-    """
+    """Surfaces of a shape by name; none of a mesh file: what it interpolates is unknown."""
     return {name: Placed(each, placement) for name, each in _surfaces(shape).items()}
 
 
 def _surfaces(shape: Shape) -> dict[str, Plane | Cylinders | CrownedFace]:
     """Surfaces in the coordinates of the shape."""
-    round_: dict[str, Cylinders] = {}
-    match shape:
-        case Crowned():
-            return _surfaces(shape.base) | {shape.surface: CrownedFace(shape)}
-        case Box() | Rectangle():
-            pass
-        case Annulus() | Sector() | Ring() | RingSector():
-            round_ = {
-                "inner": Cylinders(shape.inner_radius),
-                "outer": Cylinders(shape.outer_radius),
-            }
-        case Disc():
-            round_ = {"outer": Cylinders(shape.outer_radius)}
-        case Hub():
-            round_ = {
-                "bore": Cylinders(shape.bore),
-                "outer": Cylinders(shape.outer_radius),
-                "hub_side": Cylinders(shape.hub_radius),
-            }
-        case VentilatedDisc():
-            round_ = {
-                "bore": Cylinders(shape.bore),
-                "rim": Cylinders(shape.outer_radius),
-                "holes": Cylinders(shape.hole_radius, shape.hole_centres),
-            }
-        case _:
-            return {}
-    return {name: round_.get(name, Plane()) for name in shape.surfaces}
+    if isinstance(shape, Crowned):
+        return _surfaces(shape.base) | {shape.surface: CrownedFace(shape)}
+    if isinstance(shape, MeshFile | NurbsFile | Patches):
+        return {}
+    found: dict[str, Plane | Cylinders | CrownedFace] = {n: Plane() for n in shape.surfaces}
+    if isinstance(shape, VentilatedDisc):
+        found |= {"bore": Cylinders(shape.bore), "rim": Cylinders(shape.outer_radius)}
+        if shape.holes:
+            found["holes"] = Cylinders(shape.hole_radius, shape.hole_centres)
+    return found | {name: Cylinders(radius) for name, radius in round_surfaces(shape).items()}
 
 
 def _unit(vectors: Floats, near: Floats) -> Floats:

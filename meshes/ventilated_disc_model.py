@@ -1,14 +1,13 @@
 """The ventilated disc as a solid in gmsh, and how fine it is meshed where."""
 
+from collections.abc import Sequence
 from math import pi
 
 import gmsh
 import numpy as np
-from numpy.typing import NDArray
 
+from cea.arrays import Floats
 from meshes.ventilated_disc import VentilatedDisc
-
-Floats = NDArray[np.float64]
 
 _AROUND = 12
 """Elements around each hole, at least."""
@@ -22,18 +21,7 @@ _SAME = 1e-6
 
 
 def build_ventilated_disc(shape: VentilatedDisc) -> dict[str, list[int]]:
-    """Make the disc one solid in the current model.
-
-    Parameters
-    ----------
-    shape
-        The disc.
-
-    Returns
-    -------
-    dict
-        Faces of each surface.
-    """
+    """Make the disc one solid in the current model."""
     occ = gmsh.model.occ
     lower = _turned(
         (shape.bore, shape.hub_bottom),
@@ -90,16 +78,21 @@ def refine(shape: VentilatedDisc, size: float) -> None:
     field.setAsBackgroundMesh(least)
 
 
-def _turned(*profile: tuple[float, float]) -> tuple[int, int]:
-    """Solid that a profile of corners (r, z) sweeps about the z axis."""
+def revolved(profile: Sequence[tuple[float, float]]) -> list[tuple[int, int]]:
+    """What a profile of corners (r, z) sweeps about the z axis: itself, a solid, its walls."""
     occ = gmsh.model.occ
     points = [occ.addPoint(r, 0, z) for r, z in profile]
     following = points[1:] + points[:1]
     lines = [occ.addLine(a, b) for a, b in zip(points, following, strict=True)]
     face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
     swept = occ.revolve([(2, face)], 0, 0, 0, 0, 0, 1, 2 * np.pi)
-    (solid,) = (entity for entity in swept if entity[0] == 3)
     occ.remove([(2, face)], recursive=True)
+    return list(swept)
+
+
+def _turned(*profile: tuple[float, float]) -> tuple[int, int]:
+    """Solid that a profile of corners (r, z) sweeps about the z axis."""
+    (solid,) = (entity for entity in revolved(profile) if entity[0] == 3)
     return solid
 
 

@@ -6,8 +6,8 @@ from cea.checks import check_density
 from cea.errors import InputError
 from cea.suggestions import did_you_mean
 from meshes.breaks import breaks_of, check_breaks
+from meshes.edge_layers import check_edges, check_room
 from meshes.mesh_file import MeshFile
-from meshes.singular_edges import check_edges, check_room
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.contact_checks import contact_checks, fault_of, unknown_surface
 from scenes.limits import MAX_ELEMENTS, limit_checks

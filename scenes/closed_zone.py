@@ -26,7 +26,8 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.contact.operators import Contact
-from cea.surface import Surface, SurfaceCoordinates
+from cea.surface import Surface
+from cea.surface_points import SurfaceCoordinates
 from cea.system.sliding_state import ContactState
 from cea.warned import ResultWarning
 from scenes.spec.body import BodySpec

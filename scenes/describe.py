@@ -133,9 +133,8 @@ def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str,
 
 
 def _window(window: Window) -> dict[str, Any]:
-    """Its fields, slices where there are any, and what is claimed of it."""
-    fields = {name: value for name, value in asdict(window).items() if name != "slices" or value}
-    return fields | {"complete": window.complete, "evidence": window.evidence}
+    """Its fields, and what is claimed of it."""
+    return asdict(window) | {"complete": window.complete, "evidence": window.evidence}
 
 
 def _stress(stress: SideStress) -> dict[str, Any]:

@@ -6,10 +6,10 @@ import numpy as np
 
 from cea.arrays import Complexes
 from cea.eigen.blocks import all_inner, times
-from cea.eigen.eigenpairs import internal_forces
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.residuals import internal_forces
 from cea.errors import ConvergenceError
 from cea.system.coupled import CoupledSystem
 from cea.warned import ResultWarning

@@ -6,7 +6,6 @@ from typing import Any
 
 from scipy.sparse import csr_array
 
-from cea.eigen.disc_searches import Solver
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
 from cea.eigen.run_window import run_window
@@ -93,12 +92,8 @@ class AssembledMatrices:
     ----------
     scene
         The scene.
-    solver
-        What searches for modes, as :class:`cea.eigen.krylov_schur.KrylovSchur` takes it.
     listener
         Called with the name of each stage as it begins.
-    solver
-        What searches for modes, as :class:`cea.eigen.krylov_schur.KrylovSchur` takes it.
 
     Attributes
     ----------
@@ -119,15 +114,13 @@ class AssembledMatrices:
         self,
         scene: MatrixScene,
         listener: Callable[[str], None] | None = None,
-        *,
-        solver: Solver = "block",
     ) -> None:
         self.scene = scene
         self.timer = StageTimer(listener)
         with self.timer("reading"):
             self.pieces = read_pieces(scene, MPI.COMM_WORLD)
         self._pencil = matrix_pencil(scene, self.pieces)
-        self._driver = KrylovSchur(self._pencil, solver=solver)
+        self._driver = KrylovSchur(self._pencil)
         self._checked: tuple[float, ...] | None = None
 
     @property
@@ -232,7 +225,6 @@ def run_matrices(
     scene: MatrixScene,
     *,
     left: bool = False,
-    solver: Solver = "block",
     listener: Callable[[str], None] | None = None,
 ) -> MatrixResult:
     """Modes of a scene of matrices.
@@ -253,7 +245,7 @@ def run_matrices(
     ConvergenceError
         When the window cannot be filled; the modes found so far are attached.
     """
-    assembled = AssembledMatrices(scene, listener, solver=solver)
+    assembled = AssembledMatrices(scene, listener)
     result = assembled.modes(left=left, listener=listener)
     for stage, seconds in assembled.timer.seconds.items():
         result.timer.add(stage, seconds)

@@ -8,8 +8,7 @@ import numpy as np
 
 from cea.mesh import SIMPLICES
 from meshes.mesh_file import MeshFile
-from meshes.nurbs_file import NurbsFile
-from meshes.patches import Patches
+from meshes.patches import NurbsFile, Patches
 from meshes.shapes import Annulus, Disc, Hub, Ring, Shape, VentilatedDisc
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh

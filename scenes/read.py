@@ -1,18 +1,16 @@
 """Scenes: read from files or plain data, changed, and refused when wrong before work begins."""
 
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError
 from scenes.checks import cross_checks
-from scenes.every_fault import faults_of_the_rest
 from scenes.paths import set_at
 from scenes.scene_error import SceneError
 from scenes.scene_files import scene_file, tables_of
@@ -134,22 +132,10 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
     Raises
     ------
     SceneError
-        With one line for each fault.
+        With one line for each fault: those of single fields, and when these are right those
+        between fields.
     """
-    adapter = _adapter(tuple(registered().values()))
-    try:
-        scene = checked(adapter, data)
-    except SceneError as error:
-        if not isinstance(error.__cause__, ValidationError):
-            raise
-        others = faults_of_the_rest(
-            plain_data(data),
-            error.__cause__,
-            lambda rest: adapter.validate_json(json.dumps(rest)),
-            cross_checks,
-        )
-        raise SceneError([*error.faults, *others]) from error.__cause__
-    return _without_faults(scene)
+    return _without_faults(checked(_adapter(tuple(registered().values())), data))
 
 
 def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> dict[str, Any]:

@@ -11,9 +11,8 @@ from cea.contact.formulations import Mortar
 from cea.errors import InputError
 from cea.mesh import SIMPLICES
 from meshes.breaks import breaks_of, fewest, layered
-from meshes.edge_templates import RATIO
+from meshes.edge_layers import RATIO, fit
 from meshes.mesh_file import MeshFile
-from meshes.singular_edges import fit
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.checks import cross_checks
 from scenes.read import Scene

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from scipy.special import bernoulli
 
 from cea.arrays import Complexes, Floats
-from cea.surface import Surface, SurfaceCells, SurfaceCoordinates
+from cea.surface import Surface
+from cea.surface_points import SurfaceCells, SurfaceCoordinates
 
 _NYQUIST = 0.8
 """Part of the shortest wave that has a function for each half up to which a wave is one at all."""

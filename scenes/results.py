@@ -15,7 +15,7 @@ from cea.eigen.multipliers import with_circulatory
 from cea.errors import InputError
 from cea.matrices import destroy, local_part
 from cea.petsc import PETSc
-from cea.surface import SurfaceCoordinates
+from cea.surface_points import SurfaceCoordinates
 from cea.system.contact_stresses import SideStress
 from cea.system.coupled import CoupledSystem
 from cea.system.sliding_state import SteadySliding

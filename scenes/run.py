@@ -6,7 +6,6 @@ from typing import TypedDict, Unpack
 
 from cea.body import Body
 from cea.contact.interface import Interface
-from cea.eigen.disc_searches import Solver
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.eigen.modes import Modes
 from cea.eigen.run_window import run_window
@@ -62,17 +61,13 @@ class RunOptions(TypedDict, total=False):
     listener: Callable[[str], None] | None
 
 
-def run_scene(
-    scene: Scene, *, solver: Solver = "block", **options: Unpack[RunOptions]
-) -> ModesResult | StaticResult:
+def run_scene(scene: Scene, **options: Unpack[RunOptions]) -> ModesResult | StaticResult:
     """Run a scene.
 
     Parameters
     ----------
     scene
         The scene.
-    solver
-        What searches for modes, as :class:`cea.eigen.krylov_schur.KrylovSchur` takes it.
     options
         See :class:`RunOptions`.
 
@@ -83,15 +78,11 @@ def run_scene(
         the memory it takes.
     """
     if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-        return run_modes(scene, solver=solver, **options)
-    if solver != "block":
-        raise InputError("solver", solver, "left out: a static analysis has no modes")
+        return run_modes(scene, **options)
     return run_static(scene, **options)
 
 
-def run_modes(
-    scene: Scene, *, left: bool = False, solver: Solver = "block", **options: Unpack[RunOptions]
-) -> ModesResult:
+def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]) -> ModesResult:
     """Modes of a scene whose analysis asks for them.
 
     Parameters
@@ -100,8 +91,6 @@ def run_modes(
         The scene.
     left
         Whether left eigenvectors are wanted too, for sensitivities and true condition numbers.
-    solver
-        What searches for modes, as :class:`cea.eigen.krylov_schur.KrylovSchur` takes it.
     options
         See :class:`RunOptions`.
 
@@ -115,7 +104,7 @@ def run_modes(
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
-    with KrylovSchur(pencil, solver=solver) as driver:
+    with KrylovSchur(pencil) as driver:
         return solved(scene, system, interfaces, timer, driver, left=left)
 
 

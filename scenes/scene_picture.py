@@ -14,7 +14,8 @@ from cea.body import Body
 from cea.contact.half_pass import HalfPass
 from cea.files import write_whole
 from cea.petsc import MPI
-from cea.surface import Surface, SurfaceCoordinates
+from cea.surface import Surface
+from cea.surface_points import SurfaceCoordinates
 from scenes.drawing import aim, body_skin, view_of
 from scenes.inspection import Inspection, gaps
 from scenes.vtu import in_space

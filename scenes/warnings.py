@@ -14,7 +14,8 @@ from cea.arrays import Complexes
 from cea.body import Body
 from cea.contact.operators import Contact
 from cea.contact.sampling import nested, sampling
-from cea.surface import Surface, SurfaceCoordinates
+from cea.surface import Surface
+from cea.surface_points import SurfaceCoordinates
 from cea.warned import ResultWarning
 from scenes.body_meshes import nodes_left_out
 from scenes.contact_stiffness import relative_stiffness, stiffness_in_the_mesh

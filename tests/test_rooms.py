@@ -44,7 +44,6 @@ BESIDE_US = {"comparisons.bench.assembly.programs.plain_dolfinx"}
 DRAWING = {
     *("scenes.drawing", "scenes.decimation", "scenes.pictures", "scenes.paraview", "scenes.vtu"),
     *("scenes.scene_picture", "scenes.paraview_steps"),
-    "comparisons.agreement.file_pictures",
 }
 """Modules that need pyvista; all others import them in the functions that draw."""
 
@@ -64,7 +63,7 @@ def offending(allowed, libraries):
 
 def test_every_package_is_looked_at():
     assert {package_of(module) for module in MODULES} == set(PACKAGES)
-    assert set(APPLICATIONS) >= {"agreement", "formulations", "accuracy", "paper", "reference"}
+    assert set(APPLICATIONS) >= {"formulations", "accuracy", "paper", "reference"}
     assert sum(map(len, imports_within(MODULES).values())) > 500
 
 

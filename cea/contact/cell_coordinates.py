@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from cea.arrays import Floats, Ints
 from cea.errors import ConvergenceError
 from cea.location import newton_step
-from cea.surface import Surface, SurfaceCoordinates
+from cea.surface import Surface
+from cea.surface_points import SurfaceCoordinates
 
 _NEWTON = 1e-9
 """Last step of Newton's method, relative to the cell; the error after it is its square."""

@@ -19,7 +19,8 @@ from cea.checks import check_coverage, check_gap, check_point_weights
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed, local_rows
-from cea.surface import Location, Status, Surface, SurfacePoints
+from cea.surface import Surface
+from cea.surface_points import Location, Status, SurfacePoints
 
 _QUADRATURE = 1e-3
 """Part of side a that a rule may lose to its own quadrature; more is area it leaves out."""

@@ -3,14 +3,12 @@
 Overlaps that are boxes along the axes have a rule of products, others are cut into triangles.
 """
 
-from itertools import product
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.special import roots_jacobi, roots_legendre
 
 from cea.arrays import Floats, Ints
+from cea.surface_points import gauss_rule
 
 STRAIGHT = 1e-8
 """Distance of an edge from its chord, relative to the cell of a, that counts as straight.
@@ -84,11 +82,10 @@ def _boxes(overlaps: NDArray[np.object_]) -> tuple[Floats, NDArray[np.bool_]]:
 
 
 def _rule_on_boxes(owner: Ints, bounds: Floats, n: int) -> tuple[Ints, Floats, Floats]:
-    t, w = gauss(n)
-    unit = np.array(list(product(t, t)))
+    unit, w = gauss_rule(n, 2, simplex=False)
     low, size = bounds[:, None, :2], (bounds[:, 2:] - bounds[:, :2])[:, None]
     xi = low + size * unit
-    weight = size.prod(axis=2) * np.outer(w, w).ravel()
+    weight = size.prod(axis=2) * w
     return np.repeat(owner, n * n), xi.reshape(-1, 2), weight.ravel()
 
 
@@ -102,19 +99,9 @@ def _triangles(owner: Ints, overlaps: NDArray[np.object_]) -> tuple[Ints, Floats
 
 def _rule_on_triangles(owner: Ints, corners: Floats, n: int) -> tuple[Ints, Floats, Floats]:
     """Collapsed Gauss rule, n x n points, exact to total degree 2 n - 1."""
-    s, ws = roots_jacobi(n, 1, 0)
-    s, ws = 0.5 * (s + 1), 0.25 * ws
-    t, wt = gauss(n)
-    first, second = np.repeat(s, n), np.tile(t, n)
-    u, v = first, second * (1 - first)
+    t, w = gauss_rule(n, 2, simplex=True)
     sides = corners[:, 1:] - corners[:, :1]
-    xi = corners[:, :1] + u[:, None] * sides[:, :1] + v[:, None] * sides[:, 1:]
+    xi = corners[:, :1] + t @ sides
     twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
-    weight = twice_area[:, None] * np.outer(ws, wt).ravel()
+    weight = twice_area[:, None] * w
     return np.repeat(owner, n * n), xi.reshape(-1, 2), weight.ravel()
-
-
-def gauss(n: int) -> tuple[Floats, Floats]:
-    """Gauss-Legendre points and weights on [0, 1]."""
-    t, w = roots_legendre(n)
-    return 0.5 * (t + 1), 0.5 * w

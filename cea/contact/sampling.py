@@ -14,7 +14,8 @@ from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats
 from cea.contact.interface import Interface
-from cea.surface import Surface, SurfaceCoordinates
+from cea.surface import Surface
+from cea.surface_points import SurfaceCoordinates
 
 _HELD = 1e-6
 """Part of a trace that rounding, and the small shift below, may leave out of the other's."""

@@ -18,9 +18,10 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats, Ints
 from cea.contact.cell_coordinates import continued_coordinates
-from cea.contact.overlaps import SLIVER, STRAIGHT, clip, gauss, rule_on, simplified
+from cea.contact.overlaps import SLIVER, STRAIGHT, clip, rule_on, simplified
 from cea.location import cross
-from cea.surface import Surface, SurfaceCells, SurfaceCoordinates, SurfacePoints
+from cea.surface import Surface
+from cea.surface_points import SurfaceCells, SurfaceCoordinates, SurfacePoints, gauss_rule
 
 _POLYLINE = 16
 """Pieces, at most, that stand for an edge of b that is curved in the coordinates of a."""
@@ -170,9 +171,10 @@ def _intervals(
     low = np.maximum(own[:, 0], mapped[:, 0])
     high = np.minimum(own[:, 1], mapped[:, 1])
     kept = high - low > SLIVER * (own[:, 1] - own[:, 0])
-    t, w = gauss(points or max(cells_a.degree, cells_b.degree) + 1)
+    count = points or max(cells_a.degree, cells_b.degree) + 1
+    t, w = gauss_rule(count, 1, simplex=False)
     length = (high - low)[kept, None]
-    xi = low[kept, None] + length * t
+    xi = low[kept, None] + length * t[:, 0]
     element = np.repeat(cells_a.element[pairs.a[kept]], len(t))
     return element, xi.reshape(-1, 1), (length * w).ravel()
 

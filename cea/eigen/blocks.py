@@ -1,6 +1,7 @@
-"""Products of distributed matrices with blocks of vectors, real or complex, the rows of each rank.
+"""Products with tall blocks of vectors in Fortran order, real or complex, the rows of each rank.
 
-A block of columns at a time: nothing of the size of all vectors is kept beside them.
+Matrices are applied to some columns at a time: nothing of the size of all vectors is kept beside
+them. A tall block is read once for each product, without copies in another order.
 """
 
 from collections.abc import Iterator
@@ -8,9 +9,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.blas import dgemm, zgemm
 
 from cea.arrays import Floats
-from cea.eigen.dense_products import inner
 from cea.matrices import dense, destroy
 
 _COLUMNS = 64
@@ -106,3 +107,59 @@ def all_inner(left: NDArray[Any], right: NDArray[Any], comm: Any) -> NDArray[Any
 def norms(vectors: NDArray[Any], comm: Any) -> Floats:
     """Lengths of the columns."""
     return np.sqrt(columns_inner(vectors, vectors, comm).real)
+
+
+def combined(vectors: NDArray[Any], coefficients: NDArray[Any]) -> NDArray[Any]:
+    """Vectors times coefficients, a new block in Fortran order.
+
+    Parameters
+    ----------
+    vectors
+        In Fortran order, shape (n, k).
+    coefficients
+        Real or complex, shape (k, columns).
+    """
+    if np.iscomplexobj(coefficients) and not np.iscomplexobj(vectors):
+        result = np.empty((len(vectors), coefficients.shape[1]), dtype=complex, order="F")
+        result.real = combined(vectors, coefficients.real)
+        result.imag = combined(vectors, coefficients.imag)
+        return result
+    return (coefficients.T @ vectors.T).T
+
+
+def inner(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
+    """Inner products of every column of one block with every column of another.
+
+    The right is best the smaller: the left is then read at the speed of memory.
+    """
+    products = right.conj().T @ left if np.iscomplexobj(right) else right.T @ left
+    return products.conj().T if np.iscomplexobj(products) else products.T
+
+
+def beside(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
+    """Two blocks as one, in Fortran order; the right itself where the left is empty."""
+    columns = left.shape[1]
+    if not columns and right.flags.f_contiguous:
+        return right
+    shape = (len(left), columns + right.shape[1])
+    both: NDArray[Any] = np.empty(shape, dtype=np.result_type(left, right), order="F")
+    both[:, :columns], both[:, columns:] = left, right
+    return both
+
+
+def subtract(block: NDArray[Any], vectors: NDArray[Any], coefficients: NDArray[Any]) -> None:
+    """Subtract vectors times coefficients from a block, in place.
+
+    Parameters
+    ----------
+    block
+        In Fortran order, shape (n, columns).
+    vectors, coefficients
+        Of the type of the block, shapes (n, k), in Fortran order, and (k, columns).
+    """
+    if not (vectors.size and block.size):
+        return
+    product = zgemm if np.iscomplexobj(block) else dgemm
+    result = product(-1.0, vectors, coefficients, beta=1.0, c=block, overwrite_c=True)
+    if not np.shares_memory(result, block):
+        block[:] = result

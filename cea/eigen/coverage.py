@@ -13,15 +13,38 @@ Friction opens the parabola to the left: how far, and that it often leaves no mo
 near the real axis, says the field of values (:mod:`cea.eigen.field_of_values`).
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.field_of_values import FieldOfValues
 
+_MARGIN = 1.05
+"""Radius of the disc about the middle of the window relative to half the window."""
 TIP = 1.01
 """Tip of the covered parabola relative to omega^2: room between the window and the first mode
 beyond it."""
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A disc about a real shift in which every eigenvalue of a window was found.
+
+    Parameters
+    ----------
+    centre, radius
+        Of kappa (1/s^2), or with damping or rotation of lambda (1/s).
+    """
+
+    centre: float
+    radius: float
+
+
+def upper_end(top: float) -> float:
+    """Upper end of the disc about the middle of a window that ends at omega^2 (1/s^2)."""
+    return 0.5 * top * (1 + _MARGIN)
 
 
 def touching_disc(top: float, depth: float) -> float:

@@ -15,14 +15,12 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.blocks import all_inner, image_of
-from cea.eigen.dense_products import combined, subtract
+from cea.eigen.blocks import all_inner, combined, image_of, subtract
 from cea.eigen.eliminated_forces import EliminatedForces, mean_and_half
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import balanced, count_below, force_scale, nested
-from cea.eigen.single_precision import shares_inertia
 from cea.errors import ConvergenceError
 from cea.matrices import (
     antisymmetrised,
@@ -41,8 +39,6 @@ _COLUMNS, _STEPS = 8, 4
 """Size of the Krylov space from which the slope of the cone is estimated: blocks, and steps."""
 SAFETY = 1.5
 """Factor on that estimate, which comes from below and has mostly converged."""
-_LARGE = 10_000
-"""Unknowns from which on single precision is tried first."""
 _DEPENDENT = 1e-12
 """Square of a new direction, relative to the largest, below which it is not one."""
 
@@ -152,17 +148,8 @@ def factorised_hermitian(
         if bordered is None:
             return None, False
         hermitian = bordered
-    single = forces is None and matrices.size >= _LARGE
-    factors = Mumps(hermitian, symmetric=True, inertia=True, single=single)
-    if factors.single and not _surely_positive(factors):
-        factors.in_double()
+    factors = Mumps(hermitian, symmetric=True, inertia=True)
     return factors, factors.negative_eigenvalues() == expected
-
-
-def _surely_positive(factors: Mumps) -> bool:
-    """Whether factors of single precision leave no doubt that the matrix is positive definite."""
-    bad = factors.negative_eigenvalues() + factors.null_pivots()
-    return not bad and shares_inertia(factors)
 
 
 def _quotients(factors: Mumps, matrices: Matrices, depth: float) -> tuple[float, float]:

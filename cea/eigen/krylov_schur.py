@@ -1,31 +1,26 @@
 """The eigenvalue driver: (lambda^2 M + lambda (C + Y) + K) x = 0 by shift-and-invert and MUMPS.
 
 Undamped sliding is linear in kappa = -lambda^2: K x = kappa M x, with K unsymmetric by friction.
-Without friction it is solved as a symmetric problem. The driver takes a parametric pencil, not
-bodies, and keeps inertia counts and factors for the solves that follow. Windows are searched by
-blocks (:mod:`cea.eigen.search`), the few modes nearest to a place by SLEPc. With damping or
-rotation the problem is quadratic in lambda, and another driver takes it
-(:mod:`cea.eigen.quadratic`).
+Without friction it is solved as a symmetric problem. With damping or rotation the problem is
+quadratic in lambda, and its companion form is solved about real shifts. The driver takes a
+parametric pencil, not bodies, and keeps inertia counts for the solves that follow.
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Self, get_args
+from typing import Any, Self
 
 import numpy as np
 
-from cea.eigen.balanced import Asked, modes_with_balance
-from cea.eigen.disc_searches import Solver
-from cea.eigen.eigenpairs import checked
-from cea.eigen.found import Found, nearest_window, upper_end
-from cea.eigen.judged import Question, judged
-from cea.eigen.kept import Kept
-from cea.eigen.modes import Modes, modes_of
-from cea.eigen.nearest import NearestSearch
+from cea.eigen.coverage import upper_end
+from cea.eigen.estimates import EigenProblem, modes_found
+from cea.eigen.modes import Modes
+from cea.eigen.nearest import nearest, nearest_damped
+from cea.eigen.options import KrylovOptions
 from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.quadratic import QuadraticDriver
-from cea.eigen.search import WindowSearch, first_field
+from cea.eigen.shifted import count_below
 from cea.eigen.subspace import InvariantSubspace
+from cea.eigen.window import DampedSearch, Found, UndampedSearch, WindowSearch
 from cea.errors import ConvergenceError, InputError
 from cea.heap import give_back
 from cea.timing import StageTimer
@@ -34,50 +29,28 @@ from cea.timing import StageTimer
 class KrylovSchur:
     """Shift-and-invert Krylov-Schur on a parametric pencil.
 
-    Inertia counts are kept for as long as the symmetric parts stay as they are, factors until the
-    next are needed: a solve at a nearby parameter refines solutions made with them.
+    Inertia counts are kept for as long as the symmetric parts stay as they are.
 
     Parameters
     ----------
     pencil
         What is solved.
-    tolerance
-        Relative tolerance of the Krylov iteration on 1 / (kappa - shift).
-    max_restarts
-        Restarts of the Krylov iteration before it is given up.
-    solver
-        What searches a window: ``"block"``, or ``"krylov-schur"``, that of SLEPc, as a reference;
-        it is slower, and takes neither damping nor rotation.
+    options
+        Options of the method.
 
     Attributes
     ----------
-    solves
-        Eigenvalue problems solved so far.
+    solves, factorisations
+        Eigenvalue problems solved and matrices factorised so far, inertia counts included.
     """
 
-    def __init__(
-        self,
-        pencil: Pencil,
-        *,
-        tolerance: float = 1e-13,
-        max_restarts: int = 200,
-        solver: Solver = "block",
-    ) -> None:
-        if solver not in get_args(Solver):
-            raise InputError("solver", solver, " or ".join(map(repr, get_args(Solver))))
+    def __init__(self, pencil: Pencil, options: KrylovOptions | None = None) -> None:
         if not any(term.role == "mass" for term in pencil.terms):
             raise InputError("mass", None, "a mass: modes have none without")
-        self.pencil = pencil
-        self.solver: Solver = solver
-        self.solves = 0
-        self._searched = 0
-        self._tolerance, self._max_restarts = tolerance, max_restarts
-        self._kept = Kept(pencil)
-
-    @property
-    def factorisations(self) -> int:
-        """Factorisations made so far, inertia counts included."""
-        return self._kept.factorisations + self._searched
+        self.pencil, self.options = pencil, options or KrylovOptions()
+        self.solves = self.factorisations = 0
+        self._counts: dict[tuple[float, ...], int] = {}
+        self._summed: tuple[dict[str, float], Matrices] | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -86,8 +59,10 @@ class KrylovSchur:
         self.free()
 
     def free(self) -> None:
-        """Free factors and sums, and give their memory back; what was counted is kept."""
-        self._kept.free()
+        """Free the sums and give their memory back; what was counted is kept."""
+        if self._summed is not None:
+            release(self._summed[1])
+            self._summed = None
         give_back()
 
     def solve(
@@ -121,7 +96,7 @@ class KrylovSchur:
         InputError
             When a parameter is unknown or refused.
         ConvergenceError
-            When the window cannot be filled; the modes found so far are attached.
+            When the window cannot be searched; the modes found so far are attached.
         """
         if not 0 < max_frequency < np.inf:
             raise InputError("max_frequency", max_frequency, "a positive number (Hz)")
@@ -129,94 +104,47 @@ class KrylovSchur:
             raise InputError("min_growth", min_growth, "zero or a negative number (1/s), or none")
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
-            matrices = self._kept.matrices(values)
-        if matrices.quadratic and self.solver != "block":
-            raise InputError("solver", self.solver, "'block' with damping or rotation")
-        asked = Asked(self.pencil, values, matrices, max_frequency, min_growth, left)
-        return modes_with_balance(
-            asked,
-            lambda: self._as_it_stands(asked, timer),
-            lambda pencil: self._balanced(replace(asked, pencil=pencil, left=True), timer),
-        )
-
-    def _balanced(self, asked: Asked, timer: StageTimer) -> Modes:
-        """All modes of another pencil, one without parameters."""
-        with KrylovSchur(
-            asked.pencil,
-            tolerance=self._tolerance,
-            max_restarts=self._max_restarts,
-            solver=self.solver,
-        ) as driver:
-            matrices = driver._kept.matrices({})
-            try:
-                return driver._as_it_stands(replace(asked, values={}, matrices=matrices), timer)
-            finally:
-                self.solves += driver.solves
-                self._searched += driver.factorisations
-
-    def _as_it_stands(self, asked: Asked, timer: StageTimer) -> Modes:
-        """All modes of a pencil that is not balanced."""
+            matrices = self._matrices(values)
+        end = 2 * np.pi * max_frequency
+        problem = EigenProblem(self.pencil, values, matrices, end, timer)
         try:
-            return (self._quadratic if asked.matrices.quadratic else self._linear)(asked, timer)
+            search = self._search(problem, min_growth)
         except np.linalg.LinAlgError as error:
-            raise ConvergenceError(
-                f"numbers of this system are too far apart to be computed with ({error})"
-            ) from error
-
-    def _linear(self, asked: Asked, timer: StageTimer) -> Modes:
-        """All modes of a pencil without damping and rotation."""
-        values, matrices = dict(asked.values), asked.matrices
-        top = (2 * np.pi * asked.max_frequency) ** 2
-        counted, field, near = None, None, None
-        if not matrices.symmetric and self.pencil.near_contact is not None:
-            with timer("assembly"):
-                near = self.pencil.near_contact.at(values)
-        with timer("factorisation"):  # what shows completeness first: its memory serves the factors
-            if matrices.symmetric:
-                counted = self._kept.count(matrices, values, upper_end(top))
-            else:
-                field = first_field(matrices, top, near)
-                if near is not None:
-                    release(near)
-            factors = self._kept.in_the_middle(matrices, values, 0.5 * top)
-        search = WindowSearch(
-            matrices,
-            factors,
-            field,
-            tolerance=self._tolerance,
-            max_restarts=self._max_restarts,
-            timer=timer,
-            solver=self.solver,
-        )
-        question = Question(self.pencil, values, matrices, factors, timer)
-        self._kept.lost()  # the search moves the factors; where it fails they are no more
+            raise _too_far_apart(error) from error
         try:
-            found = search.complex(top) if counted is None else search.real(top, counted)
+            modes = modes_found(problem, search.run(), search, left=left)
+        except np.linalg.LinAlgError as error:
+            raise _too_far_apart(error) from error
         except ConvergenceError as error:
-            if isinstance(error.best, InvariantSubspace):
-                error.best = judged(Found(error.best), top, question)
+            if isinstance(error.best, InvariantSubspace) and error.best.size:
+                error.best = modes_found(problem, Found(error.best), search, left=None)
             raise
         finally:
             self.solves += 1
-            self._searched += search.factorisations
-        modes = judged(found, top, question, search, left=asked.left)
-        self._kept.moved(values, factors.kappa)
-        if counted is not None and not modes.window.complete:
+            self.factorisations += search.factorisations
+            search.free()
+        window = modes.window
+        if window.symmetric_count is not None and not window.complete:
             raise ConvergenceError(
-                f"{modes.window.found_below} eigenvalues found below kappa = "
-                f"{modes.window.upper:.6g}, the inertia of S - kappa M counts {counted}",
+                f"{window.found_below} eigenvalues found below kappa = {window.upper:.6g}, the "
+                f"inertia of S - kappa M counts {window.symmetric_count}",
                 best=modes,
             )
         return modes
 
-    def _quadratic(self, asked: Asked, timer: StageTimer) -> Modes:
-        """All modes of a pencil with damping or rotation."""
-        driver = self._of_quadratic(dict(asked.values), asked.matrices, timer)
-        try:
-            return driver.solve(asked.max_frequency, asked.min_growth, left=asked.left)
-        finally:
-            self.solves += 1
-            self._searched += driver.factorisations
+    def _search(self, problem: "EigenProblem", min_growth: float | None) -> WindowSearch:
+        matrices, end, timer = problem.matrices, problem.end, problem.timer
+        if matrices.quadratic:
+            decay = None if min_growth is None else -min_growth
+            return DampedSearch(matrices, end, self.options, timer, decay)
+        counted, near = None, None
+        if matrices.symmetric:
+            with timer("factorisation"):
+                counted = self._count(matrices, problem.values, upper_end(end**2))
+        elif self.pencil.near_contact is not None:
+            with timer("assembly"):
+                near = self.pencil.near_contact.at(problem.values)
+        return UndampedSearch(matrices, end, self.options, timer, counted, near)
 
     def nearest(
         self,
@@ -226,16 +154,15 @@ class KrylovSchur:
         *,
         timer: StageTimer | None = None,
     ) -> Modes:
-        """The few modes nearest to kappa = -lambda^2; factors made there before serve again.
+        """The few modes nearest to kappa = -lambda^2.
 
         With damping or rotation they are nearest in lambda, to the root with Im lambda > 0, or the
-        positive one, and factors are made anew.
+        positive one.
 
         Parameters
         ----------
         kappa
-            Where (1/s^2); it is best not an eigenvalue. Without damping and rotation a real
-            number, with them any but zero.
+            Where (1/s^2). Without damping and rotation a real number, with them any but zero.
         wanted
             Number of eigenvalues; a few more may come.
         changes
@@ -254,60 +181,68 @@ class KrylovSchur:
             raise InputError("wanted", wanted, "1 or more")
         timer, values = timer or StageTimer(), self.pencil.values(changes)
         with timer("assembly"):
-            matrices = self._kept.matrices(values)
-        if matrices.quadratic:
-            return self._nearest_quadratic(matrices, values, complex(kappa), wanted, timer)
-        if isinstance(kappa, complex):
-            raise InputError("kappa", kappa, "a real number where nothing damps or rotates")
-        with timer("factorisation"):
-            factors = self._kept.nearby(matrices, values, kappa)
-        search = NearestSearch(matrices, factors, self._tolerance, self._max_restarts, timer)
-        found, vectors = search.nearest(wanted)
+            matrices = self._matrices(values)
         self.solves += 1
-        window = nearest_window(kappa, found)
-        with timer("post-processing"):
-            pairs = checked(matrices, factors, found, vectors)
-        if not self._kept.is_own(factors):
-            factors.free()
-        return modes_of(self.pencil, values, matrices, pairs, None, window)
+        self.factorisations += 1
+        if not matrices.quadratic:
+            if isinstance(kappa, complex):
+                raise InputError("kappa", kappa, "a real number where nothing damps or rotates")
+            with timer("krylov"):
+                found, op = nearest(matrices, kappa, wanted, self.options)
+            problem = EigenProblem(self.pencil, values, matrices, np.inf, timer)
+            modes = problem.nearest_modes(found, op)
+        else:
+            if not (kappa and np.isfinite(kappa)):
+                raise InputError("kappa", kappa, "a finite number that is not zero")
+            place = complex(np.sqrt(-complex(kappa)))
+            place = place if place.imag >= 0 else -place
+            with timer("krylov"):
+                found, op = nearest_damped(matrices, place, wanted, self.options)
+            problem = EigenProblem(self.pencil, values, matrices, abs(place), timer)
+            modes = problem.nearest_modes(found, op)
+            order = np.argsort(np.abs(modes.eigenvalues - place), kind="stable")[:wanted]
+            modes = modes[np.sort(order)]
+            radius = float(np.abs(modes.eigenvalues - place).max(initial=0.0))
+            window = replace(modes.window, found=len(modes), radius=radius)
+            modes = replace(modes, window=window)
+        op.free()
+        return modes
 
-    def _nearest_quadratic(
-        self,
-        matrices: Matrices,
-        values: dict[str, float],
-        kappa: complex,
-        wanted: int,
-        timer: StageTimer,
-    ) -> Modes:
-        """The few modes of a pencil with damping or rotation nearest to a place."""
-        if not (kappa and np.isfinite(kappa)):
-            raise InputError("kappa", kappa, "a finite number that is not zero")
-        place = complex(np.sqrt(-kappa))
-        driver = self._of_quadratic(values, matrices, timer)
-        try:
-            return driver.nearest(place if place.imag >= 0 else -place, wanted)
-        finally:
-            self.solves += 1
-            self._searched += driver.factorisations
+    def _matrices(self, values: dict[str, float]) -> Matrices:
+        """The pencil at given values of all parameters."""
+        if self._summed is None:
+            self._summed = (values, self.pencil.at(values))
+        elif self._summed[0] != values:
+            before, matrices = self._summed
+            self._summed = None  # an interruption leaves nothing that was freed
+            self._summed = (values, self.pencil.moved(matrices, before, values))
+        return self._summed[1]
 
-    def _of_quadratic(
-        self, values: dict[str, float], matrices: Matrices, timer: StageTimer
-    ) -> QuadraticDriver:
-        return QuadraticDriver(
-            self.pencil, values, matrices, self._tolerance, self._max_restarts, timer
-        )
+    def _count(self, matrices: Matrices, values: Mapping[str, float], upper: float) -> int:
+        """Eigenvalues of the symmetric part below a kappa."""
+        key = (*self.pencil.symmetric_values(values), upper)
+        if key not in self._counts:
+            self._counts[key] = count_below(matrices, upper)
+            self.factorisations += 1
+        return self._counts[key]
 
     def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:
         """Whether the pencil is damped or rotates at given parameters."""
-        return self._kept.matrices(self.pencil.values(changes)).quadratic
+        return self._matrices(self.pencil.values(changes)).quadratic
 
     def conservative(self, changes: Mapping[str, float] | None = None) -> bool:
         """Whether there is neither friction nor damping at given parameters."""
-        return self._kept.matrices(self.pencil.values(changes)).conservative
+        return self._matrices(self.pencil.values(changes)).conservative
 
     def mass(self, values: Mapping[str, float]) -> Any:
         """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
-        return self._kept.matrices(self.pencil.values(values)).mass
+        return self._matrices(self.pencil.values(values)).mass
+
+
+def _too_far_apart(error: Exception) -> ConvergenceError:
+    return ConvergenceError(
+        f"numbers of this system are too far apart to be computed with ({error})"
+    )
 
 
 def solve_modes(
@@ -317,16 +252,12 @@ def solve_modes(
     *,
     min_growth: float | None = None,
     left: bool = False,
-    tolerance: float = 1e-13,
-    max_restarts: int = 200,
-    solver: Solver = "block",
+    options: KrylovOptions | None = None,
     timer: StageTimer | None = None,
 ) -> Modes:
     """All modes of a pencil up to a frequency: one solve of a :class:`KrylovSchur` driver.
 
     Parameters and errors are those of the driver and of :meth:`KrylovSchur.solve`.
     """
-    with KrylovSchur(
-        pencil, tolerance=tolerance, max_restarts=max_restarts, solver=solver
-    ) as driver:
+    with KrylovSchur(pencil, options) as driver:
         return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)

@@ -8,9 +8,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Floats
-from cea.eigen.columns import Columns
-from cea.eigen.dense_products import beside, combined, subtract
+from cea.arrays import Complexes, Floats
+from cea.eigen.blocks import beside, combined, subtract
 
 _NOISE = 1e-12
 """Part of a vector that projections leave below which it lies in the space already."""
@@ -22,31 +21,62 @@ _FELL = 0.1
 """Part of each direction that a projection leaves at which no other is needed."""
 _MOST_PROJECTIONS = 3
 """The third for what the first leaves of small vectors, far from orthogonal."""
+_FIRST, _GROWTH = 128, 1.3
+"""Least room for vectors, and its growth where it becomes too small."""
 _ORTHONORMAL = 1e-12
 """Distance of inner products from those of orthonormal vectors that is good enough."""
 
 
 class InnerProduct(Protocol):
-    """An inner product and an operator OP on blocks of distributed vectors.
+    """An inner product and an operator OP on blocks of distributed vectors."""
 
-    Attributes
-    ----------
-    dtype
-        Of its vectors, float or complex.
-    """
-
-    dtype: type
-
-    def apply(self, block: NDArray[Any], image: NDArray[Any]) -> NDArray[Any]:
+    def apply(self, block: Floats, image: Floats) -> Floats:
         """OP on a block whose image is given, a new block."""
         ...
 
-    def image(self, block: NDArray[Any]) -> NDArray[Any]:
+    def image(self, block: Floats) -> Floats:
         """A block times the matrix of the inner product, a new block."""
         ...
 
-    def inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
+    def inner(self, left: Floats, right: Floats) -> Floats:
         """Inner products of every column of one block with every column of another."""
+        ...
+
+
+class ShiftInvert(InnerProduct, Protocol):
+    """An operator OP with eigenvalues theta = 1 / (mu - s), and its inner product.
+
+    Attributes
+    ----------
+    rows, local, finite
+        Rows of its vectors on all ranks and on this one, and number of finite eigenvalues mu.
+    shift
+        s.
+    comm, rank
+        Communicator (mpi4py), and this rank.
+    symmetric
+        Whether OP is selfadjoint in the inner product.
+    powers
+        Times that OP must be applied to take infinite eigenvalues out of a vector.
+    reach
+        End of the window that is searched; infinite where all of a disc is wanted.
+    negligible
+        theta times the shift from which down eigenvalues count as infinite.
+    """
+
+    rows: int
+    local: int
+    finite: int
+    shift: float
+    comm: Any
+    rank: int
+    symmetric: bool
+    powers: int
+    reach: float
+    negligible: float
+
+    def outside(self, theta: Complexes, errors: Floats) -> NDArray[np.bool_]:
+        """Which theta belong to eigenvalues outside of the window, whatever their errors."""
         ...
 
 
@@ -72,22 +102,23 @@ class KrylovSpace:
         H and C.
     """
 
-    def __init__(self, owner: InnerProduct, known: NDArray[Any], room: int) -> None:
+    def __init__(self, owner: InnerProduct, known: Floats, room: int) -> None:
         self._owner, self._room = owner, room
         self._known = known.shape[1]
         self.size = self.next = 0
-        self._vectors = Columns(known, room, owner.dtype)
-        self._images: list[tuple[int, NDArray[Any]]] = []
+        self._rows = np.empty((self._known, len(known)))
+        self._put(0, known)
+        self._images: list[tuple[int, Floats]] = []
         self._keep_first()
-        self.operator: NDArray[Any] = np.empty((0, 0), dtype=owner.dtype)
-        self.coupling: NDArray[Any] = np.empty((self._known, 0), dtype=owner.dtype)
+        self.operator: Floats = np.empty((0, 0))
+        self.coupling: Floats = np.empty((self._known, 0))
 
     @property
-    def square(self) -> NDArray[Any]:
+    def square(self) -> Floats:
         """The rows of H that are those of V."""
         return self.operator[: self.size]
 
-    def start(self, block: NDArray[Any]) -> None:
+    def start(self, block: Floats) -> None:
         """Begin with a block; V is empty."""
         self._append(block)
 
@@ -95,18 +126,18 @@ class KrylovSpace:
         """Take U into V, and OP U beside them as the next U."""
         size, columns = self.size, self.next
         first = self._known + size
-        fresh = self._owner.apply(self._vectors.take(first, first + columns), self._images[-1][1])
+        fresh = self._owner.apply(self._take(first, first + columns), self._images[-1][1])
         self.size += columns
         coefficients = self._append(np.asfortranarray(fresh))
         shape = (self.size + self.next, self.size)
-        whole: NDArray[Any] = np.zeros(shape, dtype=self._owner.dtype)
+        whole: Floats = np.zeros(shape)
         whole[: len(self.operator), :size] = self.operator
         whole[:, size:] = coefficients[self._known :]
         self.operator = whole
         self.coupling = np.hstack([self.coupling, coefficients[: self._known]])
 
-    def join(self, block: NDArray[Any]) -> None:
-        """Take what of a block lies outside of all vectors into U, beside what is there.
+    def append_random(self, block: Floats) -> None:
+        """Take what of random vectors lies outside of the whole space into U, zero rows of H.
 
         Parameters
         ----------
@@ -122,11 +153,23 @@ class KrylovSpace:
         self.operator = np.pad(self.operator, ((0, self.next), (0, 0)))
         self.next += columns
 
-    def combined(self, coefficients: NDArray[Any]) -> NDArray[Any]:
+    def combined(self, coefficients: Floats) -> Floats:
         """V times columns."""
-        return self._vectors.combined(self._known, coefficients)
+        return combined(self._take(self._known, self._known + len(coefficients)), coefficients)
 
-    def restart(self, form: NDArray[Any], vectors: NDArray[Any]) -> None:
+    def _take(self, start: int, stop: int) -> Floats:
+        """Columns where they are: they must not be held while more are put behind."""
+        return self._rows[start:stop].T
+
+    def _put(self, start: int, block: Floats) -> None:
+        """Write columns from a place on; behind the last there is room for more."""
+        stop = start + block.shape[1]
+        if stop > len(self._rows):
+            room = max(stop, int(_GROWTH * len(self._rows)), self._known + _FIRST)
+            self._rows.resize((room, self._rows.shape[1]), refcheck=False)  # pages move, not data
+        self._rows[start:stop] = block.T
+
+    def restart(self, form: Floats, vectors: Floats) -> None:
         """Keep an invariant subspace of the square, and U.
 
         Parameters
@@ -135,19 +178,19 @@ class KrylovSpace:
             Its Schur form, and its orthonormal vectors.
         """
         first = self._known + self.size
-        block = self._vectors.take(first, first + self.next).copy(order="F")
+        block = self._take(first, first + self.next).copy(order="F")
         kept = self.combined(vectors)
         rest = self.operator[self.size :] @ vectors
         self.size = len(form)
         end = self._known + self.size
-        self._vectors.put(self._known, kept)
-        self._vectors.put(end, block)
+        self._put(self._known, kept)
+        self._put(end, block)
         self.operator = np.vstack([form, rest])
         self._images = [(end, self._images[-1][1])]
         self._keep_first()
         self.coupling = self.coupling @ vectors
 
-    def _append(self, w: NDArray[Any]) -> NDArray[Any]:
+    def _append(self, w: Floats) -> Floats:
         """Put the part of a block outside Q and V behind them: w = [Q V U] c.
 
         Columns of w that lie in Q and V but for rounding leave no column of U.
@@ -164,15 +207,15 @@ class KrylovSpace:
         """
         owner, first = self._owner, self._known + self.size
         most = self._room - self.size  # more directions there are not, but of rounding
-        inside: NDArray[Any] = np.zeros((first, w.shape[1]), w.dtype)
+        inside: Floats = np.zeros((first, w.shape[1]))
         self._take_out_what_is_large(w, inside)
         u, image = w, owner.image(w)
-        rest: NDArray[Any] = np.eye(w.shape[1], dtype=w.dtype)
+        rest: Floats = np.eye(w.shape[1])
         whole: Floats = np.empty(0)
         for again in range(_MOST_PROJECTIONS):
-            part = self._vectors.inner(first, image, owner.inner)
+            part = owner.inner(self._take(0, first), image)
             inside += part @ rest
-            self._vectors.subtract(u, part)
+            subtract(u, self._take(0, first), part)
             image = owner.image(u)
             gram = owner.inner(u, image)
             if again and np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
@@ -185,7 +228,7 @@ class KrylovSpace:
             u, image = combined(u, turn), combined(image, turn)
             # Of small vectors beside large ones the lengths say more than the eigenvalues.
             lengths = _lengths(owner.inner(u, image))
-            rest = lengths[:, None] * (axes.conj().T @ (sizes[:, None] * rest))
+            rest = lengths[:, None] * (axes.T @ (sizes[:, None] * rest))
             # What a second projection takes most of was rounding.
             parts = lengths / _LEFT if again else np.linalg.norm(rest / whole, axis=1) / _NOISE
             kept = np.flatnonzero(parts > 1.0)
@@ -197,10 +240,10 @@ class KrylovSpace:
                 break
         self._keep_images(image, first)
         self.next = u.shape[1]
-        self._vectors.put(first, u)
+        self._put(first, u)
         return np.vstack([inside, rest])
 
-    def _take_out_what_is_large(self, w: NDArray[Any], inside: NDArray[Any]) -> None:
+    def _take_out_what_is_large(self, w: Floats, inside: Floats) -> None:
         """Project a block on those whose images are known; add its coefficients.
 
         OP is selfadjoint but for friction, and what it makes of a block lies in the last two, but
@@ -210,22 +253,22 @@ class KrylovSpace:
         for start, image in self._images:
             stop = start + image.shape[1]
             part = self._owner.inner(image, w)
-            subtract(w, self._vectors.take(start, stop), part)
+            subtract(w, self._take(start, stop), part)
             inside[start:stop] = part
 
     def _keep_first(self) -> None:
         """Find the image of the first vectors, if there are any."""
-        first = self._vectors.take(0, min(_LEADING, self._known + self.size))
+        first = self._take(0, min(_LEADING, self._known + self.size))
         if first.shape[1]:
             self._images.insert(0, (0, self._owner.image(first)))
 
-    def _keep_images(self, fresh: NDArray[Any], start: int) -> None:
+    def _keep_images(self, fresh: Floats, start: int) -> None:
         """Keep the image of a new block, of that before it, and of the first vectors."""
         first = [each for each in self._images[:-1] if each[0] < _LEADING]
         self._images = [*first, *self._images[-1:], (start, fresh)]
 
 
-def _lengths(gram: NDArray[Any], projected: NDArray[Any] | None = None) -> Floats:
+def _lengths(gram: Floats, projected: Floats | None = None) -> Floats:
     """Lengths of the columns of a block, of which none is zero.
 
     Parameters
@@ -235,12 +278,12 @@ def _lengths(gram: NDArray[Any], projected: NDArray[Any] | None = None) -> Float
     projected
         Coefficients of what was taken out of them along orthonormal vectors: their lengths before.
     """
-    squares = np.einsum("ii->i", gram).real
+    squares = np.einsum("ii->i", gram)
     if projected is not None:
         squares = squares + np.linalg.norm(projected, axis=0) ** 2
     return np.sqrt(np.maximum(squares, np.finfo(float).tiny))
 
 
-def _columns(block: NDArray[Any], kept: NDArray[np.int64]) -> NDArray[Any]:
+def _columns(block: Floats, kept: NDArray[np.int64]) -> Floats:
     """Some columns of a block in Fortran order, in that order again."""
     return block if len(kept) == block.shape[1] else np.asfortranarray(block[:, kept])

@@ -8,9 +8,11 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import cannot_grow
-from cea.eigen.eigenpairs import Eigenpairs
+from cea.eigen.errors import Eigenpairs
+from cea.eigen.left_vectors import LeftVectors, derivatives
 from cea.eigen.pencil import Matrices, Pencil
-from cea.eigen.sensitivity import LeftVectors, derivatives
+from cea.eigen.quadratic_window import QuadraticWindow
+from cea.eigen.shift_invert import MARGIN
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import ConvergenceError, InputError
 from cea.warned import ResultWarning
@@ -101,7 +103,7 @@ def modes_of(
     left: LeftVectors | None,
     window: Window,
 ) -> Modes:
-    """Modes lambda^2 = -kappa with Im lambda >= 0 up to the end of the window.
+    """Modes with Im lambda >= 0 up to the end of the window, and down to its decay.
 
     Parameters
     ----------
@@ -114,21 +116,38 @@ def modes_of(
     window
         What was searched.
     """
-    eigenvalues = np.sqrt(-pairs.kappa).astype(complex)
-    eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
-    conditions = pairs.conditions
-    # Copies of a real kappa below zero part by rounding: each grows, as the one it is a copy of.
-    errors = np.minimum(pairs.errors * conditions, pairs.bounds)
-    diverges = (pairs.kappa.real < 0) & (np.abs(pairs.kappa.imag) <= errors)
-    eigenvalues = np.where(diverges, np.abs(eigenvalues.real) + 1j * eigenvalues.imag, eigenvalues)
+    end = 2 * np.pi * window.max_frequency
+    if matrices.quadratic:
+        eigenvalues, uncertainties = pairs.values, pairs.uncertainties
+        real = np.abs(eigenvalues.imag) <= np.minimum(uncertainties, MARGIN * end)
+        eigenvalues = np.where(real, eigenvalues.real, eigenvalues)
+        conditions = np.maximum(2 * np.abs(eigenvalues) * pairs.slopes, 1.0)
+        bounded = np.zeros(len(eigenvalues), dtype=bool)
+        if matrices.conservative:
+            bounded = cannot_grow(-1j * eigenvalues, uncertainties, symmetric=False)
+        inside = (eigenvalues.imag >= 0) & (eigenvalues.imag <= window.upper)
+        rigid = np.abs(eigenvalues) <= uncertainties
+        if isinstance(window, QuadraticWindow):
+            inside &= (eigenvalues.real >= window.min_growth) | rigid
+    else:
+        kappa, errors = pairs.values, pairs.uncertainties
+        eigenvalues = np.sqrt(-kappa).astype(complex)
+        eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
+        # Copies of a real kappa below zero part by rounding: each grows, as what it is a copy of.
+        diverges = (kappa.real < 0) & (np.abs(kappa.imag) <= errors)
+        growing = np.abs(eigenvalues.real) + 1j * eigenvalues.imag
+        eigenvalues = np.where(diverges, growing, eigenvalues)
+        uncertainties, conditions = uncertainties_of(eigenvalues, errors), pairs.conditions
+        bounded = cannot_grow(kappa, errors, symmetric=matrices.symmetric)
+        inside = eigenvalues.imag <= end
     order = np.lexsort((eigenvalues.real, eigenvalues.imag))
-    order = order[eigenvalues.imag[order] <= 2 * np.pi * window.max_frequency]
+    order = order[inside[order]]
     modes = Modes(
         eigenvalues=eigenvalues[order],
         residuals=pairs.residuals[order],
         conditions=conditions[order],
-        growth_uncertainties=uncertainties_of(eigenvalues, errors)[order],
-        bounded=cannot_grow(pairs.kappa, errors, symmetric=matrices.symmetric)[order],
+        growth_uncertainties=uncertainties[order],
+        bounded=bounded[order],
         vectors=_columns(pairs.vectors, order),
         forces=pairs.forces[:, order],
         left=left[order] if left is not None else None,
@@ -137,7 +156,7 @@ def modes_of(
         pencil=pencil,
         values=values,
     )
-    refuse_what_is_lost(modes, eigenvalues, uncertainties_of(eigenvalues, errors))
+    _refuse_what_is_lost(modes, eigenvalues, uncertainties)
     return replace(modes, warnings=warnings_of(modes))
 
 
@@ -147,7 +166,7 @@ def _columns(vectors: Complexes, order: Ints) -> Complexes:
     return vectors[:, :number] if np.array_equal(order, np.arange(number)) else vectors[:, order]
 
 
-def refuse_what_is_lost(modes: Modes, eigenvalues: Complexes, uncertainties: Floats) -> None:
+def _refuse_what_is_lost(modes: Modes, eigenvalues: Complexes, uncertainties: Floats) -> None:
     """Raise where modes, in the window or around it, are nothing but rounding."""
     speeds = np.maximum(np.abs(eigenvalues), modes.slowest)
     lost = int(np.sum(uncertainties > _NO_MODE * speeds))

@@ -13,6 +13,8 @@ from cea.petsc import PETSc
 _ROOM = (20, 200, 1000)
 """Room (per cent) for pivots that are delayed beyond what is foreseen: more where it runs out."""
 _NO_ROOM: Any = PETSc.PC.FailedReason.FACTOR_OUTMEMORY
+_FOLDER = "mat_mumps_ooc_tmpdir"
+"""Option of PETSc that names the folder of factors on disk."""
 _LARGE = 10_000
 """Unknowns from which on inertia is found by an order of nodes, and in panels."""
 _SAME = 0.9
@@ -33,13 +35,6 @@ class Mumps:
     inertia
         Whether its negative eigenvalues will be asked for; null pivots are then counted rather
         than failed on, and with any of them systems should not be solved.
-    single
-        Whether in single precision, at half the time and memory; in double where that fails.
-
-    Attributes
-    ----------
-    single
-        Whether the factors are of single precision.
 
     Raises
     ------
@@ -47,33 +42,15 @@ class Mumps:
         When A is singular, or the factorisation fails.
     """
 
-    def __init__(
-        self, matrix: Any, *, symmetric: bool, inertia: bool = False, single: bool = False
-    ) -> None:
+    def __init__(self, matrix: Any, *, symmetric: bool, inertia: bool = False) -> None:
         self.matrix = matrix
-        self.single = single
         self._symmetric, self._inertia = symmetric, inertia
         if symmetric:
             matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self._pc = self._prepared(_ROOM[0])
-        self.factorise()
+        self._factorise()
 
-    def in_double(self) -> None:
-        """Factorise once more, in double precision.
-
-        Raises
-        ------
-        ConvergenceError
-            When A is singular, or the factorisation fails.
-        """
-        self.single = False
-        destroy(self._pc)
-        self._pc = self._prepared(_ROOM[0])
-        self.factorise()
-
-    def factorise(self) -> None:
-        """Factorise the matrix, once more where its entries have changed: its order is kept."""
-        self._pc.setOperators(self.matrix)
+    def _factorise(self) -> None:
         self._set_up()
         for room in _ROOM[1:]:
             if self._pc.getFailedReason() != _NO_ROOM:
@@ -82,26 +59,21 @@ class Mumps:
             self._pc = self._prepared(room)
             self._set_up()
         if self._pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
-            if self.single:
-                self.in_double()
-                return
             rows = matrix_size(self.matrix)
             self.free()
             raise ConvergenceError(f"a matrix of {rows} rows is singular")
 
     def _set_up(self) -> None:
-        """Factorise; PETSc reads precision and folder from its options, and only then."""
+        """Factorise; PETSc reads the folder of factors from its options, and only then."""
         options: Any = PETSc.Options()
-        given = {"pc_precision": "single"} if self.single else {}
-        if (folder := folder_of_factors()) is not None:
-            given["mat_mumps_ooc_tmpdir"] = str(folder)
-        for name, value in given.items():
-            options.setValue(name, value)
+        if (folder := folder_of_factors()) is None:
+            self._pc.setUp()
+            return
+        options.setValue(_FOLDER, str(folder))
         try:
             self._pc.setUp()
         finally:
-            for name in given:
-                options.delValue(name)
+            options.delValue(_FOLDER)
 
     def _prepared(self, room: int) -> Any:
         """PETSc preconditioner, set up but for the factors."""
@@ -119,30 +91,12 @@ class Mumps:
         if self._inertia:
             factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
             factor.setMumpsIcntl(24, 1)
-            if large:
-                self._hasten(factor)
+            if large:  # in panels, of which none is compressed: sooner
+                factor.setMumpsIcntl(35, 2)
+                factor.setMumpsCntl(7, 0.0)
         elif not self._symmetric:
             factor.setMumpsIcntl(33, 1)  # its determinant
         return pc
-
-    def _hasten(self, factor: Any) -> None:
-        """Options by which inertia is found sooner: panels, of which none is compressed.
-
-        Single precision is for matrices that are likely to be positive definite, which need no
-        other pivots than their diagonal, and whose factors are tried before they are trusted.
-        """
-        factor.setMumpsIcntl(35, 2)
-        factor.setMumpsCntl(7, 0.0)
-        if self.single:
-            factor.setMumpsCntl(1, 0.0)
-            factor.setMumpsIcntl(8, 0)
-
-    def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
-        """Solve A x = b, or A^T x = b, with PETSc vectors."""
-        if transposed:
-            self._pc.applyTranspose(b, x)
-        else:
-            self._pc.apply(b, x)
 
     def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
         """Solve for every column of b: the rows of this rank, shape (n_local, columns)."""
@@ -154,10 +108,6 @@ class Mumps:
         (self._pc.matApplyTranspose if transposed else self._pc.matApply)(right, left)
         destroy(right, left)
         return solution
-
-    def steps(self) -> int:
-        """One: the factors are its own."""
-        return 1
 
     def negative_eigenvalues(self) -> int:
         """Number of negative eigenvalues of a symmetric A, by its inertia."""
@@ -172,12 +122,6 @@ class Mumps:
     def sign(self) -> int:
         """Sign of the determinant of an unsymmetric A."""
         return int(np.sign(self._pc.getFactorMatrix().getMumpsRinfog(12)))
-
-    def cost(self) -> tuple[float, float]:
-        """Entries of the factors, and operations that they took."""
-        factor = self._pc.getFactorMatrix()
-        entries = factor.getMumpsInfog(29)  # below zero in millions
-        return float(entries if entries >= 0 else -1e6 * entries), factor.getMumpsRinfog(3)
 
     def free(self) -> None:
         """Free the factors and the matrix."""

@@ -1,148 +1,105 @@
-"""The few eigenvalues nearest to a shift, by Krylov-Schur of SLEPc."""
+"""The few eigenvalues nearest to a place.
 
-from typing import Any
+About a real shift they are those of a disc whose radius follows from the Ritz values. With damping
+or rotation the disc is about a real shift beside the place, and large enough to hold the disc about
+the place: what it costs is a window up to there.
+"""
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats
-from cea.eigen.factorisation import Applied
+from cea.arrays import Complexes
+from cea.eigen.block_krylov import krylov_schur
+from cea.eigen.dense import Radius
+from cea.eigen.options import KrylovOptions
 from cea.eigen.pencil import Matrices
-from cea.eigen.shifted import Shifted
+from cea.eigen.shift_invert import Companion, Undamped
+from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
-from cea.matrices import destroy
-from cea.petsc import PETSc, SLEPc
-from cea.timing import StageTimer
+
+_SHIFT = 0.25
+"""Real shift relative to the modulus of a place."""
+_ASIDE = 1e-3
+"""Step of the shift aside, relative to itself, where it is an eigenvalue."""
+_STEPS = 4
+"""Most such steps."""
+_EDGE = 1 + 1e-9
+"""Radius of a disc relative to the farthest eigenvalue in it: conjugates are equally far."""
 
 
-class NearestSearch:
-    """Krylov-Schur runs of SLEPc on A(shift)^-1 M.
+def nearest(
+    matrices: Matrices, kappa: float, wanted: int, options: KrylovOptions
+) -> tuple[InvariantSubspace, Undamped]:
+    """Invariant subspace of the eigenvalues nearest to kappa (1/s^2), and the operator there.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at given parameters, without damping and rotation.
+    kappa
+        A real number; next to it where it is an eigenvalue.
+    wanted
+        Number of eigenvalues; a conjugate more may come.
+    options
+        Options of the method.
+
+    Raises
+    ------
+    ConvergenceError
+        When fewer converge.
+    """
+    wanted = min(wanted, matrices.size - matrices.tied)
+
+    def radius(theta: Complexes) -> float:
+        if len(theta) < wanted:
+            return np.inf
+        return _EDGE / float(np.sort(np.abs(theta))[-wanted])
+
+    for step in range(_STEPS):
+        try:
+            op = Undamped(matrices, kappa * (1 + step * _ASIDE), np.inf)
+            return _searched(op, radius, options), op
+        except ConvergenceError:
+            if step + 1 == _STEPS or not kappa:
+                raise
+    raise AssertionError
+
+
+def nearest_damped(
+    matrices: Matrices, place: complex, wanted: int, options: KrylovOptions
+) -> tuple[InvariantSubspace, Undamped]:
+    """The same of the eigenvalues with Im lambda >= 0 nearest to a place (1/s), and some more.
 
     Parameters
     ----------
     matrices
         The pencil at given parameters.
-    factors
-        The pencil factorised at the shift.
-    tolerance
-        Relative tolerance on 1 / (kappa - shift).
-    max_restarts
-        Restarts before a run is given up.
-    timer
-        Counts krylov.
-    transposed
-        Whether eigenvectors of K^T are searched: left ones, of conjugate eigenvalues.
+    place
+        lambda, Im lambda >= 0; not zero.
+    wanted, options
+        As of :func:`nearest`.
+
+    Raises
+    ------
+    ConvergenceError
+        When fewer converge.
     """
+    shift = _SHIFT * abs(place)
 
-    def __init__(
-        self,
-        matrices: Matrices,
-        factors: Shifted,
-        tolerance: float,
-        max_restarts: int,
-        timer: StageTimer,
-        *,
-        transposed: bool = False,
-    ) -> None:
-        self._matrices = matrices
-        self._size = matrices.size - matrices.tied
-        self._shift = factors.kappa
-        self._inverse = Applied(factors, transposed=transposed)
-        self._limits = tolerance, max_restarts
-        self._timer = timer
+    def radius(theta: Complexes) -> float:
+        values = shift + 1 / theta
+        distances = np.sort(np.abs(values - place)[values.imag >= 0])
+        if len(distances) < min(wanted, matrices.size - matrices.tied):
+            return np.inf
+        return _EDGE * float(abs(place - shift) + distances[:wanted][-1])
 
-    def nearest(
-        self, wanted: int, known: Floats | None = None, seed: int | None = None
-    ) -> tuple[Complexes, Complexes]:
-        """So many eigenvalues nearest to the shift, or a few more, and their vectors.
-
-        Parameters
-        ----------
-        wanted
-            How many.
-        known
-            Vectors of an invariant subspace that is left out, the rows of this rank; the others
-            are then eigenvectors beside it.
-        seed
-            Of a random start vector; None leaves it to SLEPc.
-
-        Raises
-        ------
-        ConvergenceError
-            When fewer converge.
-        """
-        left_out = 0 if known is None else known.shape[1]
-        size = self._size - left_out
-        wanted = min(wanted, size)
-        solver = self._solver()
-        ncv = min(3 * wanted, self._matrices.size - left_out)
-        solver.setDimensions(nev=wanted, ncv=ncv, mpd=ncv)
-        if known is not None and left_out:
-            self._leave_out(solver, known)
-        if seed is not None:
-            self._begin(solver, seed)
-        with self._timer("krylov"):
-            solver.solve()
-            kappa, vectors = _eigenpairs(solver, self._matrices.mass)
-        destroy(solver)
-        if len(kappa) < wanted:
-            raise ConvergenceError(f"{len(kappa)} of {wanted} eigenvalues converged", best=kappa)
-        return kappa[:size], vectors[:, :size]  # ties have infinite ones, found last
-
-    def _leave_out(self, solver: Any, known: Floats) -> None:
-        space = []
-        for column in known.T:
-            vector = self._matrices.mass.createVecRight()
-            vector.array[:] = column
-            space.append(vector)
-        solver.setDeflationSpace(space)
-        destroy(*space)
-
-    def _begin(self, solver: Any, seed: int) -> None:
-        vector = self._matrices.mass.createVecRight()
-        random = np.random.default_rng([seed, vector.comm.rank])
-        vector.array[:] = random.standard_normal(vector.getLocalSize())
-        solver.setInitialSpace([vector])
-        destroy(vector)
-
-    def _solver(self) -> Any:
-        solver: Any = SLEPc.EPS().create(self._matrices.stiffness.comm)
-        # Of K only the factors are used: the first operator stands for its size.
-        solver.setOperators(self._matrices.stiffness, self._matrices.mass)
-        kind: Any = SLEPc.EPS.ProblemType
-        solver.setProblemType(kind.GHEP if self._matrices.symmetric else kind.GNHEP)
-        solver.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
-        solver.setPurify(False)  # the mass is nonsingular: nothing to purify
-        solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-        solver.setTarget(self._shift)
-        tolerance, max_restarts = self._limits
-        solver.setTolerances(tol=tolerance, max_it=max_restarts)
-        transform = solver.getST()
-        transform.setType(SLEPc.ST.Type.SINVERT)
-        transform.setShift(self._shift)
-        transform.setMatMode(SLEPc.ST.MatMode.SHELL)
-        krylov = transform.getKSP()
-        krylov.setType(PETSc.KSP.Type.PREONLY)
-        pc = krylov.getPC()
-        pc.setType(PETSc.PC.Type.PYTHON)
-        pc.setPythonContext(self._inverse)
-        return solver
+    op = Companion(matrices, shift, abs(place))
+    op.reach = np.inf
+    return _searched(op, radius, options), op
 
 
-def _eigenpairs(solver: Any, mass: Any) -> tuple[Complexes, Complexes]:
-    """Converged kappa and vectors; a complex pair is read once and its conjugate added."""
-    converged = solver.getConverged()
-    real, imaginary = mass.createVecRight(), mass.createVecRight()
-    values = np.empty(converged, dtype=complex)
-    vectors = np.empty((real.getLocalSize(), converged), dtype=complex, order="F")
-    i = 0
-    while i < converged:
-        values[i] = solver.getEigenpair(i, real, imaginary)
-        vectors[:, i] = real.array
-        if values[i].imag != 0:
-            vectors[:, i] += 1j * imaginary.array
-            if i + 1 < converged:
-                values[i + 1], vectors[:, i + 1] = values[i].conj(), vectors[:, i].conj()
-            i += 1
-        i += 1
-    destroy(real, imaginary)
-    return values, vectors
+def _searched(op: Undamped, radius: Radius, options: KrylovOptions) -> InvariantSubspace:
+    try:
+        return krylov_schur(op, radius, options, verify=False)
+    except ConvergenceError:
+        op.free()
+        raise

@@ -121,13 +121,20 @@ class Matrices:
         """Number of independent constraints: so many kappa are infinite."""
         return 0 if self.multipliers is None else self.multipliers.tied
 
-    def operator(self, kappa: float = 0.0, *, symmetric_part: bool = False) -> Mat:
-        """K - kappa M, or S - kappa M, on the displacements: a new PETSc AIJ matrix."""
+    def operator(
+        self, kappa: float = 0.0, rate: float = 0.0, *, symmetric_part: bool = False
+    ) -> Mat:
+        """K - kappa M + rate (C + Y), or S - kappa M: a new PETSc AIJ matrix.
+
+        Pieces of low rank and circulatory ones are not in it.
+        """
         parts = [(1.0, self.stiffness)]
         if self.unsymmetric is not None and not symmetric_part:
             parts.append((1.0, self.unsymmetric))
         if kappa and self.mass is not None:
             parts.append((-kappa, self.mass))
+        if rate:
+            parts += [(rate, each) for each in (self.damping, self.gyroscopic) if each is not None]
         return scaled_total(parts)
 
 

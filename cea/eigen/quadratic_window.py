@@ -2,47 +2,10 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from cea.arrays import Complexes
 from cea.eigen.spectrum import Window
-from cea.eigen.subspace import InvariantSubspace
-
-
-@dataclass(frozen=True)
-class ShiftedDisc:
-    """A disc of lambda in which every eigenvalue was found.
-
-    Parameters
-    ----------
-    centre, radius
-        In 1/s.
-    """
-
-    centre: float
-    radius: float
-
-
-@dataclass(frozen=True)
-class QuadraticFound:
-    """What a search of a window found.
-
-    Parameters
-    ----------
-    subspace
-        Invariant subspace of the eigenvalues found, of the companion form.
-    discs
-        Discs that are full.
-    growth
-        Every eigenvalue of the window with Re lambda <= growth was found (1/s).
-    bounded
-        Whether none grows faster.
-    odd
-        Whether the sign of a determinant shows that a real eigenvalue is missing.
-    """
-
-    subspace: InvariantSubspace
-    discs: tuple[ShiftedDisc, ...] = ()
-    growth: float = 0.0
-    bounded: bool = False
-    odd: bool = False
 
 
 @dataclass(frozen=True)
@@ -67,12 +30,43 @@ class QuadraticWindow(Window):
     def evidence(self) -> str:
         """Why the window is believed complete, or how far it is not, in words."""
         found = (
-            f"{self.found} eigenvalues lambda fill {self.discs} "
-            f"disc{'s' * (self.discs > 1)}, which hold the window down to the growth rate "
-            f"{self.min_growth:.4g} 1/s and were searched beside them until nothing more was found"
+            f"{self.searched}; the window reaches down to the growth rate {self.min_growth:.4g} 1/s"
         )
         if self.odd:
             return f"{found}; the sign of a determinant shows that a real one is missing"
+        if self.whole:
+            return found
         if self.bounded:
-            return f"{found}; none grows faster than they reach, or the spectrum ends before"
+            return f"{found}; no eigenvalue of the window grows faster"
         return f"{found}; modes that grow faster than {self.max_growth:.4g} 1/s are not excluded"
+
+
+@dataclass(frozen=True)
+class QuadraticNeighbours(QuadraticWindow):
+    """What was searched next to a place: no window."""
+
+    @classmethod
+    def of(cls, shift: float, values: Complexes) -> "QuadraticNeighbours":
+        """Of the eigenvalues found about a real shift (1/s)."""
+        return cls(
+            max_frequency=float(np.abs(values).max(initial=shift)) / (2 * np.pi),
+            shift=shift,
+            radius=float(np.abs(values - shift).max(initial=0.0)),
+            found=len(values),
+            discs=1,
+            max_growth=0.0,
+            bounded=False,
+            odd=False,
+            upper=np.inf,
+            found_below=len(values),
+            symmetric_count=None,
+            min_growth=-np.inf,
+        )
+
+    @property
+    def evidence(self) -> str:
+        """What was looked for, in words."""
+        return (
+            f"{self.found} eigenvalues lambda nearest to a place, up to {self.radius:.4g} 1/s "
+            "away; no window was searched"
+        )

@@ -7,32 +7,34 @@ With forces f as unknowns (:mod:`cea.eigen.multipliers`) the matrix at kappa = -
                [               Z^T     ]
 
 and the displacement part of A(kappa)^-1 [r; 0] is what drivers iterate with: multipliers carry no
-mass, and Krylov spaces stay ones of displacements. Circulatory pieces of K are unknowns beside the
-forces.
+mass, and Krylov spaces stay ones of displacements. Pieces of C of low rank stay out of the factors
+(:mod:`cea.eigen.low_rank`), and so do circulatory pieces of K of damped problems where they are
+small (:mod:`cea.eigen.neumann`); otherwise they are unknowns beside the forces.
 """
 
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
-from cea.arrays import Floats
-from cea.eigen.factorisation import Refined
+from cea.eigen.circulatory import CirculatorySum
+from cea.eigen.low_rank import LowRankUpdate
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
+from cea.eigen.neumann import NeumannSeries, Solver
 from cea.eigen.pencil import Matrices
+from cea.errors import ConvergenceError
 from cea.matrices import destroy, distributed, identity, largest_row, local_part
 from cea.petsc import PETSc
 
 _OF_NODES = 6
 """A multiple of the unknowns that a node has, in the plane and in space."""
-_NEAR = 100.0
-"""Shifts, relative to the first, between which a matrix is moved in place."""
 
 
 class Shifted:
-    """A(kappa) factorised; what a driver solves for displacements with.
+    """A(kappa) + s (C + Y) factorised; what a driver solves for displacements with.
 
     Parameters
     ----------
@@ -40,48 +42,69 @@ class Shifted:
         The pencil at given parameters.
     kappa
         The shift (1/s^2).
-    near
-        Nearby factors to be refined, instead of factors of its own.
+    rate
+        s (1/s). With kappa = -s^2 it is that of a quadratic problem; :meth:`quadratic`.
 
     Raises
     ------
     ConvergenceError
-        When A(kappa) is singular.
+        When the matrix is singular.
     """
 
-    def __init__(
-        self, matrices: Matrices, kappa: float = 0.0, *, near: "Shifted | None" = None
-    ) -> None:
-        self.kappa = self._first = kappa
-        self.matrices = matrices
-        self._multipliers, circulatory = matrices.multipliers, matrices.circulatory
-        if circulatory is not None:
-            self._multipliers = with_circulatory(matrices.multipliers, circulatory)
+    def __init__(self, matrices: Matrices, kappa: float = 0.0, rate: float = 0.0) -> None:
+        self.matrices, self.kappa, self.rate = matrices, kappa, rate
         self._local = matrices.stiffness.getLocalSize()[0]
+        turns = bool(rate) and matrices.gyroscopic is not None
+        self._symmetric = matrices.symmetric and not turns
+        self._forces = matrices.multipliers
         self._scale: Any | None = None
-        self._own_scale = near is None
-        operator = self._operator(near)
-        self._factors: Mumps | Refined = (
-            Refined(operator, near._factors)
-            if near
-            else Mumps(operator, symmetric=matrices.symmetric)
-        )
-        self._x: Any | None = None
-        self._b: Any | None = None
-        if self._multipliers is not None:
-            self._x, self._b = operator.createVecRight(), operator.createVecLeft()
+        self._factors: Mumps | None = None
+        self._update: LowRankUpdate | None = None
+        circulatory = matrices.circulatory
+        if circulatory is not None and not (rate and self._by_series(circulatory)):
+            self._forces = with_circulatory(matrices.multipliers, circulatory)
+        if self._factors is None:
+            self._solver: Solver = self._factorised()
 
-    def _operator(self, near: "Shifted | None" = None) -> Any:
-        """A(kappa), with the contact forces."""
-        operator = self.matrices.operator(self.kappa)
-        if self._multipliers is None:
-            return operator
-        self._scale = near._scale if near else force_scale(operator, self._multipliers)
-        whole = bordered(
-            operator, self._multipliers, self._scale, symmetric=self.matrices.symmetric
-        )
-        destroy(operator)
-        return whole
+    @classmethod
+    def quadratic(cls, matrices: Matrices, rate: float) -> "Shifted":
+        """P(s) = s^2 M + s (C + Y) + K factorised at a real s (1/s)."""
+        return cls(matrices, -(rate**2), rate)
+
+    def _by_series(self, circulatory: CirculatorySum) -> bool:
+        """Whether circulatory pieces are small beside the rest, whose factors serve then."""
+        try:
+            self._solver = NeumannSeries(
+                self._factorised(),
+                circulatory,
+                rows=self._rows,
+                local=self._local,
+                comm=self.matrices.stiffness.comm,
+            )
+        except ConvergenceError:
+            self._free_factors()
+            return False
+        return True
+
+    def _factorised(self) -> Solver:
+        """Factors with the forces, and what solves with the pieces of low rank too."""
+        operator = self.matrices.operator(self.kappa, rate=self.rate)
+        if self._forces is not None:
+            self._scale = force_scale(operator, self._forces)
+            whole = bordered(operator, self._forces, self._scale, symmetric=self._symmetric)
+            destroy(operator)
+            operator = whole
+        self._rows = operator.getLocalSize()[0]
+        self._factors = Mumps(operator, symmetric=self._symmetric)
+        if not self.rate or self.matrices.low_rank is None:
+            return self._factors
+        root = self.matrices.low_rank.root()
+        try:
+            self._update = LowRankUpdate(self._factors, root, self.rate, symmetric=self._symmetric)
+        except ConvergenceError:
+            self.free()
+            raise
+        return self._update
 
     @property
     def multipliers(self) -> int:
@@ -89,96 +112,73 @@ class Shifted:
         forces = self.matrices.multipliers
         return 0 if forces is None else int(forces.compliance.getLocalSize()[0])
 
-    def move(self, kappa: float) -> None:
-        """Factorise at another shift instead.
-
-        Raises
-        ------
-        ConvergenceError
-            When A(kappa) is singular.
-        """
-        if kappa == self.kappa:
-            return
-        assert isinstance(self._factors, Mumps)
-        before, self.kappa = self.kappa, kappa
-        # Digits of K are lost in a matrix that was shifted far.
-        near = max(abs(before), abs(kappa)) <= _NEAR * abs(self._first)
-        if self._multipliers is None and near:
-            subset = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
-            self._factors.matrix.axpy(before - kappa, self.matrices.mass, structure=subset)
-            self._factors.factorise()
-            return
-        self._factors.free()
-        if self._scale is not None and self._own_scale:
-            destroy(self._scale)
-        self._factors = Mumps(self._operator(), symmetric=self.matrices.symmetric)
-
-    def solve(self, b: Any, x: Any, *, transposed: bool = False) -> None:
+    def solve(self, b: Any, x: Any) -> None:
         """Displacements x for forces b on the bodies, PETSc vectors."""
-        if self._x is None or self._b is None:
-            self._factors.solve(b, x, transposed=transposed)
-            return
-        self._b.set(0.0)
-        self._b.array[: self._local] = b.array_r
-        self._factors.solve(self._b, self._x, transposed=transposed)
-        x.array[:] = self._x.array_r[: self._local]
+        x.array[:] = self.solve_block(np.array(b.array_r)[:, None])[:, 0]
 
-    def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
+    def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """Displacements for every column of forces, the rows of this rank."""
         return self.solve_with_forces(b, transposed=transposed)[0]
 
-    def solve_with_forces(self, b: Floats, *, transposed: bool = False) -> tuple[Floats, Floats]:
+    def solve_with_forces(
+        self, b: NDArray[Any], *, transposed: bool = False
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
         """Displacements and contact forces for every column of forces, the rows of this rank.
+
+        Parameters
+        ----------
+        b
+            Shape (n_local, columns), real or complex.
+        transposed
+            Whether with the transposed matrix.
 
         Returns
         -------
         tuple
             Shapes (n_local, columns) and (multipliers of this rank, columns).
         """
+        if np.iscomplexobj(b):
+            n, parts = b.shape[1], np.hstack([b.real, b.imag])
+            both = self.solve_with_forces(parts, transposed=transposed)
+            x, f = (part[:, :n] + 1j * part[:, n:] for part in both)
+            return x, f
         whole = b
-        if self._b is not None:
-            whole = np.zeros((self._b.getLocalSize(), b.shape[1]), order="F")
+        if self._rows > self._local:
+            whole = np.zeros((self._rows, b.shape[1]), order="F")
             whole[: self._local] = b
-        solution = self._factors.solve_block(whole, transposed=transposed)
-        if self._scale is None:
-            return solution, solution[self._local :]
-        scale = self._scale.array_r[: self.multipliers, None]
-        end = self._local + len(scale)
-        return solution[: self._local], solution[self._local : end] * scale
+        solution = self._solver.solve_block(whole, transposed=transposed)
+        end = self._local + self.multipliers
+        forces = solution[self._local : end]
+        if self._scale is not None:
+            forces = forces * self._scale.array_r[: self.multipliers, None]
+        return solution[: self._local], forces
 
     def parity(self) -> int | None:
-        """Whether the number of real eigenvalues kappa below the shift is odd (1) or even (0).
+        """Whether the number of real eigenvalues beyond the shift is odd (1) or even (0).
 
-        The determinant of A(kappa) has the sign of (-1)^m, m contact forces, far to the left, and
-        changes it at each real eigenvalue. None where that is not known: for a symmetric pencil,
-        refined factors, forces without compliance.
+        Those are kappa below it, or lambda above it. The determinant has the sign of (-1)^m there,
+        m contact forces, far away, and changes it at each real eigenvalue. Pieces that a Neumann
+        series brings in do not change it: with any part of them the matrix is regular. None where
+        it is not known: for symmetric matrices and forces without compliance.
         """
-        if self.matrices.symmetric or isinstance(self._factors, Refined):
+        if self._symmetric or (self._forces is not None and self._forces.tied):
             return None
-        forces = 0
-        if self._multipliers is not None:
-            if self._multipliers.tied:
-                return None
-            forces = self._multipliers.size
-        return int(self._factors.sign() != (-1) ** forces)
-
-    def cost(self) -> tuple[float, float]:
-        """Entries of its own factors, and operations that they took."""
-        assert isinstance(self._factors, Mumps)
-        return self._factors.cost()
-
-    def steps(self) -> int:
-        """Steps that a system takes: 1 with factors of its own."""
-        return self._factors.steps()
+        assert self._factors is not None
+        sign = self._factors.sign() * (1 if self._update is None else self._update.sign())
+        return int(sign != (-1) ** (0 if self._forces is None else self._forces.size))
 
     def free(self) -> None:
         """Free the factors."""
-        self._factors.free()
-        destroy(*(v for v in (self._x, self._b) if v is not None))
-        if self._multipliers is not None and self._multipliers is not self.matrices.multipliers:
-            self._multipliers.free()
-        if self._scale is not None and self._own_scale:
+        self._free_factors()
+        if self._forces is not None and self._forces is not self.matrices.multipliers:
+            self._forces.free()
+
+    def _free_factors(self) -> None:
+        if self._factors is not None:
+            self._factors.free()
+        if self._scale is not None:
             destroy(self._scale)
+        self._factors = self._update = self._scale = None
 
 
 def count_below(matrices: Matrices, kappa: float) -> int:

@@ -49,14 +49,13 @@ class Window:
     symmetric_count
         Without friction, eigenvalues below ``upper`` by inertia; None with friction, where
         nothing counts them.
-    slices
-        Shifts from which most of the eigenvalues were found, where there are very many
-        (:mod:`cea.eigen.slices`); 0 where one shift found them.
     growing_above
         Frequency (Hz) and growth rate (1/s) of modes up to 5 percent above the window's end whose
         growth is above their errors.
     lowest
         Frequency (Hz) of the lowest mode above an empty window, where it was found.
+    whole
+        Whether the system is so small that all eigenvalues were computed.
     """
 
     max_frequency: float
@@ -70,9 +69,19 @@ class Window:
     upper: float
     found_below: int
     symmetric_count: int | None
-    slices: int = field(default=0, kw_only=True)
     growing_above: tuple[tuple[float, float], ...] = field(default=(), kw_only=True)
     lowest: float | None = field(default=None, kw_only=True)
+    whole: bool = field(default=False, kw_only=True)
+
+    @property
+    def searched(self) -> str:
+        """What was computed, and why nothing is missing there, in words."""
+        if self.whole:
+            return f"LAPACK computed all eigenvalues, of which {self.found} were kept"
+        return (
+            f"{self.found} eigenvalues fill {self.discs} disc{'s' * (self.discs > 1)}, "
+            "in which appended random vectors found no further one"
+        )
 
     @property
     def complete(self) -> bool:
@@ -95,16 +104,31 @@ class Window:
                 f"below kappa = {self.upper:.5g} {self.found_below} eigenvalues were found, and "
                 f"the inertia of S - kappa M counts {self.symmetric_count}"
             )
-        told = f", found from {self.slices} shifts," if self.slices else ""
-        found = (
-            f"{self.found} eigenvalues{told} fill {self.discs} disc{'s' * (self.discs > 1)}, "
-            "the last of which was searched beside them until nothing more was found"
-        )
+        found = self.searched
         if self.odd:
             return f"{found}; the sign of a determinant shows that a real one is missing"
+        if self.whole:
+            return found
         if self.bounded:
-            return f"{found}; friction moves none farther, or the spectrum ends before"
+            return f"{found}; no eigenvalue lies farther"
         return f"{found}; modes that grow faster than {self.max_growth:.4g} 1/s are not excluded"
+
+
+def nearest_window(kappa: float, found: Complexes) -> Window:
+    """What a search for the few eigenvalues nearest to kappa (1/s^2) found: no window is full."""
+    return Window(
+        max_frequency=np.inf,
+        shift=kappa,
+        radius=float(np.abs(found - kappa).max(initial=0.0)),
+        found=len(found),
+        discs=1,
+        max_growth=0.0,
+        bounded=False,
+        odd=False,
+        upper=np.inf,
+        found_below=len(found),
+        symmetric_count=None,
+    )
 
 
 @dataclass(frozen=True)
@@ -163,7 +187,7 @@ class Spectrum:
     def damping_ratios(self) -> Floats:
         """-Re lambda / abs(lambda), shape (n,): below zero where a mode grows, NaN where rigid."""
         ratios = np.full(len(self), np.nan)
-        moving = ~self.rigid
+        moving = ~self.rigid & (self.eigenvalues != 0)
         ratios[moving] = 0.0 - self.growth_rates[moving] / np.abs(self.eigenvalues[moving])
         return ratios
 

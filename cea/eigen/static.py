@@ -6,8 +6,8 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.residuals import Sizes
 from cea.eigen.shifted import Shifted
-from cea.eigen.sizes import Sizes
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import Vec
 from cea.timing import StageTimer
@@ -104,10 +104,8 @@ def rounding_uncertainty(matrices: Matrices, factors: Shifted, x: Floats, f: Flo
     """
     comm = matrices.stiffness.comm.tompi4py()
     sizes = Sizes(matrices)
-    forces = sizes.forces(np.abs(x), np.abs(f))
+    forces = sizes.forces(x, f)
     sizes.free()
-    if matrices.circulatory is not None:
-        forces += matrices.circulatory.sizes(x)
     rounding = np.finfo(float).eps * forces
     signs = np.random.default_rng(comm.rank).choice([-1.0, 1.0], size=(len(x), _PROBES))
     moved = factors.solve_block(rounding * signs)

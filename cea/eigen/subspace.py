@@ -5,10 +5,10 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from scipy.linalg import schur
+from scipy.linalg import svd
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.dense_products import beside, combined
+from cea.eigen.blocks import beside, combined
 
 _EQUAL = 1e3
 """Distance of eigenvalues, in rounding of the matrix, up to which they may be equal."""
@@ -28,11 +28,17 @@ class InvariantSubspace:
         R (1/s^2), shape (k, k), block upper triangular.
     symmetric
         Whether R is symmetric but for rounding, as without friction.
+    whole
+        Whether it holds every eigenvalue of the window, as LAPACK tells of small systems.
+    graded
+        Whether Q is orthonormal in units of its own, and not in M (:mod:`cea.eigen.dense`).
     """
 
     basis: Floats
     projected: Floats
     symmetric: bool
+    whole: bool = False
+    graded: bool = False
 
     @classmethod
     def empty(cls, rows: int, *, symmetric: bool) -> "InvariantSubspace":
@@ -48,42 +54,41 @@ class InvariantSubspace:
         """kappa, shape (k,), or those added since the subspace had a size."""
         return self._values if first == 0 else self._values_of(self.projected[first:, first:])
 
-    def eigenpairs(self) -> tuple[Complexes, Complexes]:
-        """kappa, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k).
+    def eigenpairs(self, rows: int | None = None) -> tuple[Complexes, Complexes]:
+        """Eigenvalues, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k).
 
-        They rise with Im lambda, kappa = -lambda^2. Of a real subspace that of a conjugate, which
-        follows its eigenvalue, is the conjugate.
+        A conjugate follows its eigenvalue, and its vector is the conjugate. Undamped ones rise with
+        Im lambda, kappa = -lambda^2.
+
+        Parameters
+        ----------
+        rows
+            Of vectors; None takes all.
         """
         values, small = self._pairs
-        if np.iscomplexobj(self.basis):
-            return values, combined(self.basis, small)
-        vectors = np.zeros((len(self.basis), self.size), dtype=complex, order="F")
+        basis = self.basis[:rows]
+        vectors = np.zeros((len(basis), self.size), dtype=complex, order="F")
         if not self.size:
             return values, vectors
         twins = _twins(values)
         own = np.setdiff1d(np.arange(self.size), twins)
         turned = own[small.imag[:, own].any(axis=0)]
-        vectors.real[:, own] = combined(self.basis, small.real[:, own])
-        vectors.imag[:, turned] = combined(self.basis, small.imag[:, turned])
+        vectors.real[:, own] = combined(basis, small.real[:, own])
+        vectors.imag[:, turned] = combined(basis, small.imag[:, turned])
         vectors[:, twins] = vectors[:, twins - 1].conj()
         return values, vectors
 
-    def between(self, low: float, high: float) -> Self:
-        """The part of the eigenvalues with low <= Re kappa < high, ends that split no pair."""
-        square = symmetric_part(self.projected) if self.symmetric else self.projected
-        form, vectors, kept = schur(
-            square, output="real", sort=lambda real, _=0.0: bool(low <= real < high)
-        )
-        return type(self)(
-            combined(self.basis, vectors[:, :kept]), form[:kept, :kept], self.symmetric
-        )
+    def duals(self) -> Complexes:
+        """Small vectors of the dual basis of eigenvectors of unit length, shape (k, k).
 
-    def conditions(self) -> Floats:
-        """Condition numbers of the eigenvalues within the subspace, in the order of the pairs."""
-        if self.symmetric:
-            return np.ones(self.size)
+        Their lengths are condition numbers, in the order of the pairs.
+        """
         vectors = self._pairs[1]
-        return conditions_of(vectors.conj().T @ vectors)
+        if self.symmetric or not self.size:
+            return vectors
+        left, sizes, right = svd(vectors, lapack_driver="gesvd")
+        sizes = np.maximum(sizes, np.sqrt(np.finfo(float).eps) * sizes.max(initial=0.0))
+        return np.asarray((left / sizes) @ right)
 
     @cached_property
     def _values(self) -> Complexes:
@@ -100,22 +105,18 @@ class InvariantSubspace:
         values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
         if not self.symmetric:
             _tell_apart(self.projected, values, vectors)
-        order = _rising(values, in_pairs=not np.iscomplexobj(self.projected))
+        order = _rising(values)
         return values[order], vectors[:, order]
 
-    def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
+    def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: float) -> Self:
         """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
-        return self.within(beside(self.basis, basis), coupling, form, shift)
-
-    def within(self, basis: Floats, coupling: Floats, form: Floats, shift: complex) -> Self:
-        """The same of a basis [Q V] as it is."""
         own = np.linalg.inv(form)
         # What was known stays as it is: far from a shift digits are lost to it.
         across = -(self.projected - shift * np.eye(self.size)) @ coupling @ own
         own = own + shift * np.eye(len(form))
         nothing = np.zeros((len(form), self.size))
         projected = np.block([[self.projected, across], [nothing, own]])
-        return type(self)(basis, projected, self.symmetric)
+        return type(self)(beside(self.basis, basis), projected, self.symmetric)
 
 
 def symmetric_part(matrix: Floats) -> Floats:
@@ -134,13 +135,9 @@ def _twins(values: Complexes) -> Ints:
     return 1 + np.flatnonzero(values.imag > 0)
 
 
-def _rising(values: Complexes, *, in_pairs: bool) -> Ints:
-    """Order of kappa by Re sqrt(kappa), which is Im lambda.
-
-    Where they come in pairs one with Im kappa > 0 is followed by what is its conjugate, maybe but
-    for rounding, and stays so.
-    """
-    twins = _twins(values) if in_pairs else np.empty(0, dtype=np.int64)
+def _rising(values: Complexes) -> Ints:
+    """Order of kappa by Re sqrt(kappa), which is Im lambda; conjugates stay together."""
+    twins = _twins(values)
     firsts = np.setdiff1d(np.arange(len(values)), twins)
     firsts = firsts[np.lexsort((-values[firsts].real, np.sqrt(values[firsts]).real))]
     followed = np.isin(firsts + 1, twins)
@@ -155,20 +152,19 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
     Where that is so orthonormal ones stand for them, if they are as good.
     """
     rounding = _EQUAL * np.finfo(float).eps * float(np.linalg.norm(matrix))
-    real = not np.iscomplexobj(matrix)
     for members in _equal(values, rounding):
         if np.linalg.svd(vectors[:, members], compute_uv=False)[-1] >= _APART:
             continue
         mean = values[members].mean()
-        if real and mean.imag < -rounding:
+        if mean.imag < -rounding:
             continue  # they are mended with those they are the conjugates of
-        shift = mean.real if real and mean.imag <= rounding else mean
-        _, sizes, axes = np.linalg.svd(matrix - shift * np.eye(len(matrix)))
+        shift = mean.real if mean.imag <= rounding else mean
+        _, sizes, axes = svd(matrix - shift * np.eye(len(matrix)), lapack_driver="gesvd")
         if sizes[-len(members)] <= rounding:
             own = axes[-len(members) :].conj().T
             vectors[:, members] = own
             values[members] = np.einsum("ij,ij->j", own.conj(), matrix @ own)
-            if real and mean.imag > rounding:
+            if mean.imag > rounding:
                 vectors[:, members + 1], values[members + 1] = own.conj(), values[members].conj()
 
 
@@ -184,10 +180,3 @@ def _equal(values: Complexes, rounding: float) -> list[Ints]:
             if len(members) > 1:
                 groups.append(members)
     return groups
-
-
-def conditions_of(gram: Complexes) -> Floats:
-    """Condition numbers from the Gram matrix of unit eigenvectors: sqrt of diag of its inverse."""
-    values, vectors = np.linalg.eigh(gram)
-    values = np.maximum(values, np.finfo(float).eps * values.max(initial=1.0))
-    return np.sqrt(np.maximum((np.abs(vectors) ** 2 / values).sum(axis=1), 1.0))

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigvals
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
-from cea.eigen.dense_products import beside, combined
+from cea.eigen.blocks import all_inner, beside, column_blocks, columns_inner, combined, times
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
 from cea.eigen.shifted import Shifted

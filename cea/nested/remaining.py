@@ -26,7 +26,7 @@ from cea.eigen.blocks import columns_inner, times
 from cea.eigen.eigenvalue_matching import connected
 from cea.eigen.pencil import Matrices
 from cea.eigen.quadratic_damping import Damping
-from cea.eigen.quadratic_pairs import QuadraticSizes
+from cea.eigen.residuals import Sizes
 from cea.nested.clusters import NEAR
 from cea.nested.ritz import DEPENDENT, Approximation
 
@@ -80,12 +80,12 @@ def left_of_errors(
 
 def _rounding(new: Approximation, matrices: Matrices, damping: Damping) -> Floats:
     """What rounding the entries of the matrices does to lambda^2 (1/s^2), x^H M x = y^H M y = 1."""
-    sizes, comm = QuadraticSizes(matrices, damping), matrices.stiffness.comm
+    sizes, comm = Sizes(matrices, damping), matrices.stiffness.comm
     forces = matrices.multipliers
     rows = 0 if forces is None else forces.compliance.getLocalSize()[0]
     none: Any = np.zeros((rows, len(new.eigenvalues)), dtype=complex)
     works = [
-        columns_inner(np.abs(part), sizes.forces(new.eigenvalues, part, none), comm)
+        columns_inner(np.abs(part), sizes.forces(part, none, new.eigenvalues), comm)
         for part in (new.right, new.left)
     ]
     sizes.free()

@@ -156,8 +156,7 @@ def _together(
 ) -> tuple[float, float, float]:
     """Error of the block of a cluster, rounding of it, distance from a multiple of one."""
     M = mass.square
-    y, _, _ = np.linalg.svd(right, full_matrices=False)
-    z, _, _ = np.linalg.svd(left, full_matrices=False)
+    y, z = (_apart(vectors, int(np.count_nonzero(np.diag(M)))) for vectors in (right, left))
     y = y @ np.linalg.inv(np.linalg.cholesky(y.conj().T @ M @ y)).conj().T
     overlap = z.conj().T @ M @ y
     try:
@@ -178,6 +177,12 @@ def _together(
     projector = float(np.sqrt(np.linalg.norm(z.conj().T @ M @ z, 2)))
     doubt = rounding.solves * projector + rounding.of_block(z, y, np.sqrt(size))
     return float(outside * lengths[0] * lengths[1]), doubt, spread
+
+
+def _apart(vectors: Complexes, k: int) -> Complexes:
+    """Combinations of vectors with orthonormal displacements, their first k numbers."""
+    _, sizes, axes = np.linalg.svd(vectors[:k], full_matrices=False)
+    return vectors @ axes.conj().T / sizes
 
 
 def _defect(K: Floats, M: Floats, vectors: Complexes, block: Complexes) -> Complexes:

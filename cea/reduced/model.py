@@ -25,13 +25,14 @@ from itertools import product
 import numpy as np
 
 from cea.arrays import Floats
+from cea.eigen.left_vectors import POWERS
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
-from cea.eigen.sensitivity import POWERS
-from cea.reduced.norm import EnergyNorm
-from cea.reduced.pieces import Piece, Pieces, Values
+from cea.reduced.norm import EnergyNorm, InnerProduct
+from cea.reduced.pieces import ContactPiece, Piece, Pieces, Values
+from cea.reduced.saddle import SmallContact
 from cea.reduced.small import SmallPencil, SmallPiece
-from cea.reduced.snapshots import real_vectors, rounding_of
+from cea.reduced.snapshots import forces_of, real_vectors, rounding_of
 from cea.reduced.span import Span
 from cea.reduced.spectrum import MARGIN, Settings
 from cea.reduced.stored import Arrays, restored
@@ -40,6 +41,8 @@ BASIS = 1e-6
 """Part of an eigenvector, in the energy norm, that a basis leaves out; errors go by its square."""
 RESIDUAL = 1e-14
 """Part of the images of the basis that is rounding: the basis of residuals leaves it out."""
+FORCES = 1e-8
+"""Part of the forces of a contact that the basis of forces leaves out; errors go by its square."""
 _LOST = 1e-9
 """What that basis may leave out of a residual, relative to its vector in the energy norm, wherever
 on the map: errors go by residuals of 1e-5 and less. A contact that is stiffer by decades than the
@@ -62,10 +65,13 @@ class Growth:
         To that of the model, shape (n_local, new).
     residuals
         To that of its residuals, shape (n_local, new).
+    forces
+        To that of the forces of each contact, shape (forces of this rank, new).
     """
 
     vectors: Floats
     residuals: Floats
+    forces: tuple[Floats, ...] = ()
 
     @classmethod
     def nothing(cls) -> "Growth":
@@ -113,6 +119,12 @@ class ReducedModel:
         least = pencil.values({name: ends[0] for name, ends in box.items()})
         self.norm = EnergyNorm(pencil, least, self._pieces.tied, max_frequency)
         self._basis, self._residuals = Span(self.norm, BASIS), Span(self.norm, RESIDUAL)
+        self._contacts = self._pieces.contacts
+        self._widest: dict[ContactPiece, float] = {}
+        self._forces = [
+            Span(InnerProduct(self.norm.comm, each.closes.rows, each.compliance), FORCES)
+            for each in self._contacts
+        ]
         corners = [
             pencil.values(dict(zip(box, corner, strict=True))) for corner in product(*box.values())
         ]
@@ -137,6 +149,12 @@ class ReducedModel:
                 for piece in self._pieces.all
             ),
             settings,
+            contacts=tuple(
+                SmallContact(
+                    each.inverse_stiffness, each.friction, nothing, nothing, nothing, nothing, 0.0
+                )
+                for each in self._contacts
+            ),
         )
 
     @property
@@ -165,11 +183,26 @@ class ReducedModel:
             lengths = np.maximum(self.norm.lengths(moved, forces), 1.0)
             blocks.append(moved / lengths)
             images.append(forces / lengths)
-        before, known = self._basis.size, self._residuals.size
+        bases = self._basis, self._residuals, *self._forces
+        before = [each.size for each in bases]
+        for contact, span, size in zip(self._contacts, self._forces, before[2:], strict=True):
+            span.add(_unit(span.norm, forces_of(modes, contact.rows)))
+            self._add_static(contact, span.vectors[:, size:], blocks, images)
         self._basis.add(np.hstack(blocks), np.hstack(images))
-        self._extend(before)
+        blocks, images = [], []
+        for contact, span in zip(self._contacts, self._forces, strict=True):
+            size = span.size
+            self._add_gaps(contact, span, before[0])
+            self._add_static(contact, span.vectors[:, size:], blocks, images)
+        if blocks:
+            self._basis.add(np.hstack(blocks), np.hstack(images))
+        self._extend(before[0])
+        self._extend_contacts(before[2:])
         self._round(rounding_of(modes), modes.values)
-        return Growth(self._basis.vectors[:, before:], self._residuals.vectors[:, known:])
+        vectors, residuals, *forces_grown = (
+            each.vectors[:, size:] for each, size in zip(bases, before, strict=True)
+        )
+        return Growth(vectors, residuals, tuple(forces_grown))
 
     def restore(self, grown: Sequence[Growth], arrays: Arrays) -> None:
         """Take over what bases had grown by before, and the small pencil as it was then.
@@ -191,6 +224,8 @@ class ReducedModel:
                 raise ValueError("vectors of another length")
             self._basis.restore(each.vectors)
             self._residuals.restore(each.residuals)
+            for span, forces in zip(self._forces, each.forces, strict=True):
+                span.restore(forces)
         vectors = self._basis.vectors
         gram = self.norm.inner(vectors, self.norm.image(vectors)) - np.eye(self.size)
         if not np.abs(gram).max(initial=0.0) < _ORTHONORMAL:
@@ -241,6 +276,63 @@ class ReducedModel:
         lost = float(np.hypot(small.lost, lost))
         return replace(small, square=square, right=right, left=left, lost=lost)
 
+    def _add_gaps(self, contact: ContactPiece, span: Span, before: int) -> None:
+        """Take the forces of the gaps of new vectors in."""
+        gaps = contact.closes.times(self._basis.vectors[:, before:])
+        caused = contact.inverse.solve_block(gaps)
+        # Gaps that vectors close but for rounding tell of no forces.
+        longest = float(span.norm.lengths(caused, gaps).max(initial=0.0))
+        self._widest[contact] = max(longest, self._widest.get(contact, 0.0))
+        span.add(caused, gaps, FORCES * self._widest[contact])
+
+    def _add_static(
+        self, contact: ContactPiece, forces: Floats, blocks: list[Floats], images: list[Floats]
+    ) -> None:
+        """The static displacements of length one that forces cause, and X times these."""
+        for rectangle in (contact.closes, contact.slides):
+            if rectangle is not None:
+                image = rectangle.transposed(forces)
+                moved = self.norm.solve(image)
+                lengths = self.norm.lengths(moved, image)
+                lengths[lengths == 0] = 1.0
+                blocks.append(moved / lengths)
+                images.append(image / lengths)
+
+    def _extend_contacts(self, known: Sequence[int]) -> None:
+        """Project contacts on both bases."""
+        vectors = self._basis.vectors
+        grown = []
+        for contact, span, small, old in zip(
+            self._contacts, self._forces, self.small.contacts, known, strict=True
+        ):
+            closes, slides = contact.closes, contact.slides
+            gaps = closes.times(vectors)
+            new, lost = span.vectors[:, old:], np.zeros(2)
+            pushes, lost[0] = self._with_images(small.pushes, closes.transposed(new), 0.0)
+            slid, rubs = np.zeros_like(gaps), np.zeros_like(pushes)
+            if slides is not None:
+                slid = slides.times(vectors)
+                rubs, lost[1] = self._with_images(small.rubs, slides.transposed(new), 0.0)
+            comm, forces = self.norm.comm, span.vectors
+            whole = replace(
+                small,
+                closes=comm.bcast(comm.allreduce(forces.T @ gaps)),
+                slides=comm.bcast(comm.allreduce(forces.T @ slid)),
+                pushes=pushes,
+                rubs=rubs,
+                lost=float(np.hypot(small.lost, lost.max())),
+            )
+            grown.append(whole)
+        rows = self._residuals.size
+        self.small = replace(
+            self.small,
+            pieces=tuple(piece.padded(rows) for piece in self.small.pieces),
+            contacts=tuple(
+                replace(each, pushes=_padded(each.pushes, rows), rubs=_padded(each.rubs, rows))
+                for each in grown
+            ),
+        )
+
     def _with_images(self, before: Floats, image: Floats, allowed: float) -> tuple[Floats, float]:
         """Coordinates of old and new images; the basis of residuals takes the new ones in."""
         fresh, lost = self._residuals.add(self.norm.solve(image), image, allowed)
@@ -253,6 +345,16 @@ class ReducedModel:
         """Free factors and pieces."""
         self.norm.free()
         self._pieces.free()
+
+
+def _padded(coordinates: Floats, rows: int) -> Floats:
+    return np.pad(coordinates, ((0, rows - len(coordinates)), (0, 0)))
+
+
+def _unit(norm: InnerProduct, block: Floats) -> Floats:
+    """Columns of length one; those of none are left out."""
+    lengths = norm.lengths(block)
+    return block[:, lengths > 0] / lengths[lengths > 0]
 
 
 def _largest(piece: Piece, corners: list[dict[str, float]]) -> float:

@@ -7,7 +7,8 @@ aside. Residuals are measured in the norm of X^-1. The shift s, a hundredth of o
 window, keeps X definite where bodies float.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -29,63 +30,25 @@ def shift_of(max_frequency: float) -> float:
     return (SLOW * 2 * np.pi * max_frequency) ** 2
 
 
-class EnergyNorm:
-    """X, factorised.
+class InnerProduct:
+    """What bases are orthonormal in, their rows distributed.
 
     Parameters
     ----------
-    pencil
-        The pencil.
-    values
-        t0, values of all parameters.
-    tied
-        Contacts whose sides are tied, constraints of all vectors.
-    max_frequency
-        Upper end of the window (Hz).
-
-    Raises
-    ------
-    ConvergenceError
-        When X is singular.
+    comm
+        Communicator (mpi4py).
+    rows
+        Rows of this rank.
+    image
+        Its matrix times a block.
     """
 
-    def __init__(
-        self,
-        pencil: Pencil,
-        values: Mapping[str, float],
-        tied: tuple[ForcesOfContact, ...],
-        max_frequency: float,
-    ) -> None:
-        self.comm = pencil.comm.tompi4py()
-        self.shift = shift_of(max_frequency)
-        parts = []
-        for term in pencil.terms:
-            if term.symmetric and term.role in ("stiffness", "mass"):
-                weight = term.coefficient.at(values) * (self.shift if term.role == "mass" else 1.0)
-                parts.append((weight, term.matrix))
-        self._matrix = scaled_total([part for part in parts if part[0]])
-        self._matrix.setOption(self._matrix.Option.SYMMETRIC, True)
-        self._forces = AllForces(tied).at(values) if tied else None
-        self._factors = Shifted(Matrices(self._matrix, None, None, self._forces))
+    def __init__(self, comm: Any, rows: int, image: Callable[[Floats], Floats]) -> None:
+        self.comm, self.rows, self.image = comm, rows, image
 
-    @property
-    def rows(self) -> int:
-        """Displacements of this rank."""
-        return int(self._matrix.getLocalSize()[0])
-
-    def image(self, block: Floats) -> Floats:
-        """X times a block of vectors."""
-        image = np.empty_like(block)
-        for columns in column_blocks(block.shape[1]):
-            image[:, columns] = image_of(self._matrix, block[:, columns])
-        return image
-
-    def solve(self, block: Floats) -> Floats:
-        """X^-1 times a block of forces."""
-        solution = np.empty_like(block)
-        for columns in column_blocks(block.shape[1]):
-            solution[:, columns] = self._factors.solve_block(block[:, columns])
-        return solution
+    def held(self, block: Floats) -> Floats:
+        """Vectors that obey constraints, where there are any."""
+        return block
 
     def inner(self, left: Floats, right: Floats) -> Floats:
         """L^T R, shape (columns of L, columns of R), the same on every rank.
@@ -116,6 +79,64 @@ class EnergyNorm:
         if len(sizes) and sizes[0] < -max(1e-6 * sizes[-1], floor**2):
             raise ConvergenceError("the stiffness at the least parameters is not positive definite")
         return sizes, axes
+
+
+class EnergyNorm(InnerProduct):
+    """X, factorised.
+
+    Parameters
+    ----------
+    pencil
+        The pencil.
+    values
+        t0, values of all parameters.
+    tied
+        Contacts whose sides are tied, constraints of all vectors.
+    max_frequency
+        Upper end of the window (Hz).
+
+    Raises
+    ------
+    ConvergenceError
+        When X is singular.
+    """
+
+    def __init__(
+        self,
+        pencil: Pencil,
+        values: Mapping[str, float],
+        tied: tuple[ForcesOfContact, ...],
+        max_frequency: float,
+    ) -> None:
+        self.shift = shift_of(max_frequency)
+        parts = []
+        for term in pencil.terms:
+            if term.symmetric and term.role in ("stiffness", "mass"):
+                weight = term.coefficient.at(values) * (self.shift if term.role == "mass" else 1.0)
+                parts.append((weight, term.matrix))
+        self._matrix = scaled_total([part for part in parts if part[0]])
+        self._matrix.setOption(self._matrix.Option.SYMMETRIC, True)
+        self._forces = AllForces(tied).at(values) if tied else None
+        self._factors = Shifted(Matrices(self._matrix, None, None, self._forces))
+        super().__init__(pencil.comm.tompi4py(), self._matrix.getLocalSize()[0], self._image)
+
+    def _image(self, block: Floats) -> Floats:
+        """X times a block of vectors."""
+        image = np.empty_like(block)
+        for columns in column_blocks(block.shape[1]):
+            image[:, columns] = image_of(self._matrix, block[:, columns])
+        return image
+
+    def solve(self, block: Floats) -> Floats:
+        """X^-1 times a block of forces."""
+        solution = np.empty_like(block)
+        for columns in column_blocks(block.shape[1]):
+            solution[:, columns] = self._factors.solve_block(block[:, columns])
+        return solution
+
+    def held(self, block: Floats) -> Floats:
+        """Vectors that obey the ties but for rounding, which grows as they are made longer."""
+        return block if self._forces is None else self.solve(self.image(block))
 
     def free(self) -> None:
         """Free the factors."""

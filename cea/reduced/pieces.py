@@ -5,9 +5,8 @@
 D holds damping and what rotation makes of it; modal damping stays a product of its factors.
 
 Pieces that depend on the parameters in the same way are summed once. Contact forces that are
-unknowns are eliminated, f = P C^^-1 J x (:mod:`cea.eigen.multipliers`): J^T C^^-1 J is a piece with
-the coefficient P, and R^T C^^-1 J one with -mu P. As products of their factors they lose no digits.
-Forces of sides that are tied stay constraints, J x = 0, of all vectors.
+unknowns stay so (:mod:`cea.eigen.multipliers`). Those of sides that are tied are constraints,
+J x = 0, of all vectors.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -59,6 +58,63 @@ class Piece:
         return self.times is self.transposed
 
 
+class Rectangle:
+    """A PETSc AIJ matrix (forces x displacements) times blocks of columns.
+
+    Attributes
+    ----------
+    rows
+        Forces of this rank.
+    """
+
+    def __init__(self, matrix: Any) -> None:
+        self._matrix = matrix
+        self._x, self._f = matrix.createVecRight(), matrix.createVecLeft()
+        self.rows = int(matrix.getLocalSize()[0])
+
+    def times(self, x: Floats) -> Floats:
+        """A x."""
+        return self._columns(self._matrix.mult, x, self._x, self._f)
+
+    def transposed(self, f: Floats) -> Floats:
+        """A^T f."""
+        return self._columns(self._matrix.multTranspose, f, self._f, self._x)
+
+    @staticmethod
+    def _columns(product: Any, block: Floats, x: Any, y: Any) -> Floats:
+        image = np.empty((y.getLocalSize(), block.shape[1]))
+        for i, column in enumerate(block.T):
+            x.array[:] = column
+            product(x, y)
+            image[:, i] = y.array_r
+        return image
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPiece:
+    """A contact whose forces f are unknowns: (J - c_f R)^T f on the bodies, J x = c_c C^ f.
+
+    Parameters
+    ----------
+    closes, slides
+        J and R times blocks; R is None without friction.
+    compliance, inverse
+        C^ times blocks of forces, and factorised.
+    inverse_stiffness, friction
+        c_c and c_f.
+    rows
+        Its forces among all of this rank.
+    """
+
+    closes: Rectangle
+    slides: Rectangle | None
+    compliance: Product
+    inverse: Mumps
+    inverse_stiffness: Dependence
+    friction: Dependence
+    rows: slice
+
+
 class Pieces:
     """All pieces of a pencil, with what they were made of.
 
@@ -84,8 +140,8 @@ class Pieces:
             *self._of_terms(pencil),
             *self._of_low_rank(pencil),
             *self._of_circulatory(pencil),
-            *self._of_forces(pencil),
         )
+        self.contacts = tuple(self._of_forces(pencil))
 
     def of(self, role: str) -> list[Piece]:
         """Pieces of one role."""
@@ -132,40 +188,22 @@ class Pieces:
             transposed = partial(term.piece.times, transposed=True)
             yield Piece("stiffness", term.coefficient, term.piece.times, transposed)
 
-    def _of_forces(self, pencil: Pencil) -> Iterator[Piece]:
-        """What forces of contacts come to once they are eliminated."""
+    def _of_forces(self, pencil: Pencil) -> Iterator["ContactPiece"]:
+        """Contacts whose forces are unknowns, but for those that are tied."""
+        first = 0
         for forces in pencil.forces:
-            if forces in self.tied:
-                continue
-            inverse = self._kept(Mumps(forces.compliance.copy(), symmetric=True))
-            bears = _Rectangle(forces.closure)
-
-            def closes(x: Floats, bears: "_Rectangle" = bears, inverse: Mumps = inverse) -> Floats:
-                return bears.transposed(inverse.solve_block(bears.times(x)))
-
-            yield Piece("stiffness", _Stiffness(forces.inverse_stiffness), closes, closes)
-            if forces.slip is None:
-                continue
-            slides = _Rectangle(forces.slip)
-
-            def rubs(
-                x: Floats,
-                bears: "_Rectangle" = bears,
-                slides: "_Rectangle" = slides,
-                inverse: Mumps = inverse,
-            ) -> Floats:
-                return slides.transposed(inverse.solve_block(bears.times(x)))
-
-            def is_rubbed(
-                x: Floats,
-                bears: "_Rectangle" = bears,
-                slides: "_Rectangle" = slides,
-                inverse: Mumps = inverse,
-            ) -> Floats:
-                return bears.transposed(inverse.solve_block(slides.times(x)))
-
-            friction = _Friction(forces.friction, _Stiffness(forces.inverse_stiffness))
-            yield Piece("stiffness", friction, rubs, is_rubbed)
+            last = first + forces.closure.getLocalSize()[0]
+            if forces not in self.tied:
+                yield ContactPiece(
+                    closes=Rectangle(forces.closure),
+                    slides=None if forces.slip is None else Rectangle(forces.slip),
+                    compliance=_product(forces.compliance),
+                    inverse=self._kept(Mumps(forces.compliance.copy(), symmetric=True)),
+                    inverse_stiffness=forces.inverse_stiffness,
+                    friction=forces.friction,
+                    rows=slice(first, last),
+                )
+            first = last
 
     def _kept[T](self, made: T) -> T:
         self._made.append(made)
@@ -198,31 +236,6 @@ def check_pencil(pencil: Pencil, free: Iterable[str]) -> tuple[ForcesOfContact, 
     return tied
 
 
-class _Rectangle:
-    """A PETSc AIJ matrix (forces x displacements) times blocks of columns."""
-
-    def __init__(self, matrix: Any) -> None:
-        self._matrix = matrix
-        self._x, self._f = matrix.createVecRight(), matrix.createVecLeft()
-
-    def times(self, x: Floats) -> Floats:
-        """A x."""
-        return self._columns(self._matrix.mult, x, self._x, self._f)
-
-    def transposed(self, f: Floats) -> Floats:
-        """A^T f."""
-        return self._columns(self._matrix.multTranspose, f, self._f, self._x)
-
-    @staticmethod
-    def _columns(product: Any, block: Floats, x: Any, y: Any) -> Floats:
-        image = np.empty((y.getLocalSize(), block.shape[1]))
-        for i, column in enumerate(block.T):
-            x.array[:] = column
-            product(x, y)
-            image[:, i] = y.array_r
-        return image
-
-
 def _product(matrix: Any) -> Product:
     return lambda block: image_of(matrix, block)
 
@@ -234,45 +247,3 @@ def _low_rank_product(piece: LowRank, comm: Any) -> Product:
         return image
 
     return times
-
-
-@dataclass(frozen=True)
-class _Stiffness:
-    """P of a contact whose 1/P is known, a :class:`Dependence`."""
-
-    inverse: Dependence
-
-    @property
-    def names(self) -> frozenset[str]:
-        """Parameters it depends on."""
-        return self.inverse.names
-
-    def at(self, values: Values) -> float:
-        """Value at given parameters."""
-        return 1 / self.inverse.at(values)
-
-    def derivative(self, name: str, values: Values) -> float:
-        """Derivative in one parameter."""
-        return -self.inverse.derivative(name, values) * self.at(values) ** 2
-
-
-@dataclass(frozen=True)
-class _Friction:
-    """-mu P of a contact, a :class:`Dependence`."""
-
-    friction: Dependence
-    stiffness: Dependence
-
-    @property
-    def names(self) -> frozenset[str]:
-        """Parameters it depends on."""
-        return self.friction.names | self.stiffness.names
-
-    def at(self, values: Values) -> float:
-        """Value at given parameters."""
-        return -self.friction.at(values) * self.stiffness.at(values)
-
-    def derivative(self, name: str, values: Values) -> float:
-        """Derivative in one parameter."""
-        slope = self.friction.derivative(name, values) * self.stiffness.at(values)
-        return -slope - self.friction.at(values) * self.stiffness.derivative(name, values)

@@ -19,14 +19,16 @@ the block is off by e = g |R| |S| at most, its mean by no more, its members as
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
+from scipy.linalg import eig, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.eigenvalue_matching import connected
 from cea.reduced.certificate import TOUCH, Certificate
 from cea.reduced.products import real_times
+from cea.reduced.residuals import Residuals
 from cea.reduced.rounding import Rounding
-from cea.reduced.spectrum import MARGIN, ReducedSpectrum, Residuals, Settings, without_a_basis
+from cea.reduced.saddle import Inverse, Saddle
+from cea.reduced.spectrum import MARGIN, ReducedSpectrum, Settings, without_a_basis
 
 _BELOW = 0.05
 """Part of the window below the real axis whose eigenvalues help to judge those next to it."""
@@ -41,7 +43,8 @@ class _Pairs:
     values
         lambda (1/s), shape (n,).
     right, left
-        Coordinates of x and y, of M-norm one, shape (k, n).
+        Coordinates of x and y, of M-norm one, with those of their contact forces below, shape
+        (k + m, n).
     states, duals
         Right and left vectors of the companion form on an M-orthonormal basis, shape (2 k, n).
     """
@@ -68,6 +71,7 @@ def quadratic_spectrum(
     mass: Residuals,
     settings: Settings,
     rounding: Rounding,
+    saddle: Saddle | None,
 ) -> ReducedSpectrum:
     """Eigenvalues of a window and its margin.
 
@@ -79,31 +83,41 @@ def quadratic_spectrum(
         What bounds are made with.
     rounding
         What rounding does to eigenvalues.
+    saddle
+        Contacts whose forces are unknowns.
     """
-    if not len(mass.square):
+    k = len(mass.square)
+    if not k:
         return without_a_basis(settings)
     root = np.linalg.cholesky(mass.square)
+    pairs = _pairs(stiffness.square, damping.square, mass.square, root, settings, saddle)
+    if saddle is not None:
+        stiffness = saddle.with_stiffness(stiffness)
+        damping, mass = saddle.beside(damping), saddle.beside(mass)
     judged = _Judged(stiffness, damping, mass, root, settings, rounding)
-    pairs = _pairs(stiffness.square, damping.square, root, settings)
     certificate = judged.certificate(pairs)
     upper = np.flatnonzero(pairs.values.imag >= 0)
     values = pairs.values[upper]
     return ReducedSpectrum(
         -(values**2),
         values,
-        pairs.right[:, upper],
-        pairs.left[:, upper],
+        pairs.right[:k, upper],
+        pairs.left[:k, upper],
         certificate[upper],
         settings,
+        pairs.right[k:, upper],
+        pairs.left[k:, upper],
     )
 
 
-def _pairs(K: Floats, D: Floats, root: Floats, settings: Settings) -> _Pairs:
+def _pairs(
+    K: Floats, D: Floats, M: Floats, root: Floats, settings: Settings, saddle: Saddle | None
+) -> _Pairs:
     """Eigenpairs by the companion form, inverted about a real shift of growth."""
     k, shift, gamma = len(K), np.sqrt(settings.shift), settings.end
-    K, D = (_between(root, each) for each in (K, D))
-    one = np.eye(k)
-    inverse = lu_solve(lu_factor(shift**2 * one + shift * D + K), np.hstack([D + shift * one, one]))
+    inverse_of = Inverse(shift**2 * M + shift * D + K, saddle)
+    one, drag = np.eye(k), _between(root, D)
+    inverse = root.T @ inverse_of(root @ np.hstack([drag + shift * one, one]))
     of_motion, of_speed = -inverse[:, :k], -gamma * inverse[:, k:]
     inverted = np.block(
         [[of_motion, of_speed], [(one + shift * of_motion) / gamma, shift * of_speed / gamma]]
@@ -115,11 +129,17 @@ def _pairs(K: Floats, D: Floats, root: Floats, settings: Settings) -> _Pairs:
     inside = (values.imag >= -_BELOW * gamma) & (values.imag <= MARGIN * gamma)
     inside &= np.isfinite(values) & (values.real >= -settings.reach)
     order = order[inside[order]]
-    x, y = states[:k, order], duals[k:, order]
-    x, y = (each / np.linalg.norm(each, axis=0) for each in (x, y))
+    values, states, duals = values[order], states[:, order], duals[:, order]
+    x, y = states[:k], duals[k:]
+    sizes = [np.linalg.norm(each, axis=0) for each in (x, y)]
+    x, y = x / sizes[0], y / sizes[1]
     right = solve_triangular(root, x, lower=True, trans="T")
     left = solve_triangular(root, y, lower=True, trans="T")
-    return _Pairs(values[order], right, left, states[:, order], duals[:, order])
+    back = values.conj()
+    load = M @ right * (shift**2 - values**2) + D @ right * (shift - values)
+    left_load = M @ left * (shift**2 - back**2) + D.T @ left * (shift - back)
+    right, left = inverse_of.extended(right, load), inverse_of.extended_left(left, left_load)
+    return _Pairs(values, right, left, states / sizes[0], duals / sizes[1])
 
 
 @dataclass(frozen=True)
@@ -182,18 +202,19 @@ class _Judged:
     def _together(self, pairs: _Pairs, outside: float) -> tuple[float, float, float]:
         """Error of the block of a cluster, rounding of it, distance from a multiple of one."""
         k, gamma = len(self.root), self.settings.end
-        q, _, _ = np.linalg.svd(pairs.states, full_matrices=False)
-        z, _, _ = np.linalg.svd(pairs.duals, full_matrices=False)
+        q, q_sizes, q_axes = np.linalg.svd(pairs.states, full_matrices=False)
+        z, z_sizes, z_axes = np.linalg.svd(pairs.duals, full_matrices=False)
+        # States and their duals have displacements of M-norm one, as pairs have.
+        x, y = pairs.right @ q_axes.conj().T / q_sizes, pairs.left @ z_axes.conj().T / z_sizes
         try:
-            z = z @ np.linalg.inv(z.conj().T @ q).conj().T
+            turned = np.linalg.inv(z.conj().T @ q).conj().T
             # The block in coordinates of q: its vectors are combinations of the pairs'.
             within = q.conj().T @ pairs.states
             block = within @ np.diag(pairs.values) @ np.linalg.inv(within)
         except np.linalg.LinAlgError:
             return np.inf, np.inf, np.inf
-        x, y = q[:k], z[k:] / gamma
-        sizes = [float(np.linalg.norm(each, 2)) for each in (x, y)]
-        x, y = (solve_triangular(self.root, each, lower=True, trans="T") for each in (x, y))
+        y = y @ turned / gamma
+        sizes = [float(np.linalg.norm(each, 2)) for each in (q[:k], z[k:] @ turned / gamma)]
         K, D, M, back = self.stiffness, self.damping, self.mass, block.conj().T
         of_k, of_d, of_m = (real_times(each.right, x) for each in (K, D, M))
         r = of_k + of_d @ block + of_m @ block @ block

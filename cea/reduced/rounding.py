@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.left_vectors import POWERS
 from cea.eigen.pencil import Role
-from cea.eigen.sensitivity import POWERS
 
 
 @dataclass(frozen=True)

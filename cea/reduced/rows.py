@@ -68,7 +68,7 @@ def in_parts(small: SmallPencil, line: Sequence[Values], tolerance: float) -> li
         Lines whose last spectrum is the first of the next.
     """
     count = max(round((len(line) - 1) / _PART), 1)
-    if count == 1 or small.size <= SMALL:
+    if count == 1 or small.contacts or small.size <= SMALL:
         return [along(small, line, tolerance)]
     ends = np.linspace(0, len(line) - 1, count + 1).round().astype(int).tolist()
     parts: list[Line] = []
@@ -107,7 +107,7 @@ def along(
     known
         Spectra on the whole basis by the numbers of their values, those at both ends.
     """
-    if small.size <= least or len(line) < 4:
+    if small.size <= least or small.contacts or len(line) < 4:
         return _on_the_whole(small, line, dict(known))
     most = max(_LESS, 1 - _MAKING / len(line)) * small.size
     spread = np.unique(np.linspace(0, len(line) - 1, first).round().astype(int)).tolist()

@@ -7,14 +7,16 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.left_vectors import POWERS
 from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Role
-from cea.eigen.sensitivity import POWERS
 from cea.reduced.pieces import Values
 from cea.reduced.products import like_times, real_times
 from cea.reduced.quadratic import quadratic_spectrum
+from cea.reduced.residuals import Residuals
 from cea.reduced.rounding import Rounding
-from cea.reduced.spectrum import ReducedSpectrum, Residuals, Settings, reduced_spectrum
+from cea.reduced.saddle import Saddle, SmallContact
+from cea.reduced.spectrum import ReducedSpectrum, Settings, reduced_spectrum
 from cea.reduced.stiff_norm import StiffNorm, stiff_norm
 
 LOCAL = 1e-5
@@ -86,6 +88,8 @@ class SmallPencil:
     norm
         Measures residuals where stiff pieces are stiffer than in the energy norm; None leaves them
         in that.
+    contacts
+        Contacts whose forces are unknowns; local bases have none.
     """
 
     pieces: tuple[SmallPiece, ...]
@@ -93,6 +97,7 @@ class SmallPencil:
     roundings: tuple[Seen, ...] = ()
     axes: Floats | None = None
     norm: StiffNorm | None = None
+    contacts: tuple[SmallContact, ...] = ()
 
     @property
     def size(self) -> int:
@@ -107,12 +112,13 @@ class SmallPencil:
     def at(self, values: Mapping[str, float]) -> ReducedSpectrum:
         """Eigenvalues of the window and its margin at values of all parameters."""
         K, M = (self._sum(role, values) for role in ("stiffness", "mass"))
-        rounding = self._rounding(values)
+        saddle = Saddle.at(self.contacts, values) if self.size else None
+        rounding = self._rounding(values, saddle)
         if self.damped:
             D = self._sum("damping", values)
-            found = quadratic_spectrum(K, D, M, self.settings, rounding)
+            found = quadratic_spectrum(K, D, M, self.settings, rounding, saddle)
         else:
-            found = reduced_spectrum(K, M, self.settings, rounding)
+            found = reduced_spectrum(K, M, self.settings, rounding, saddle)
         return found if self.axes is None else found.lifted(self.axes)
 
     def derivatives(
@@ -165,9 +171,29 @@ class SmallPencil:
                 change -= slope * found.kappa * projected
             if factor:
                 turned += factor * speeds[piece.role] * projected
+        change += self._moved_contacts(found, values, rates)
         with np.errstate(divide="ignore", invalid="ignore"):
             moved: Complexes = change / turned
         return moved
+
+    def _moved_contacts(
+        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
+    ) -> Complexes:
+        """What contacts whose forces are unknowns add to y^H dK x, shape (n,)."""
+        change: Complexes = np.zeros(len(found), dtype=complex)
+        first, y = 0, found.left.conj()
+        for each in self.contacts:
+            rows = slice(first, first + len(each.closes))
+            b, g, first = found.forces[rows], found.left_forces[rows].conj(), rows.stop
+            friction, compliance = (
+                sum(rate * of.derivative(name, values) for name, rate in rates.items())
+                for of in (each.friction, each.inverse_stiffness)
+            )
+            if friction:
+                change -= friction * np.einsum("ij,ij->j", y, real_times(each.slides.T, b))
+            if compliance:
+                change -= compliance * np.einsum("ij,ij->j", g, b)
+        return change
 
     def coordinates[T: (Floats, Complexes)](self, vectors: T) -> T:
         """Of vectors in the larger basis, in this one."""
@@ -262,7 +288,7 @@ class SmallPencil:
         """Coefficients of the pieces that are stiff."""
         return [piece.coefficient.at(values) for piece in self.pieces if piece.stiff]
 
-    def _rounding(self, values: Values) -> Rounding:
+    def _rounding(self, values: Values, saddle: Saddle | None) -> Rounding:
         """What rounding does to eigenvalues.
 
         That of full solves is less in proportion where it was seen at greater stiffness, but no
@@ -275,6 +301,9 @@ class SmallPencil:
         ]
         least = min((size for size, _ in self.roundings), default=0.0)
         entries = {role: self._entries(role, values) for role in POWERS}
+        if saddle is not None:
+            entries = {role: saddle.padded(each) for role, each in entries.items()}
+            entries["stiffness"] = saddle.rounded(self._entries("stiffness", values))
         return Rounding(max([least, *sizes]), entries, self.axes)
 
     def _entries(self, role: Role, values: Values) -> Floats:

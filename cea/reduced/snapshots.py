@@ -38,6 +38,21 @@ def real_vectors(norm: EnergyNorm, modes: Modes) -> Floats:
     return np.hstack(parts)
 
 
+def forces_of(modes: Modes, rows: slice) -> Floats:
+    """Real and imaginary parts of contact forces of modes and of their left vectors.
+
+    Parameters
+    ----------
+    modes
+        Modes with left vectors.
+    rows
+        The forces, among all of this rank.
+    """
+    assert modes.left is not None
+    both = [modes.forces[rows], modes.left.forces[rows]]
+    return np.hstack([part for each in both for part in (each.real, each.imag)])
+
+
 def _parts(norm: EnergyNorm, vectors: Complexes) -> Floats:
     square = norm.comm.allreduce(np.einsum("ij,ij->j", vectors, vectors))
     vectors = vectors * np.exp(-0.5j * np.angle(square))

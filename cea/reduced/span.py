@@ -3,7 +3,7 @@
 import numpy as np
 
 from cea.arrays import Floats
-from cea.reduced.norm import EnergyNorm
+from cea.reduced.norm import InnerProduct
 
 _RESOLVED = 1e-6
 """Part of the largest direction down to which a Gram matrix tells directions apart."""
@@ -27,7 +27,7 @@ class Span:
         The basis, the rows of this rank, shape (n_local, size).
     """
 
-    def __init__(self, norm: EnergyNorm, tolerance: float) -> None:
+    def __init__(self, norm: InnerProduct, tolerance: float) -> None:
         self.norm, self.tolerance = norm, tolerance
         self._store = np.empty((norm.rows, 0), order="F")
         self.size = 0
@@ -97,7 +97,7 @@ class Span:
         needed.
         """
         image = self.norm.image(block)
-        left = block - self.vectors @ self.norm.inner(self.vectors, image)
+        left = self.norm.held(block - self.vectors @ self.norm.inner(self.vectors, image))
         return left, self.norm.inner(left, image)
 
     def _append(self, block: Floats) -> None:

@@ -15,15 +15,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
+from scipy.linalg import eig, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.modes import uncertainties_of
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Certificate, certify
 from cea.reduced.products import real_times
+from cea.reduced.residuals import Residuals
 from cea.reduced.rounding import Rounding
-from cea.reduced.stiff_norm import StiffNorm
+from cea.reduced.saddle import Inverse, Saddle
 
 MARGIN = 1.15
 """Frequency up to which eigenvectors are taken into a basis, relative to the end of the window."""
@@ -87,33 +88,6 @@ class Settings:
 
 
 @dataclass(frozen=True)
-class Residuals:
-    """K or M of a reduced model at given parameters, with what its residuals need.
-
-    Parameters
-    ----------
-    square
-        V^T A V, shape (k, k).
-    right, left
-        Q^T A V and Q^T A^T V, shape (q, k).
-    lost
-        Norm of what these leave out.
-    norm
-        Measures residuals where a stiffness is larger; None leaves their lengths.
-    """
-
-    square: Floats
-    right: Floats
-    left: Floats
-    lost: float
-    norm: StiffNorm | None = None
-
-    def measured(self, residuals: Complexes) -> Complexes:
-        """Coordinates of residuals, shape (q, n), whose lengths are their norms."""
-        return residuals if self.norm is None else self.norm(residuals)
-
-
-@dataclass(frozen=True)
 class ReducedSpectrum:
     """Eigenvalues of a window, by rising frequency.
 
@@ -129,6 +103,8 @@ class ReducedSpectrum:
         Bounds on their errors.
     settings
         What they were made with.
+    forces, left_forces
+        Coordinates of their contact forces, shape (m, n).
     """
 
     kappa: Complexes
@@ -137,6 +113,8 @@ class ReducedSpectrum:
     left: Complexes
     certificate: Certificate
     settings: Settings
+    forces: Complexes
+    left_forces: Complexes
 
     def __len__(self) -> int:
         return len(self.kappa)
@@ -149,6 +127,8 @@ class ReducedSpectrum:
             self.left[:, modes],
             self.certificate[modes],
             self.settings,
+            self.forces[:, modes],
+            self.left_forces[:, modes],
         )
 
     @property
@@ -204,7 +184,11 @@ def upper_root(kappa: Complexes) -> Complexes:
 
 
 def reduced_spectrum(
-    stiffness: Residuals, mass: Residuals, settings: Settings, rounding: Rounding
+    stiffness: Residuals,
+    mass: Residuals,
+    settings: Settings,
+    rounding: Rounding,
+    saddle: Saddle | None,
 ) -> ReducedSpectrum:
     """Eigenvalues of a window and its margin.
 
@@ -216,12 +200,15 @@ def reduced_spectrum(
         What bounds are made with.
     rounding
         What rounding does to eigenvalues.
+    saddle
+        Contacts whose forces are unknowns.
     """
-    if not len(mass.square):
+    k, M = len(mass.square), mass.square
+    if not k:
         return without_a_basis(settings)
-    root = np.linalg.cholesky(mass.square)
-    factors = lu_factor(stiffness.square + settings.shift * mass.square)
-    theta, left, right = eig(root.T @ lu_solve(factors, root), left=True, right=True)
+    root = np.linalg.cholesky(M)
+    inverse = Inverse(stiffness.square + settings.shift * M, saddle)
+    theta, left, right = eig(root.T @ inverse(root), left=True, right=True)
     with np.errstate(divide="ignore"):
         kappa = 1 / theta - settings.shift
     eigenvalues = upper_root(kappa)
@@ -230,9 +217,15 @@ def reduced_spectrum(
     kappa, eigenvalues = kappa[order], eigenvalues[order]
     right = solve_triangular(root, right[:, order], lower=True, trans="T")
     left = solve_triangular(root, left[:, order], lower=True, trans="T")
+    if saddle is not None:
+        speeds = kappa + settings.shift
+        right = inverse.extended(right, M @ right * speeds)
+        left = inverse.extended_left(left, M @ left * speeds.conj())
+        stiffness, mass = saddle.with_stiffness(stiffness), saddle.beside(mass)
     outside = settings.outside(kappa)
     certificate = certify(kappa, right, left, stiffness, mass, outside, rounding)
-    return ReducedSpectrum(kappa, eigenvalues, right, left, certificate, settings)
+    vectors = right[:k], left[:k]
+    return ReducedSpectrum(kappa, eigenvalues, *vectors, certificate, settings, right[k:], left[k:])
 
 
 def without_a_basis(settings: Settings) -> ReducedSpectrum:
@@ -240,4 +233,6 @@ def without_a_basis(settings: Settings) -> ReducedSpectrum:
     none, vectors = np.empty(0), np.empty((0, 0), dtype=complex)
     certificate = Certificate(none, none, none, np.empty(0, dtype=np.int64), none)
     nothing = none.astype(complex)
-    return ReducedSpectrum(nothing, nothing, vectors, vectors, certificate, settings)
+    return ReducedSpectrum(
+        nothing, nothing, vectors, vectors, certificate, settings, vectors, vectors
+    )

@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.reduced.saddle import SmallContact
 from cea.reduced.small import SmallPencil, SmallPiece
 
 Arrays = Mapping[str, NDArray[Any]]
 """Arrays by their names."""
+_OF_CONTACTS = ("closes", "slides", "pushes", "rubs")
 
 
 def arrays_of(small: SmallPencil) -> dict[str, NDArray[Any]]:
@@ -25,6 +27,10 @@ def arrays_of(small: SmallPencil) -> dict[str, NDArray[Any]]:
         arrays[f"square{number}"], arrays[f"right{number}"] = piece.square, piece.right
         if not piece.symmetric:
             arrays[f"left{number}"] = piece.left
+    for number, contact in enumerate(small.contacts):
+        for name in _OF_CONTACTS:
+            arrays[f"{name}{number}"] = getattr(contact, name)
+        arrays[f"lost{number}"] = np.array(contact.lost)
     return arrays
 
 
@@ -44,6 +50,7 @@ def restored(small: SmallPencil, arrays: Arrays) -> SmallPencil:
         pieces=tuple(_piece(piece, i, arrays) for i, piece in enumerate(small.pieces)),
         settings=replace(small.settings, safety=float(arrays["safety"])),
         roundings=tuple(zip(arrays["rounding"].tolist(), stiff, strict=True)),
+        contacts=tuple(_contact(each, i, arrays) for i, each in enumerate(small.contacts)),
     )
 
 
@@ -52,3 +59,9 @@ def _piece(piece: SmallPiece, number: int, arrays: Arrays) -> SmallPiece:
     left = arrays.get(f"left{number}", right)
     lost = float(arrays["lost"][number])
     return replace(piece, square=arrays[f"square{number}"], right=right, left=left, lost=lost)
+
+
+def _contact(contact: SmallContact, number: int, arrays: Arrays) -> SmallContact:
+    closes, slides, pushes, rubs = (arrays[f"{name}{number}"] for name in _OF_CONTACTS)
+    lost = float(arrays[f"lost{number}"])
+    return replace(contact, closes=closes, slides=slides, pushes=pushes, rubs=rubs, lost=lost)

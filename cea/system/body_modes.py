@@ -9,12 +9,12 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.krylov_schur import solve_modes
-from cea.eigen.nearest import NearestSearch
+from cea.eigen.nearest import nearest
+from cea.eigen.options import KrylovOptions
 from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.shifted import Shifted, count_below
+from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
-from cea.timing import StageTimer
 
 _RIGID = 10.0
 """Frequency relative to its uncertainty up to which a motion is rigid, or lost."""
@@ -24,8 +24,6 @@ _BELOW = 1e-9
 """Square of a frequency that no elastic mode need be below, relative to :func:`_largest_ratio`."""
 _BEYOND = 1e-6
 """What is searched beyond the last mode asked for, relative to its frequency."""
-_TOLERANCE, _MOST_RESTARTS = 1e-8, 200
-"""Of the search for the frequency up to which modes are solved for."""
 
 
 @dataclass(frozen=True)
@@ -92,11 +90,9 @@ def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
     one, not less.
     """
     count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-    factors = Shifted(matrices, -least)
-    search = NearestSearch(matrices, factors, _TOLERANCE, _MOST_RESTARTS, StageTimer())
-    kappa, _ = search.nearest(count)
-    factors.free()
-    return float(np.sqrt(np.sort(kappa.real)[count - 1])) / (2 * np.pi)
+    found, op = nearest(matrices, -least, count, KrylovOptions())
+    op.free()
+    return float(np.sqrt(np.sort(found.eigenvalues().real)[count - 1])) / (2 * np.pi)
 
 
 def _window(matrices: Matrices, least: float, end: float, most: int) -> float:

@@ -10,8 +10,8 @@ from cea.contact.assembly import assemble_contact
 from cea.contact.forms import penalty_digits, with_forms
 from cea.contact.half_pass import HalfPass
 from cea.contact.operators import Contact
-from cea.contact.prescribed import force_of_prescribed
 from cea.contact.sliding import Sliding
+from cea.errors import InputError
 from cea.matrices import block_diagonal, destroy
 from cea.petsc import PETSc
 from cea.system.body_pieces import BodyPieces
@@ -93,7 +93,30 @@ def _load(
         load.restoreSubVector(index_sets[name], part)
     for contact in contacts:
         if contact.prescribed is not None and contact.half.law.linear:
-            force = force_of_prescribed(contact)
+            force = _force_of_prescribed(contact)
             load.axpy(-1.0, force)
             destroy(force)
     return load
+
+
+def _force_of_prescribed(contact: Contact) -> Any:
+    """Forces (N) of a closure that is prescribed, PETSc vector (free), against the motion.
+
+    The closure is G x + e with e prescribed; contact forces that stay unknowns are then those of
+    G x alone, of the same stiffness.
+
+    Raises
+    ------
+    InputError
+        When the contact is projected, lumped or tied, whose forces are not those at its points.
+    """
+    half = contact.half
+    if half.coupling != "pointwise" or not contact.has_pressure:
+        allowed = (
+            "pointwise and of finite stiffness where a support that prescribes a displacement "
+            "meets a side; or c_n, a law of the gap"
+        )
+        raise InputError(f"contacts.{contact.pair}.formulation", half.coupling, allowed)
+    assert contact.prescribed is not None
+    rubs = half.friction is not None and half.friction.acts
+    return contact.reactions.forces(half.stiffness * contact.prescribed, friction=rubs)

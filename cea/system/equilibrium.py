@@ -9,9 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.eigenpairs import internal_forces
 from cea.eigen.pencil import Matrices, release
-from cea.eigen.sizes import Sizes
+from cea.eigen.residuals import Sizes, internal_forces
 from cea.errors import ConvergenceError
 from cea.system.sliding_problem import SlidingProblem, State
 
@@ -58,9 +57,7 @@ def checked_residual(problem: SlidingProblem, state: State, tangent: Matrices) -
 def _rounding(problem: SlidingProblem, tangent: Matrices, x: Floats, f: Floats) -> float:
     """What rounding the entries of a tangent makes of the forces (N)."""
     sizes = Sizes(tangent)
-    forces = sizes.forces(np.abs(x), np.abs(f))
+    forces = sizes.forces(x, f)
     sizes.free()
-    if tangent.circulatory is not None:
-        forces += tangent.circulatory.sizes(x)
     (norm,) = problem.norms(np.finfo(float).eps * forces[:, 0])
     return float(norm)

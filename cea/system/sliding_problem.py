@@ -19,8 +19,8 @@ import numpy as np
 from cea.arrays import Floats
 from cea.contact.laws import NormalCompliance
 from cea.contact.operators import Contact
-from cea.eigen.eigenpairs import internal_forces
 from cea.eigen.pencil import Matrices, release
+from cea.eigen.residuals import internal_forces
 from cea.eigen.shifted import count_below
 from cea.matrices import destroy, scaled_total
 from cea.petsc import MPI, Vec

@@ -1,1 +1,1 @@
-"""The scene ``ventilated_brake`` on several meshes, with several contact stiffnesses."""
+"""The ventilated brake on meshes that become finer, and with contacts of other stiffness."""

@@ -8,36 +8,39 @@ stiffness (``cea accuracy``), and mortar does not lock where p is larger still.
 
 import resource
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import isclose
 from pathlib import Path
-from time import perf_counter
+from statistics import fmean
 from typing import Any
 
-from cea.eigen.mode_matching import ModeMatch
+import pandas as pd
+
 from cea.errors import InputError
 from cea.petsc import MPI
-from comparisons.kit.progress import Progress
-from comparisons.kit.run_warnings import Run, merged_warnings
+from comparisons.kit.numbers import decimals, number, per_cent, plain, shown
+from comparisons.kit.shapes import by_importance
+from comparisons.study.columns import Column
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.session import Session
+from comparisons.study.study import Case, Study
 from scenes.memory import estimated_memory
 from scenes.read import Scene, load_scene
-from scenes.results import ModesResult
-from scenes.run import run_modes
 from scenes.run_matching import match_runs
-from scenes.stored import record
 from scenes.variants import with_contact
 
-COMMAND = "brake"
-"""Command that a result is marked with."""
-
 SCENE = "ventilated_brake"
-
 _KILOBYTE = 1024
 """Bytes of the unit in which the system tells the peak of a process."""
+_PARTNERS = 1e-10
+"""Relative distance of the frequencies of a growing mode and its decaying partner."""
 
 
 @dataclass(frozen=True)
-class BrakeStudy:
-    """What is run.
+class Options:
+    """Options of the study.
 
     Parameters
     ----------
@@ -47,8 +50,6 @@ class BrakeStudy:
         Contact stiffnesses p (N/m^3) that are run on the coarsest mesh.
     overrides
         Fields of the scene that differ, as ``--set`` takes them.
-    pictures
-        Pictures at most of unstable modes, on the finest mesh.
 
     Raises
     ------
@@ -59,7 +60,6 @@ class BrakeStudy:
     sizes: tuple[float, ...] = (0.012, 0.0075, 0.006)
     stiffnesses: tuple[float, ...] = (5e12, 5e13, 5e14)
     overrides: tuple[str, ...] = ()
-    pictures: int = 4
 
     def __post_init__(self) -> None:
         falling = all(a > b > 0 for a, b in zip(self.sizes, self.sizes[1:], strict=False))
@@ -67,149 +67,246 @@ class BrakeStudy:
             raise InputError("sizes", self.sizes, "one or more positive lengths (m), falling")
 
 
-def run_brake(study: BrakeStudy, progress: Progress, out: Path) -> Iterator[dict[str, Any]]:
-    """Run every mesh, the stiffnesses on the coarsest, and draw what is unstable on the finest.
-
-    Parameters
-    ----------
-    study
-        What is run.
-    progress
-        Told what is being run.
-    out
-        Folder for pictures; rank 0 writes them.
-
-    Yields
-    ------
-    dict
-        The record so far after each mesh, so that a finer one that ends in want of memory or time
-        leaves the others: ``runs``, one for each mesh, with ``size`` (m), ``p`` (N/m^3), ``dofs``,
-        ``seconds``, ``timings``, ``memory`` (bytes) measured and estimated, the evidence of the
-        window, and ``modes``; ``matches`` of each mesh with the next; ``stiffnesses``, runs
-        likewise, of the coarsest; ``pictures``, names of files, with the last mesh.
-    """
-    begun = perf_counter()
-    runs: list[dict[str, Any]] = []
-    told: list[Run] = []
-    matches: list[dict[str, Any]] = []
-    stiffnesses: list[dict[str, Any]] = []
-    coarser: ModesResult | None = None
-    for size in study.sizes:
-        scene = scene_of_size(size, study.overrides)
-        progress.step(f"size {size * 1e3:g} mm")
-        result = run_modes(scene, listener=progress.stage)
-        runs.append({"size": size, **_described(result)})
-        told.append(_told(size, result))
-        if coarser is None:
-            for again in _with_stiffnesses(result, study.stiffnesses, progress):
-                stiffnesses.append(_described(again))
-                told += [] if again is result else [_told(size, again)]
-        else:
-            progress.stage("matching")
-            matches.append(_plain(match_runs(coarser, result)))
-        last = len(runs) == len(study.sizes)
-        data = {
-            "runs": list(runs),
-            "matches": list(matches),
-            "stiffnesses": stiffnesses,
-            "pictures": _draw(result, study.pictures, progress, out) if last else [],
-        }
-        seconds = perf_counter() - begun
-        warnings = merged_warnings(told, "runs")
-        yield record(COMMAND, data, inputs=asdict(study), seconds=seconds, warnings=warnings)
-        coarser = result
+def cases(options: Options) -> Iterator[Case]:
+    """Every mesh with the stiffness of the scene; other stiffnesses on the coarsest."""
+    own = next(iter(load_scene(SCENE, options.overrides).contacts.values())).p
+    for size in options.sizes:
+        yield {"size": size, "p": own}
+    for p in options.stiffnesses:
+        if p != own:
+            yield {"size": options.sizes[0], "p": p}
 
 
-def _draw(result: ModesResult, most: int, progress: Progress, out: Path) -> list[str]:
-    """Draw unstable modes, so many at most; names of the files."""
-    count = min(most, int(result.unstable.sum()))
-    if not count:
-        return []
-    from scenes.pictures import draw_modes  # brings in pyvista
-
-    progress.step("pictures")
-    return [picture.name for picture in draw_modes(result, count, out)]
+def scene(case: Case, options: Options) -> Scene:
+    """The scene of a case."""
+    return with_contact(scene_of_size(case["size"], options.overrides), p=case["p"])
 
 
 def scene_of_size(size: float, overrides: Iterable[str] = ()) -> Scene:
     """``ventilated_brake`` with tetrahedra of one target edge length (m) in disc and pads."""
-    scene = load_scene(Path(SCENE), list(overrides))
+    brake = load_scene(Path(SCENE), list(overrides))
     bodies = {}
-    for name, body in scene.bodies.items():
+    for name, body in brake.bodies.items():
         assert body.mesh.fe is not None
         mesh = replace(body.mesh, fe=replace(body.mesh.fe, size=size))
         bodies[name] = replace(body, mesh=mesh)
-    return replace(scene, bodies=bodies)
+    return replace(brake, bodies=bodies)
 
 
-def _with_stiffnesses(
-    result: ModesResult, stiffnesses: Iterable[float], progress: Progress
-) -> Iterator[ModesResult]:
-    """Runs with other contact stiffnesses, on the bodies and contact points of one run."""
-    for p in stiffnesses:
-        again = result
-        if p != _stiffness(result.scene):
-            progress.step(f"p = {p:g} N/m^3")
-            again = run_modes(
-                with_contact(result.scene, p=p),
-                bodies=result.bodies,
-                interfaces=result.interfaces,
-                listener=progress.stage,
-            )
-        yield again
-
-
-def _told(size: float, result: ModesResult) -> Run:
-    """Which run it is, and what it warns of."""
-    point = {"size": size, "p": _stiffness(result.scene)}
-    return point, [warning.plain() for warning in result.warnings]
-
-
-def _stiffness(scene: Scene) -> float | str | None:
-    """Contact stiffness p of all contacts (N/m^3), a number or an expression."""
-    return next(iter(scene.contacts.values())).p
-
-
-def _described(result: ModesResult) -> dict[str, Any]:
-    """One run as plain data; collective."""
+def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
+    """A run, its modes, and which modes of the next coarser mesh stand for which of them."""
+    sizes, matches = session.options.sizes, []
+    before = [size for size in sizes if size > case["size"]]
+    coarser = None
+    if before:  # the run before this one, unless the study was resumed here
+        coarser = session.solve(scene({**case, "size": before[-1]}, session.options))
+    result = session.solve()
+    if coarser is not None:
+        for group in match_runs(coarser, result).groups:
+            numbers = {"first": group.first.tolist(), "second": group.second.tolist()}
+            matches.append(numbers | {"assurance": group.assurance})
+    rows, window = result.table(), result.modes.window
+    name = f"{case['size']:g}-{case['p']}"
+    if case["size"] == sizes[-1]:
+        kept = [i for i in by_importance(result) if rows[i]["verdict"] != "stable"]
+        session.keep_modes(name, result, kept)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _KILOBYTE
-    window = result.modes.window
-    return {
-        "p": _stiffness(result.scene),
-        "dofs": result.system.size,
+    run = {
+        "dofs": result.dofs,
+        "modes": len(rows),
+        "unstable": sum(row["verdict"] == "unstable" for row in rows),
+        "complete": bool(window.complete),
         "seconds": result.timer.total,
-        "timings": dict(result.timer.seconds),
-        "memory": {
-            "measured": result.comm.allreduce(peak, MPI.SUM),
-            "estimated": estimated_memory(result.scene).bytes,
-        },
-        "complete": window.complete,
+        "factorisation": result.timer.seconds["factorisation"],
+        "krylov": result.timer.seconds["krylov"],
+        "memory": result.comm.allreduce(peak, MPI.SUM) / 1e9,
+        "estimated": estimated_memory(result.scene).bytes / 1e9,
         "evidence": window.evidence,
         "verdict": result.verdict,
-        "warnings": [warning.kind for warning in result.warnings],
-        "modes": [
-            {
-                "frequency": row["frequency"],
-                "growth": row["growth_rate"],
-                "uncertainty": row["uncertainty"],
-                "verdict": row["verdict"],
-            }
-            for row in result.table()
-        ],
     }
+    modes = [
+        {
+            "shape": f"{name}/{row['mode']}",
+            "mode": row["mode"],
+            "frequency": row["frequency"],
+            "growth": row["growth_rate"],
+            "damping_ratio": row["damping_ratio"],
+            "uncertainty": row["uncertainty"],
+            "verdict": row["verdict"],
+        }
+        for row in rows
+    ]
+    return {"brake_runs": [run], "modes": modes, "matches": matches}
 
 
-def _plain(match: ModeMatch) -> dict[str, Any]:
-    """Modes of two runs that stand for one another, as numbers from 0."""
-    return {
-        "groups": [
-            {
-                "first": group.first.tolist(),
-                "second": group.second.tolist(),
-                "assurance": group.assurance,
-            }
-            for group in match.groups
-        ],
-        "only_first": match.only_first.tolist(),
-        "only_second": match.only_second.tolist(),
-    }
+def on_meshes(result: StudyResult, table: str) -> pd.DataFrame:
+    """Rows of the runs with the stiffness of the scene."""
+    frame = result.frame(table)
+    return frame if frame.empty else frame[frame["p"] == result.cases[0]["labels"]["p"]]
+
+
+def brake_runs(result: StudyResult) -> pd.DataFrame:
+    """What each mesh gave and took."""
+    frame = on_meshes(result, "brake_runs").drop(columns=["p", "evidence", "verdict"])
+    return frame.assign(size=frame["size"] * 1e3)
+
+
+def brake_modes(result: StudyResult) -> pd.DataFrame:
+    """Every mode of the finest mesh, or group of modes that nearly coalesce, over all meshes."""
+    modes = on_meshes(result, "modes")
+    sizes = list(modes["size"].unique())
+    by_size = [modes[modes["size"] == size].reset_index(drop=True) for size in sizes]
+    rows = []
+    for members in _over_meshes(result, by_size):
+        found = [own.iloc[numbers] for own, numbers in zip(by_size, members, strict=True)]
+        means = [fmean(own["frequency"]) if len(own) else None for own in found]
+        known = [mean for mean in means if mean is not None]
+        fastest = [own.loc[own["growth"].idxmax()] if len(own) else None for own in found]
+        last = fastest[-1]
+        assert last is not None
+        row: dict[str, Any] = {"modes": ", ".join(str(i + 1) for i in members[-1])}
+        row |= {f"frequency_{s * 1e3:g}mm": m for s, m in zip(sizes, means, strict=True)}
+        row["spread"] = (max(known) - min(known)) / known[-1] if len(known) > 1 else None
+        growths = [None if mode is None else mode["growth"] for mode in fastest]
+        row |= {f"growth_{s * 1e3:g}mm": g for s, g in zip(sizes, growths, strict=True)}
+        rows.append(row | {"damping_ratio": last["damping_ratio"], "verdict": last["verdict"]})
+    return pd.DataFrame(rows)
+
+
+def _over_meshes(result: StudyResult, by_size: list[pd.DataFrame]) -> Iterator[list[list[int]]]:
+    """Numbers of the modes on each mesh that stand for one another, by those of the finest.
+
+    The growing and the decaying mode of a pair, which were one mode each before they met, stay
+    together.
+    """
+    every = on_meshes(result, "matches")
+    sizes = [own["size"].iloc[0] for own in by_size[1:]]
+    matches = [every[every["size"] == size].to_dict("records") for size in sizes]
+    frequencies = by_size[-1]["frequency"].tolist()
+    groups = [set(group["second"]) for group in matches[-1]] if matches else []
+    groups += [{i} for i in range(len(frequencies)) if not any(i in group for group in groups)]
+    for i, j in pairwise(range(len(frequencies))):
+        if isclose(frequencies[i], frequencies[j], rel_tol=_PARTNERS):
+            together = [group for group in groups if group & {i, j}]
+            groups = [group for group in groups if group not in together]
+            groups.append(set().union(*together))
+    for members in sorted(map(sorted, groups)):
+        chain = [members]
+        for match in reversed(matches):
+            before = [g["first"] for g in match if set(g["second"]) & set(chain[0])]
+            chain.insert(0, sorted({i for first in before for i in first}))
+        yield chain
+
+
+def brake_unstable(result: StudyResult) -> pd.DataFrame:
+    """Unstable pairs of every run: the growing mode of each."""
+    frame = result.frame("modes")
+    frame = frame[frame["verdict"] == "unstable"].drop(columns=["mode", "verdict"])
+    return frame.assign(size=frame["size"] * 1e3)
+
+
+def brake_stiffness(result: StudyResult) -> pd.DataFrame:
+    """Runs on the coarsest mesh with every stiffness, and the fastest mode of each."""
+    runs = result.frame("brake_runs")
+    runs = runs[runs["size"] == runs["size"].max()].sort_values("p", kind="stable")
+    unstable = result.frame("modes").query("verdict == 'unstable'")
+    rows = []
+    for run in runs.to_dict("records"):
+        own = unstable[(unstable["size"] == run["size"]) & (unstable["p"] == run["p"])]
+        first = own.loc[own["growth"].idxmax()] if len(own) else {"growth": None, "frequency": None}
+        row = {name: run[name] for name in ("p", "modes", "unstable")}
+        row |= {"fastest": first["growth"], "at": first["frequency"]}
+        rows.append(row | {name: run[name] for name in ("complete", "verdict")})
+    return pd.DataFrame(rows)
+
+
+def headline(result: StudyResult) -> str:
+    """How many unstable pairs the finest mesh has, and how far they are from converged."""
+    grow = brake_modes(result)
+    grow = grow[grow["verdict"] == "unstable"]
+    spread = number(100 * grow["spread"].max(), 2) if grow["spread"].notna().any() else "–"
+    return f"{len(grow)} unstable pairs on the finest mesh; their frequencies spread by {spread} %."
+
+
+def points(result: StudyResult) -> pd.DataFrame:
+    """Modes of all meshes."""
+    frame = on_meshes(result, "modes")
+    return frame.assign(size=frame["size"] * 1e3)
+
+
+def at_stiffnesses(result: StudyResult) -> pd.DataFrame:
+    """Modes of the coarsest mesh at every stiffness."""
+    frame = result.frame("modes")
+    return frame[frame["size"] == frame["size"].max()]
+
+
+_MODES = {"modes": Column("mode"), "damping_ratio": Column("damping ratio", show=shown(2))}
+_MODES |= {"spread": Column("spread", "%", per_cent)}
+OWN = {
+    "size": Column("size", "mm", plain),
+    "p": Column("p", "N/m³", plain),
+    "modes": Column("modes", show=number),
+    "unstable": Column("unstable pairs", show=number),
+    "seconds": Column("time", "s", decimals(0)),
+    "factorisation": Column("factors", "s", decimals(0)),
+    "krylov": Column("Krylov", "s", decimals(0)),
+    "memory": Column("memory", "GB", decimals(1)),
+    "estimated": Column("estimated", "GB", decimals(1)),
+    "damping_ratio": Column("damping ratio", show=shown(3)),
+    "uncertainty": Column("algebraic error", "1/s", shown(1)),
+    "fastest": Column("fastest growth", "1/s", shown(4)),
+    "at": Column("at", "Hz", decimals(1)),
+}
+STUDY = Study(
+    name="brake",
+    title="A ventilated brake between two pads",
+    options=Options,
+    cases=cases,
+    scene=scene,
+    evaluate=evaluate,
+    shipped=Path(__file__).with_name("results"),
+    quick={
+        "sizes": (0.04, 0.03),
+        "stiffnesses": (5e13, 5e14),
+        "overrides": (
+            *(f"bodies.{b}.mesh.fe.degree=1" for b in ("disc", "lower_pad", "upper_pad")),
+            "bodies.disc.geometry={shape='annulus',inner_radius=0.08,outer_radius=0.18,bottom=0,top=0.035}",
+            "bodies.disc.supports=[{surface='inner'}]",
+            "contacts.lower.b=disc.bottom",
+            "contacts.upper.b=disc.top",
+        ),
+    },
+    sections=[
+        Section(
+            "Meshes",
+            "Modes of the finest mesh and what they are on the others: means of modes that nearly "
+            "coalesce, the largest of their growth rates.",
+            headline,
+            [
+                Table("brake_runs", "Every mesh.", brake_runs, OWN, printed=True),
+                Table("brake_modes", "Modes over the meshes.", brake_modes, _MODES, printed=True),
+                Table("brake_unstable", "Unstable pairs.", brake_unstable, OWN, printed=True),
+            ],
+            [
+                Plot(
+                    *("brake", "Every mode of every mesh.", points, "frequency", "growth"),
+                    *(("size",), "", "", OWN),
+                    style="markers",
+                )
+            ],
+            modes=True,
+        ),
+        Section(
+            "Contact stiffness",
+            "On the coarsest mesh.",
+            tables=[Table("brake_stiffness", "Every p.", brake_stiffness, OWN, printed=True)],
+            plots=[
+                Plot(
+                    *("brake_p", "Every mode at every p.", at_stiffnesses, "frequency", "growth"),
+                    *(("p",), "", "", OWN),
+                    style="markers",
+                )
+            ],
+        ),
+    ],
+)

@@ -23,23 +23,23 @@ COMMANDS = {
     "study": ("study:app", "Run a study: both backends, formulations, accuracy, damping, ..."),
     "figure": ("paper:figure", "Make a figure of the paper."),
     "claims": ("paper:claims", "Judge the paper's claims by the figures' data."),
-    "stability": ("studies:stability", "Run stiff and extreme scenes against references."),
     "bench": ("bench:app", "Time and memory beside other programs and methods."),
     "scene": ("scene:app", "Look at scenes without running them."),
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
-    "export": ("export:export", "Write a scene as input decks of other programs."),
     "doctor": ("doctor:doctor", "Tell whether this installation works, and what mends it."),
-    "compare": ("studies:compare", "Both scenes on both backends with every formulation."),
-    "formulations": ("studies:formulations", "Patch tests, locking, momentum, pairings."),
     "accuracy": ("studies:accuracy", "Error of every method against run time."),
-    "reference": ("studies:reference", "Show the converged modes of disc_pad."),
-    "brake": ("brake:brake", "Run ventilated_brake on three meshes."),
-    "race": ("race:race", "Time a scene of matrices beside other programs."),
-    "peers": ("peers:peers", "What CalculiX and this program find on the same meshes."),
 }
 """Place of each command below this package, and its help."""
 RENAMED = {
+    "brake": "study brake",
     "damping": "study damping",
+    "stability": "study stability",
+    "compare": "study agreement",
+    "export": "scene export",
+    "formulations": "study formulations",
+    "peers": "bench calculix",
+    "race": "bench matrices",
+    "reference": "study reference",
 }
 """Commands under the names that they had, and what they are called now."""
 

@@ -5,6 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from comparisons.cli.peers import peers
+from comparisons.cli.race import race
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
@@ -13,9 +16,13 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     no_args_is_help=True,
+    add_completion=False,
     rich_markup_mode=None,
     help="Time and memory beside other programs and methods, on this machine.",
 )
+
+app.command("matrices")(race)
+app.command("calculix")(peers)
 
 _REDRAW = "Draw the result in --out anew, run nothing."
 _OUT = "Folder of the result."

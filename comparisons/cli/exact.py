@@ -13,7 +13,12 @@ if TYPE_CHECKING:
     from exact_cea.entries import Entry
     from exact_cea.material import Material
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
 
 
 @app.callback()

@@ -1,4 +1,4 @@
-"""The command ``cea export``: a scene for other programs."""
+"""The command ``cea scene export``: a scene for other programs."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -23,7 +23,7 @@ def export(
     """Write a scene of Lagrange elements as input decks of CalculiX and Abaqus."""
     from cea.petsc import MPI
     from comparisons.cli.output import console
-    from scenes.deck.write import write_deck
+    from scenes.export.decks.write import write_deck
     from scenes.read import load_scene
 
     with console.status("export"):

@@ -1,6 +1,7 @@
 """What commands print: progress, tables, results."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -65,7 +66,7 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
     """
     from comparisons.study.page import ShownTable
 
-    made = ShownTable.of(table, result)
+    made = ShownTable.of(replace(table, group=""), result)
     cells = [row["cells"] for _, rows in made.groups() for row in rows]
     columns = [
         ShownColumn(shown.axis, [printable(row[i][0]) for row in cells], head["number"])

@@ -1,4 +1,4 @@
-"""The command ``cea peers``: CalculiX beside this program."""
+"""The command ``cea bench calculix``: CalculiX beside this program."""
 
 from pathlib import Path
 from typing import Annotated

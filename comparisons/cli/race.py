@@ -1,4 +1,4 @@
-"""The command ``cea race``: run time beside scipy."""
+"""The command ``cea bench matrices``: run time beside scipy."""
 
 from pathlib import Path
 from typing import Annotated

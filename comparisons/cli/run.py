@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 if TYPE_CHECKING:
-    from cea.eigen.disc_searches import Solver
     from comparisons.cli.progress import Working
     from scenes.matrix_run import MatrixResult
     from scenes.matrix_scene import MatrixScene
@@ -25,10 +24,6 @@ def run(
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
-    solver: Annotated[
-        Literal["block", "krylov-schur"],
-        typer.Option(help="What searches for modes; krylov-schur is slower, a reference."),
-    ] = "block",
     out: Annotated[
         Path | None,
         typer.Option(help="Folder for result.json and all else; results/NAME by default."),
@@ -48,8 +43,6 @@ def run(
     from scenes.matrix_scene import is_of_matrices, load_matrices
 
     inputs = {"scene": scene, "set": set_ or [], "backend": backend}
-    if solver != "block":
-        inputs["solver"] = solver
     if is_of_matrices(scene):
         _refuse("backend", backend, "left out: a scene of matrices has no bodies")
         if explain:
@@ -58,13 +51,13 @@ def run(
         chosen = load_matrices(scene, set_ or (), data)
         inputs |= {"data": data}
         out = out or _results_of(chosen)
-        report_matrices(chosen, out, inputs, overwrite, report=report, solver=solver)
+        report_matrices(chosen, out, inputs, overwrite, report=report)
         return
     _refuse("data", data, "left out: a scene of bodies reads no matrices")
     if explain:
         explain_bodies(scene, set_ or [], backend)
         return
-    _run_bodies(inputs, out, overwrite, report=report, solver=solver)
+    _run_bodies(inputs, out, overwrite, report=report)
 
 
 def _results_of(scene: "Scene | MatrixScene") -> Path:
@@ -88,7 +81,6 @@ def report_matrices(
     overwrite: bool,
     *,
     report: bool = False,
-    solver: "Solver" = "block",
 ) -> None:
     """Run a scene of matrices, print its modes and write its result.json."""
     from comparisons.cli.extras import need
@@ -103,7 +95,7 @@ def report_matrices(
         check_run_out(out, inputs, overwrite=overwrite)
         if report:
             need("pictures")
-        result = run_matrices(scene, solver=solver, listener=work.stage)
+        result = run_matrices(scene, listener=work.stage)
     _write(result, out, inputs, report=report)
 
 
@@ -113,7 +105,6 @@ def _run_bodies(
     overwrite: bool,
     *,
     report: bool,
-    solver: "Solver",
 ) -> None:
     """Run a scene of bodies and write its result.json, pictures and files for ParaView."""
     from comparisons.cli.extras import need
@@ -131,7 +122,7 @@ def _run_bodies(
         check_run_out(out, inputs, overwrite=overwrite)
         if chosen.output.pictures or chosen.output.paraview or report:
             need("pictures")
-        result = run_scene(chosen, solver=solver, listener=work.stage)
+        result = run_scene(chosen, listener=work.stage)
     _write(result, out, inputs, report=report)
 
 

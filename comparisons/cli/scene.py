@@ -7,7 +7,15 @@ from typing import Annotated, Literal
 
 import typer
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, rich_markup_mode=None)
+from comparisons.cli.export import export
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+app.command("export")(export)
 
 _Set = Annotated[
     list[str] | None, typer.Option("--set", help="Override, e.g. loads[0].pressure=1e5")

@@ -1,7 +1,7 @@
 """The command ``cea solve``: modes of matrices given as files."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 
@@ -25,10 +25,6 @@ def solve(
         float | None,
         typer.Option(help="Growth rate (1/s), zero or less, down to which damped modes count."),
     ] = None,
-    solver: Annotated[
-        Literal["block", "krylov-schur"],
-        typer.Option(help="What searches for modes; krylov-schur is slower, a reference."),
-    ] = "block",
     out: Annotated[Path, typer.Option(help="Folder for result.json.")] = Path("results/solve"),
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Let go of a result of other matrices there.")
@@ -62,6 +58,4 @@ def solve(
     given: dict[str, Any] = {"mass": mass, "damping": damping, "stiffness": stiffness}
     if symmetric is not None:
         given["symmetric"] = symmetric
-    if solver != "block":
-        given["solver"] = solver
-    report_matrices(scene, out, {**given, **analysis}, overwrite, report=report, solver=solver)
+    report_matrices(scene, out, {**given, **analysis}, overwrite, report=report)

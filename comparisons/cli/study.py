@@ -18,7 +18,18 @@ if TYPE_CHECKING:
     from comparisons.study.result import StudyResult
     from comparisons.study.study import Study
 
-STUDIES = {
+STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "agreement": ("agreement:STUDY", "Both backends on the same scenes, every formulation.", ()),
+    "formulations": (
+        *("formulations.study:STUDY", "Which formulations pass patch tests, lock, keep momentum."),
+        ("exact",),
+    ),
+    "stability": (
+        *("stability.study:STUDY", "Stiff and extreme scenes beside references."),
+        ("exact",),
+    ),
+    "brake": ("brake.study:STUDY", "A ventilated brake on several meshes.", ()),
+    "reference": ("reference.study:STUDY", "Converged modes of disc and pad, as stored.", ()),
     "damping": ("damping:STUDY", "How damping moves the threshold of flutter.", ("exact",)),
 }
 """Place of each study below comparisons, its help, and the extras that it needs beside pictures."""

@@ -6,158 +6,186 @@ Two layers slide on each other with meshes of 12 against 13 elements; exact eige
 for any p (:mod:`exact_cea`).
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
 from math import inf, isfinite, tau
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from cea.arrays import Complexes
 from cea.eigen.eigenvalue_matching import match_spectrum
-from cea.timing import StageTimer
-from comparisons.formulations.timings import summed
-from comparisons.formulations.variants import Variant, variants
-from comparisons.kit.progress import Progress
+from comparisons.kit.numbers import number, shown
+from comparisons.study.columns import Column, wide
+from comparisons.study.formulations import Variant, variants
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.session import Session
+from comparisons.study.study import Case
 from exact_cea.reference import exact_eigenvalues
-from scenes.build import build_bodies
+from scenes.names import backend_name
 from scenes.read import Scene, load_scene
-from scenes.run import run_modes
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.variants import BACKENDS, on_backend
+from scenes.variants import on_backend
 
 _MARGIN = 1.15
 """How far beyond the exact eigenvalues is searched: locked ones lie too high."""
+_LOCKED = 10.0
+"""Growth of the error from the least to that at the largest p from which a formulation locks."""
 
 
 @dataclass(frozen=True)
-class LockingStudy:
-    """Meshes, stiffnesses and formulations of the study.
+class Options:
+    """Options of locking.
 
     Parameters
     ----------
-    stiffnesses
-        Contact stiffnesses p; body a has E = 0.1 and thickness 0.5.
+    p
+        Contact stiffnesses (N/m^3); body a has E = 0.1 and thickness 0.5. Infinite ones are run in
+        the saddle form.
     mu0
         Amplitude of the friction coefficient mu0 sin(pi x / 2).
     max_frequency
         Highest Im lambda of the exact eigenvalues that are looked at: six lie below 2.2.
     elements_a, elements_b
         Elements along x and y.
-    degree
-        Degree on both sides, splines with continuity degree - 1.
-    gauss
+    locking_degree
+        Degree on both sides, splines with continuity one less.
+    locking_gauss
         GPTS points per element; lumped and in a full pass too.
-    grid
+    locking_grid
         Equally spaced points over side a.
-    tied
-        Whether p = infinity is run too, in the saddle form.
-    only
-        Labels of formulations (:mod:`comparisons.formulations.variants`); empty takes all.
     backends
         Backends, both sides on the same.
+    formulations
+        Labels of formulations; all by default.
     """
 
-    stiffnesses: tuple[float, ...] = tuple(float(10**k) for k in range(10))
+    p: tuple[float, ...] = (*(float(10**k) for k in range(10)), inf)
     mu0: float = 0.3
     max_frequency: float = 2.2
     elements_a: tuple[int, int] = (12, 4)
     elements_b: tuple[int, int] = (13, 8)
-    degree: int = 2
-    gauss: tuple[int, ...] = (3, 6)
-    grid: int = 37
-    tied: bool = True
-    only: tuple[str, ...] = ()
-    backends: tuple[Backend, ...] = BACKENDS
+    locking_degree: int = 2
+    locking_gauss: tuple[int, ...] = (3, 6)
+    locking_grid: int = 37
+    backends: tuple[str, ...] = ("fe", "iga")
+    formulations: tuple[str, ...] = ()
 
-    def scene(self, backend: Backend) -> Scene:
-        """The `blocks` scene on the meshes of the study."""
-        overrides = [f"contacts.interface.mu={self.mu0!r}*sin(pi*x/2)"]
-        scene = on_backend(load_scene(Path("blocks"), overrides), backend)
-        upper, lower = (
-            replace(scene.bodies[name], mesh=self._mesh(elements))
-            for name, elements in (("upper", self.elements_a), ("lower", self.elements_b))
+
+def offered(options: Options, backend: Any) -> dict[str, Variant]:
+    """Formulations by label, with about as many grid points over side a on either backend."""
+    grid = options.locking_grid
+    if backend == "fe":
+        grid = 1 + max(1, round((grid - 1) / options.elements_a[0]))
+    every = variants((backend, backend), gauss=options.locking_gauss, grid=grid)
+    chosen = options.formulations or [v.label for v in every]
+    return {v.label: v for v in every if v.label in chosen}
+
+
+def cases(options: Options) -> Iterator[Case]:
+    """Every formulation on both backends at every p; lumped matrices have no p = infinity."""
+    for backend in options.backends:
+        for label, variant in offered(options, backend).items():
+            for p in options.p:
+                if p < inf or variant.has_saddle_form:
+                    yield {"backend": backend, "formulation": label, "p": p}
+
+
+def scene(case: Case, options: Options) -> Scene:
+    """The ``blocks`` scene on the meshes of the study with the contact of a case."""
+    mu = f"contacts.interface.mu={options.mu0!r}*sin(pi*x/2)"
+    blocks = on_backend(load_scene(Path("blocks"), [mu]), case["backend"])
+    degree = options.locking_degree
+    bodies = {
+        name: replace(
+            blocks.bodies[name],
+            mesh=MeshSpec(
+                fe=FeMesh("quadrilateral", degree, elements=elements),
+                iga=IgaMesh((degree, degree), elements),
+            ),
         )
-        return replace(scene, bodies={"upper": upper, "lower": lower})
-
-    def variants(self, backend: Backend) -> tuple[Variant, ...]:
-        """Formulations on a backend, with about as many grid points over side a on either."""
-        grid = self.grid
-        if backend == "fe":
-            grid = 1 + max(1, round((self.grid - 1) / self.elements_a[0]))
-        every = variants((backend, backend), gauss=self.gauss, grid=grid)
-        return tuple(v for v in every if not self.only or v.label in self.only)
-
-    def _mesh(self, elements: tuple[int, int]) -> MeshSpec:
-        return MeshSpec(
-            fe=FeMesh("quadrilateral", self.degree, elements=elements),
-            iga=IgaMesh((self.degree, self.degree), elements),
-        )
-
-
-DEFAULT = LockingStudy()
-
-
-def run_locking(progress: Progress, study: LockingStudy = DEFAULT) -> dict[str, Any]:
-    """Error of the lowest eigenvalues against p for every formulation.
-
-    Returns
-    -------
-    dict
-        Plain data: ``study``; ``p``; ``exact``, eigenvalues as [re, im] for each p; ``runs`` with
-        ``backend``, ``formulation``, ``points`` of the rule, ``traces`` (scalar dofs of side a on
-        the interface), ``errors``, for each p the worst of abs(lambda_h - lambda) / abs(lambda),
-        None where one is more than 15 per cent off, and ``tied_error``, the same for p = infinity,
-        None too where that was not run; ``timings`` over all runs.
-    """
-    stiffnesses = (*study.stiffnesses, inf) if study.tied else study.stiffnesses
-    exact = {}
-    for p in stiffnesses:
-        progress.step(f"locking, exact eigenvalues, p = {p:g}")
-        exact[p] = exact_eigenvalues("blocks", p=p, mu=study.mu0, max_frequency=study.max_frequency)
-    timings: list[Mapping[str, float]] = []
-    runs = [
-        run for backend in study.backends for run in _runs(progress, timings, study, backend, exact)
-    ]
-    return {
-        "study": asdict(study),
-        "p": list(study.stiffnesses),
-        "exact": [[[v.real, v.imag] for v in exact[p].tolist()] for p in study.stiffnesses],
-        "runs": runs,
-        "timings": summed(timings),
+        for name, elements in (("upper", options.elements_a), ("lower", options.elements_b))
     }
+    analysis = ComplexEigenvalueAnalysis("cea", _MARGIN * options.max_frequency / tau)
+    variant = offered(options, case["backend"])[case["formulation"]]
+    return variant.of(replace(blocks, bodies=bodies, analysis=analysis), p=case["p"])
 
 
-def _runs(
-    progress: Progress,
-    timings: list[Mapping[str, float]],
-    study: LockingStudy,
-    backend: Backend,
-    exact: Mapping[float, Complexes],
-) -> Iterator[dict[str, Any]]:
-    top = _MARGIN * study.max_frequency / tau
-    scene = replace(study.scene(backend), analysis=ComplexEigenvalueAnalysis("cea", top))
-    meshing = StageTimer(progress.stage)
-    bodies = build_bodies(scene, meshing)
-    timings.append(meshing.seconds)
-    for variant in study.variants(backend):
-        errors: dict[float, float | None] = {}
-        for p, values in exact.items():
-            if p == inf and not variant.has_saddle_form:
-                continue
-            progress.step(f"locking, {backend}, {variant.label}, p = {p:g}")
-            result = run_modes(variant.of(scene, p=p), bodies=bodies, listener=progress.stage)
-            timings.append(result.timer.seconds)
-            match = match_spectrum(result.eigenvalues, values, reach=_MARGIN - 1)
-            worst = float(match.errors.max())
-            errors[p] = worst if isfinite(worst) else None
-        a = result.interfaces["interface"].a
-        yield {
-            "backend": backend,
-            "formulation": variant.label,
-            "points": sum(len(interface.points) for interface in result.interfaces.values()),
-            "traces": len(a.abscissae(a.abscissa_kinds[0])),
-            "errors": [errors[p] for p in study.stiffnesses],
-            "tied_error": errors.get(inf),
-        }
+@cache
+def _exact(p: float, mu0: float, max_frequency: float) -> Complexes:
+    return exact_eigenvalues("blocks", p=p, mu=mu0, max_frequency=max_frequency)
+
+
+def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
+    """Worst relative error of the exact eigenvalues; lost where one is 15 per cent off."""
+    right = _exact(case["p"], session.options.mu0, session.options.max_frequency)
+    result = session.solve()
+    worst = float(match_spectrum(result.eigenvalues, right, reach=_MARGIN - 1).errors.max())
+    a = result.interfaces["interface"].a
+    row = {
+        "points": sum(len(interface.points) for interface in result.interfaces.values()),
+        "traces": len(a.abscissae(a.abscissa_kinds[0])),
+        "lost": not isfinite(worst),
+        "error": worst if isfinite(worst) else None,
+    }
+    return {"locking": [row]}
+
+
+def runs(result: StudyResult) -> pd.DataFrame:
+    """Rows of all runs."""
+    return result.frame("locking").drop(columns="part", errors="ignore")
+
+
+def by_stiffness(result: StudyResult) -> pd.DataFrame:
+    """A row for each formulation, a column for each p."""
+    return wide(runs(result), ["backend", "formulation", "points", "traces"], "p", "error")
+
+
+def locked(result: StudyResult) -> dict[str, list[str]]:
+    """Formulations whose error grows with p, or that lose an eigenvalue, by backend."""
+    found: dict[str, list[str]] = {}
+    finite = runs(result).query("p < inf")
+    for (backend, name), own in finite.groupby(["backend", "formulation"], sort=False):
+        errors = own["error"].tolist()
+        if own["lost"].any() or errors[-1] > _LOCKED * min(errors):
+            found.setdefault(backend, []).append(name)
+    return found
+
+
+def headline(result: StudyResult) -> str | None:
+    """Which formulations lock."""
+    if runs(result).empty:
+        return None
+    names = [f"{backend_name(b)}: {'; '.join(f)}" for b, f in locked(result).items()]
+    return f"The error grows with p, or an eigenvalue is lost: {'. '.join(names) or 'none'}."
+
+
+OWN = {
+    "traces": Column("traces of a", show=number),
+    "error": Column("worst relative error of λ", show=shown(2)),
+}
+SECTION = Section(
+    "Locking",
+    "Worst relative error of the eigenvalues of the blocks over contact stiffnesses p. A "
+    "formulation locks where it grows with p; a dash stands where an eigenvalue was lost, or where "
+    "p = ∞ cannot be run.",
+    headline,
+    [Table("locking", "Error at each p.", by_stiffness, OWN)],
+    [
+        Plot(
+            "locking",
+            "A line ends where an eigenvalue is lost.",
+            lambda result: runs(result).query("p < inf") if len(runs(result)) else runs(result),
+            x="p",
+            y="error",
+            series=("formulation",),
+            panel="backend",
+            log="xy",
+            own=OWN,
+        )
+    ],
+)

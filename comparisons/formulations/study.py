@@ -1,81 +1,73 @@
-"""Every contact formulation put to the test: what the page of formulations is made of."""
+"""Every contact formulation put to the test: patch tests, momentum, locking, pairings."""
 
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
-from time import perf_counter
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
-from comparisons.formulations.locking import LockingStudy, run_locking
-from comparisons.formulations.pairings import PairingsStudy, run_pairings
-from comparisons.formulations.patch_tests import PatchTestStudy, run_patch_tests
-from comparisons.kit.progress import Progress
-from scenes.stored import record
+from comparisons.formulations import locking, pairings, patch_tests
+from comparisons.study.session import Session
+from comparisons.study.study import Case, Study
+from scenes.read import Scene
 
-COMMAND = "formulations"
-"""Command that a result is marked with."""
+PARTS: dict[str, Any] = {"patch_tests": patch_tests, "locking": locking, "pairings": pairings}
+"""Modules of the parts, each with ``cases`` and ``evaluate``."""
 
 
 @dataclass(frozen=True)
-class FormulationsStudy:
-    """What is run.
+class Options(patch_tests.Options, locking.Options, pairings.Options):
+    """Options of all parts.
 
     Parameters
     ----------
-    patch_tests, locking, pairings
-        The studies.
+    parts
+        Parts of the study.
     """
 
-    patch_tests: PatchTestStudy = field(default_factory=PatchTestStudy)
-    locking: LockingStudy = field(default_factory=LockingStudy)
-    pairings: PairingsStudy = field(default_factory=PairingsStudy)
+    parts: tuple[str, ...] = tuple(PARTS)
 
 
-DEFAULT = FormulationsStudy()
+def cases(options: Options) -> Iterator[Case]:
+    """Cases of each part, labelled with it."""
+    for part in options.parts:
+        for case in PARTS[part].cases(options):
+            yield {"part": part, **case}
 
 
-def run_formulations(
-    progress: Progress,
-    begin: Callable[[str], None],
-    paper_numbers: Callable[[Progress], dict[str, Any]],
-    study: FormulationsStudy = DEFAULT,
-) -> dict[str, Any]:
-    """Run all studies.
+def scene(case: Case, options: Options) -> Scene | None:
+    """The scene of a case of locking; other cases have several."""
+    return locking.scene(case, options) if case["part"] == "locking" else None
 
-    Parameters
-    ----------
-    progress
-        Where progress within a part is shown.
-    begin
-        Called with the name of each part as it begins.
-    paper_numbers
-        Computes the numbers of the paper that the page shows beside ours; a function of the
-        application of the paper, which this one does not know.
-    study
-        What is run.
 
-    Returns
-    -------
-    dict
-        Record with the parts ``patch_tests``, ``locking``, ``paper`` and ``pairings``, each with
-        its ``seconds``.
-    """
-    parts: dict[str, tuple[str, Callable[[], dict[str, Any]]]] = {
-        "patch_tests": (
-            "patch tests and momentum",
-            lambda: run_patch_tests(progress, study.patch_tests),
-        ),
-        "locking": ("locking", lambda: run_locking(progress, study.locking)),
-        "paper": ("numbers of the paper", lambda: paper_numbers(progress)),
-        "pairings": (
-            "pairings of backends",
-            lambda: run_pairings(progress, study.pairings),
-        ),
-    }
-    begun = perf_counter()
-    data: dict[str, Any] = {}
-    for key, (name, run) in parts.items():
-        begin(name)
-        start = perf_counter()
-        data[key] = run()
-        data[key]["seconds"] = perf_counter() - start
-    return record(COMMAND, data, inputs=asdict(study), seconds=perf_counter() - begun)
+def evaluate(case: Case, session: Session) -> Any:
+    """A case of its part."""
+    return PARTS[case["part"]].evaluate(case, session)
+
+
+QUICK = {
+    "P": (1e6, 1e14),
+    "gauss": (5,),
+    "samples": 9,
+    "interfaces": ("flat",),
+    "meshes": ("NURBS",),
+    "formulations": ("Greville", "GPTS 5", "GPTS 5, lumped", "segments", "mortar"),
+    "p": (1.0, 1e6),
+    "elements_a": (6, 2),
+    "elements_b": (7, 3),
+    "overrides": (
+        "bodies.pad.mesh.fe.elements=[2, 3, 1]",
+        "bodies.pad.mesh.iga.elements=[2, 3, 1]",
+        "bodies.disc.mesh.fe.elements=[5, 24, 1]",
+        "bodies.disc.mesh.iga.elements=[6, 28, 1]",
+        "analysis.max_frequency=8500.0",
+    ),
+}
+STUDY = Study(
+    name="formulations",
+    title="Contact formulations",
+    options=Options,
+    cases=cases,
+    scene=scene,
+    evaluate=evaluate,
+    quick=QUICK,
+    sections=[*patch_tests.SECTIONS, locking.SECTION, pairings.SECTION],
+)

@@ -1,1 +1,1 @@
-"""CalculiX beside this program on the same meshes: `cea peers`."""
+"""CalculiX beside this program on the same meshes: `cea bench calculix`."""

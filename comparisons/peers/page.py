@@ -1,4 +1,4 @@
-"""What `cea peers` leaves behind: result.json, tables, and a page that holds them."""
+"""What `cea bench calculix` leaves behind: result.json, tables, and a page that holds them."""
 
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,8 @@
 """CalculiX and this program on the same meshes: each body alone, and both in frictional contact.
 
-The meshes are straight tetrahedra of ten nodes, exported by :mod:`scenes.deck`. CalculiX integrates
-their mass with the four points of the stiffness, which is not exact; this program is run both with
-that mass, to compare what is the same, and with the exact one, to tell what that costs.
+The meshes are straight tetrahedra of ten nodes, exported by :mod:`scenes.export.decks`. CalculiX
+integrates their mass with the four points of the stiffness, which is not exact; this program is run
+both with that mass, to compare what is the same, and with the exact one, to tell what that costs.
 """
 
 import sys
@@ -24,8 +24,8 @@ from cea.petsc import MPI
 from comparisons.kit.progress import Progress
 from comparisons.peers import calculix
 from comparisons.peers.measured import Measured, run_measured
-from scenes.deck.bodies import deck_bodies
-from scenes.deck.write import write_deck
+from scenes.export.decks.bodies import deck_bodies
+from scenes.export.decks.write import write_deck
 from scenes.plain import as_data
 from scenes.read import Scene, load_scene
 from scenes.spec.mesh import FeMesh, MeshSpec

@@ -1,1 +1,1 @@
-"""Run time beside shift-and-invert by scipy: `cea race`."""
+"""Run time beside shift-and-invert by scipy: `cea bench matrices`."""

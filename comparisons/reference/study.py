@@ -3,34 +3,33 @@
 No exact solution is known. Each backend runs two discretisations, the second of higher degree,
 graded towards the clamped corners and the boundary of the contact; what both backends share on
 their second ones is held to be right, and the change from one to the next says which of them is
-nearer. The result is stored with the project (:func:`stored_reference`).
+nearer. The result is stored with the project.
 """
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from math import floor, log10, pi, tau
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from cea.contact.formulations import Mortar
 from cea.eigen.mode_matching import GroupMatch
-from comparisons.kit.progress import Progress
-from comparisons.kit.run_warnings import Run, merged_warnings
+from comparisons.kit.numbers import number, shown
+from comparisons.study.columns import Column
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Section, Table
+from comparisons.study.session import Session
+from comparisons.study.study import Case, Study
 from meshes.breaks import graded
 from scenes.read import Scene, load_scene
 from scenes.results import ModesResult
-from scenes.run import run_modes
 from scenes.run_matching import match_runs
 from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.stored import read_record, record
 from scenes.variants import on_backend, with_contact
-
-REFERENCE = Path(__file__).parent / "disc_pad_reference.json"
-"""The stored reference."""
 
 GROWTH = 10.0
 """Growth rate (1/s) above which digits of it are asked for."""
@@ -82,58 +81,47 @@ LEVELS: Mapping[Backend, tuple[Grading, Grading]] = {
 """A coarser and a finer mesh for each backend."""
 
 
-def compute_reference(
-    progress: Progress, levels: Mapping[Backend, tuple[Grading, Grading]] = LEVELS
-) -> dict[str, Any]:
-    """Run every level and compare the finest of both backends, mode by mode.
+@dataclass(frozen=True)
+class Options:
+    """Options of the study.
 
     Parameters
     ----------
-    progress
-        Told what is being run.
     levels
         A coarser and a finer mesh for each backend.
-
-    Returns
-    -------
-    dict
-        Record with ``modes``: frequency and growth rate of both backends, the digits they share,
-        the change from coarse to fine of each; ``runs``; ``alone``: modes one backend has for
-        itself.
     """
-    start = perf_counter()
+
+    levels: Mapping[Backend, tuple[Grading, Grading]] = field(default_factory=lambda: LEVELS)
+
+
+def cases(options: Options) -> Iterator[Case]:
+    """All levels together: they are compared."""
+    yield {"scene": "disc_pad"}
+
+
+def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
+    """Every level; modes of the finest of both backends beside each other."""
     finest: dict[Backend, ModesResult] = {}
     changes: dict[Backend, dict[int, tuple[float, float]]] = {}
-    runs, told = [], list[Run]()
-    for backend, pair in levels.items():
+    runs, modes = [], []
+    for backend, pair in session.options.levels.items():
         results = []
         for grading in pair:
             scene = graded_scene(backend, grading)
             meshes = {name: _elements(body.mesh, backend) for name, body in scene.bodies.items()}
-            progress.step(f"disc and pad, {backend}, degree {grading.degree}, {meshes}")
-            results.append(run_modes(scene, listener=progress.stage))
-            runs.append(_run(results[-1], backend, grading, meshes))
-            point = {"backend": backend, "degree": grading.degree}
-            told.append((point, [warning.plain() for warning in results[-1].warnings]))
+            session.stage(f"{backend}, degree {grading.degree}, {meshes}")
+            result = session.solve(scene)
+            labels = {"backend": backend, "degree": grading.degree}
+            runs.append(labels | meshes | {"dofs": result.dofs, "seconds": result.timer.total})
+            modes += [labels | value for value in _values(result, np.arange(len(result.modes)))]
+            results.append(result)
         coarse, finest[backend] = results
         changes[backend] = _changes(coarse, finest[backend])
     match = match_runs(finest["iga"], finest["fe"])
-    data = {
-        "modes": sorted((_mode(g, changes) for g in match.groups), key=lambda m: m["frequency"]),
-        "alone": {
-            "iga": _values(finest["iga"], match.only_first),
-            "fe": _values(finest["fe"], match.only_second),
-        },
-        "runs": runs,
-    }
-    inputs = {"levels": {b: [asdict(grading) for grading in pair] for b, pair in levels.items()}}
-    seconds, warnings = perf_counter() - start, merged_warnings(told, "runs")
-    return record("reference", data, inputs=inputs, seconds=seconds, warnings=warnings)
-
-
-def stored_reference() -> dict[str, Any]:
-    """The reference that comes with the project."""
-    return read_record(REFERENCE)
+    lone: list[tuple[Backend, Any]] = [("iga", match.only_first), ("fe", match.only_second)]
+    alone = [{"backend": b} | v for b, numbers in lone for v in _values(finest[b], numbers)]
+    found = sorted((_mode(g, changes) for g in match.groups), key=lambda m: m["frequency"])
+    return {"modes": found, "alone": alone, "runs": runs, "run_modes": modes}
 
 
 def graded_scene(backend: Backend, grading: Grading) -> Scene:
@@ -200,20 +188,6 @@ def _elements(mesh: MeshSpec, backend: Backend) -> str:
     return " x ".join(map(str, chosen.elements))
 
 
-def _run(
-    result: ModesResult, backend: Backend, grading: Grading, meshes: Mapping[str, str]
-) -> dict[str, Any]:
-    return {
-        "backend": backend,
-        "grading": asdict(grading),
-        "meshes": dict(meshes),
-        "dofs": result.system.size,
-        "seconds": result.timer.total,
-        "timings": dict(result.timer.seconds),
-        "modes": _values(result, np.arange(len(result.modes))),
-    }
-
-
 def _values(result: ModesResult, modes: Any) -> list[dict[str, float]]:
     return [
         {"frequency": float(v.imag / tau), "growth": float(v.real)}
@@ -239,7 +213,11 @@ def _mode(
     nothing = (float("nan"), float("nan"))
     sides: tuple[tuple[Backend, Any], ...] = (("iga", pair.first), ("fe", pair.second))
     change = {backend: changes[backend].get(int(m[0]), nothing) for backend, m in sides}
-    known = {b: [None if np.isnan(v) else v for v in c] for b, c in change.items()}
+    known = {
+        f"change_{b}{what}": None if np.isnan(v) else v
+        for b, c in change.items()
+        for what, v in zip(("", "_growth"), c, strict=True)
+    }
     return {
         "members": len(pair.second),
         "frequency": iga.imag / tau,
@@ -249,8 +227,7 @@ def _mode(
         "assurance": pair.assurance,
         "digits_frequency": shared_digits(iga.imag, fe.imag),
         "digits_growth": shared_digits(iga.real, fe.real) if abs(iga.real) > GROWTH else None,
-        "change_iga": known["iga"],
-        "change_fe": known["fe"],
+        **known,
     }
 
 
@@ -261,3 +238,61 @@ def shared_digits(x: float, y: float) -> int:
     if y == 0:
         return 0
     return max(0, floor(floor(log10(abs(y))) + 1 - log10(2 * abs(x - y))))
+
+
+def table(name: str) -> Any:
+    """Makes the frame of a table."""
+    return lambda result: result.frame(name).drop(columns="scene", errors="ignore")
+
+
+def converged(result: StudyResult) -> pd.DataFrame:
+    """Modes of both backends, the digits they share, the last changes."""
+    frame: pd.DataFrame = table("modes")(result)
+    return frame[list(OWN)]
+
+
+def headline(result: StudyResult) -> str:
+    """How many digits both backends share at least."""
+    frame = table("modes")(result)
+    return (
+        f"{frame['members'].sum()} modes; both backends share {frame['digits_frequency'].min()} "
+        f"digits of each frequency or more, and {frame['digits_growth'].min():g} of each "
+        f"growth rate above {GROWTH:g} 1/s; {len(result.frame('alone'))} modes have no partner."
+    )
+
+
+OWN = {
+    "frequency": Column("NURBS", "Hz", shown(7)),
+    "frequency_fe": Column("Lagrange", "Hz", shown(7)),
+    "digits_frequency": Column("digits", show=number),
+    "growth": Column("NURBS growth", "1/s", shown(5)),
+    "growth_fe": Column("Lagrange growth", "1/s", shown(5)),
+    "digits_growth": Column("digits", show=number),
+    "change_iga": Column("change, NURBS", show=shown(1)),
+    "change_fe": Column("change, Lagrange", show=shown(1)),
+}
+SECTION = Section(
+    "Modes",
+    "Mortar, P = 1e9 N/m, mu = 0.7: means of groups that nearly coalesce. Digits are those both "
+    "backends share; changes are those of the last refinement.",
+    headline,
+    [
+        Table("disc_pad_reference", "Converged modes.", converged, OWN, printed=True),
+        Table("alone", "Modes without a partner.", table("alone")),
+        Table("levels", "Every run.", table("runs")),
+        Table("level_modes", "", table("run_modes"), shown=False),
+    ],
+)
+COARSE = Grading(2, 0.02, 0.02, (0.02, 30.0, 0.012), (0.03, 20.0, 0.015))
+"""Elements of a quick study; the finer ones have a degree more."""
+_QUICK = COARSE, replace(COARSE, degree=3)
+STUDY = Study(
+    name="reference",
+    title="Converged modes of the disc and pad",
+    options=Options,
+    cases=cases,
+    evaluate=evaluate,
+    sections=[SECTION],
+    quick={"levels": {"iga": _QUICK, "fe": _QUICK}},
+    shipped=Path(__file__).with_name("results"),
+)

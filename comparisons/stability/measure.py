@@ -1,6 +1,5 @@
 """One run: its answer beside the true one, its verdict, and what it cost, as plain data."""
 
-from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
@@ -8,7 +7,6 @@ import numpy as np
 
 from cea.arrays import Complexes
 from cea.errors import ConvergenceError, InputError
-from comparisons.stability.catalogue import runs_of
 from comparisons.stability.parts.case import Run
 from comparisons.stability.parts.problems import Answer, ModesAnswer
 from comparisons.stability.verdicts import Judged, answered, crashed, refused
@@ -18,13 +16,8 @@ _GAPS = 2
 """Gaps between frequencies among which the widest ends a window."""
 
 
-def judge(name: str, number: int) -> dict[str, Any]:
-    """Run one run of a case.
-
-    Parameters
-    ----------
-    name, number
-        The case, and which of its runs, from 0.
+def judged(run: Run) -> dict[str, Any]:
+    """What came out of a run.
 
     Returns
     -------
@@ -33,11 +26,6 @@ def judge(name: str, number: int) -> dict[str, Any]:
         ``residual`` and ``condition``, the worst; ``modes``, ``dofs``, ``says``, ``growth`` (1/s,
         the fastest), ``seconds``. None where there is no such number.
     """
-    return judged(runs_of(name)[number])
-
-
-def judged(run: Run) -> dict[str, Any]:
-    """As :func:`judge`."""
     try:
         true = run.reference.values() if run.reference is not None else None
     except (InputError, SceneError):  # what cannot be assembled can only be refused
@@ -104,8 +92,3 @@ def _of(answer: Answer | None) -> dict[str, Any]:
         "dofs": answer.dofs if answer else None,
         "says": list(answer.says) if answer else [],
     }
-
-
-def answerer() -> Callable[[str, int], dict[str, Any]]:
-    """What answers in a process of its own."""
-    return judge

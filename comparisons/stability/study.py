@@ -1,130 +1,269 @@
-"""Every run of the catalogue, each in a process that a crash ends alone, and what came out."""
+"""Every run of the catalogue in a process that a crash ends alone, and what came out."""
 
 import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from queue import SimpleQueue
-from time import perf_counter
-from typing import Any
+from math import log10
+from typing import Any, get_args
 
-from cea.errors import InputError
-from cea.petsc import MPI
-from comparisons.kit.worker import Worker, WorkerError
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from comparisons.kit.numbers import decimals, number, shown
+from comparisons.kit.plots import BLACK, GREY, VERMILION, styled
 from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
-from comparisons.stability.measure import answerer, failed
-from comparisons.stability.parts.case import Run
-from scenes.stored import record
+from comparisons.stability.measure import judged
+from comparisons.stability.parts.case import Verdict
+from comparisons.stability.parts.ways import ALONE, OPEN, WAYS
+from comparisons.study.columns import Column
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Section, Table
+from comparisons.study.session import Session
+from comparisons.study.study import Case, Process, Study
+from scenes.names import backend_name
 
-Data = dict[str, Any]
-
-COMMAND = "stability"
-"""Command that a result is marked with."""
-
-_AT_ONCE = 2
-"""Processes that share the cases, where there are so many cores."""
+VERDICTS: tuple[str, ...] = get_args(Verdict)
+"""Every verdict, the best first."""
+_MOST_DIGITS, _LAST_COLOUR = 16.0, 14.0
 
 
 @dataclass(frozen=True)
-class StabilityStudy:
-    """What is run.
+class Options:
+    """Options of the study.
 
     Parameters
     ----------
     cases
-        Names of cases; empty takes all.
-    quick
-        Whether a few runs of each row are taken rather than all.
-    seconds
-        Time for a run with its reference: one that takes longer has failed.
+        Names of cases; all by default.
+    every
+        Whether all runs of each row are taken, or a few.
     """
 
     cases: tuple[str, ...] = ()
-    quick: bool = False
-    seconds: float = 60.0
+    every: bool = True
 
 
-def run_stability(
-    study: StabilityStudy,
-    progress: Callable[[str], None] = lambda _: None,
-    make: Callable[[], Callable[[str, int], Data]] = answerer,
-) -> Data:
-    """Run the catalogue.
-
-    Parameters
-    ----------
-    study
-        What is run.
-    progress
-        Called with the title of each case as it begins.
-    make
-        Makes what runs one run, in a process of its own.
-
-    Returns
-    -------
-    dict
-        Record: ``cases``, title and subject by name; ``runs``, what each was and what
-        :func:`comparisons.stability.measure.judge` found; ``failed``, how many gave another
-        verdict than expected.
+def cases(options: Options) -> Iterator[Case]:
+    """A case of the study for each run.
 
     Raises
     ------
     InputError
-        For an unknown case, or on more ranks than one.
+        When a name is not in the catalogue.
     """
-    if MPI.COMM_WORLD.size > 1:
-        raise InputError("ranks", MPI.COMM_WORLD.size, "1: runs have a process each")
-    begun = perf_counter()
-    names = list(dict.fromkeys(study.cases)) or list(catalogue())
-    chosen = {name: numbers_of(name, quick=study.quick) for name in names}
-
-    idle: SimpleQueue[Worker] = SimpleQueue()
-    workers = [Worker(make) for _ in range(min(_AT_ONCE, os.cpu_count() or 1))]
-    for worker in workers:
-        idle.put(worker)
-
-    def run(name: str) -> list[Data]:
-        progress(catalogue()[name].title)
-        worker = idle.get()
-        try:
-            return [_run(worker, name, number, study.seconds) for number in chosen[name]]
-        finally:
-            idle.put(worker)
-
-    try:
-        with ThreadPoolExecutor(len(workers)) as threads:
-            found = [each for runs in threads.map(run, names) for each in runs]
-    finally:
-        for worker in workers:
-            worker.end()
-    data = {
-        "cases": {
-            name: {"title": catalogue()[name].title, "subject": catalogue()[name].subject}
-            for name in names
-        },
-        "runs": found,
-        "failed": sum(not each["met"] for each in found),
-    }
-    inputs = {"cases": names, "quick": study.quick, "seconds": study.seconds}
-    return record(COMMAND, data, inputs=inputs, seconds=perf_counter() - begun)
+    for name in dict.fromkeys(options.cases or catalogue()):
+        for i in numbers_of(name, quick=not options.every):
+            run = runs_of(name)[i]
+            way = {"backend": run.way.backend, "formulation": run.way.name}
+            yield {"case": name, "row": run.row, **way, "run": i}
 
 
-def _run(worker: Worker, name: str, number: int, seconds: float) -> Data:
-    described = _described(name, runs_of(name)[number])
-    try:
-        return described | worker.ask(name, number, seconds=seconds)
-    except WorkerError as error:
-        return described | failed(str(error))
-
-
-def _described(name: str, run: Run) -> Data:
+def evaluate(case: Case, session: Session) -> dict[str, Any]:
+    """The verdict on a run, and what it rests on."""
+    run = runs_of(case["case"])[case["run"]]
+    found = judged(run)
     return {
-        "case": name,
-        "row": run.row,
-        "backend": run.way.backend,
-        "formulation": run.way.name,
-        "reference": run.reference.name if run.reference is not None else None,
-        "expected": list(run.expected),
+        "subject": catalogue()[case["case"]].subject,
+        "title": catalogue()[case["case"]].title,
+        **{name: found[name] for name in ("verdict", "met")},
+        "expected": ", ".join(run.expected),
         "easy": run.easy,
+        "reference": run.reference.name if run.reference is not None else None,
         "tolerance": run.tolerance if run.reference is not None else None,
+        "digits": digits(found["error"]),
+        **{name: found[name] for name in _MEASURED},
+        "says": ", ".join(found["says"]),
+        "reason": found["reason"],
     }
+
+
+_MEASURED = ("error", "missing", "spurious", "residual", "condition", "modes", "dofs", "seconds")
+
+
+def digits(error: float | None) -> float | None:
+    """Correct digits of the worst mode of a run; 0 where one is missing, None without an answer."""
+    if error is None:
+        return None
+    return max(0.0, min(_MOST_DIGITS, -log10(max(error, 10**-_MOST_DIGITS))))
+
+
+def runs(result: StudyResult) -> pd.DataFrame:
+    """Every run; one whose process died or took too long is wrong."""
+    frame, failed = result.frame(), result.failed()
+    if failed.empty:
+        return frame
+    known = [catalogue()[name] for name in failed["case"]]
+    failed = failed.assign(
+        subject=[case.subject for case in known],
+        title=[case.title for case in known],
+        verdict="WRONG",
+        met=False,
+        easy=False,
+    )
+    return pd.concat([frame, failed], ignore_index=True)
+
+
+def not_met(result: StudyResult) -> pd.DataFrame:
+    """Runs with another verdict, or other warnings, than the catalogue says beforehand."""
+    frame = runs(result)
+    return frame[~frame["met"].astype(bool)]
+
+
+def by_case(result: StudyResult) -> pd.DataFrame:
+    """How many runs of each case gave which verdict, and the worst of its answers."""
+    rows = []
+    for (subject, title, name), own in runs(result).groupby(
+        ["subject", "title", "case"], sort=False
+    ):
+        counts = own["verdict"].value_counts()
+        rows.append(
+            {
+                "subject": subject,
+                "title": title,
+                "case": name,
+                "runs": len(own),
+                **{verdict: int(counts.get(verdict, 0)) for verdict in VERDICTS},
+                "not_met": int((~own["met"].astype(bool)).sum()),
+                "digits": own.loc[own["verdict"] == "accurate", "digits"].min(),
+                **{key: own[key].max() for key in ("residual", "condition", "seconds")},
+            }
+        )
+    return pd.DataFrame(rows).sort_values("subject", kind="stable")
+
+
+def headline(result: StudyResult) -> str:
+    """How many runs gave which verdict."""
+    frame = runs(result)
+    counts = frame["verdict"].value_counts()
+    told = ", ".join(f"{number(int(counts.get(kind, 0)))} {kind}" for kind in VERDICTS)
+    easy = frame[frame["easy"].astype(bool)]
+    return (
+        f"{number(len(frame))} runs of {frame['case'].nunique()} cases: {told}; "
+        f"{number(int(easy['met'].sum()))} of {number(len(easy))} easy runs as they must be; "
+        f"{number(len(not_met(result)))} not as the catalogue says."
+    )
+
+
+def fault(result: StudyResult) -> str:
+    """The runs that are not as the catalogue says, if any."""
+    names = list(dict.fromkeys(not_met(result)["case"]))
+    return f"runs are not as the catalogue says: {', '.join(names)}" if names else ""
+
+
+def _maps() -> list[Callable[[StudyResult], Figure | None]]:
+    """A heat map of digits for each subject of the catalogue."""
+    subjects = dict.fromkeys(case.subject for case in catalogue().values())
+    return [_digits_map(subject) for subject in subjects]
+
+
+def _digits_map(subject: str) -> Callable[[StudyResult], Figure | None]:
+    def digits_map(result: StudyResult) -> Figure | None:
+        frame = runs(result)
+        own = frame[frame["subject"] == subject]
+        return None if own.empty else styled(_heat_map)(own)
+
+    digits_map.__name__ = f"digits_{subject.replace(' ', '_')}"
+    digits_map.__doc__ = (
+        f"Correct digits of runs, {subject}. Refused runs are grey squares, runs that warn are "
+        "circles, wrong ones crosses."
+    )
+    return digits_map
+
+
+def _heat_map(frame: pd.DataFrame) -> Figure:
+    rows = list(dict.fromkeys(zip(frame["case"], frame["title"], frame["row"], strict=True)))
+    order = [way.name for way in (*WAYS, *OPEN, *ALONE)]
+    columns = {
+        backend: sorted(own["formulation"].unique(), key=order.index)
+        for backend, own in frame.groupby("backend", sort=False)
+    }
+    widths = [len(names) for names in columns.values()] or [1]
+    size = (4.2 + 0.27 * (sum(widths) + 3), 0.17 * len(rows) + 2.4)
+    figure = Figure(figsize=size, layout="constrained")
+    panels = figure.subplots(1, len(widths), squeeze=False, width_ratios=widths)[0]
+    keys, image = [(case, row) for case, _, row in rows], None
+    for axes, (backend, names) in zip(panels, columns.items(), strict=False):
+        image = _panel(axes, frame[frame["backend"] == backend], keys, names)
+        axes.set_title(backend_name(str(backend)))
+        axes.set_yticks(range(len(rows)), [])
+    labels = [f"{title.split(',')[0]}: {row}" for _, title, row in rows]
+    panels[0].set_yticks(range(len(rows)), labels, fontsize=6.5)
+    if image is not None:
+        bar = figure.colorbar(image, ax=panels, shrink=min(1.0, 3 / size[1]), pad=0.01)
+        bar.set_label("correct digits of λ")
+    return figure
+
+
+_MARKS = {
+    "refused": {"marker": "s", "color": GREY, "markersize": 7},
+    "WRONG": {"marker": "x", "color": VERMILION, "markersize": 6, "markeredgewidth": 1.8},
+    "warned": {"marker": "o", "color": BLACK, "markersize": 4, "markerfacecolor": "none"},
+}
+
+
+def _panel(
+    axes: Axes, frame: pd.DataFrame, rows: Sequence[tuple[str, str]], columns: Sequence[str]
+) -> Any:
+    values = np.full((len(rows), len(columns)), np.nan)
+    for run in frame.itertuples():
+        i, j = rows.index((run.case, run.row)), columns.index(run.formulation)
+        values[i, j] = np.nan if run.digits is None else run.digits
+        if run.verdict in _MARKS:
+            axes.plot(j, i, linestyle="", **_MARKS[run.verdict])
+    image = axes.imshow(values, cmap="viridis", vmin=0, vmax=_LAST_COLOUR, aspect="auto")
+    axes.set_xticks(range(len(columns)), columns, rotation=90, fontsize=7)
+    axes.grid(visible=False)
+    return image
+
+
+COLUMNS = {
+    "row": Column("run"),
+    "runs": Column("runs", show=number),
+    **{verdict: Column(verdict, show=number) for verdict in VERDICTS},
+    "not_met": Column("not as expected", show=number),
+    "met": Column("as expected"),
+    "digits": Column("digits", show=decimals(1)),
+    "tolerance": Column("tolerance", show=shown(1)),
+    "missing": Column("missing", show=number),
+    "spurious": Column("spurious", show=number),
+    "seconds": Column("longest", "s", decimals(2)),
+    "says": Column("it says"),
+    "reason": Column("why"),
+}
+_OF_A_RUN = COLUMNS | {"seconds": Column("time", "s", shown(3))}
+STUDY = Study(
+    name="stability",
+    title="Stiff and extreme scenes beside references",
+    options=Options,
+    cases=cases,
+    evaluate=evaluate,
+    quick={"every": False},
+    check=fault,
+    process=Process("comparisons.stability.study:STUDY", 60.0, at_once=min(2, os.cpu_count() or 1)),
+    sections=[
+        Section(
+            "Verdicts",
+            "A run is accurate, warned of, refused, or WRONG: a wrong answer without a word. The "
+            "catalogue says beforehand which verdicts may come out.",
+            headline,
+            [
+                Table("cases", "Verdicts on the runs of each case.", by_case, COLUMNS, "subject"),
+                Table(
+                    *("not_met", "Runs that are not as the catalogue says.", not_met, COLUMNS),
+                    printed=True,
+                ),
+            ],
+            _maps(),
+        ),
+        Section(
+            "Every run",
+            tables=[
+                Table(
+                    "runs", "Every run.", runs, COLUMNS | {"seconds": Column("time", "s", shown(3))}
+                )
+            ],
+        ),
+    ],
+)

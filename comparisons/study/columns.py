@@ -1,6 +1,6 @@
 """Columns of tables: title, unit and form of the quantities that studies share."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
@@ -102,3 +102,24 @@ def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = No
 def is_number(shown_as: Column) -> bool:
     """Whether a column is set to the right and sorted by its values."""
     return shown_as.show is not None and shown_as.show not in _TEXTS
+
+
+def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) -> pd.DataFrame:
+    """A frame with a column for each value of ``across``; rows and columns keep their order.
+
+    Parameters
+    ----------
+    frame
+        The frame.
+    index
+        Columns whose values a row has in common.
+    across
+        Column whose values are those of the new columns.
+    values
+        Column of the cells; one that has no row is missing.
+    """
+    if frame.empty:
+        return frame
+    rows = frame[[*index]].drop_duplicates()
+    cells = frame.pivot(index=[*index], columns=across, values=values).reset_index()
+    return rows.merge(cells, on=[*index], how="left")[[*index, *frame[across].unique()]]

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from cea.files import write_whole
-from comparisons.kit.numbers import plain
+from comparisons.kit.numbers import number, plain
 from comparisons.kit.page import REPORT, Image, render
 from comparisons.kit.plots import save
 from comparisons.kit.shapes import Shapes
@@ -130,7 +130,6 @@ def write(
         parts=shown,
         keys=set(keys),
         first=_first(shapes),
-        warnings=_warnings(result),
     )
     write_whole(page.encode(), out / REPORT)
     return out / REPORT
@@ -142,12 +141,6 @@ def _first(shapes: Shapes | None) -> str:
         for mode in modes:
             return f"{key}/{mode}"
     return ""
-
-
-def _warnings(result: Any) -> list[str]:
-    """What runs warn of, each once."""
-    runs = result.runs() if isinstance(result, StudyResult) else []
-    return list(dict.fromkeys(w["message"] for run in runs for w in run["warnings"]))
 
 
 def _section(
@@ -165,8 +158,10 @@ def _section(
                 save(plots.draw(plot, result), out / f"{plot.name}.png")
                 drawn.append({"plot": plot, "panels": made})
             continue
-        name = getattr(plot, "__name__", "figure")
-        save(plot(result), out / f"{name}.png")
+        name, figure = getattr(plot, "__name__", "figure"), plot(result)
+        if figure is None:
+            continue
+        save(figure, out / f"{name}.png")
         caption = " ".join((plot.__doc__ or "").split())
         images.append({"image": Image.of(out / f"{name}.png"), "caption": caption})
     modes = section.modes and shapes is not None and bool(shapes.keys)
@@ -186,8 +181,9 @@ def _section(
 
 
 def closing() -> list[Section]:
-    """Sections of every study: times, what was left out, failed cases, parameters, versions."""
+    """Sections of every study: warnings, times, what was left out, what failed, versions."""
     return [
+        Section("Warnings", tables=[Table("warnings", "What runs warn of.", _warnings, _WARNED)]),
         Section("Run times", tables=[Table("times", "Seconds of cases by stage.", _times)]),
         Section(
             "Left out",
@@ -208,6 +204,20 @@ def closing() -> list[Section]:
         ),
         Section("Machine and versions", tables=[Table("machine", "", _machine)]),
     ]
+
+
+_WARNED = {"runs": Column("runs", show=number)}
+
+
+def _warnings(result: StudyResult) -> pd.DataFrame:
+    """Kinds of warnings with the first of each and the number of runs that gave it."""
+    found: dict[str, dict[str, Any]] = {}
+    for run in result.runs():
+        for warning in run["warnings"]:
+            kind, message = warning["kind"], warning["message"]
+            row = found.setdefault(kind, {"warning": kind, "first": message, "runs": 0})
+            row["runs"] += 1
+    return pd.DataFrame(list(found.values()))
 
 
 def _times(result: StudyResult) -> pd.DataFrame:

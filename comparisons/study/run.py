@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -94,23 +95,28 @@ def run(
         once = case["once"]
     session = Session(once, options, progress.stage)
     workers = Workers(study, options, once) if study.process else None
-    cases, arrays = [], {}
+
+    def found(labels: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        key = _key(study, options, labels)
+        if (known := store.take(key)) is not None or labels not in chosen:
+            return known
+        progress.step(", ".join(f"{name} {_text(v)}" for name, v in labels.items()))
+        made = workers.evaluate(labels) if workers else evaluated(study, labels, session)
+        return store.put(key, *made)
+
+    every = map(dict, study.cases(options))
     try:
-        for labels in map(dict, study.cases(options)):
-            key = _key(study, options, labels)
-            found = store.take(key)
-            if found is None and labels not in chosen:
-                continue
-            if found is None:
-                progress.step(", ".join(f"{name} {_text(v)}" for name, v in labels.items()))
-                made = workers.evaluate(labels) if workers else evaluated(study, labels, session)
-                found = store.put(key, *made)
-            cases.append(found[0])
-            if found[1]:
-                arrays[key] = found[1]
+        if workers and study.process:
+            with ThreadPoolExecutor(study.process.at_once) as threads:
+                entries = list(threads.map(found, every))
+        else:
+            entries = [found(labels) for labels in every]
     finally:
         if workers:
             workers.end()
+    done = [entry for entry in entries if entry is not None]
+    cases = [case for case, _ in done]
+    arrays = {case["key"]: own for case, own in done if own}
     data = {"once": dict(once), "cases": cases}
     whole = record(study.name, data, inputs=_inputs(options), seconds=perf_counter() - begun)
     return StudyResult(whole, arrays)

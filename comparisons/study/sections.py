@@ -89,8 +89,8 @@ class Plot:
     style: str = "lines"
 
 
-Drawing = Callable[[Any], "Figure"]
-"""Draws a figure of a result with matplotlib; its name and docstring are name and caption."""
+Drawing = Callable[[Any], "Figure | None"]
+"""Draws a figure of a result with matplotlib, or none; its name and docstring are name, caption."""
 
 
 @dataclass(frozen=True)

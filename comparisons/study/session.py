@@ -35,6 +35,7 @@ class Session:
     ) -> None:
         self.once, self.options, self.stage = once, options, stage
         self._earlier: list[tuple[Any, Any, Any]] = []
+        self._last: tuple[Scene | None, Any] = (None, None)
         self.begin(None)
 
     def begin(self, scene: Scene | None) -> None:
@@ -49,7 +50,7 @@ class Session:
         """Run a scene, that of the case by default.
 
         Bodies and contact points of earlier runs are used again where their specifications are
-        equal.
+        equal; the very scene of the last run is not run again.
 
         Parameters
         ----------
@@ -65,6 +66,8 @@ class Session:
         """
         scene = scene or self.scene
         assert scene is not None, "the study gives no scene for its cases"
+        if scene == self._last[0] and not options:
+            return self._last[1]
         bodies, interfaces = next(
             (
                 (bodies, interfaces)
@@ -77,6 +80,7 @@ class Session:
         result = run_scene(scene, **given)
         kept = [entry for entry in self._earlier if entry[0] != scene.bodies]
         self._earlier = [(scene.bodies, result.bodies, result.interfaces), *kept][:_REMEMBERED]
+        self._last = scene, result
         self.note(result)
         return result
 

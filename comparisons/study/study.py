@@ -36,11 +36,14 @@ class Process:
         Time for a case, the start of the process not counted.
     ranks
         Ranks of a case.
+    at_once
+        Processes that share the cases.
     """
 
     study: str
     seconds: float
     ranks: Callable[[Any], int] = _one
+    at_once: int = 1
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,7 @@ class Study:
     sections
         Sections of the page.
     scene
-        Scene of a case, where the study has one: it is part of what a stored case must agree in.
+        Scene of a case, where it has one: it is part of what a stored case must agree in.
     once
         Plain data computed once for all cases, e.g. exact eigenvalues.
     quick
@@ -86,7 +89,7 @@ class Study:
     cases: Callable[[Any], Iterable[Case]]
     evaluate: Callable[[Any, Session], Rows | Mapping[str, Rows]]
     sections: Sequence[Section]
-    scene: Callable[[Any, Any], Scene] | None = None
+    scene: Callable[[Any, Any], Scene | None] | None = None
     once: Callable[[Any], Mapping[str, Any]] | None = None
     quick: Mapping[str, Any] = field(default_factory=dict)
     check: Callable[[StudyResult], str] | None = None

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
-from queue import Empty, Queue
+from queue import Empty, Queue, SimpleQueue
 from threading import Thread
 from typing import Any
 
@@ -34,23 +34,30 @@ _ENVIRONMENT = {
 
 
 class Workers:
-    """A process for each number of ranks, begun when a case needs it."""
+    """Processes that share the cases, one of each for each number of ranks that cases need."""
 
     def __init__(self, study: Study, options: Any, once: Mapping[str, Any]) -> None:
         assert study.process is not None
         self._process, self._given = study.process, [asdict(options), dict(once)]
-        self._workers: dict[int, Worker] = {}
+        self._idle: SimpleQueue[dict[int, Worker]] = SimpleQueue()
+        self._sets = [dict[int, Worker]() for _ in range(study.process.at_once)]
+        for each in self._sets:
+            self._idle.put(each)
 
     def evaluate(self, labels: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """A case, and no arrays: it travels as text."""
-        ranks = self._process.ranks(labels)
-        worker = self._workers.setdefault(ranks, Worker(self._process.study, self._given, ranks))
-        return worker.evaluate(labels, self._process.seconds), {}
+        """A case, and no arrays: it travels as text. Several threads may ask."""
+        ranks, workers = self._process.ranks(labels), self._idle.get()
+        try:
+            worker = workers.setdefault(ranks, Worker(self._process.study, self._given, ranks))
+            return worker.evaluate(labels, self._process.seconds), {}
+        finally:
+            self._idle.put(workers)
 
     def end(self) -> None:
         """End all processes."""
-        for worker in self._workers.values():
-            worker.end()
+        for workers in self._sets:
+            for worker in workers.values():
+                worker.end()
 
 
 class Worker:

@@ -95,7 +95,7 @@ class Bands:
         along = np.linspace(0.0, 1.0, len(self._scene.axes[0].values))
         stiff = [small.stiffness(self._at(part, self._rows[i])) for i in band for part in along]
         whole = small.where(np.min(stiff, axis=0).tolist())
-        if len(band) == 1 or small.size <= SMALL:
+        if len(band) == 1 or small.contacts or small.size <= SMALL:
             return _Band(band, small, whole, whole, points, [])
         spectra = [whole.at(point) for point in points]
         basis = self._basis(whole, points, spectra)

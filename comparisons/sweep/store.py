@@ -25,7 +25,6 @@ from comparisons.sweep.rows import Row
 _ABOUT = "map.json"
 _FIELDS = ("growth", "frequency", "uncertainty", "mean_error", "branch", "verdict", "worst")
 _SLOPES = ("growth_slope", "frequency_slope")
-_GROWN = ("basis", "residuals")
 _ABOVE = ("above_growth", "above_frequency")
 
 
@@ -56,9 +55,9 @@ class Store:
     def keep(self, snapshot: Snapshot, small: Arrays) -> None:
         """Store a snapshot and the pencil on the basis; it counts once every rank has written."""
         grown = snapshot.grown
-        for name, vectors in zip(_GROWN, (grown.vectors, grown.residuals), strict=True):
-            with self._part(self._count, name).open("wb") as stream:
-                np.save(stream, vectors)
+        blocks = grown.vectors, grown.residuals, *grown.forces
+        with self._part(self._count).open("wb") as stream:
+            np.savez(stream, *blocks)
         self._comm.barrier()
         if self._comm.rank == 0:
             with self._small(self._count).open("wb") as stream:
@@ -81,7 +80,9 @@ class Store:
         found = []
         while self._comm.bcast(self._told(self._count).is_file()):
             told = self._comm.bcast(json.loads(self._told(self._count).read_text()))
-            grown = Growth(*(np.load(self._part(self._count, name)) for name in _GROWN))
+            with np.load(self._part(self._count)) as stored:
+                vectors, residuals, *forces = (stored[name] for name in stored.files)
+            grown = Growth(vectors, residuals, tuple(forces))
             fields = {name: told[name] for name in ("point", "rounding", "tested", "complete")}
             warnings = tuple(ResultWarning(**each) for each in told["warnings"])
             found.append(Snapshot(grown=grown, warnings=warnings, **fields))
@@ -138,8 +139,8 @@ class Store:
         if self._comm.rank == 0:
             shutil.rmtree(self.folder, ignore_errors=True)
 
-    def _part(self, number: int, name: str) -> Path:
-        return self.folder / f"{name}-{number:04d}.rank{self._comm.rank}.npy"
+    def _part(self, number: int) -> Path:
+        return self.folder / f"grown-{number:04d}.rank{self._comm.rank}.npz"
 
     def _small(self, number: int) -> Path:
         return self.folder / f"small-{number:04d}.npz"

@@ -12,18 +12,10 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
-from meshes.files.abaqus_deck import Keyword, keywords_of
-from meshes.files.abaqus_scope import Scope, Type
-from meshes.files.content import (
-    ElementBlock,
-    FileContent,
-    Floats,
-    Ints,
-    Sets,
-    known_rows,
-)
-from meshes.files.kinds import FACES
+from meshes.files.abaqus_deck import Keyword, Scope, Type, keywords_of
+from meshes.files.content import FACES, ElementBlock, FileContent, Sets, known_rows
 
 _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INPUT")
 _DEEPEST = 20
@@ -31,13 +23,7 @@ _DEEPEST = 20
 
 
 class Labels[Item](Mapping[str, Item]):
-    """Items by names whose case is ignored; every spelling is listed.
-
-    Parameters
-    ----------
-    items
-        Each name, and its item; of a name that is there already, spelt in any way, the first.
-    """
+    """Items by names whose case is ignored; every spelling is listed."""
 
     def __init__(self, items: Iterable[tuple[str, Item]]) -> None:
         self._names: dict[str, None] = {}
@@ -179,15 +165,7 @@ def _placed(points: Floats, instance: _Instance) -> Floats:
 
 
 class _Resolver:
-    """Finds what sets and surfaces of a deck have as members.
-
-    Parameters
-    ----------
-    content
-        Nodes and elements.
-    places
-        Instances by their name in capitals; the deck outside of parts has none.
-    """
+    """Finds what sets and surfaces of a deck have as members."""
 
     def __init__(self, content: FileContent, places: Mapping[str, _Place]) -> None:
         self.content, self.places = content, places
@@ -300,8 +278,7 @@ class _Resolver:
 
     def _nodes_of(self, elements: Ints) -> Ints:
         found = [b.nodes[rows].ravel() for b, rows in self._by_block(elements)]
-        nodes = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))
-        return nodes[nodes >= 0]
+        return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))
 
     def _by_block(self, elements: Ints) -> Iterator[tuple[ElementBlock, Ints]]:
         """Elements of each kind among given ones, as rows of its block."""

@@ -1,13 +1,24 @@
-"""The mesh of a body from the content of a mesh file, checked."""
+"""The mesh of a body from the content of a mesh file: its nodes, elements and faces are checked."""
 
 from collections.abc import Mapping, Sequence
+from itertools import combinations, product
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cea.mesh import Mesh, facet_nodes
-from meshes.files.checks import check_elements, check_matching
-from meshes.files.content import FileContent
-from meshes.files.kinds import facet_sides
+from cea.arrays import Floats, Ints
+from cea.errors import InputError
+from cea.mesh import (
+    DIMENSION,
+    SIMPLICES,
+    Cell,
+    Mesh,
+    facet_nodes,
+    lattice,
+    node_order,
+    reference_nodes,
+)
+from meshes.files.content import FileContent, facet_sides, node_marks
 from meshes.files.part import Part, check_nodes
 from meshes.files.surfaces import surface_faces
 from meshes.files.tetrahedra import completed, tetrahedra
@@ -22,9 +33,12 @@ def body_mesh(
     if own.is_divided:
         points, cells, elements, sides = tetrahedra(points, own.blocks)
     else:
-        points, (cells,) = completed(points, own.blocks)
+        points, blocks = completed(points, own.blocks)
+        cells = np.concatenate(
+            [b.nodes[:, node_order(own.cell, own.order, b.reference)] for b in blocks]
+        )
         elements = np.arange(len(cells))
-        sides = np.tile(facet_sides(own.cell, own.order), (len(cells), 1))
+        sides = np.tile(facet_sides(own.cell), (len(cells), 1))
     check_elements(own.cell, own.order, points, cells, own.numbers[elements])
     check_matching(own.cell, own.order, cells, own.numbers[elements])
     facets = facet_nodes(own.cell, own.order)
@@ -35,3 +49,119 @@ def body_mesh(
             [cells[chosen[:, i]][:, facet] for i, facet in enumerate(facets)]
         )
     return Mesh(own.cell, own.order, points, cells, surfaces).without_loose_points()
+
+
+_INWARD = 0.775
+"""Where Jacobians are looked at: so far from the middle towards each node, as Gauss points lie."""
+_FLAT = 1e-10
+"""Smallest Jacobian of an element, relative to its largest, that is not called flat."""
+_AT_ONCE = 20_000
+"""Elements whose Jacobians are in memory together."""
+
+
+def check_elements(cell: Cell, order: int, points: Floats, cells: Ints, numbers: Ints) -> None:
+    """Refuse elements whose Jacobian is not positive; in the plane, does not keep its sign."""
+    dim, slopes = DIMENSION[cell], _slopes(cell, order)
+    least, most = np.empty(len(cells)), np.empty(len(cells))
+    for start in range(0, len(cells), _AT_ONCE):
+        rows = slice(start, start + _AT_ONCE)
+        x = points[cells[rows]]
+        jacobians = np.linalg.det(np.einsum("qnj,cni->cqij", slopes, x, optimize=True))
+        least[rows], most[rows] = jacobians.min(axis=1), jacobians.max(axis=1)
+    if dim == 2 and (most < 0).sum() > len(cells) / 2:  # seen from behind
+        least, most = -most, -least
+    inverted = ~(least > _FLAT * most)
+    if inverted.any():
+        first = int(numbers[np.argmax(inverted)])
+        allowed = "elements whose Jacobian is positive: these are inverted, flat, or list their "
+        value = f"{inverted.sum()} of {len(cells)} elements, the first {first}"
+        raise InputError("file", value, f"{allowed}nodes in another order than the format has")
+
+
+def _corner_places(cell: Cell, order: int) -> Ints:
+    """Places of the corners among the nodes of a cell, in C order of the reference cell."""
+    places = lattice(DIMENSION[cell], order, cell in SIMPLICES)
+    if cell in SIMPLICES:
+        at_corner = (places == order).any(axis=1) | (places == 0).all(axis=1)
+    else:
+        at_corner = np.isin(places, (0, order)).all(axis=1)
+    return np.flatnonzero(at_corner)
+
+
+def check_matching(cell: Cell, order: int, cells: Ints, numbers: Ints) -> None:
+    """Refuse cells whose edges or faces do not match those of their neighbours.
+
+    Two cells may have one edge with two nodes in its middle, or two edges with one; in simplices
+    in space, the triangles on both sides of a square may be cut along different diagonals.
+    """
+    marks = node_marks(int(cells.max()) + 1)
+    wrong = _middles_apart(cell, cells, marks) if order == 2 else None
+    if wrong is None and cell == "tetrahedron":
+        wrong = _crossing(cells[:, _corner_places(cell, order)], marks)
+    if wrong is not None:
+        allowed = "elements whose edges and faces match those of their neighbours"
+        raise InputError("file", f"element {int(numbers[wrong])}", allowed)
+
+
+def _middles_apart(cell: Cell, cells: Ints, marks: NDArray[np.uint64]) -> int | None:
+    """First cell with an edge whose middle is not that of the same edge of others alone."""
+    places = lattice(DIMENSION[cell], 2, cell in SIMPLICES)
+    corners = _corner_places(cell, 2)
+    found = [
+        (a, b, column)
+        for a, b in combinations(corners, 2)
+        for column in np.flatnonzero((places == (places[a] + places[b]) / 2).all(axis=1))
+        if cell in SIMPLICES or np.abs(places[a] - places[b]).sum() == 2
+    ]
+    ends = np.stack([marks[cells[:, a]] + marks[cells[:, b]] for a, b, _ in found], axis=1).ravel()
+    middles = cells[:, [column for *_, column in found]].ravel()
+    for keys, values in ((ends, middles), (middles, ends)):
+        _, first, same = np.unique(keys, return_index=True, return_inverse=True)
+        apart = values != values[first][same]
+        if apart.any():
+            return int(np.argmax(apart)) // len(found)
+    return None
+
+
+def _crossing(corners: Ints, marks: NDArray[np.uint64]) -> int | None:
+    """First tetrahedron at a free square that is cut along two diagonals."""
+    sides = facet_nodes("tetrahedron", 1)
+    triangles = np.concatenate([corners[:, side] for side in sides])
+    owners = np.tile(np.arange(len(corners)), len(sides))
+    sums = marks[triangles].sum(axis=1, dtype=np.uint64)
+    _, same, times = np.unique(sums, return_inverse=True, return_counts=True)
+    free = times[same] == 1
+    triangles, owners, sums = triangles[free], owners[free], sums[free]
+    ends = np.concatenate(
+        [marks[triangles[:, [a, b]]].sum(axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
+    )
+    order = np.argsort(ends, kind="stable")
+    rows = np.tile(np.arange(len(triangles)), 3)[order]
+    pair = np.flatnonzero(np.diff(ends[order]) == 0)
+    first, second, edge = rows[pair], rows[pair + 1], ends[order[pair]]
+    squares = sums[first] + sums[second] - edge  # the marks of all four corners
+    order = np.argsort(squares, kind="stable")
+    again = np.flatnonzero(np.diff(squares[order]) == 0)
+    a, b = order[again], order[again + 1]
+    crosses = edge[a] + edge[b] == squares[a]  # edges without a common corner
+    apart = [owners[x[a]] != owners[y[b]] for x in (first, second) for y in (first, second)]
+    wrong = np.flatnonzero(crosses & np.all(apart, axis=0))
+    return int(owners[first[a[wrong[0]]]]) if len(wrong) else None
+
+
+def _slopes(cell: Cell, order: int) -> Floats:
+    """Slopes of the shape functions at points inside the reference cell, (points, nodes, dim)."""
+    nodes = reference_nodes(cell, order)
+    middle = nodes.mean(axis=0)
+    inside = np.vstack([middle, middle + _INWARD * (nodes - middle)])
+    degree, dim = range(order + 1), nodes.shape[1]
+    powers = np.array(
+        [p for p in product(degree, repeat=dim) if cell not in SIMPLICES or sum(p) <= order]
+    )
+    values = np.prod(nodes[:, None] ** powers, axis=2)
+    slopes = np.empty((len(inside), len(powers), dim))
+    for axis in range(dim):
+        lowered = powers.copy()
+        lowered[:, axis] = np.maximum(powers[:, axis] - 1, 0)
+        slopes[:, :, axis] = powers[:, axis] * np.prod(inside[:, None] ** lowered, axis=2)
+    return np.einsum("qpd,pn->qnd", slopes, np.linalg.inv(values))

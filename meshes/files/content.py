@@ -1,22 +1,32 @@
-"""Content of a mesh file, the same for every format: nodes, elements, sets of both, faces."""
+"""Content of a mesh file, the same for every format: nodes, elements, sets of both, faces.
+
+Nodes of elements are in the order in which most programs list them.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
+from cea.arrays import Floats, Ints
 from cea.errors import require
-from cea.mesh import DIMENSION, SIMPLICES, Cell, lattice
+from cea.mesh import Cell, Mesh, facet_nodes, node_order
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Role = Literal["solid", "mark", "structural"]
 
 
-DIVIDED = {"wedge": 6, "pyramid": 5}
-"""Corners of cells that a mesh has as tetrahedra alone (:mod:`meshes.files.tetrahedra`)."""
+CELLS = {
+    **{"line": (1, 2), "triangle": (2, 3), "quadrilateral": (2, 4), "tetrahedron": (3, 4)},
+    **{"pyramid": (3, 5), "wedge": (3, 6), "hexahedron": (3, 8)},
+}
+"""Dimension and number of corners of cells."""
+DIVIDED = ("wedge", "pyramid")
+"""Cells that a mesh has as tetrahedra alone (:mod:`meshes.files.tetrahedra`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +44,10 @@ class ElementBlock:
     numbers
         Their numbers in the file, (n,).
     nodes
-        Rows of their nodes among the points, (n, n_nodes): in the order of a
-        :class:`cea.mesh.Mesh`, -1 where the element has none of its nodes, as in the middle of
-        faces of 20-node hexahedra. Of wedges and pyramids, corners and middles of edges and faces
-        as VTK lists them; of lines and other elements, as the file has them.
+        Rows of their nodes among the points, (n, n_nodes), corners first; up to order 2 as
+        :data:`meshes.files.content.KINDS` lists them.
+    reference
+        Where these nodes lie in the reference cell, from 0 to 1, (n_nodes, dim).
     role
         ``solid``: what bodies are made of, and where solids of more dimensions are there, marks of
         their faces; ``mark``: of faces alone; ``structural``: shells, beams, springs and the like.
@@ -48,6 +58,7 @@ class ElementBlock:
     order: int
     numbers: Ints
     nodes: Ints
+    reference: Floats = field(default_factory=lambda: np.empty((0, 0)))
     role: Role = "solid"
 
     def __len__(self) -> int:
@@ -56,28 +67,21 @@ class ElementBlock:
     @property
     def dim(self) -> int:
         """Dimension of its cells; 0 of what is none."""
-        if self.cell in DIVIDED:
-            return 3
-        return {"line": 1, **{str(cell): dim for cell, dim in DIMENSION.items()}}.get(self.cell, 0)
+        return CELLS.get(self.cell, (0, 0))[0]
 
     @property
     def corners(self) -> Ints:
         """Corners of each element, (n, n_corners)."""
-        if self.cell not in DIMENSION:
-            return self.nodes[:, : DIVIDED.get(self.cell, 2)]  # lines begin with their ends
-        return self.nodes[:, corner_places(self.cell, self.order)]
+        return self.nodes[:, : CELLS.get(self.cell, (0, 2))[1]]
+
+
+def without_nodes(kind: str, numbers: Ints, role: Role) -> ElementBlock:
+    """Elements that make no body, of which no nodes are read."""
+    return ElementBlock(kind, "other", 1, numbers, np.empty((len(numbers), 0), int), role=role)
 
 
 class Sets(Mapping[str, Ints]):
-    """Sets by name, each worked out when it is asked for.
-
-    Parameters
-    ----------
-    items
-        What each is made of.
-    make
-        Makes its members of it.
-    """
+    """Sets by name, each worked out when it is asked for."""
 
     def __init__(self, items: Mapping[str, Any], make: Callable[[Any], Ints]) -> None:
         self._items, self._make = items, make
@@ -113,7 +117,7 @@ class FileContent:
         Nodes of each set, as rows of the points.
     face_sets
         Faces of each set: elements, and which of their faces, 0 for S1 as
-        :data:`meshes.files.kinds.FACES` counts them, or -1 for all that are free, (n, 2).
+        :data:`meshes.files.content.FACES` counts them, or -1 for all that are free, (n, 2).
     told
         What the file has that was left out.
     """
@@ -143,27 +147,13 @@ class FileContent:
 
     def with_others(self, kinds: Sequence[str]) -> "FileContent":
         """The content with a structural element of each kind that was not read."""
-        none = np.empty((1, 0), dtype=np.int64)
-        others = [
-            ElementBlock(kind, "other", 1, np.zeros(1, dtype=np.int64), none, "structural")
-            for kind in kinds
-        ]
+        others = [without_nodes(kind, np.zeros(1, dtype=np.int64), "structural") for kind in kinds]
         return replace(self, blocks=[*self.blocks, *others])
-
-
-def corner_places(cell: Cell | str, order: int) -> Ints:
-    """Places of the corners among the nodes of a cell, in C order of the reference cell."""
-    places = lattice(DIMENSION[cell], order, cell in SIMPLICES)  # type: ignore[index]
-    if cell in SIMPLICES:
-        at_corner = (places == order).any(axis=1) | (places == 0).all(axis=1)
-    else:
-        at_corner = np.isin(places, (0, order)).all(axis=1)
-    return np.flatnonzero(at_corner)
 
 
 def without_copies(content: FileContent) -> FileContent:
     """The content with elements that are there again, for another set, made one with the first."""
-    marks = np.append(node_marks(len(content.points)), np.uint64(0))
+    marks = node_marks(len(content.points))
     cells = {cell: i for i, cell in enumerate(sorted({block.cell for block in content.blocks}))}
     keys = np.concatenate(
         [np.empty(0, dtype=np.uint64)]
@@ -220,3 +210,162 @@ def shown(names: Iterable[str], limit: int = 20) -> str:
     known = list(names)
     more = f" and {len(known) - limit} more" if len(known) > limit else ""
     return ", ".join(known[:limit]) + more if known else "none"
+
+
+def first_of_near(points: Floats, distance: float) -> Ints:
+    """Number of the first of the points that a chain of steps below a distance joins to each."""
+    pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
+    size = len(points)
+    links = coo_array((np.ones(len(pairs), dtype=bool), tuple(pairs.T)), shape=(size, size))
+    _, group = connected_components(links, directed=False)
+    return np.unique(group, return_index=True)[1][group].astype(np.int64)
+
+
+_SAME = 1e-6
+"""Reference nodes nearer than this are one."""
+
+
+class Kind(NamedTuple):
+    """Cell, order and nodes of a kind of element.
+
+    Parameters
+    ----------
+    cell
+        A :data:`cea.mesh.Cell`, ``wedge`` or ``pyramid``.
+    order
+        Order of its geometry.
+    groups
+        Corners whose mean each node is; of a corner itself.
+    reference
+        Nodes of the reference cell, (n, dim), from 0 to 1.
+    """
+
+    cell: str
+    order: int
+    groups: tuple[tuple[int, ...], ...]
+    reference: Floats
+
+
+_CORNERS: dict[str, list[list[float]]] = {
+    "triangle": [[0, 0], [1, 0], [0, 1]],
+    "quadrilateral": [[0, 0], [1, 0], [1, 1], [0, 1]],
+    "tetrahedron": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    "pyramid": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]],
+    "wedge": [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (0, 1))],
+    "hexahedron": [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))],
+}
+_EDGES: dict[str, list[tuple[int, ...]]] = {
+    "triangle": [(0, 1), (1, 2), (2, 0)],
+    "quadrilateral": [(0, 1), (1, 2), (2, 3), (3, 0)],
+    "tetrahedron": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
+    "pyramid": [(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)],
+    "wedge": [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)],
+    "hexahedron": [
+        *[(0, 1), (1, 2), (2, 3), (3, 0)],
+        *[(4, 5), (5, 6), (6, 7), (7, 4)],
+        *[(0, 4), (1, 5), (2, 6), (3, 7)],
+    ],
+}
+"""Edges whose middles follow the corners: around the bottom, around the top, upright ones last."""
+_MIDDLES: dict[str, list[tuple[int, ...]]] = {
+    "quadrilateral": [(0, 1, 2, 3)],
+    "pyramid": [(0, 1, 2, 3)],
+    "wedge": [(0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
+    "hexahedron": [
+        *[(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7)],
+        tuple(range(8)),
+    ],
+}
+"""Faces, and then all corners, whose middles follow those of the edges in VTK."""
+
+
+def _kind(cell: str, *middles: Sequence[tuple[int, ...]]) -> Kind:
+    """A kind whose nodes are corners, then the means of groups of corners."""
+    at = np.array(_CORNERS[cell], dtype=float)
+    groups = [*((corner,) for corner in range(len(at))), *(group for of in middles for group in of)]
+    reference = np.array([at[list(group)].mean(axis=0) for group in groups])
+    return Kind(cell, 2 if middles else 1, tuple(groups), reference)
+
+
+def _kinds() -> dict[str, Kind]:
+    """Kinds of all cells: linear, with middles of edges, with all middles."""
+    made = [
+        kind
+        for cell in _CORNERS
+        for kind in (
+            _kind(cell),
+            _kind(cell, _EDGES[cell]),
+            _kind(cell, _EDGES[cell], _MIDDLES.get(cell, ())),
+        )
+    ]
+    return {f"{kind.cell}{len(kind.groups)}": kind for kind in made}
+
+
+KINDS: dict[str, Kind] = _kinds()
+"""Kinds by cell and number of nodes, as hexahedron20: the order of VTK, Abaqus and Ansys."""
+
+FACES: dict[str, list[tuple[int, ...]]] = {
+    "triangle": [(0, 1), (1, 2), (2, 0)],
+    "quadrilateral": [(0, 1), (1, 2), (2, 3), (3, 0)],
+    "tetrahedron": [(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)],
+    "pyramid": [(0, 1, 2, 3), (0, 4, 1), (1, 4, 2), (2, 4, 3), (3, 4, 0)],
+    "wedge": [(0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)],
+    "hexahedron": [
+        *[(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1)],
+        *[(1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)],
+    ],
+}
+"""Corners of the faces S1, S2, ... of Abaqus, counted anticlockwise as seen from inside."""
+
+
+def full_kind(cell: str, order: int) -> Kind:
+    """The kind of a cell with all nodes of its order, 1 or 2."""
+    fitting = [kind for kind in KINDS.values() if (kind.cell, kind.order) == (cell, order)]
+    return max(fitting, key=lambda kind: len(kind.groups))
+
+
+def lacks_middles(block: ElementBlock) -> bool:
+    """Whether elements of second order have no nodes in the middle of faces or cells."""
+    return block.order == 2 and len(block.reference) < len(full_kind(block.cell, 2).groups)
+
+
+def side_nodes(block: ElementBlock) -> list[Ints]:
+    """Nodes on each face S1, S2, ... among those of the elements."""
+    found = []
+    for face in FACES[block.cell]:
+        at = block.reference[list(face)]
+        normal = np.linalg.svd(at[1:] - at[0])[2][-1]
+        found.append(np.flatnonzero(np.abs((block.reference - at[0]) @ normal) < _SAME))
+    return found
+
+
+def facet_sides(cell: Cell) -> Ints:
+    """Face, 0 for S1, that each facet is as :func:`cea.mesh.facet_nodes` counts them."""
+    corners = node_order(cell, 1, full_kind(cell, 1).reference)
+    sides = [set(face) for face in FACES[cell]]
+    facets = facet_nodes(cell, 1)
+    return np.array([sides.index({*corners[f].tolist()}) for f in facets], dtype=np.int64)
+
+
+def block(
+    name: str, kind: str, numbers: Ints, nodes: Ints, *, role: Role = "solid"
+) -> ElementBlock:
+    """Elements of a kind in :data:`KINDS` whose nodes, (n, n_nodes), are in its order."""
+    cell, order, _, reference = KINDS[kind]
+    return ElementBlock(name, cell, order, numbers, nodes, reference, role)
+
+
+def named_sides(mesh: Mesh) -> dict[str, NDArray[np.bool_]]:
+    """Which facets of which cells have each name, (n_cells, n_facets)."""
+    of_cell = facet_nodes(mesh.cell, mesh.order)
+    found = {name: np.zeros((len(mesh.cells), len(of_cell)), dtype=bool) for name in mesh.surfaces}
+    for side, local in enumerate(of_cell):
+        nodes = np.sort(mesh.cells[:, local], axis=1)
+        for name, facets in mesh.surfaces.items():
+            found[name][np.isin(_keys(nodes), _keys(np.sort(facets, axis=1))), side] = True
+    return found
+
+
+def _keys(rows: Ints) -> NDArray[np.void]:
+    """Rows as single values, equal for equal rows, (n,)."""
+    return np.ascontiguousarray(rows).view([("", rows.dtype)] * rows.shape[1]).ravel()

@@ -1,22 +1,183 @@
 """Content of Nastran files: points in their coordinate systems, solid elements, marks of faces.
 
-What the scene says itself (materials, supports, loads, the analysis) is passed over. Any other card
-may change what the body is: it is told as an element that was not read.
+Fields of a card have 8 or 16 columns or stand between commas, in capitals or not; a tab ends a
+field, ``$`` begins a comment. Lines whose first field is blank or begins with ``+`` or ``*``
+continue a card. What the scene says itself (materials, supports, loads, the analysis) is passed
+over. Any other card may change what the body is: it is reported as an element that was not read.
 """
 
 import re
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from cea.errors import require
-from meshes.files.content import ElementBlock, FileContent, Floats, Ints, Role, rows_of
-from meshes.files.kinds import block
-from meshes.files.nastran_cards import Card, cards_of
+from cea.arrays import Floats, Ints
+from cea.errors import InputError, require
+from meshes.files.content import ElementBlock, FileContent, Role, block, rows_of
+from meshes.files.sandbox import checked_state
+
+_NAME = re.compile(r"[A-Z][A-Z0-9]*")
+_REAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[DE]?([+-]\d+)|[DE](\d+))?", re.ASCII)
+"""The exponent may stand without a letter: 1.5-2 is 0.015."""
+_INCLUDE = re.compile(r"(?mi)^[ \t]*INCLUDE[ \t]*(?:'([^']*)'|\"([^\"]*)\"|([^\s$]+)).*$")
+_BEGIN = re.compile(r"(?mi)^[ \t]*BEGIN\b(?![^\n$]*(?:SUPER|MODULE)).*$")
+_DEEPEST = 10
+"""Files that include one another."""
+_LARGEST = 2**33
+"""Bytes of a file that is included."""
+_NARROW, _WIDE = 8, 16
+"""Columns of a field."""
+_ENDS = {width: (*range(_NARROW, 80, width), 80) for width in (_NARROW, _WIDE)}
+"""Columns at which fields end."""
+
+
+class Card(NamedTuple):
+    """A card: its name in capitals, and the fields after it, without blanks."""
+
+    name: str
+    fields: list[str]
+
+    def text(self, place: int) -> str:
+        """A field; empty where the card ends before."""
+        return self.fields[place] if place < len(self.fields) else ""
+
+    def whole(self, place: int, default: int | None = None) -> int:
+        """A field as a whole number."""
+        text = self.text(place)
+        if not text and default is not None:
+            return default
+        try:
+            number = int(text)
+        except ValueError:
+            number = 2**62
+        self._require(abs(number) < 2**62, place, "a whole number")
+        return number
+
+    def real(self, place: int) -> float:
+        """A field as a number; 0 where it is empty."""
+        text = self.text(place)
+        if not text:
+            return 0.0
+        match = _REAL.fullmatch(text.upper())
+        value = float(f"{match[1]}E{match[2] or match[3] or 0}") if match else float("inf")
+        self._require(abs(value) < float("inf"), place, "a number")
+        return value
+
+    def refuse(self, allowed: str) -> InputError:
+        """What is wrong with it, told by its name and number."""
+        return InputError("file", f"{self.name} {self.text(0)}".strip(), allowed)
+
+    def _require(self, fits: bool, place: int, what: str) -> None:
+        if not fits:
+            told = f"{what} in field {place + 1} after its name, not '{self.text(place)}'"
+            raise self.refuse(told)
+
+
+def cards_of(file: Path) -> Iterator[Card]:
+    """Cards of the bulk data of a file and of those that it includes, in their order."""
+    text = _text(file, (), file.parent)
+    begin = _BEGIN.search(text)
+    card: Card | None = None
+    mark = ""
+    for line in text[begin.end() if begin else 0 :].splitlines():
+        head, data, next_mark = _fields(line)
+        if not (head or any(data)):
+            continue
+        if not head or head[0] in "+*":
+            own = head.lstrip("+*")
+            if card is None or (own and mark and own != mark):
+                allowed = f"a line that continues the one before, which ends with '{mark}'"
+                raise InputError("file", line.strip(), allowed)
+            card.fields.extend([""] * (-len(card.fields) % len(data)) + data)
+        else:
+            if card is not None:
+                yield card
+            card = Card(head.rstrip("*_"), data)  # meshio writes CHEXA_
+            allowed = "the name of a card at the beginning"
+            require(bool(_NAME.fullmatch(card.name)), "file", line.strip(), allowed)
+            if card.name == "ENDDATA":
+                return
+        mark = next_mark
+    if card is not None:
+        yield card
+
+
+def _text(file: Path, outer: tuple[Path, ...], job: Path) -> str:
+    """Text of a file with those that it includes in their places.
+
+    Paths are counted from the folder of the file that includes, then from that of the first file.
+    """
+    circle = file in outer or len(outer) > _DEEPEST
+    require(not circle, "file", str(file), f"files that include each other {_DEEPEST} deep at most")
+
+    def included(match: re.Match[str]) -> str:
+        # A long path goes on in the next line.
+        parts = (match[1] or match[2] or match[3] or "").splitlines()
+        path = "".join(part.strip() for part in parts).replace("\\", "/")
+        places = [(folder / path).resolve() for folder in (file.parent, job)]
+        found = next((place for place in places if place.is_file()), places[0])
+        return _text(
+            checked_state(found, "a file that is included", _LARGEST)[0], (*outer, file), job
+        )
+
+    return _INCLUDE.sub(included, file.read_text("utf-8", "replace"))
+
+
+def _fields(line: str) -> tuple[str, list[str], str]:
+    """First field in capitals, data, and the mark of a continuation of a line."""
+    line = line.partition("$")[0].rstrip()
+    if "," in line:
+        head, *parts = (part.strip() for part in line.split(","))
+        count = 4 if "*" in head else 8
+        more = len(parts) > count + 1 or any(parts[count + 1 :])
+        require(not more, "file", line, f"at most {count} fields in a line, and a mark")
+        mark = "".join(parts[count:])
+        data = (parts + [""] * count)[:count]
+    else:
+        head, data, mark = _columns(line)
+    return head.upper(), data, mark.upper().lstrip("+*")
+
+
+def _columns(line: str) -> tuple[str, list[str], str]:
+    """The same of a line with fields of fixed width."""
+    width = _WIDE if "*" in line[:_NARROW] else _NARROW
+    if "\t" in line:
+        line = _untabbed(line, width)
+    if line[:1] == " " and line[:_NARROW].strip():
+        # Either the name alone or the whole card may have moved to the right.
+        ways = [way for way in (line, line.lstrip()) if _is_cut_between_fields(way, width)]
+        fits = bool(ways) and _cut(ways[0], width) == _cut(ways[-1], width)
+        require(fits, "file", line.strip(), "a card whose name begins in the first column")
+        line = ways[0]
+    head, *data, mark = _cut(line, width)
+    return head, data, mark
+
+
+def _cut(line: str, width: int) -> list[str]:
+    return [line[a:b].strip() for a, b in pairwise((0, *_ENDS[width]))]
+
+
+def _is_cut_between_fields(line: str, width: int) -> bool:
+    """Whether the second field holds something, and no two fields touch."""
+    cuts = _ENDS[width]
+    apart = all(" " in (line[cut - 1 : cut], line[cut : cut + 1] or " ") for cut in cuts)
+    return apart and bool(line[_NARROW : _NARROW + width].strip())
+
+
+def _untabbed(line: str, width: int) -> str:
+    """A line with blanks for its tabs: each ends a field, whether or not it fills its columns."""
+    ends, filled = _ENDS[width], ""
+    for part in line.split("\t"):
+        filled += part
+        if len(filled) not in ends or not part.strip():
+            filled = filled.ljust(next((end for end in ends if end > len(filled)), 0))
+    return filled
+
 
 Cards = Mapping[str, Sequence[Card]]
 """Cards by their names."""
@@ -59,13 +220,7 @@ _FLAT = 1e-9
 
 
 def nastran_content(file: Path) -> FileContent:
-    """Nodes, elements and properties of a file; the latter are sets, as ``PSOLID 3``.
-
-    Raises
-    ------
-    InputError
-        When a card is not as its format has it.
-    """
+    """Nodes, elements and properties of a file; the latter are sets, as ``PSOLID 3``."""
     cards: dict[str, list[Card]] = defaultdict(list)
     for card in cards_of(file):
         cards[card.name].append(card)
@@ -109,7 +264,7 @@ def _sets(cards: Cards, of_elements: Ints) -> dict[str, Ints]:
 
 
 def _nodes(card: Card, kind: _Kind) -> list[int]:
-    """Nodes of an element in the order of :data:`meshes.files.kinds.KINDS`; 0 is a blank."""
+    """Nodes of an element in the order of :data:`meshes.files.content.KINDS`; 0 is a blank."""
     corners = [card.whole(2 + i) for i in range(kind.corners)]
     more = range(kind.corners, kind.nodes) if any(card.fields[2 + kind.corners :]) else ()
     middles = [card.whole(2 + i, default=0) for i in more]
@@ -142,13 +297,7 @@ class _System(NamedTuple):
 
 
 class _Points:
-    """Points of a file and the coordinate systems that they are given in.
-
-    Parameters
-    ----------
-    cards
-        The file.
-    """
+    """Points of a file and the coordinate systems that they are given in."""
 
     def __init__(self, cards: Cards) -> None:
         self._grids = cards["GRID"]

@@ -10,9 +10,18 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.mesh import Cell
-from meshes.files.content import DIVIDED, ElementBlock, FileContent, Floats, Ints, Sets, shown
+from meshes.files.content import (
+    DIVIDED,
+    ElementBlock,
+    FileContent,
+    Sets,
+    first_of_near,
+    lacks_middles,
+    shown,
+)
 
 _SAME = 1e-6
 """Distance below which nodes are one, relative to the shortest edge."""
@@ -22,15 +31,7 @@ _FLAT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Elements that make a body.
-
-    Parameters
-    ----------
-    blocks
-        The elements, one block for each kind of cell.
-    elements
-        Which they are, counted through the blocks of the file, in the order of these blocks, (n,).
-    """
+    """Elements that make a body."""
 
     blocks: tuple[ElementBlock, ...]
     elements: Ints
@@ -38,7 +39,8 @@ class Part:
     @property
     def is_divided(self) -> bool:
         """Whether its mesh has its elements divided into tetrahedra."""
-        return len(self.blocks) > 1 or self.blocks[0].cell in DIVIDED
+        cells = {block.cell for block in self.blocks}
+        return len(cells) > 1 or not cells.isdisjoint(DIVIDED)
 
     @property
     def cell(self) -> Cell:
@@ -63,13 +65,12 @@ class Part:
     @cached_property
     def used(self) -> Ints:
         """Nodes that it has in the file, as rows of the points, rising."""
-        nodes = np.unique(np.concatenate([block.nodes.ravel() for block in self.blocks]))
-        return nodes[nodes >= 0]
+        return np.unique(np.concatenate([block.nodes.ravel() for block in self.blocks]))
 
     @property
     def incomplete(self) -> bool:
         """Whether its elements have not all nodes of Lagrange cells, as 20-node hexahedra."""
-        return any(bool((block.nodes < 0).any()) for block in self.blocks)
+        return any(lacks_middles(block) for block in self.blocks)
 
 
 _SOLIDS = "triangles, quadrilaterals, tetrahedra, pyramids, wedges or hexahedra"
@@ -116,15 +117,8 @@ def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[s
         )
         sets = shown(content.element_sets)
         raise InputError("part", name, f"{allowed}; sets of elements: {sets}")
-    blocks, elements = [], []
-    for cell, order in cells:
-        alike = [(b, own, start) for b, own, start in solid if (b.cell, b.order) == (cell, order)]
-        numbers, nodes = (
-            np.concatenate([getattr(b, field)[own] for b, own, _ in alike])
-            for field in ("numbers", "nodes")
-        )
-        blocks.append(ElementBlock(alike[0][0].kind, cell, order, numbers, nodes))
-        elements += [start + np.flatnonzero(own) for _, own, start in alike]
+    blocks = [replace(b, numbers=b.numbers[own], nodes=b.nodes[own]) for b, own, _ in solid]
+    elements = [start + np.flatnonzero(own) for _, own, start in solid]
     return Part(tuple(blocks), np.concatenate(elements))
 
 
@@ -134,13 +128,7 @@ def merged(content: FileContent, distance: float) -> FileContent:
     shortest = min((float(_edges(content.points, c).min()) for c in cells), default=np.inf)
     allowed = f"less than half the shortest edge of an element, {shortest:g}"
     require(distance < shortest / 2, "merge_nodes", distance, allowed)
-    pairs = cKDTree(content.points).query_pairs(distance, output_type="ndarray")
-    n = len(content.points)
-    links = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(n, n))
-    _, group = connected_components(links, directed=False)
-    first = np.full(group.max() + 1, n, dtype=np.int64)
-    np.minimum.at(first, group, np.arange(n))
-    number = np.append(first[group], -1)  # the last one stands for nodes that are not there
+    number = first_of_near(content.points, distance)
     blocks = [replace(block, nodes=number[block.nodes]) for block in content.blocks]
     sets = Sets(content.node_sets, lambda rows: np.unique(number[rows]))
     return replace(content, blocks=blocks, node_sets=sets)

@@ -8,9 +8,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import Ints
 from cea.errors import InputError
-from meshes.files.content import FileContent, Ints, node_marks, shown
-from meshes.files.kinds import FACES, full_order, side_nodes
+from meshes.files.content import FACES, FileContent, node_marks, shown, side_nodes
 from meshes.files.part import Part
 
 Bools = NDArray[np.bool_]
@@ -21,20 +21,7 @@ _SET = re.compile(r"(?:(faces|elements|nodes):)?(.+?)(?::[SP]?([1-6]))?", re.DOT
 
 @dataclass(frozen=True, eq=False)
 class Facets:
-    """Faces of the elements of a body, matched by their corners; those of two are inner ones.
-
-    Parameters
-    ----------
-    keys
-        What faces are found by, rising, (n_groups,).
-    group
-        Number of each face of each element among the keys, -1 where it has no such face,
-        (n_elements, n_faces).
-    free
-        Which of them lie on the boundary, (n_elements, n_faces).
-    marks
-        Random number of each node.
-    """
+    """Faces of the elements of a body, matched by their corners; those of two are inner ones."""
 
     keys: NDArray[np.uint64]
     group: Ints
@@ -49,14 +36,14 @@ class Facets:
 
 @lru_cache(4)
 def facets_of(part: Part, n_points: int) -> Facets:
-    """Faces of the elements of a body, as :data:`meshes.files.kinds.FACES` counts them."""
+    """Faces of the elements of a body, as :data:`meshes.files.content.FACES` counts them."""
     marks = node_marks(n_points)
     most = max(len(FACES[block.cell]) for block in part.blocks)
     sums = np.zeros((len(part.elements), most), dtype=np.uint64)
     there = np.zeros(sums.shape, dtype=bool)
     start = 0
     for block in part.blocks:
-        corners = block.corners[:, full_order(block.cell, 1)]
+        corners = block.corners
         for i, face in enumerate(FACES[block.cell]):
             rows = slice(start, start + len(block))
             sums[rows, i] = marks[corners[:, face]].sum(axis=1, dtype=np.uint64)
@@ -71,24 +58,7 @@ def facets_of(part: Part, n_points: int) -> Facets:
 def surface_faces(
     content: FileContent, part: Part, faces: Mapping[str, Sequence[str]]
 ) -> dict[str, tuple[Bools, int]]:
-    """Faces of elements that named surfaces have, and how many nodes of sets are left out.
-
-    Parameters
-    ----------
-    content
-        The file.
-    part
-        The elements of the body.
-    faces
-        Sets of each surface: one after the other ``NAME``, ``nodes:NAME``, ``elements:NAME``,
-        ``faces:NAME`` or, of elements and their k-th faces as Abaqus counts them, ``NAME:Sk``.
-
-    Returns
-    -------
-    dict
-        Which faces of which elements, (n_elements, n_faces); number of nodes of the body that sets
-        of nodes have and that lie on none of these faces.
-    """
+    """Faces of elements that named surfaces have, and how many nodes of sets are left out."""
     facets = facets_of(part, len(content.points)) if faces else None
     found = {}
     for surface, sets in faces.items():
@@ -107,7 +77,7 @@ def _nodes_on(part: Part, on: Bools) -> Ints:
     """Nodes on faces of elements."""
     nodes, start = [np.empty(0, dtype=np.int64)], 0
     for block in part.blocks:
-        for i, side in enumerate(side_nodes(block.cell, block.order)):
+        for i, side in enumerate(side_nodes(block)):
             nodes.append(block.nodes[on[start : start + len(block), i]][:, side].ravel())
         start += len(block)
     return np.unique(np.concatenate(nodes))
@@ -212,12 +182,11 @@ def _of_faces(part: Part, facets: Facets, pairs: Ints) -> Bools:
 
 def _of_nodes(part: Part, facets: Facets, rows: Ints, n_points: int) -> Bools:
     """Free faces all of whose nodes belong to a set."""
-    inside = np.zeros(n_points + 1, dtype=bool)
+    inside = np.zeros(n_points, dtype=bool)
     inside[rows] = True
-    inside[-1] = True  # nodes that elements do not have
     on, start = np.zeros(facets.group.shape, dtype=bool), 0
     for block in part.blocks:
-        for i, side in enumerate(side_nodes(block.cell, block.order)):
+        for i, side in enumerate(side_nodes(block)):
             on[start : start + len(block), i] = inside[block.nodes[:, side]].all(axis=1)
         start += len(block)
     return facets.free & on

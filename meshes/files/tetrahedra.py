@@ -11,32 +11,23 @@ node there, its own (serendipity) shape functions put one.
 """
 
 from collections.abc import Sequence
-from itertools import combinations_with_replacement
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cea.errors import InputError, require
-from cea.mesh import facet_nodes, lattice, reference_nodes
-from meshes.files.content import ElementBlock, Floats, Ints, node_marks
-from meshes.files.kinds import FACES, KINDS, full_kind, full_order, in_order
+from cea.arrays import Floats, Ints
+from cea.errors import require
+from cea.mesh import facet_nodes, node_order
+from meshes.files.content import FACES, ElementBlock, full_kind, lacks_middles, node_marks
 
 
 class Tetrahedra(NamedTuple):
     """Elements divided into tetrahedra.
 
-    Parameters
-    ----------
-    points
-        Positions of the nodes, those that were added at the end, (n, 3).
-    cells
-        Nodes of the tetrahedra in the order of :class:`cea.mesh.Mesh`, (m, 4) or (m, 10).
-    elements
-        Element that each is a part of, counted through the blocks, rising, (m,).
-    sides
-        Face of that element, 0 for its S1 (:data:`meshes.files.kinds.FACES`), that each facet of
-        each tetrahedron lies on, as :func:`cea.mesh.facet_nodes` counts facets; -1 inside, (m, 4).
+    Points (n, 3), those that were added at the end; nodes of the tetrahedra in the order of
+    :class:`cea.mesh.Mesh`, (m, 4) or (m, 10); the element that each is a part of, rising, (m,); the
+    face of that element, 0 for its S1, that each of its facets lies on, -1 inside, (m, 4).
     """
 
     points: Floats
@@ -46,92 +37,67 @@ class Tetrahedra(NamedTuple):
 
 
 def tetrahedra(points: Floats, blocks: Sequence[ElementBlock]) -> Tetrahedra:
-    """Divide solid elements of a body into tetrahedra that match across faces.
-
-    Parameters
-    ----------
-    points
-        Positions of the nodes, (n, 3).
-    blocks
-        The elements: hexahedra, wedges, pyramids and tetrahedra, all of order 1 or all of order 2,
-        as :func:`meshes.files.kinds.block` makes them, whatever the format of the file.
-
-    Raises
-    ------
-    InputError
-        When they are of several orders, of a higher order, or lack middles of edges.
-    """
+    """Divide solid elements of a body, all of order 1 or all of order 2, into tetrahedra."""
     orders = sorted({block.order for block in blocks})
     kinds = ", ".join(sorted({block.kind for block in blocks}))
     allowed = "elements that are all of order 1 or all of order 2, where a body has several kinds"
     require(orders in ([1], [2]), "file", kinds, allowed)
-    points, nodes = completed(points, blocks)
+    points, full = completed(points, blocks)
     starts = np.cumsum([0, *map(len, blocks)])
-    parts = [
-        _divided(block.cell, orders[0], own, int(start))
-        for block, own, start in zip(blocks, nodes, starts, strict=False)
-    ]
+    parts = [_divided(block, int(start)) for block, start in zip(full, starts, strict=False)]
     return Tetrahedra(points, *(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
-def completed(points: Floats, blocks: Sequence[ElementBlock]) -> tuple[Floats, list[Ints]]:
-    """Points, and nodes of each block, with the middles of faces and cells that were lacking.
+def completed(
+    points: Floats, blocks: Sequence[ElementBlock]
+) -> tuple[Floats, Sequence[ElementBlock]]:
+    """Points and elements, with the middles of faces and cells that these lacked.
 
     The shape functions of elements that have no such nodes lie in the space of those that do, so
-    that the geometry is what it was where these put them.
+    that the geometry is what it was where these put them. A neighbour may have the node.
     """
-    nodes, marks = [block.nodes.copy() for block in blocks], node_marks(len(points))
-    columns: list[tuple[int, int]] = []
-    keys: list[NDArray[np.uint64]] = []
-    at: list[Floats] = []
-    for i, block in enumerate(blocks):
-        if not (nodes[i] < 0).any():
-            continue
-        _check_edges(block)
-        kind, place = full_kind(block.cell, 2), full_order(block.cell, 2)
-        for group, column in zip(kind.groups, place, strict=True):
-            if len(group) < 4:
-                continue
-            edges = [k for k, two in enumerate(kind.groups) if len(two) == 2 and {*two} <= {*group}]
-            weight = 0.5 if len(group) == 4 else 0.25  # of a face, of a hexahedron
-            corners, middles = block.nodes[:, place[list(group)]], block.nodes[:, place[edges]]
-            columns.append((i, column))
-            keys.append(marks[corners].sum(axis=1, dtype=np.uint64))
-            at.append(weight * points[middles].sum(axis=1) - 0.25 * points[corners].sum(axis=1))
-    if not columns:
-        return points, nodes
+    if not any(lacks_middles(block) for block in blocks):
+        return points, blocks
+    marks = node_marks(len(points))
+    nodes, keys, at, columns = [], [], [], []
+    for block in blocks:
+        groups = full_kind(block.cell, 2).groups
+        own = np.full((len(block), len(groups)), -1, dtype=np.int64)
+        own[:, : block.nodes.shape[1]] = block.nodes
+        nodes.append(own)
+        for column, group in enumerate(groups):
+            if len(group) >= 4:
+                edges = [k for k, two in enumerate(groups) if len(two) == 2 and {*two} <= {*group}]
+                weight = 0.5 if len(group) == 4 else 0.25  # of a face, of a hexahedron
+                corners, middles = own[:, list(group)], own[:, edges]
+                keys.append(marks[corners].sum(axis=1, dtype=np.uint64))
+                at.append(weight * points[middles].sum(axis=1) - points[corners].sum(axis=1) / 4)
+                columns.append((own, column))
     _, first, same = np.unique(np.concatenate(keys), return_index=True, return_inverse=True)
     number = np.full(len(first), -1, dtype=np.int64)
-    given = np.concatenate([nodes[i][:, column] for i, column in columns])
-    np.maximum.at(number, same, given)  # a neighbour may have the node
+    np.maximum.at(number, same, np.concatenate([own[:, column] for own, column in columns]))
     new = number < 0
     number[new] = len(points) + np.arange(new.sum())
     ends = np.cumsum([len(each) for each in keys])[:-1]
-    for (i, column), numbers in zip(columns, np.split(number[same], ends), strict=True):
-        nodes[i][:, column] = numbers
-    return np.concatenate([points, np.concatenate(at)[first[new]]]), nodes
+    for (own, column), numbers in zip(columns, np.split(number[same], ends), strict=True):
+        own[:, column] = numbers
+    full = [
+        replace(block, nodes=own, reference=full_kind(block.cell, 2).reference)
+        for block, own in zip(blocks, nodes, strict=True)
+    ]
+    return np.concatenate([points, np.concatenate(at)[first[new]]]), full
 
 
-def _check_edges(block: ElementBlock) -> None:
-    """Refuse elements that lack other nodes than the middles of faces and cells."""
-    lacks = (block.nodes < 0).any(axis=1)
-    if block.order == 2:
-        groups, place = full_kind(block.cell, 2).groups, full_order(block.cell, 2)
-        needed = place[[len(group) < 4 for group in groups]]
-        lacks = (block.nodes[:, needed] < 0).any(axis=1)
-    if lacks.any():
-        worst = int(block.numbers[np.argmax(lacks)])
-        raise InputError("file", f"element {worst}", "elements with the middles of all edges")
-
-
-def _divided(cell: str, order: int, nodes: Ints, start: int) -> tuple[Ints, Ints, Ints]:
+def _divided(block: ElementBlock, start: int) -> tuple[Ints, Ints, Ints]:
     """Tetrahedra of elements of one kind, the element of each, the faces of their facets."""
-    place = full_order(cell, order)
-    elements, local = _pieces(cell, nodes[:, place])
-    local = in_order("tetrahedron", 1, local, KINDS["tetrahedron4"].reference)
-    middle, ends = place[_middles(cell, order)], _ends(order)
-    cells = nodes[elements[:, None], middle[local[:, ends[:, 0]], local[:, ends[:, 1]]]]
-    on = np.array([[c in face for face in FACES[cell]] for c in range(local.max() + 1)])
+    elements, local = _pieces(block)
+    kind = full_kind("tetrahedron", block.order)
+    middle = _middles(block.cell, block.order)
+    nodes = [middle[local[:, group[0]], local[:, group[-1]]] for group in kind.groups]
+    order = node_order("tetrahedron", block.order, kind.reference)
+    cells = block.nodes[elements[:, None], np.stack(nodes, axis=1)[:, order]]
+    local = local[:, node_order("tetrahedron", 1, full_kind("tetrahedron", 1).reference)]
+    on = np.array([[c in face for face in FACES[block.cell]] for c in range(local.max() + 1)])
     sides = np.full((len(cells), 4), -1, dtype=np.int64)
     for facet, corners in enumerate(facet_nodes("tetrahedron", 1)):
         faces = on[local[:, corners]].all(axis=1)
@@ -139,12 +105,12 @@ def _divided(cell: str, order: int, nodes: Ints, start: int) -> tuple[Ints, Ints
     return cells, start + elements, sides
 
 
-def _pieces(cell: str, nodes: Ints) -> tuple[Ints, Ints]:
+def _pieces(block: ElementBlock) -> tuple[Ints, Ints]:
     """Tetrahedra by the corners of their element, with positive volume, and the element of each."""
-    corners = nodes[:, : len(full_kind(cell, 1).groups)]
+    corners = block.corners
     lowest = corners.argmin(axis=1)
     rows, pieces = [], []
-    for face in FACES[cell]:
+    for face in FACES[block.cell]:
         around = np.array(face)
         own = np.flatnonzero((lowest[:, None] != around).all(axis=1))
         first = corners[own][:, around].argmin(axis=1)
@@ -160,16 +126,7 @@ def _pieces(cell: str, nodes: Ints) -> tuple[Ints, Ints]:
 def _middles(cell: str, order: int) -> Ints:
     """Node of :func:`full_kind` in the middle of each two corners, (n_corners, n_corners)."""
     kind = full_kind(cell, order)
-    corners = kind.reference[: len(full_kind(cell, 1).groups)]
+    corners = full_kind(cell, 1).reference
     means = (corners[:, None] + corners) / 2
     apart = np.linalg.norm(means[:, :, None] - kind.reference, axis=3)
     return apart.argmin(axis=2).astype(np.int64)
-
-
-def _ends(order: int) -> Ints:
-    """Two corners in whose middle each node of a tetrahedron is, the same at corners, (n, 2)."""
-    corners = reference_nodes("tetrahedron", 1).astype(np.int64)
-    pairs = list(combinations_with_replacement(range(4), 2))
-    middles = [(corners[a] + corners[b]).tolist() for a, b in pairs]
-    wanted = lattice(3, order, simplex=True) * (2 // order)
-    return np.array([pairs[middles.index(node)] for node in wanted.tolist()], dtype=np.int64)

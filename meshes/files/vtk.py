@@ -8,10 +8,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.files import regular
-from meshes.files.content import ElementBlock, FileContent, Floats, Ints, without_copies
-from meshes.files.kinds import KINDS, block
+from meshes.files.content import KINDS, ElementBlock, FileContent, block, without_copies
 
 _CELLS = {
     **{"triangle": "triangle", "tri": "triangle", "quadrilateral": "quadrilateral"},

@@ -4,15 +4,12 @@ import time
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
 from graded_numbers import graded_numbers
 from mpi import on_ranks
 from petsc_matrices import to_petsc
 from random_graded import POWERS, random_graded, random_graded_damped, sheared
 from random_runs import graded_damped_outcome, graded_outcome, statistics, tell
-from scipy.sparse import csr_array
 
-from cea.eigen.balance import balance_of, osborne
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.errors import ConvergenceError
@@ -101,27 +98,6 @@ def test_left_vectors_of_damped_ones():
     assert (np.abs(defect) <= 1e-9 * (np.abs(K.T) @ np.abs(y))).all()
     turned = np.einsum("ij,ij->j", y.conj(), 2 * value * (M @ x) + D @ x)
     assert turned == pytest.approx(2 * value)
-
-
-def test_balance_takes_a_grading_out_to_the_bit():
-    rng = np.random.default_rng(4)
-    plain = 1 + rng.random((30, 30))
-    scale = 2.0 ** rng.integers(-30, 31, 30)
-    found = osborne(csr_array(scale[:, None] * plain / scale), csr_array(np.eye(30)))
-    assert np.ptp(np.log2(found / scale)) <= 1
-    assert (np.log2(found) == np.round(np.log2(found))).all()
-    coupled = np.kron(np.eye(15), np.ones((2, 2)))
-    pairs = osborne(csr_array(scale[:, None] * plain / scale), csr_array(coupled))
-    assert (pairs[::2] == pairs[1::2]).all()
-
-
-@pytest.mark.parametrize("stiffness", [1e2, 1e8, 1e14])
-def test_friction_of_stiff_contacts_is_no_grading(backend, stiffness):
-    problem = two_blocks(backend, {"method": "gpts", "points": 3}, P=stiffness)
-    problem["contacts"]["interface"]["form"] = "penalty"
-    matrices = assemble(problem).pencil().at()
-    assert matrices.unsymmetric is not None
-    assert balance_of(matrices, 1.4) is None
 
 
 @pytest.mark.mpi

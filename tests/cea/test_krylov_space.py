@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from cea.eigen.columns import Columns
-from cea.eigen.dense_products import beside, combined, inner, subtract
+from cea.eigen.blocks import beside, combined, inner, subtract
 from cea.eigen.krylov_space import KrylovSpace
 
 
@@ -33,12 +32,11 @@ def numbers(rng, shape, kind):
     return values + 1j * rng.standard_normal(shape) if kind is complex else values
 
 
-@pytest.mark.parametrize("kind", [float, complex])
 @pytest.mark.parametrize("known", [0, 5])
-def test_the_space_holds_its_relation(kind, known):
+def test_the_space_holds_its_relation(known):
     """Eigenvalues over ten decades, as an inverse has them; a restart keeps the relation."""
     rng, n = np.random.default_rng(3), 160
-    turn = np.linalg.qr(numbers(rng, (n, n), kind))[0]
+    turn = np.linalg.qr(numbers(rng, (n, n), float))[0]
     upper = np.diag(np.geomspace(1.0, 1e-10, n)) + 1e-2 * np.triu(rng.normal(size=(n, n)), 1) / n
     root = np.eye(n) + 0.2 * np.diag(rng.uniform(size=n))
     mass = root @ root
@@ -46,19 +44,18 @@ def test_the_space_holds_its_relation(kind, known):
     q = np.asfortranarray(np.linalg.inv(root) @ turn[:, :known])
     owner = Dense(solved, mass)
     space = KrylovSpace(owner, q, n - known)
-    space.start(np.asfortranarray(numbers(rng, (n, 4), kind)))
+    space.start(np.asfortranarray(numbers(rng, (n, 4), float)))
     for step in range(12):
         space.extend()
         if step == 8:
             values, vectors = np.linalg.eig(space.square)
             order = np.argsort(-np.abs(values))[:20]
-            if kind is float:
-                assert np.abs(values[order].imag).max() == 0
-                vectors, values = vectors.real, values.real
+            assert np.abs(values[order].imag).max() == 0
+            vectors, values = vectors.real, values.real
             vectors, triangle = np.linalg.qr(vectors[:, order])
             form = triangle @ np.diag(values[order]) @ np.linalg.inv(triangle)
             space.restart(form, vectors)
-    whole = space._vectors.take(0, known + space.size + space.next)
+    whole = space._take(0, known + space.size + space.next)
     gram = whole.conj().T @ mass @ whole
     assert np.abs(gram - np.eye(len(gram))).max() < 1e-12
     v = space.combined(np.eye(space.size))
@@ -91,30 +88,3 @@ def test_products_are_those_of_numpy(kind):
     for there in (block.copy(order="F"), block.copy(order="C")):
         subtract(there, tall, factors)
         assert np.allclose(there, block - tall @ factors, atol=1e-13)
-
-
-@pytest.mark.parametrize("kind", [float, complex])
-@pytest.mark.parametrize("known", [0, 3])
-def test_columns_in_pieces_are_those_of_one_array(kind, known):
-    rng, rows, width = np.random.default_rng(2), 30, 3
-    first = np.asfortranarray(numbers(rng, (rows, known), kind))
-    columns, whole = Columns(first, 22, kind, few=4), first
-    for _ in range(7):  # blocks lie across pieces of 4
-        block = np.asfortranarray(numbers(rng, (rows, width), kind))
-        columns.put(whole.shape[1], block)
-        whole = np.hstack([whole, block])
-    columns.put(known, whole[:, known + 2 : known + 8])
-    whole[:, known : known + 6] = whole[:, known + 2 : known + 8]
-    n, right = whole.shape[1], np.asfortranarray(numbers(rng, (rows, width), kind))
-    assert np.array_equal(columns.take(0, n), whole)
-    assert np.shares_memory(columns.take(known, known + 2), columns.take(known, known + 1))
-    products = whole.conj().T @ right
-    assert np.allclose(columns.inner(n, right, inner), products, atol=1e-13)
-    assert columns.inner(0, right, inner).shape == (0, width)
-    assert np.allclose(
-        columns.combined(known, products[known:]), whole[:, known:] @ products[known:]
-    )
-    assert columns.combined(known, products[:0]).shape == (rows, width)
-    left = right.copy(order="F")
-    columns.subtract(left, products)
-    assert np.allclose(left, right - whole @ products, atol=1e-12)

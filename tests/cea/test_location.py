@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cea.location import TOLERANCE, locate_along
-from cea.surface import Status
+from cea.surface_points import Status
 
 NUMBERS = [10_000, pytest.param(100_000, marks=pytest.mark.slow)]
 

@@ -12,9 +12,10 @@ from near_contact_cases import near_numbers, on_a_bar
 from petsc_matrices import to_numpy
 from same_numbers import assert_same
 
-from cea.eigen import search
+from cea.eigen import window
 from cea.eigen.field_of_values import field_of_values
 from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.options import KrylovOptions
 from cea.errors import InputError
 from cea.rotation import Rotation
 from cea.system import near_contact
@@ -120,17 +121,17 @@ def test_its_bounds_hold_for_the_whole(kept, contact, mu):
 
 
 def test_the_same_modes_by_the_smaller_factorisation(kept, monkeypatch):
-    sizes, original = [], search.field_of_values
+    sizes, original = [], window.field_of_values
 
     def noted(matrices, *arguments, **options):
         sizes.append(matrices.size)
         return original(matrices, *arguments, **options)
 
-    monkeypatch.setattr(search, "field_of_values", noted)
+    monkeypatch.setattr(window, "field_of_values", noted)
     modes = {}
     for small in (True, False):
         pencil = assemble(on_a_bar(mu=0.1)).pencil(parted_from=0 if small else 10**9)
-        with KrylovSchur(pencil) as driver:
+        with KrylovSchur(pencil, KrylovOptions(dense_limit=0)) as driver:
             modes[small] = driver.solve(0.4)
             assert driver.factorisations == 2
     assert sizes[0] == len(kept[0]) < 0.5 * sizes[1]
@@ -143,14 +144,14 @@ def test_the_same_modes_by_the_smaller_factorisation(kept, monkeypatch):
 def test_where_it_says_too_little_the_whole_is_asked(kept, monkeypatch):
     """Friction so strong that the part has no bound, though the whole has one."""
     pencil = assemble(on_a_bar(mu=8.0)).pencil(parted_from=0)
-    sizes, original = [], search.field_of_values
+    sizes, original = [], window.field_of_values
 
     def noted(matrices, *arguments, **options):
         sizes.append(matrices.size)
         return original(matrices, *arguments, **options)
 
-    monkeypatch.setattr(search, "field_of_values", noted)
-    with KrylovSchur(pencil) as driver:
+    monkeypatch.setattr(window, "field_of_values", noted)
+    with KrylovSchur(pencil, KrylovOptions(dense_limit=0)) as driver:
         modes = driver.solve(0.3)
     assert sizes[0] == len(kept[0])
     assert sizes[1] == pencil.at().size

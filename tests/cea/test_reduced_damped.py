@@ -172,12 +172,15 @@ def test_derivatives_of_coefficients_are_those_of_differences(backend):
     pieces = Pieces(pencil, (P, MU, ALPHA, RATIO))
     values, names = pencil.values({P: 7.0, MU: 0.3, ALPHA: 0.02}), {P, MU, ALPHA, RATIO}
     seen = set()
-    for piece in pieces.all:
-        for name in piece.coefficient.names & names:
+    coefficients = [piece.coefficient for piece in pieces.all]
+    for contact in pieces.contacts:
+        coefficients += [contact.friction, contact.inverse_stiffness]
+    for coefficient in coefficients:
+        for name in coefficient.names & names:
             seen.add(name)
             step = 1e-6 * max(values[name], 1e-3)
-            ends = [piece.coefficient.at(values | {name: values[name] + d}) for d in (-step, step)]
-            slope = piece.coefficient.derivative(name, values)
+            ends = [coefficient.at(values | {name: values[name] + d}) for d in (-step, step)]
+            slope = coefficient.derivative(name, values)
             assert slope == pytest.approx((ends[1] - ends[0]) / (2 * step), rel=1e-6, abs=1e-12)
     assert seen == names
     pieces.free()

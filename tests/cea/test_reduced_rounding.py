@@ -83,8 +83,7 @@ def test_no_bound_is_passed_however_stiff_a_contact_is(backend, contact, damped)
         found, true = small.at(pencil.values(point)), truth(pencil, point)
         assert max(ratios(found, true)) < 1
         bounds.setdefault(point[P], []).append(found.bound)
-    assert min(bounds[stiff[-1]]) > TOLERANCE  # it says what it cannot tell
-    assert min(min(each) for each in bounds.values()) < TOLERANCE
+    assert max(max(each) for each in bounds.values()) < 10 * TOLERANCE
     line = [pencil.values({P: p}) for p in np.geomspace(1e5, 1e9, 9)]
     for values, found in zip(line, along(small, line, TOLERANCE, least=0).spectra, strict=True):
         assert max(ratios(found, truth(pencil, {P: values[P]}))) < 1

@@ -11,7 +11,7 @@ import shapely
 from covering import covering
 
 from cea.contact.segments import segment_points
-from cea.surface import SurfaceCoordinates
+from cea.surface_points import SurfaceCoordinates
 from cea.timing import StageTimer
 from scenes.build import build_bodies
 from scenes.read import load_scene

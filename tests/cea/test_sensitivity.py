@@ -219,26 +219,10 @@ def assert_nearest(modes, dense, kappa):
     assert distance.min(axis=1).max() < 1e-9
 
 
-def test_factors_of_nearby_parameters_serve_again(random_pencil):
-    pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
-    stiffness, mass, friction = random_pencil
-    with KrylovSchur(pencil) as driver:
-        driver.nearest(10.5, 4)
-        assert driver.factorisations == 1
-        modes = driver.nearest(10.5, 4, {FRICTION: 1 + 1e-5})
-        assert driver.factorisations == 1
-        dense = scipy.linalg.eigvals(stiffness - (1 + 1e-5) * friction, mass)
-        assert_nearest(modes, dense, 10.5)
-        assert modes.residuals.max() < 1e-10
-        far = driver.nearest(10.5, 4, {FRICTION: 0.3})
-        assert driver.factorisations == 2
-        assert_nearest(far, scipy.linalg.eigvals(stiffness - 0.3 * friction, mass), 10.5)
-
-
 def test_the_symmetric_part_is_counted_once(random_pencil):
     pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
     with KrylovSchur(pencil) as driver:
-        for top, made in ((0.6, 2), (0.6, 2), (0.5, 4), (0.6, 5)):  # a count and a shift
+        for top, made in ((0.6, 2), (0.6, 3), (0.5, 5), (0.6, 6)):  # a count once, a shift each
             driver.solve(top, {FRICTION: 0.0})
             assert driver.factorisations == made
     assert to_numpy(pencil.terms[0].matrix) == pytest.approx(random_pencil[0])  # not freed

@@ -16,7 +16,7 @@ except BrokenPipeError:
     sys.stdout.write("raised")
 """
 MESHED = """
-from meshes.gmsh_model import gmsh_session
+from meshes.unstructured import gmsh_session
 with gmsh_session():
     pass
 """

@@ -10,7 +10,6 @@ from petsc_matrices import to_numpy, to_petsc
 from same_numbers import assert_same
 from turned_numbers import turned_numbers
 
-from cea.eigen import search
 from cea.eigen.field_of_values import field_of_values
 from cea.eigen.pencil import Pencil
 from cea.eigen.turned_field import TurnedField
@@ -150,7 +149,6 @@ def test_windows_of_stiff_contact_are_complete(backend, changes, monkeypatch):
     overrides = SMALL + [f"contacts.pad_disc.{change}" for change in changes]
     disc_pad = load_scene("disc_pad", overrides, backend)
     many = run_modes(disc_pad).modes
-    monkeypatch.setattr(search, "_SMALL", 0)
     few = run_modes(disc_pad).modes
     assert few.window.complete
     assert many.window.complete

@@ -10,8 +10,7 @@ from scipy.optimize import minimize_scalar
 from cea.body import Body
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from iga_cea.botella import botella
-from iga_cea.splines import greville, knots_with_breaks
+from iga_cea.splines import botella, greville, knots_with_breaks
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement

@@ -1,80 +1,57 @@
-"""The study of the ventilated brake on few elements: meshes matched, what is written."""
+"""The study of the ventilated brake on few elements: meshes matched, what is stored."""
 
-import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 from mpi import cea_on_ranks
-from typer.testing import CliRunner
 
 from cea.errors import InputError
-from comparisons.brake.page import read_brake, write_brake
-from comparisons.brake.study import SCENE, BrakeStudy, run_brake, scene_of_size
-from comparisons.brake.tables import (
-    damping_ratio,
-    modes_table,
-    runs_table,
-    stiffness_table,
-    unstable_modes,
-    unstable_table,
+from comparisons.brake.study import (
+    SCENE,
+    STUDY,
+    Options,
+    brake_modes,
+    brake_runs,
+    brake_stiffness,
+    brake_unstable,
+    scene_of_size,
 )
-from comparisons.cli.app import app, main
-from comparisons.kit.progress import Progress
+from comparisons.study.result import read
+from comparisons.study.run import run
 from scenes.memory import estimated_memory
 from scenes.read import load_scene
 from scenes.scene_error import SceneError
 
 BODIES = ("disc", "lower_pad", "upper_pad")
-ROUGH = BrakeStudy(
-    sizes=(0.03, 0.025),
-    stiffnesses=(5e13, 5e14),
-    overrides=tuple(f"bodies.{name}.mesh.fe.degree=1" for name in BODIES),
-    pictures=0,
-)
+LINEAR = tuple(f"bodies.{name}.mesh.fe.degree=1" for name in BODIES)
+ROUGH = Options(sizes=(0.03, 0.025), stiffnesses=(5e13, 5e14), overrides=LINEAR)
 """Linear elements, of which 12,000 dofs hold all parts."""
-PLAIN = replace(
-    ROUGH,
-    sizes=(0.04, 0.03),
-    overrides=(
-        *ROUGH.overrides,
-        "bodies.disc.geometry={shape='annulus',inner_radius=0.08,outer_radius=0.18,bottom=0,top=0.035}",
-        "bodies.disc.supports=[{surface='inner'}]",
-        "contacts.lower.b=disc.bottom",
-        "contacts.upper.b=disc.top",
-    ),
-)
-"""A disc without vanes and holes, of a tenth of the dofs."""
-
-
-def last_of(study, out):
-    progress = Progress(step=lambda _: None, stage=lambda _: None)
-    *before, last = run_brake(study, progress, out)
-    assert [len(data["runs"]) for data in before] == [1]  # what is done is told mesh by mesh
-    return last
 
 
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):
     """The study on rough meshes."""
-    return last_of(ROUGH, tmp_path_factory.mktemp("brake"))
+    return run(STUDY, ROUGH, tmp_path_factory.mktemp("brake") / "out")
 
 
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory):
-    """The study of the plain disc."""
-    return last_of(PLAIN, tmp_path_factory.mktemp("plain"))
+    """The study of a disc without vanes and holes, of a tenth of the dofs."""
+    return run(STUDY, Options(**STUDY.quick), tmp_path_factory.mktemp("plain") / "out")
 
 
-def test_every_run_is_in_the_warnings_of_the_record(plain):
-    every = [*plain["runs"], *({"size": 0.04, **run} for run in plain["stiffnesses"])]
-    given = {(run["size"], run["p"], kind) for run in every for kind in run["warnings"]}
-    assert "short-modes" in {kind for _, _, kind in given}
-    assert given == {
-        (place["point"]["size"], place["point"]["p"], warning["kind"])
-        for warning in plain["warnings"]
-        for place in warning["data"]["places"]
-    }
+def test_every_run_is_in_the_record_with_its_warnings(plain):
+    assert plain.failed().empty
+    assert [(c["labels"]["size"], c["labels"]["p"]) for c in plain.cases] == [
+        *((0.04, 5e13), (0.03, 5e13), (0.04, 5e14))
+    ]
+    assert [len(case["runs"]) for case in plain.cases] == [1, 1, 1], "no mesh is run twice"
+    assert "short-modes" in {w["kind"] for run in plain.runs() for w in run["warnings"]}
+    assert list(brake_runs(plain)["size"]) == [40, 30]
+    assert list(brake_stiffness(plain)["p"]) == [5e13, 5e14]
 
 
 def test_the_brake_is_what_its_scene_says():
@@ -89,106 +66,86 @@ def test_the_brake_is_what_its_scene_says():
 
 @pytest.mark.slow
 def test_meshes_and_stiffnesses_are_all_run(result):
-    assert [run["size"] for run in result["runs"]] == [0.03, 0.025]
-    assert [run["p"] for run in result["stiffnesses"]] == [5e13, 5e14]
-    for run in (*result["runs"], *result["stiffnesses"]):
-        assert run["complete"]
-        assert len(run["modes"]) > 20
-        frequencies = [mode["frequency"] for mode in run["modes"]]
-        assert frequencies == sorted(frequencies)
-        assert frequencies[-1] <= 9000
-    same, stiffer = (run["modes"][0]["frequency"] for run in result["stiffnesses"])
-    assert same == result["runs"][0]["modes"][0]["frequency"] < stiffer
-    assert same == pytest.approx(992, rel=2e-2)
+    assert result.frame("brake_runs")["complete"].all()
+    modes = result.frame("modes")
+    assert modes["frequency"].max() <= 9000
+    first = modes[modes["mode"] == 1]["frequency"].tolist()
+    assert first[0] < first[2]  # stiffer contacts
+    assert first[0] == pytest.approx(992, rel=2e-2)
 
 
 @pytest.mark.slow
 def test_modes_are_followed_over_the_meshes(result):
-    table = modes_table(result)
-    names = [column.name for column in table.columns]
-    rows = [dict(zip(names, row, strict=True)) for row in table.rows]
-    numbers = [int(n) for row in rows for n in row["modes"].split(", ")]
-    assert sorted(numbers) == list(range(1, len(result["runs"][-1]["modes"]) + 1))
-    paired = [row for row in rows if row["frequency_30mm"] is not None]
-    assert len(paired) > 0.8 * len(rows)
-    assert all(row["spread"] < 0.03 for row in paired)
-    grows = [row for row in rows if row["verdict"] == "unstable"]
-    assert all(row["damping_ratio"] < 0 for row in grows)
+    frame = brake_modes(result)
+    numbers = [int(n) for modes in frame["modes"] for n in modes.split(", ")]
+    assert sorted(numbers) == list(range(1, result.frame("brake_runs")["modes"][1] + 1))
+    paired = frame[frame["frequency_30mm"].notna()]
+    assert len(paired) > 0.8 * len(frame)
+    assert (paired["spread"] < 0.03).all()
+    assert (frame[frame["verdict"] == "unstable"]["damping_ratio"] < 0).all()
 
 
 def test_partners_stay_one_row_whatever_they_were_before():
     """Two modes that meet on the finer mesh: their mean is compared with the mean before."""
-    still = {"uncertainty": 0.0, "growth": 0.0, "verdict": "stable"}
-    grows = {"frequency": 101.0, "uncertainty": 0.0, "growth": 3.0, "verdict": "unstable"}
-    decays = grows | {"growth": -3.0, "verdict": "stable"}
-    runs = [
-        {"size": 0.2, "modes": [still | {"frequency": f} for f in (50.0, 100.0, 104.0)]},
-        {"size": 0.1, "modes": [still | {"frequency": 49.0}, decays, grows]},
-    ]
-    groups = [{"first": [i], "second": [i], "assurance": 1.0} for i in range(3)]
-    table = modes_table({"runs": runs, "matches": [{"groups": groups}]})
-    assert [row[0] for row in table.rows] == ["1", "2, 3"]
-    assert table.rows[1][1:4] == pytest.approx((102.0, 101.0, 1 / 101))
-    assert table.rows[1][4:6] == (0.0, 3.0)
-    assert table.rows[1][-1] == "unstable"
+    coarse = [(50.0, 0.0, "stable"), (100.0, 0.0, "stable"), (104.0, 0.0, "stable")]
+    fine = [(49.0, 0.0, "stable"), (101.0, -3.0, "stable"), (101.0, 3.0, "unstable")]
+    modes = pd.DataFrame(
+        [
+            {"size": size, "p": 1.0, "frequency": f, "growth": g, "damping_ratio": 0.0}
+            | {"verdict": verdict}
+            for size, rows in ((0.2, coarse), (0.1, fine))
+            for f, g, verdict in rows
+        ]
+    )
+    groups = [{"size": 0.1, "p": 1.0, "first": [i], "second": [i]} for i in range(3)]
+    tables = {"modes": modes, "matches": pd.DataFrame(groups)}
+    made = SimpleNamespace(frame=tables.__getitem__, cases=[{"labels": {"p": 1.0}}])
+    frame = brake_modes(made)
+    assert list(frame["modes"]) == ["1", "2, 3"]
+    last = frame.iloc[1]
+    assert last["frequency_200mm"] == pytest.approx(102.0)
+    assert last["frequency_100mm"] == pytest.approx(101.0)
+    assert last["spread"] == pytest.approx(1 / 101)
+    assert (last["growth_200mm"], last["growth_100mm"]) == (0.0, 3.0)
+    assert last["verdict"] == "unstable"
 
 
 @pytest.mark.slow
 def test_unstable_pairs_are_told_with_their_damping_ratio(result):
-    rows = unstable_table(result).rows
-    runs = [*result["runs"], result["stiffnesses"][1]]
-    assert len(rows) == sum(len(unstable_modes(run)) for run in runs)
-    assert rows, "the rough meshes have unstable pairs"
-    for row in rows:
-        assert row[3] > 1.0  # the threshold of the scene, 1/s
-        assert row[4] == pytest.approx(-row[3] / (6.283185307 * row[2]), rel=1e-3)
-    assert damping_ratio({"frequency": 100.0, "growth": 0.0}) == 0
+    frame = brake_unstable(result)
+    assert len(frame) == result.frame("brake_runs")["unstable"].sum() > 0
+    assert (frame["growth"] > 1.0).all()  # the threshold of the scene, 1/s
+    ratios = -frame["growth"] / (2 * np.pi * frame["frequency"])
+    np.testing.assert_allclose(frame["damping_ratio"], ratios, rtol=1e-3)
 
 
-def test_the_result_is_written_and_drawn_anew(plain, tmp_path):
-    figure = write_brake(plain, tmp_path)
-    assert read_brake(tmp_path)["runs"] == plain["runs"]
-    for make in (runs_table, modes_table, unstable_table, stiffness_table):
-        table = make(plain)
-        assert (tmp_path / f"{table.name}.csv").read_text().count("\n") == len(table.rows) + 1
-    figure.unlink()
-    told = CliRunner().invoke(app, ["brake", "--redraw", "--out", str(tmp_path)])
-    assert told.exit_code == 0, told.output
-    assert figure.stat().st_size > 10_000
+def test_what_is_stored_is_taken_for_the_options_by_default(tmp_path):
+    def never(case, session):
+        raise AssertionError("stored cases are not run")
 
-
-def test_options_of_a_run_are_refused_where_nothing_runs(plain, tmp_path, monkeypatch, capsys):
-    write_brake(plain, tmp_path)
-    for option in (["--size", "0.02"], ["--set", "contacts.*.mu=0.1"]):
-        asked = ["cea", "brake", "--redraw", *option, "--out", str(tmp_path)]
-        monkeypatch.setattr(sys, "argv", asked)
-        with pytest.raises(SystemExit):
-            main()
-        assert capsys.readouterr().err.startswith(f"error: {option[0][2:]} = ")
+    result = run(replace(STUDY, evaluate=never), Options(), tmp_path / "out")
+    assert len(result.cases) == 5
+    assert list(brake_runs(result)["unstable"]) == [3, 3, 3]
 
 
 @pytest.mark.slow
 @pytest.mark.mpi
 def test_two_ranks_find_what_one_finds(result, tmp_path):
-    overrides = [f"--set={override}" for override in ROUGH.overrides]
-    done = cea_on_ranks(2, "brake", "--size", "0.03", *overrides, "--out", tmp_path)
+    overrides = [f"--overrides={override}" for override in LINEAR]
+    more = ["--stiffnesses", "5e13", "--out", tmp_path]
+    done = cea_on_ranks(2, "study", "brake", "--sizes", "0.03", *overrides, *more)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("The figure to open: ") == 1
-    found = read_brake(tmp_path)
-    ours, theirs = (
-        {run["p"]: run for run in (*each["runs"], *each["stiffnesses"])} for each in (found, result)
-    )
-    for p in (5e13, 5e14):
-        for key in ("frequency", "growth"):
-            one, two = ([mode[key] for mode in each[p]["modes"]] for each in (ours, theirs))
-            np.testing.assert_allclose(one, two, rtol=1e-8, atol=1e-5)
-        assert ours[p]["complete"]
+    assert done.stdout.count("The report to open: ") == 1
+    theirs = read("brake", tmp_path).frame("modes")
+    ours = result.frame("modes").query("size == 0.03 and p == 5e13")
+    for key in ("frequency", "growth"):
+        np.testing.assert_allclose(theirs[key], ours[key], rtol=1e-8, atol=1e-5)
 
 
 @pytest.mark.parametrize("sizes", [(), (0.01, 0.02), (0.01, 0.01), (-0.01,)])
 def test_sizes_that_do_not_fall_are_refused(sizes):
     with pytest.raises(InputError) as caught:
-        BrakeStudy(sizes)
+        Options(sizes)
     assert caught.value.field == "sizes"
 
 
@@ -204,7 +161,7 @@ def test_the_estimate_knows_how_fine_the_disc_is():
 
 @pytest.mark.slow
 def test_the_estimate_knows_how_rough_the_disc_is(result):
-    assert_estimated(1, 0.03, result["runs"][0]["dofs"])
+    assert_estimated(1, 0.03, result.frame("brake_runs")["dofs"][0])
 
 
 @pytest.mark.parametrize(

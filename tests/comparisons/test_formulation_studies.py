@@ -1,56 +1,60 @@
-"""Studies of formulations: locking, patch tests, momentum; their figures and tables."""
+"""Studies of formulations: locking, patch tests, momentum, pairings of backends."""
 
-import json
-from dataclasses import replace
 from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
 
 import numpy as np
 import pytest
 
-from comparisons.formulations.figures import draw_locking
-from comparisons.formulations.locking import LockingStudy, run_locking
-from comparisons.formulations.patch_test_problems import PRESSURE, PROBLEMS
-from comparisons.formulations.patch_tests import PatchTestStudy, run_patch_tests
-from comparisons.formulations.tables import locking_table, patch_tests_table
-from comparisons.kit.progress import Progress
+from comparisons.formulations import locking, pairings, patch_tests
+from comparisons.formulations.patch_tests import PRESSURE, PROBLEMS
+from comparisons.formulations.study import QUICK as QUICK_OPTIONS
+from comparisons.formulations.study import STUDY, Options
+from comparisons.study.run import run
+from scenes.read import load_scene
 from scenes.run import run_scene
 
-QUIET = Progress(lambda step: None, lambda stage: None)
 YARDSTICKS = ("segments", "mortar")
+QUICK = {
+    "P": (1e2, 1e6, 1e14),
+    "gauss": (5,),
+    "samples": 9,
+    "meshes": ("hexahedra", "quadrilaterals", "NURBS"),
+}
+ROTATED = QUICK | {
+    "P": (1e6,),
+    "formulations": ("Greville", "node-to-surface", "GPTS 5", "GPTS 5, lumped", *YARDSTICKS),
+}
+
+
+def part(name, **options):
+    """A part of the study run on its own."""
+    out = Path(mkdtemp()) / "out"
+    return run(STUDY, Options(parts=(name,), **options), out)
 
 
 @cache
-def locking():
-    return run_locking(
-        QUIET, LockingStudy(stiffnesses=(1.0, 1e4, 1e6), only=("Greville", *YARDSTICKS))
-    )
+def few_locking():
+    options = {"p": (1.0, 1e4, 1e6, np.inf), "formulations": ("Greville", *YARDSTICKS)}
+    return locking.runs(part("locking", **options))
 
 
 @cache
-def patch_tests(interface):
+def patch_test(interface):
     """Every formulation; the rotated interface, tetrahedra and triangles whole in slow tests."""
-    if interface == "rotated":
-        return run_patch_tests(QUIET, ROTATED)
-    return run_patch_tests(QUIET, replace(QUICK, problems=(interface,)))
+    options = ROTATED if interface == "rotated" else QUICK
+    return part("patch_tests", **(options | {"interfaces": (interface,)}))
 
 
-QUICK = PatchTestStudy(
-    stiffnesses=(1e2, 1e6, 1e14),
-    gauss=(5,),
-    samples=9,
-    meshes=("hexahedra", "quadrilaterals", "NURBS"),
-)
-ROTATED = replace(
-    QUICK,
-    problems=("rotated",),
-    stiffnesses=(1e6,),
-    only=("Greville", "node-to-surface", "GPTS 5", "GPTS 5, lumped", *YARDSTICKS),
-)
+def errors(frame, **labels):
+    for name, value in labels.items():
+        frame = frame[frame[name] == value]
+    return frame["error"].to_numpy(dtype=float)
 
 
-def errors(data, **labels):
-    (found,) = [r["errors"] for r in data["runs"] if labels.items() <= r.items()]
-    return np.array(found, dtype=float)
+def by_formulation(frame):
+    return frame.groupby(["meshes", "formulation"], sort=False)
 
 
 @pytest.mark.grid(quick=1)
@@ -59,58 +63,46 @@ def errors(data, **labels):
 )
 def test_segments_lock_and_mortar_does_not(backend, expected):
     """Of NURBS the eigenvalue nearest to the sixth at p = 1e6 is the fifth, 3e-2 away."""
-    segments, mortar = (errors(locking(), backend=backend, formulation=f) for f in YARDSTICKS)
+    finite = few_locking().query("p < inf")
+    segments, mortar = (errors(finite, backend=backend, formulation=f) for f in YARDSTICKS)
     np.testing.assert_allclose(segments, expected, rtol=0.03)
     np.testing.assert_allclose(mortar, expected[0], rtol=0.02)
 
 
 def test_as_many_points_as_traces_do_not_lock():
-    greville = errors(locking(), backend="iga", formulation="Greville")
-    np.testing.assert_allclose(greville, [7.9e-5, 9.4e-5, 9.4e-5], rtol=0.03)
-    (run,) = [r for r in locking()["runs"] if r["formulation"] == "Greville"]
-    assert run["points"] == run["traces"] == 14
+    greville = few_locking().query("formulation == 'Greville' and p < inf")
+    np.testing.assert_allclose(greville["error"], [7.9e-5, 9.4e-5, 9.4e-5], rtol=0.03)
+    assert set(greville["points"]) == set(greville["traces"]) == {14}
 
 
 def test_tied_contact_is_the_limit_of_stiff_contact():
-    for run in locking()["runs"]:
-        if run["formulation"] != "segments":
-            assert run["tied_error"] == pytest.approx(run["errors"][-1], rel=1e-2)
-        else:
-            assert run["tied_error"] > run["errors"][-1]
-
-
-def test_locking_is_plain_data_drawn_and_tabulated(tmp_path):
-    data = json.loads(json.dumps(locking(), allow_nan=False))
-    file = draw_locking(data, tmp_path / "locking.png")
-    assert file.stat().st_size > 10_000
-    table = locking_table(data)
-    assert len(table.rows) == len(data["runs"]) == 5
-    table.write_csv(tmp_path)
-    assert table.cells()[0][-1] != ""
+    for (_, formulation), own in few_locking().groupby(["backend", "formulation"]):
+        *_, stiff, tied = own["error"]
+        assert tied > stiff if formulation == "segments" else tied == pytest.approx(stiff, rel=1e-2)
 
 
 @pytest.mark.grid(quick=1)
 @pytest.mark.parametrize("interface", ["flat", "rotated"])
 def test_yardsticks_pass_and_points_do_not(interface):
-    data = patch_tests(interface)
-    for run in data["runs"]:
-        if run["formulation"] in YARDSTICKS:
-            assert run["passes"] == data["P"], run
-            assert run["errors"][data["P"].index(1e6)] < 1e-10
+    for (_, formulation), own in by_formulation(patch_tests.runs(patch_test(interface))):
+        (error,) = own.loc[own["P"] == 1e6, "error"]
+        if formulation in YARDSTICKS:
+            assert own["passed"].all(), own
+            assert error < 1e-10
         else:
             # Quadrature across cells of b goes wrong until contact is stiffer than the blocks.
-            assert run["errors"][data["P"].index(1e6)] > 4e-3, run
+            assert error > 4e-3, own
 
 
 @pytest.mark.slow
 def test_area_weights_are_better_than_equal_ones_at_low_stiffness():
-    data = patch_tests("flat")
+    frame = patch_tests.runs(patch_test("flat"))
     for meshes, plain, weighted in (
-        (["NURBS", "NURBS"], "Greville", "Greville, area"),
-        (["NURBS", "NURBS"], "Botella", "Botella, area"),
-        (["hexahedra", "hexahedra"], "node-to-surface", "node-to-surface, tributary"),
+        ("NURBS on NURBS", "Greville", "Greville, area"),
+        ("NURBS on NURBS", "Botella", "Botella, area"),
+        ("hexahedra on hexahedra", "node-to-surface", "node-to-surface, tributary"),
     ):
-        even, shared = (errors(data, meshes=meshes, formulation=f) for f in (plain, weighted))
+        even, shared = (errors(frame, meshes=meshes, formulation=f) for f in (plain, weighted))
         assert shared[0] < 0.4 * even[0]
         # Where the gap is closed at every point, whatever the force, weights have no say.
         assert shared[2] == pytest.approx(even[2], rel=1e-3)
@@ -118,24 +110,25 @@ def test_area_weights_are_better_than_equal_ones_at_low_stiffness():
 
 @pytest.mark.slow
 def test_placement_changes_nothing_but_rounding():
-    for run in patch_tests("rotated")["runs"]:
-        if run["formulation"] not in YARDSTICKS:
-            labels = {key: run[key] for key in ("meshes", "formulation")}
-            (flat,) = errors(patch_tests("flat"), **labels)[[1]]
-            assert run["errors"] == [pytest.approx(flat, rel=1e-5)], run
+    flat = patch_tests.runs(patch_test("flat"))
+    for (meshes, formulation), own in by_formulation(patch_tests.runs(patch_test("rotated"))):
+        if formulation not in YARDSTICKS:
+            here = errors(flat, meshes=meshes, formulation=formulation, P=1e6)
+            np.testing.assert_allclose(own["error"], here, rtol=1e-5)
 
 
 @pytest.mark.slow
 def test_curved_interfaces_need_the_same_geometry_on_both_sides():
     """NURBS pass within their own quadrature; chords and arcs of Lagrange meshes leave gaps."""
-    data = patch_tests("curved")
-    nurbs = errors(data, meshes=["NURBS", "NURBS"], formulation="mortar")
-    lagrange = errors(data, meshes=["quadrilaterals", "quadrilaterals"], formulation="mortar")
-    own = {tuple(r["meshes"]): r["own_error"] for r in data["runs"]}
-    assert own["quadrilaterals", "quadrilaterals"] < 1e-12
-    assert nurbs.max() < 4 * own["NURBS", "NURBS"] < 5e-5
-    assert (lagrange > 10 * nurbs).all()
-    assert (lagrange < 1e-3).all()
+    frame = patch_tests.runs(patch_test("curved"))
+    nurbs, lagrange = (
+        frame[(frame["meshes"] == f"{m} on {m}") & (frame["formulation"] == "mortar")]
+        for m in ("NURBS", "quadrilaterals")
+    )
+    assert lagrange["own_error"].max() < 1e-12
+    assert nurbs["error"].max() < 4 * nurbs["own_error"].max() < 5e-5
+    assert (lagrange["error"].to_numpy() > 10 * nurbs["error"].to_numpy()).all()
+    assert lagrange["error"].max() < 1e-3
 
 
 @pytest.mark.convergence
@@ -162,61 +155,83 @@ def test_error_on_curved_interfaces_falls_with_the_mesh(meshes, backend, order):
 @pytest.mark.parametrize("interface", ["flat", "rotated", "curved"])
 def test_momentum(interface):
     """Linear momentum is kept by all; angular too, but by lumping and by friction across gaps."""
-    for run in patch_tests(interface)["runs"]:
-        momentum = run["momentum"]
-        assert max(m["linear"] for m in momentum.values()) < 1e-14
-        if "lumped" in run["formulation"]:
-            assert min(m["angular"] for m in momentum.values()) > 1e-4
+    for row in patch_tests.runs(patch_test(interface), "momentum").to_dict("records"):
+        assert max(row["linear_normal"], row["linear_friction"]) < 1e-14
+        if "lumped" in row["formulation"]:
+            assert min(row["angular_normal"], row["angular_friction"]) > 1e-4
             continue
-        assert momentum["normal"]["angular"] < 1e-9
-        gaps = interface == "curved" and run["meshes"] != ["NURBS", "NURBS"]
-        assert momentum["friction"]["angular"] < (1e-4 if gaps else 1e-13)
+        assert row["angular_normal"] < 1e-9
+        gaps = interface == "curved" and row["meshes"] != "NURBS on NURBS"
+        assert row["angular_friction"] < (1e-4 if gaps else 1e-13)
 
 
-def test_patch_tests_are_plain_data_in_a_table(tmp_path):
-    data = json.loads(json.dumps(patch_tests("curved"), allow_nan=False))
-    table = patch_tests_table(data)
-    assert len(table.rows) == len(data["runs"])
-    passes = {(row[1], row[2]): row[-5] for row in table.rows}
-    assert passes["NURBS on NURBS", "mortar"] == "every"
-    assert passes["NURBS on NURBS", "GPTS 5"] == "10¹⁴"
-    assert passes["quadrilaterals on quadrilaterals", "mortar"] == "none"
-    table.write_csv(tmp_path)
-
-
-@pytest.mark.slow
-def test_rotated_interfaces_behave_as_flat_ones():
-    rotated, flat = (
-        run_patch_tests(QUIET, replace(QUICK, problems=(i,), stiffnesses=(1e2, 1e6)))["runs"]
-        for i in ("rotated", "flat")
-    )
-    for here, there in zip(flat, rotated, strict=True):
-        if here["formulation"] not in YARDSTICKS:
-            np.testing.assert_allclose(there["errors"], here["errors"], rtol=1e-5)
+def test_what_passes_is_told_by_meshes():
+    passes = patch_tests.passes(patch_test("curved"), "curved").set_index("formulation")
+    assert passes.loc["mortar", "NURBS on NURBS"] == "every"
+    assert passes.loc["GPTS 5", "NURBS on NURBS"] == "10¹⁴"
+    assert passes.loc["mortar", "quadrilaterals on quadrilaterals"] == "none"
 
 
 @pytest.mark.slow
 def test_simplices_behave_as_other_cells():
-    data = run_patch_tests(
-        QUIET, replace(QUICK, problems=("flat", "rotated"), meshes=("tetrahedra",))
-    )
-    for run in data["runs"]:
-        assert (run["passes"] == data["P"]) == (run["formulation"] in YARDSTICKS), run
-        assert max(m["linear"] for m in run["momentum"].values()) < 1e-14
+    options = QUICK | {"interfaces": ("flat", "rotated"), "meshes": ("tetrahedra",)}
+    result = part("patch_tests", **options)
+    for (_, formulation), own in patch_tests.runs(result).groupby(["interface", "formulation"]):
+        assert own["passed"].all() == (formulation in YARDSTICKS), own
+    assert patch_tests.runs(result, "momentum").filter(like="linear").to_numpy().max() < 1e-14
 
 
 @pytest.mark.slow
 def test_locking_of_every_formulation():
     """Beyond every stiffness: what has few points does not lock, what has many does."""
-    data = run_locking(QUIET, replace(LockingStudy(), stiffnesses=(1.0, 1e3, 1e6, 1e9)))
-    locked = {
-        (run["backend"], run["formulation"])
-        for run in data["runs"]
-        if run["errors"][-1] is None or run["errors"][-1] > 10 * run["errors"][0]
-    }
+    found = locking.locked(part("locking", p=(1.0, 1e3, 1e6, 1e9)))
     free = {"Greville", "Greville, area", "Botella", "Botella, area", "mortar"}
-    assert {f for b, f in locked if b == "iga"}.isdisjoint(free)
-    assert {f for b, f in locked if b == "fe"}.isdisjoint({"node-to-surface", "mortar"})
+    assert free.isdisjoint(found["iga"])
+    assert {"node-to-surface", "mortar"}.isdisjoint(found["fe"])
     for backend in ("fe", "iga"):
-        assert (backend, "segments") in locked
-        assert (backend, "GPTS 6") in locked
+        assert {"segments", "GPTS 6"} <= set(found[backend])
+
+
+@cache
+def coarse_pairings():
+    return part("pairings", overrides=QUICK_OPTIONS["overrides"])
+
+
+def test_pairings_find_the_same_unstable_mode():
+    runs = coarse_pairings().frame("pairing_runs")
+    assert runs["complete"].all()
+    assert (runs["found"] > 20).all()
+    assert runs["dofs"].iloc[-1] > runs["dofs"].iloc[-2]
+    pairs = coarse_pairings().frame("pairing_differences")
+    assert len(pairs) == 4
+    assert (pairs["modal_assurance"][:3] > 0.99).all()
+    # The disc decides: these meshes of it are coarse, and of both backends far apart.
+    bounds = [2e-2 if "on NURBS," in c else 1e-3 for c in pairs["compared"]]
+    assert (pairs["frequency_change"].abs()[:3] < bounds[:3]).all()
+
+
+@pytest.mark.slow
+def test_a_pairing_is_the_scene_with_mortar():
+    mixed = [
+        *(*QUICK_OPTIONS["overrides"], "bodies.pad.backend=iga", "bodies.disc.backend=fe"),
+        "contacts.pad_disc.formulation={method='mortar'}",
+    ]
+    modes = run_scene(load_scene(Path("disc_pad"), mixed)).modes
+    frame = coarse_pairings().frame("pairing_modes")
+    mode = frame[frame["run"] == "NURBS on finite elements"].iloc[0]
+    (i,) = modes.unstable(10.0).nonzero()[0]
+    assert mode["frequency"] == pytest.approx(modes.frequencies[i], rel=1e-9)
+    assert mode["growth"] == pytest.approx(modes.growth_rates[i], rel=1e-7)
+
+
+@pytest.mark.slow
+def test_pairings_on_the_meshes_of_the_scene():
+    """Six modes agree; the growth of that near a coalescence is another with a higher degree."""
+    result = part("pairings")
+    pairs = result.frame("pairing_differences")
+    finer = pairs["compared"].str.contains("degree")
+    assert (pairs[~finer].groupby("compared").size() == 6).all()
+    assert pairs[~finer]["within"].all()
+    (changed,) = pairs[finer & (pairs["growth_change"].abs() > 0.15)]["frequency_first"]
+    assert changed == pytest.approx(7986, abs=5)
+    assert "7 986 Hz" in pairings.headline(result).replace("\u202f", " ")

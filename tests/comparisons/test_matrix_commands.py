@@ -111,7 +111,7 @@ def test_run_takes_a_scene_with_its_folder_and_settings(folder, tmp_path):
         (["sweep", "disc", "bodies.disc.material.E=1:1:3"], "bodies.disc.material.E",
          "another last value"),
         (["sweep", "disc", "bodies.disc.material.E", "1", "3"], "axis", "first:last:count"),
-        (["race", "disc"], "scene", "a scene of matrices"),
+        (["bench", "matrices", "disc"], "scene", "a scene of matrices"),
     ],
 )  # fmt: skip
 def test_faults_are_told_in_a_line(arguments, field, told, tmp_path, monkeypatch, capsys):

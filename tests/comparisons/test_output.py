@@ -189,7 +189,7 @@ def test_time_left_is_that_of_last_time(tmp_path):
     [
         (["accuracy", "drum", "--redraw"], "problems"),
         (["accuracy", "--quick", "--redraw"], "quick"),
-        (["stability", "--case", "tied", "--redraw"], "case"),
+        (["study", "stability", "--cases", "tied", "--redraw"], "cases"),
     ],
 )
 def test_options_that_drawing_has_no_use_for_are_refused(arguments, field, tmp_path):

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import pytest
 from browser import complaints, foreign_addresses, open_page, programs, started, until
-from report_data import small_comparison
+from small_study import STUDY, Options
 
-from comparisons.agreement.page import write_report
 from comparisons.run_report.page import write_run_report
+from comparisons.study.page import write_study
+from comparisons.study.run import run
 from scenes import load_scene, run_modes, save_result
 
 EVIL = """</script><script>document.title = "broken"</script><img src=x onerror="top.evil=1">"""
@@ -50,9 +51,20 @@ def page(browser, report):
 
 
 @pytest.fixture(scope="module")
-def comparison(tmp_path_factory):
+def study(tmp_path_factory):
+    """The page of a study with plots, tables and modes."""
     programs()
-    return write_report(small_comparison(), [], tmp_path_factory.mktemp("comparison"))
+    out = tmp_path_factory.mktemp("a study")
+
+    def evaluate(case, session):
+        modes = session.solve(load_scene("drum").on("fe").change("analysis.max_frequency", 0.3))
+        session.keep_modes("drum", modes, range(2))
+        rows = modes.table()[:3]
+        return [{"shape": f"drum/{r['mode']}", "mode": r["mode"], "square": 1.0} for r in rows]
+
+    sections = [replace(STUDY.sections[0], modes=True)]
+    made = replace(STUDY, evaluate=evaluate, sections=sections)
+    return write_study(made, run(made, Options(sizes=(1,)), out), out)
 
 
 def column(running, table, number):
@@ -175,7 +187,7 @@ def test_nothing_was_complained_of_and_nothing_asked_for(page):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("width", [1400, 390])
-@pytest.mark.parametrize("name", ["report", "comparison"])
+@pytest.mark.parametrize("name", ["report", "study"])
 def test_no_page_scrolls_sideways(browser, name, width, request):
     open_page(browser, request.getfixturevalue(name), width)
     wide, window = browser.execute_script(
@@ -192,3 +204,16 @@ def test_no_page_scrolls_sideways(browser, name, width, request):
     assert outside == []
     assert complaints(browser) == []
     assert foreign_addresses(browser) == []
+
+
+@pytest.mark.slow
+def test_a_row_of_a_study_shows_its_mode(browser, study):
+    open_page(browser, study, 1400)
+    shown = "return document.querySelector('.viewer').dataset.shown"
+    until(browser, f"{shown} === 'drum/1'")
+    rows = browser.find_elements("css selector", "#squares tr[data-mode]")
+    assert [row.get_attribute("data-mode") for row in rows] == ["drum/1", "drum/2"]
+    button = rows[1].find_element("css selector", "button.show")
+    browser.execute_script(IN_SIGHT, button)
+    button.click()
+    until(browser, f"{shown} === 'drum/2'")

@@ -7,7 +7,7 @@ import pytest
 
 from cea.contact.formulations import Mortar, Segments
 from cea.timing import StageTimer
-from comparisons.formulations.patch_test_problems import PRESSURE, PROBLEMS
+from comparisons.formulations.patch_tests import PRESSURE, PROBLEMS
 from scenes.build import build_bodies
 from scenes.run import run_scene
 from scenes.variants import with_contact

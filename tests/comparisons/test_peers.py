@@ -93,7 +93,9 @@ def test_a_missing_program_is_told(monkeypatch, tmp_path, capsys):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="calculix-ccx"):
         calculix.program()
-    monkeypatch.setattr(sys, "argv", ["cea", "peers", "--recompute", "--out", str(tmp_path / "o")])
+    monkeypatch.setattr(
+        sys, "argv", ["cea", "bench", "calculix", "--recompute", "--out", str(tmp_path / "o")]
+    )
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == 1
@@ -180,7 +182,7 @@ def test_words_follow_the_data(stored):
 
 
 def test_the_command_shows_what_is_stored(tmp_path, monkeypatch, capsys, stored):
-    monkeypatch.setattr(sys, "argv", ["cea", "peers", "--out", str(tmp_path)])
+    monkeypatch.setattr(sys, "argv", ["cea", "bench", "calculix", "--out", str(tmp_path)])
     with pytest.raises(SystemExit) as end:
         main()
     assert not end.value.code

@@ -4,21 +4,16 @@ import numpy as np
 import pytest
 
 from cea.arrays import Floats
-from comparisons.kit.progress import Progress
 from comparisons.reference.study import (
     GROWTH,
     LEVELS,
-    Grading,
-    compute_reference,
+    STUDY,
+    Options,
     graded_scene,
     shared_digits,
-    stored_reference,
 )
-from comparisons.reference.tables import reference_table
-
-SILENT = Progress(step=lambda text: None, stage=lambda text: None)
-COARSE = Grading(2, 0.02, 0.02, (0.02, 30.0, 0.012), (0.03, 20.0, 0.015))
-FINER = Grading(3, 0.02, 0.02, (0.02, 30.0, 0.012), (0.03, 20.0, 0.015))
+from comparisons.study.result import read
+from comparisons.study.run import run
 
 
 def breaks_of(scene, body, direction, backend) -> Floats:
@@ -48,20 +43,19 @@ def test_meshes_crowd_where_stress_is_large(backend):
     assert coarse.degree < fine.degree
 
 
-@pytest.mark.slow
-def test_both_backends_are_compared_mode_by_mode():
-    data = compute_reference(SILENT, {"iga": (COARSE, FINER), "fe": (COARSE, FINER)})
-    assert [run["backend"] for run in data["runs"]] == ["iga", "iga", "fe", "fe"]
-    finest = data["runs"][1]["modes"]
-    matched = sum(mode["members"] for mode in data["modes"])
-    assert matched + len(data["alone"]["fe"]) == len(data["runs"][3]["modes"])
-    assert len(data["modes"]) > 10
-    frequencies = np.array([mode["frequency"] for mode in finest])
-    for mode in data["modes"]:
-        assert np.abs(frequencies / mode["frequency"] - 1).min() < 1e-3
+def test_both_backends_are_compared_mode_by_mode(tmp_path):
+    result = run(STUDY, Options(**STUDY.quick), tmp_path / "out")
+    runs, modes, found = (result.frame(name) for name in ("runs", "modes", "run_modes"))
+    assert list(runs["backend"]) == ["iga", "iga", "fe", "fe"]
+    sizes = found.groupby(["backend", "degree"]).size()
+    alone = result.frame("alone")
+    lone = 0 if alone.empty else (alone["backend"] == "fe").sum()
+    assert modes["members"].sum() + lone == sizes["fe", 3]
+    assert len(modes) > 10
+    finest = found.query("backend == 'iga' and degree == 3")["frequency"].to_numpy()
+    for mode in modes.to_dict("records"):
+        assert np.abs(finest / mode["frequency"] - 1).min() < 1e-3
         assert mode["frequency_fe"] == pytest.approx(mode["frequency"], rel=0.05)
-    table = reference_table(data)
-    assert len(table.cells()) == len(data["modes"])
 
 
 @pytest.mark.parametrize(
@@ -80,12 +74,11 @@ def test_digits_that_two_numbers_share(x, y, digits):
 
 def test_the_stored_reference_has_the_digits_it_promises():
     """Four common digits of frequency; of growth rates above 10 1/s, two."""
-    data = stored_reference()
-    assert sum(mode["members"] for mode in data["modes"]) >= 30
-    assert not data["alone"]["iga"]
-    assert not data["alone"]["fe"]
-    for mode in data["modes"]:
-        assert mode["digits_frequency"] >= 4, mode
-        assert abs(mode["growth"]) <= GROWTH or mode["digits_growth"] >= 2, mode
-    unstable = [mode for mode in data["modes"] if mode["growth"] > GROWTH]
-    assert len(unstable) >= 6
+    result = read("reference", STUDY.shipped)
+    modes = result.frame("modes")
+    assert modes["members"].sum() >= 30
+    assert result.frame("alone").empty
+    assert (modes["digits_frequency"] >= 4).all()
+    fast = modes[modes["growth"].abs() > GROWTH]
+    assert (fast["digits_growth"] >= 2).all()
+    assert (fast["growth"] > 0).sum() >= 6

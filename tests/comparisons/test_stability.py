@@ -8,22 +8,28 @@ from pkgutil import iter_modules
 
 import numpy as np
 import pytest
-from stability_workers import dying
-from typer.testing import CliRunner
 
 from cea.errors import InputError
-from comparisons.cli.app import app
 from comparisons.stability import cases
 from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
 from comparisons.stability.measure import judged
-from comparisons.stability.page import read_stability, write_stability
 from comparisons.stability.parts.case import REFUSED, Run
 from comparisons.stability.parts.problems import OfMatrices, OfScene
 from comparisons.stability.parts.references import formula
 from comparisons.stability.parts.scenes import layers
 from comparisons.stability.parts.ways import ALONE, OPEN, WAYS
-from comparisons.stability.study import StabilityStudy, run_stability
-from comparisons.stability.tables import digits
+from comparisons.stability.study import (
+    STUDY,
+    Options,
+    by_case,
+    digits,
+    fault,
+    not_met,
+    runs,
+)
+from comparisons.study.page import write_study
+from comparisons.study.result import StudyResult
+from comparisons.study.run import run
 
 
 def test_every_table_of_cases_is_in_the_catalogue():
@@ -37,16 +43,16 @@ def test_every_table_of_cases_is_in_the_catalogue():
 
 @pytest.mark.parametrize("name", catalogue())
 def test_every_run_says_what_it_expects(name):
-    runs = runs_of(name)
-    assert runs
-    for run in runs:
-        assert run.expected
-        assert "WRONG" not in run.expected
-        assert (run.reference is None) == (run.expected == REFUSED)
-        assert 0 < run.tolerance < 0.1
-        assert run.way in (*WAYS, *OPEN, *ALONE)
-    assert len({(run.row, run.way.backend, run.way.name) for run in runs}) == len(runs)
-    assert 0 < len(numbers_of(name, quick=True)) <= len(runs)
+    found = runs_of(name)
+    assert found
+    for each in found:
+        assert each.expected
+        assert "WRONG" not in each.expected
+        assert (each.reference is None) == (each.expected == REFUSED)
+        assert 0 < each.tolerance < 0.1
+        assert each.way in (*WAYS, *OPEN, *ALONE)
+    assert len({(run.row, run.way.backend, run.way.name) for run in found}) == len(found)
+    assert 0 < len(numbers_of(name, quick=True)) <= len(found)
 
 
 def test_the_catalogue_covers_both_backends_and_every_way():
@@ -94,67 +100,42 @@ def test_a_scene_that_is_refused_is_told_so():
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory):
-    """Data and folder of a quick run of a case."""
-    data = run_stability(StabilityStudy(("exceptional_point",), quick=True))
-    out = tmp_path_factory.mktemp("stability")
-    return data, write_stability(data, out)
+def result(tmp_path_factory):
+    """A quick study of a case."""
+    options = Options(("exceptional_point",), every=False)
+    return run(STUDY, options, tmp_path_factory.mktemp("stability") / "out")
+
+
+def test_every_run_is_in_the_tables_and_in_a_heat_map(result, tmp_path):
+    page = write_study(STUDY, result, tmp_path)
+    with (tmp_path / "runs.csv").open(newline="", encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == len(numbers_of("exceptional_point", quick=True))
+    assert all(row["verdict"] in ("accurate", "warned") for row in rows)
+    assert catalogue()["exceptional_point"].title in unescape(page.read_text(encoding="utf-8"))
+    drawn = {file.name for file in tmp_path.glob("*.png")}
+    assert drawn == {"digits_friction_and_spectra.png"}
+    assert fault(result) == ""
+
+
+def test_runs_without_an_answer_or_not_as_expected_are_told(result):
+    record = json.loads(json.dumps(result.record))
+    first, second = record["cases"][:2]
+    first["tables"]["runs"][0] |= {"met": False, "verdict": "WRONG", "reason": "planted"}
+    second |= {"tables": {}, "failed": "ended with code 5"}
+    told = StudyResult(record)
+    assert list(not_met(told)["reason"]) == ["planted", "ended with code 5"]
+    assert "exceptional_point" in fault(told)
+    assert by_case(told)["WRONG"].sum() == 2
 
 
 @pytest.mark.slow
-def test_a_representative_part_comes_out_as_expected():
-    names = ("exceptional_point", "inverted", "units", "overhang")
-    data = run_stability(StabilityStudy(names, quick=True))
-    assert [run["reason"] for run in data["runs"] if not run["met"]] == []
-    assert data["failed"] == 0
-    assert {run["verdict"] for run in data["runs"]} == {"accurate", "refused"}
-    assert all(run["seconds"] < 5 for run in data["runs"])
-
-
-def test_the_report_holds_every_run_and_is_drawn_anew(report):
-    data, page = report
-    out = page.parent
-    with (out / "runs.csv").open(newline="", encoding="utf-8") as stream:
-        assert len(list(csv.DictReader(stream))) == len(data["runs"])
-    assert json.loads((out / "result.json").read_text())["command"] == "stability"
-    text = page.read_text(encoding="utf-8")
-    assert all(case["title"] in unescape(text) for case in data["cases"].values())
-    assert (out / "digits_friction_and_spectra.png").is_file()
-    before = page.read_bytes()
-    assert write_stability(read_stability(out), out).read_bytes() == before
+def test_a_representative_part_comes_out_as_expected(tmp_path):
+    options = Options(("inverted", "units", "overhang"), every=False)
+    found = runs(run(STUDY, options, tmp_path / "out"))
+    assert list(found.loc[~found["met"].astype(bool), "reason"]) == []
+    assert set(found["verdict"]) == {"accurate", "refused"}
 
 
 def test_digits_end_where_those_of_a_double_do():
-    assert digits({"error": 0.0}) == 16
-    assert digits({"error": 1e-5}) == 5
-    assert digits({"error": float("inf")}) == 0
-    assert digits({"error": None}) is None
-
-
-def test_a_run_that_kills_its_process_is_wrong_and_the_others_go_on():
-    data = run_stability(StabilityStudy(("inverted",)), make=dying)
-    verdicts = [run["verdict"] for run in data["runs"]]
-    assert verdicts == ["accurate", "WRONG", *["accurate"] * (len(verdicts) - 2)]
-    assert "ended with code 5" in data["runs"][1]["reason"]
-    assert data["failed"] == 1
-
-
-@pytest.mark.grid(quick=1)
-@pytest.mark.parametrize(("failed", "code"), [(0, 0), (1, 1)])
-def test_the_command_ends_with_code_1_where_a_run_is_not_as_expected(
-    report, failed, code, tmp_path
-):
-    data = json.loads(json.dumps(report[0]))
-    if failed:
-        data["runs"][0] |= {"met": False, "verdict": "WRONG", "reason": "planted"}
-        data["failed"] = failed
-    write_stability(data, tmp_path)
-    found = CliRunner().invoke(app, ["stability", "--redraw", "--out", str(tmp_path)])
-    assert found.exit_code == code
-    assert f"{tmp_path / 'report.html'}" in found.output.replace("\n", "")
-    assert ("planted" in (tmp_path / "report.html").read_text()) == bool(failed)
-
-
-def test_the_command_refuses_an_unknown_case(tmp_path):
-    found = CliRunner().invoke(app, ["stability", "--case", "nothing", "--out", str(tmp_path)])
-    assert isinstance(found.exception, InputError)
+    assert [digits(e) for e in (0.0, 1e-5, float("inf"), None)] == [16, 5, 0, None]

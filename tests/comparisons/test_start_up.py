@@ -75,10 +75,10 @@ def test_help_takes_less_than_a_third_of_a_second(arguments):
     ("arguments", "module", "extra"),
     [
         (["exact", "drum", "--m", "2"], "flint", "exact"),
-        (["compare"], "pyvista", "pictures"),
+        (["study", "agreement"], "pyvista", "pictures"),
         (["figure", "3"], "matplotlib", "pictures"),
         (["claims"], "matplotlib", "pictures"),
-        (["formulations"], "flint", "exact"),
+        (["study", "formulations"], "flint", "exact"),
         (["accuracy"], "matplotlib", "pictures"),
         (["run", "disc", "--set", "output.pictures=1"], "pyvista", "pictures"),
     ],

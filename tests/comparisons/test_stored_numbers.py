@@ -24,7 +24,8 @@ from comparisons.paper.patch_test.case import run_case
 from comparisons.paper.patch_test.figures import PatchTestFigure
 from comparisons.paper.patch_test.quadrature import QuadratureStudy, fitted_slope
 from comparisons.paper.registry import FIGURES
-from comparisons.reference.study import LEVELS, graded_scene, stored_reference
+from comparisons.reference.study import LEVELS, STUDY, graded_scene
+from comparisons.study.result import read
 from scenes.run import run_modes
 from scenes.stored import read_record
 
@@ -140,16 +141,14 @@ def test_a_case_of_each_problem_has_its_stored_errors(problem, backend):
 
 @pytest.mark.slow
 def test_the_cheapest_run_of_the_reference_has_its_stored_modes():
-    (expected,) = [
-        run
-        for run in stored_reference()["runs"]
-        if (run["backend"], run["grading"]["degree"]) == ("iga", LEVELS["iga"][0].degree)
-    ]
+    coarse = f"backend == 'iga' and degree == {LEVELS['iga'][0].degree}"
+    stored = read("reference", STUDY.shipped)
+    expected = stored.frame("run_modes").query(coarse)
     result = run_modes(graded_scene("iga", LEVELS["iga"][0]))
-    assert result.system.size == expected["dofs"]
+    assert [result.system.size] == stored.frame("runs").query(coarse)["dofs"].tolist()
     for quantity, values in (
         ("frequency", result.modes.frequencies),
         ("growth", result.modes.growth_rates),
     ):
-        kept = np.array([mode[quantity] for mode in expected["modes"]])
+        kept = expected[quantity].to_numpy()
         np.testing.assert_allclose(values, kept, rtol=1e-8, atol=1e-8 * np.abs(kept).max())

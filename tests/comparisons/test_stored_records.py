@@ -7,13 +7,12 @@ import pytest
 
 from comparisons.accuracy import page as accuracy_page
 from comparisons.accuracy.runner import COMMAND as ACCURACY
-from comparisons.brake import page as brake_page
-from comparisons.brake.study import COMMAND as BRAKE
+from comparisons.brake.study import STUDY as BRAKE
 from comparisons.paper.common.store import COMMAND as FIGURE
 from comparisons.paper.common.store import STORED
 from comparisons.peers.study import COMMAND as PEERS
 from comparisons.peers.study import STORED as PEERS_STORED
-from comparisons.reference.study import REFERENCE
+from comparisons.reference.study import STUDY as REFERENCE
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.study import COMMAND as SWEEP
 from scenes.stored import PROVENANCE, read_record
@@ -22,8 +21,8 @@ MEASURED = Path(accuracy_page.__file__).with_name("results") / "result.json.gz"
 RECORDS = [
     *((FIGURE, file) for file in sorted(STORED.glob("*.json.gz"))),
     (ACCURACY, MEASURED),
-    ("reference", REFERENCE),
-    (BRAKE, Path(brake_page.__file__).with_name("results") / "result.json.gz"),
+    (REFERENCE.name, REFERENCE.shipped / "result.json.gz"),
+    (BRAKE.name, BRAKE.shipped / "result.json.gz"),
     (PEERS, PEERS_STORED / "result.json.gz"),
     (SWEEP, Path(sweep_page.__file__).with_name("results") / "result.json.gz"),
 ]

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from mpi import mpiexec
 from small_study import APART, HASTY, STUDY, Options
 from typer.testing import CliRunner
 
@@ -167,6 +168,25 @@ def test_a_crash_and_an_overlong_case_end_themselves_alone(tmp_path, helpers_fou
 def test_cases_run_on_their_number_of_ranks(tmp_path, helpers_found):
     result = run(APART, Options(sizes=(1, 2)), tmp_path / "out")
     assert list(result.frame()["ranks"]) == [1, 2]
+
+
+TOGETHER = """
+import sys
+from pathlib import Path
+from mpi import mpiexec
+from small_study import Options, STUDY
+from comparisons.study.run import run
+
+result = run(STUDY, Options(log=sys.argv[1] + "/log"), Path(sys.argv[1]) / "out")
+assert list(result.frame()["ranks"]) == [2, 2, 2]
+"""
+
+
+@pytest.mark.mpi
+def test_on_several_ranks_every_rank_has_the_result(tmp_path):
+    done = mpiexec(2, sys.executable, "-c", TOGETHER, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert len(list(parts(tmp_path / "out").glob("*.json"))) == 4
 
 
 def test_the_page_needs_no_other_file_and_escapes_what_it_shows(tmp_path):

@@ -15,7 +15,7 @@ from cea.files import check_writable, regular
 from comparisons.cli.app import main
 from comparisons.sweep.axes import read_axis
 from comparisons.sweep.distributions import read_distribution
-from meshes.read_mesh_file import read_mesh_file
+from meshes.files.reading import read_mesh_file
 from scenes.read import load_scene, read_scene
 from scenes.run import run_modes
 from scenes.scene_error import SceneError
@@ -95,7 +95,7 @@ def test_files_that_name_a_device_end(name, text, pipe, tmp_path):
     """In a program of its own: a reader that waits for a pipe hears of no alarm."""
     (tmp_path / name).write_text(text)
     program = (
-        f"from pathlib import Path\nfrom meshes.read_mesh_file import read_mesh_file\n"
+        f"from pathlib import Path\nfrom meshes.files.reading import read_mesh_file\n"
         f"read_mesh_file(Path({str(tmp_path / name)!r}))"
     )
     done = subprocess.run(

@@ -9,8 +9,9 @@ from scipy.io import mmread, mmwrite
 from scipy.sparse import csr_array
 from typer.testing import CliRunner
 
-from cea.eigen import search
+from cea.eigen import krylov_schur, window
 from cea.eigen.field_of_values import FieldOfValues
+from cea.eigen.options import KrylovOptions
 from comparisons.cli.app import app
 from scenes import load_scene, run_modes
 
@@ -83,9 +84,10 @@ def written(request, tmp_path, monkeypatch):
         file.write_text(f"{MATRICES}{WINDOW}{HERTZ}\n")
         scene, more, top = str(file), [], HERTZ
     elif name == "complete up to a growth rate":
-        monkeypatch.setattr(search, "_MOST_DISCS", {True: 1, False: 1})
+        few = KrylovOptions(dense_limit=0, max_discs=1)
+        monkeypatch.setattr(krylov_schur, "KrylovOptions", lambda: few)
         monkeypatch.setattr(
-            search, "field_of_values", lambda _, depth, **__: FieldOfValues(depth, bounded=False)
+            window, "field_of_values", lambda _, depth, **__: FieldOfValues(depth, bounded=False)
         )
         friction = np.zeros((151, 151))
         friction[:2, :2] = [[0.0, 0.1], [-0.1, 0.0]]

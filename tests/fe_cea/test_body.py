@@ -16,7 +16,6 @@ from fe_shapes import (
     box,
     coordinates,
     exact_measures,
-    rigid_motions,
 )
 from lagrange_bodies import csr
 from mpi4py import MPI
@@ -94,32 +93,6 @@ def test_a_sector_has_its_volume_and_areas():
     quarter = {name: area / 4 for name, area in exact_measures(shape).items()}
     assert csr(body.mass()).sum() == pytest.approx(3 * MATERIAL.rho * quarter.pop("volume"), 1e-5)
     assert areas == pytest.approx(quarter | {"start": 0.15, "end": 0.15}, rel=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("cell", "degree"),
-    [
-        ("tetrahedron", 1),
-        ("hexahedron", 1),
-        ("hexahedron", 2),
-        pytest.param("tetrahedron", 2, marks=pytest.mark.slow),
-    ],
-)
-def test_rigid_motions_of_a_ring_cost_no_energy(cell, degree):
-    body = annulus(cell, degree, placement=PLACEMENT)
-    K = csr(body.stiffness())
-    R = rigid_motions(coordinates(body, degree))
-    assert np.abs(K @ R).max() < 1e-12 * abs(K).max()
-    # Nothing else is free: a seventh vector in the kernel would be a spurious mode.
-    flattened = K.toarray() + R @ R.T
-    assert np.linalg.eigvalsh(flattened)[0] > 1e-6 * abs(K).max()
-
-
-@every_element
-def test_matrices_are_symmetric_to_the_last_bit(cell, degree):
-    body = annulus(cell, degree, placement=PLACEMENT, springs=[Spring("outer", (1.0, 2.0, 3.0))])
-    for matrix in (csr(body.stiffness()), csr(body.mass())):
-        assert abs(matrix - matrix.T).max() == 0.0
 
 
 @every_element
@@ -253,10 +226,3 @@ def test_mass_needs_a_density():
     body = box("hexahedron", 1, material=IsotropicMaterial(1.0, 0.3))
     with pytest.raises(InputError, match=r"bodies\.part\.material\.rho = None: a density"):
         body.mass()
-
-
-def test_matrices_are_made_once():
-    body = box("hexahedron", 1)
-    assert body.stiffness() is body.stiffness()
-    assert body.mass() is body.mass()
-    assert body.surfaces["x_min"] is body.surfaces["x_min"]

@@ -5,38 +5,19 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from bodies import dolfinx_body
-from covering import covering
 from fe_shapes import (
-    ANNULUS,
     BOX,
     MATERIAL,
-    annulus,
     box,
     coordinates,
-    exact_measures,
 )
 from lagrange_bodies import csr
 from mpi4py import MPI
-from scipy.sparse.linalg import eigsh, spsolve
+from scipy.sparse.linalg import eigsh
 
-from cea.supports.boundary import Pressure, Spring, Support
+from cea.supports.boundary import Support
 
-every_cell = pytest.mark.parametrize(
-    ("cell", "degree"), covering(("tetrahedron", "hexahedron"), (1, 2), strength=1)
-)
 """And every degree, not all together: each has forms of its own, which take long to compile."""
-
-
-@every_cell
-def test_patch_test_under_pressure(cell, degree):
-    p = 0.07
-    rollers = [Support(f"{axis}_min", (i,)) for i, axis in enumerate("xyz")]
-    body = box(cell, degree, supports=rollers, pressures=[Pressure("z_max", p)])
-    expand = csr(body.expansion)
-    u = expand @ spsolve(csr(body.stiffness()).tocsc(), body.load().getArray())
-    x = coordinates(body, degree) - BOX.origin
-    exact = p / MATERIAL.E * x * [MATERIAL.nu, MATERIAL.nu, -1.0]
-    np.testing.assert_allclose(u.reshape(-1, 3), exact, atol=1e-13)
 
 
 def test_expansion_holds_the_supports_and_nothing_else():
@@ -56,39 +37,6 @@ def test_expansion_holds_the_supports_and_nothing_else():
         reduced = expand.T @ csr(whole) @ expand
         assert part.getSize() == reduced.shape
         assert abs(csr(part) - reduced).max() == 0
-
-
-@every_cell
-def test_springs_resist_a_translation_by_area_times_stiffness(cell, degree):
-    springs = [Spring("outer", (3.0, 5.0, 7.0)), Spring("top", (0.0, 0.0, 2.0))]
-    body = annulus(cell, degree, springs=springs)
-    outer, top = body.surfaces["outer"].area, body.surfaces["top"].area
-    ones = np.ones(body.num_scalar_dofs)
-    K = csr(body.stiffness())
-    response = np.array([[ones @ K[i::3, j::3] @ ones for j in range(3)] for i in range(3)])
-    expected = np.diag([3 * outer, 5 * outer, 7 * outer + 2 * top])
-    np.testing.assert_allclose(response, expected, rtol=1e-5, atol=1e-11)
-
-
-@every_cell
-def test_pressure_pushes_along_the_inward_normal(cell, degree):
-    """Resultant on the flat top; on the cylinder none, but a virial p r A."""
-    p = 0.2
-    top = annulus(cell, degree, pressures=[Pressure("top", p)])
-    force = top.load().getArray().reshape(-1, 3).sum(axis=0)
-    np.testing.assert_allclose(force, [0, 0, -p * top.surfaces["top"].area], atol=1e-12)
-    inner = annulus(cell, degree, pressures=[Pressure("inner", p)])
-    force = inner.load().getArray().reshape(-1, 3)
-    np.testing.assert_allclose(force.sum(axis=0), 0, atol=1e-12)
-    virial = (force[:, :2] * coordinates(inner, degree)[:, :2]).sum()
-    exact = p * ANNULUS.inner_radius * exact_measures(ANNULUS)["inner"]
-    assert virial == pytest.approx(exact, rel={1: 0.1, 2: 1e-3}[degree])
-
-
-def test_no_pressure_is_no_load():
-    body = box("hexahedron", 1, supports=[Support("x_min", (0, 1, 2))])
-    assert body.load().getSize() == body.stiffness().getSize()[0]
-    assert body.load().norm() == 0
 
 
 def sliding_box(cell, degree, n):

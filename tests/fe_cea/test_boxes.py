@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fe_cea.boxes import Boxes
+from cea.candidates import Boxes
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -7,7 +7,7 @@ import basix.ufl
 import dolfinx
 import numpy as np
 import pytest
-from bodies import dolfinx_body, lagrange_body
+from bodies import dolfinx_body
 from covering import covering
 from lagrange_bodies import DIMENSION, FLAT, MATERIAL, PLANE, ROUND, SPACE, body_of, csr
 from mpi4py import MPI
@@ -16,9 +16,7 @@ from scipy.sparse.linalg import spsolve
 from cea.errors import InputError
 from cea.location import locate_along
 from cea.supports.boundary import Pressure, Support
-from cea.surface import Status, SurfaceCoordinates
-from meshes.breaks import breaks_of
-from meshes.shape_mesh import shape_mesh
+from cea.surface_points import Status, SurfaceCoordinates
 
 every_element = pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSION, (1, 2, 3, 4))))
 every_cell = pytest.mark.parametrize(
@@ -31,41 +29,6 @@ def interpolate(body, degree, field):
     """Values at all scalar dofs of a field in the space, found from a sample that fixes them."""
     sample = body.volume_sample(degree)
     return spsolve(sample.values.tocsc(), field(sample.points))
-
-
-def rigid_motions(x):
-    dim = x.shape[1]
-    motions = [np.broadcast_to(e, x.shape) for e in np.eye(dim)]
-    for i, j in [(0, 1), (1, 2), (2, 0)][: 1 if dim == 2 else 3]:
-        turn = np.zeros((dim, dim))
-        turn[i, j], turn[j, i] = 1.0, -1.0
-        motions.append(x @ turn)
-    return np.column_stack([m.ravel() for m in motions])
-
-
-@every_element
-def test_curved_bodies_have_symmetric_matrices_rigid_motions_and_their_mass(cell, degree):
-    body = body_of(ROUND, cell, degree)
-    K, M = csr(body.stiffness()), csr(body.mass())
-    assert abs(K - K.T).max() == 0
-    assert abs(M - M.T).max() == 0
-    R = rigid_motions(interpolate(body, degree, lambda x: x))
-    assert R.shape[1] == {2: 3, 3: 6}[body.dim]
-    assert np.abs(K @ R).max() < 3e-12 * abs(K).max()
-    shape = ROUND[body.dim]
-    volume = np.pi * (shape.outer_radius**2 - shape.inner_radius**2)
-    volume *= 0.3 if body.dim == 3 else 1
-    rel = {1: 0.25, 2: 3e-3, 3: 3e-4, 4: 3e-5}[degree]
-    assert M.sum() / body.dim == pytest.approx(MATERIAL.rho * volume, rel=rel)
-
-
-@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
-@pytest.mark.parametrize("degree", [1, 2, 3, 4])
-def test_nothing_but_rigid_motions_is_free_in_the_plane(cell, degree):
-    body = body_of(ROUND, cell, degree)
-    K = csr(body.stiffness()).toarray()
-    R = rigid_motions(interpolate(body, degree, lambda x: x))
-    assert np.linalg.eigvalsh(K + R @ R.T)[0] > 1e-5 * abs(K).max()
 
 
 def polynomial(degree, dim):
@@ -160,35 +123,6 @@ def test_pressure_all_around_has_no_resultant(cell, degree):
     volume = csr(body.mass()).sum() / body.dim / MATERIAL.rho
     accuracy = 1e-12 if degree == 1 else 1e-4
     assert -(force * x).sum() == pytest.approx(0.7 * body.dim * volume, rel=accuracy)
-
-
-@every_cell
-def test_patch_test_under_pressure(cell, degree):
-    """Uniform stress, in the plane with the plane-strain moduli, between rollers."""
-    dim = DIMENSION[cell]
-    axes = "xyz"[:dim]
-    shape = FLAT[dim]
-    rollers = [Support(f"{axis}_min", (i,)) for i, axis in enumerate(axes)]
-    mesh = {"size": 0.6}
-    if cell in ("hexahedron", "quadrilateral"):
-        mesh = {"breaks": breaks_of(shape, (2, 1, 2)[:dim])}
-    made = shape_mesh(shape, cell, degree, **mesh)
-    body = lagrange_body(
-        "part",
-        made,
-        degree=degree,
-        material=MATERIAL,
-        supports=rollers,
-        pressures=[Pressure(f"{axes[-1]}_max", 0.07)],
-    )
-    free = spsolve(csr(body.stiffness()).tocsc(), body.load().getArray())
-    u = (csr(body.expansion) @ free).reshape(-1, dim)
-    E, nu = MATERIAL.E, MATERIAL.nu
-    if dim == 2:
-        E, nu = E / (1 - nu**2), nu / (1 - nu)
-    sample = body.volume_sample(2)
-    exact = 0.07 / E * sample.points * ([nu] * (dim - 1) + [-1.0])
-    np.testing.assert_allclose(sample.values @ u, exact, atol=1e-12)
 
 
 class EveryPair:

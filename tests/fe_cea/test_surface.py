@@ -10,7 +10,7 @@ from bodies import lagrange_body
 from cea.errors import InputError
 from cea.location import locate_along
 from cea.material import IsotropicMaterial
-from cea.surface import Status, SurfaceCoordinates
+from cea.surface_points import Status, SurfaceCoordinates
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
@@ -108,21 +108,6 @@ def test_gauss_points_integrate_polynomials(cell, degree):
             exact = (x1 ** (p + 1) - x0 ** (p + 1)) * (y1 ** (q + 1) - y0 ** (q + 1))
             exact /= (p + 1) * (q + 1)
             assert points.weight @ (x**p * y**q) == pytest.approx(exact, rel=1e-12, abs=1e-13)
-
-
-@every_element
-@pytest.mark.parametrize("kind", MESHES)
-def test_trace_sums_to_one_and_reproduces_positions(kind, cell, degree):
-    body = make(kind, cell, degree)
-    x = coordinates(body, degree)
-    for surface in body.surfaces.values():
-        at = scattered(surface, 50)
-        trace = surface.trace(at)
-        assert trace.shape == (50, body.num_scalar_dofs)
-        np.testing.assert_allclose(trace.sum(axis=1), 1, rtol=1e-14)
-        np.testing.assert_allclose(trace @ x, surface.position(at), atol=1e-14)
-        per_facet = {("tetrahedron", 1): 3, ("tetrahedron", 2): 6, ("hexahedron", 1): 4}
-        assert np.diff(trace.indptr).max() == per_facet.get((cell, degree), 9)
 
 
 @every_element
@@ -333,9 +318,9 @@ def test_wrong_requests_are_refused():
     surface = make("box", "hexahedron", 1).surfaces["x_min"]
     with pytest.raises(InputError, match="greville"):
         surface.abscissae("greville")
-    with pytest.raises(InputError, match="at least 1"):
+    with pytest.raises(InputError, match="at least one"):
         surface.gauss_points(0)
-    with pytest.raises(InputError, match="at least 2"):
+    with pytest.raises(InputError, match="at least two"):
         surface.grid(1)
     lost = SurfaceCoordinates(np.array([0, -1]), np.full((2, 2), 0.5))
     for evaluate in (surface.position, surface.normal, surface.trace, surface.gradient):

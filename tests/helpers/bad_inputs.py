@@ -18,7 +18,7 @@ from cea.fields import Expression
 from cea.mesh import Mesh
 from meshes.breaks import breaks_of
 from meshes.mesh_file import MeshFile
-from meshes.nurbs_file import NurbsFile
+from meshes.patches import NurbsFile
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box
 from scenes.opened import open_result

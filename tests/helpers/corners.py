@@ -28,10 +28,10 @@ from cea.material import IsotropicMaterial
 from cea.mesh import Mesh, facet_nodes
 from cea.supports.boundary import Support
 from cea.system.coupling import couple
-from meshes.division import divided
 from meshes.nurbs_shapes import NurbsPatch
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box, Rectangle
+from meshes.structured import divided
 
 MATERIAL = IsotropicMaterial(2.0, 0.3, 1.5)
 KINDS = {

@@ -6,7 +6,7 @@ import gmsh
 import numpy as np
 
 from cea.mesh import facet_nodes, lattice, matching_nodes
-from meshes.gmsh_model import gmsh_session
+from meshes.unstructured import gmsh_session
 
 FAMILIES = {
     "triangle": ("Triangle", "Line"),

@@ -5,8 +5,8 @@ import meshio
 import numpy as np
 
 from cea.mesh import DIMENSION, Mesh, lattice
-from meshes.files.kinds import KINDS
-from meshes.gmsh_model import gmsh_session
+from meshes.files.content import KINDS
+from meshes.unstructured import gmsh_session
 
 MESHIO = {
     "quadrilateral4": "quad", "quadrilateral8": "quad8", "quadrilateral9": "quad9",

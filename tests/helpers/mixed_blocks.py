@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 
-from meshes.files.kinds import KINDS, block
+from meshes.files.content import KINDS, block
 
 CUBE = [tuple(corner) for corner in KINDS["hexahedron8"].reference.astype(int).tolist()]
 WEDGES = [(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)]

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from mpi4py import MPI
 
-from meshes.files.kinds import KINDS
+from meshes.files.content import KINDS
 from scenes.read import read_scene
 from scenes.run import run_modes
 
@@ -154,6 +154,31 @@ def calculix(brake, modes=20):
         "*END STEP",
     ]
     return "\n".join(lines) + "\n"
+
+
+STEEL = (1.2e11, 0.3, 7200.0)
+
+
+def one_body(file, degree=2, top=30000.0):
+    """Disc and pad that share nodes as one body of one material, held at the bore and behind."""
+    body = {
+        "backend": "fe",
+        "geometry": {"shape": "mesh_file", "file": str(file), "unit": "m"},
+        "material": dict(zip(("E", "nu", "rho"), STEEL, strict=True)),
+        "supports": [{"surface": "BORE"}, {"surface": "BACK"}],
+        "mesh": {"degree": degree},
+    }
+    analysis = {"kind": "cea", "max_frequency": top}
+    return read_scene({"name": "brake", "bodies": {"brake": body}, "analysis": analysis})
+
+
+def calculix_of_one_body(brake, modes):
+    """The deck of :func:`one_body` with the brake's own elements, for CalculiX."""
+    material, supports = "*MATERIAL, NAME=STEEL\n*ELASTIC\n{}, {}\n*DENSITY\n{}\n", ["BORE", "BACK"]
+    sections = "".join(f"*SOLID SECTION, ELSET={p}, MATERIAL=STEEL\n" for p in MATERIALS)
+    held = "*BOUNDARY\n" + "".join(f"{name}, 1, 3\n" for name in supports)
+    step = f"*STEP\n*FREQUENCY, STORAGE=YES\n{modes}\n*END STEP\n"
+    return brake.deck() + material.format(*STEEL) + sections + held + step
 
 
 def on_any_number_of_ranks():

@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from meshes.files.kinds import full_order
-
 ABAQUS = {"hexahedron8": "C3D8I", "wedge6": "C3D6", "pyramid5": "C3D5", "tetrahedron4": "C3D4"}
 ABAQUS |= {
     "hexahedron20": "C3D20R",
@@ -26,9 +24,7 @@ BRICKS = {
 
 def listed(block):
     """Kind of a block, and its nodes as files list them."""
-    nodes = block.nodes[:, full_order(block.cell, block.order)]
-    nodes = nodes[:, (nodes >= 0).all(axis=0)]
-    return f"{block.cell}{nodes.shape[1]}", nodes
+    return f"{block.cell}{block.nodes.shape[1]}", block.nodes
 
 
 def abaqus_deck(file, points, blocks, low):

@@ -12,7 +12,7 @@ from peak_memory import PEAK
 
 from cea.body import Body
 from meshes.nurbs_shapes import nurbs_shape
-from meshes.shapes import Annulus, Box, Disc, Hub, Ring, RingSector, Sector
+from meshes.shapes import Box, Disc, RingSector, Sector
 
 SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
 BOX = Box((2.0, 1.0, 0.5))
@@ -82,25 +82,6 @@ def test_odd_orientations_in_space(axes: tuple[int, ...], flip: int) -> None:
 def test_collapsed_edges(elements: tuple[int, ...]) -> None:
     """Elements at the axis of a disc have several functions of one dof."""
     assert_agrees_with_slow_loops(body(Disc(1.2, -0.1, 0.2), elements, (2, 2, 1)))
-
-
-@pytest.mark.parametrize(
-    ("shape", "elements", "degree"),
-    [
-        pytest.param(Annulus(0.8, 1.7, -0.1, 0.2), (2, 8, 2), (2, 3, 2), marks=pytest.mark.slow),
-        (Disc(1.7, -0.1, 0.2), (3, 12, 3), (3, 2, 2)),
-        pytest.param(
-            Hub(0.3, 0.8, 1.7, -0.1, 0.2, -0.2, 0.2), (2, 8, 2), (2, 2, 2), marks=pytest.mark.slow
-        ),
-        (Ring(0.8, 1.7), (3, 12), (4, 3)),
-    ],
-    ids=lambda s: getattr(s, "shape", None),
-)
-def test_exactly_symmetric(shape, elements, degree) -> None:
-    part = body(shape, elements, degree)
-    for matrix in (part.stiffness(), part.mass()):
-        A = scipy_of(matrix)
-        assert abs(A - A.T).max() == 0
 
 
 MEMORY = (

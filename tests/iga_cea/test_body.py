@@ -16,7 +16,7 @@ from iga_cea.multipatch import join
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
-from meshes.shapes import Annulus, Box, Disc, Sector, Shape
+from meshes.shapes import Annulus, Box, Disc, Sector
 
 ANNULUS = Annulus(0.8, 1.7, -0.1, 0.2)
 SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
@@ -39,39 +39,6 @@ def displacement(part: Body) -> np.ndarray:
     full = part.expansion.createVecLeft()
     part.expansion.mult(free, full)
     return full.getArray().reshape(-1, part.dim)
-
-
-@pytest.mark.parametrize("shape", [ANNULUS, SECTOR, BOX], ids=lambda s: s.shape)
-def test_matrices_are_exactly_symmetric(shape: Shape) -> None:
-    part = body(
-        shape,
-        (2, 8, 2),
-        (2, 3, 2),
-        continuity=(0, 1, 1),
-        springs=[Spring("top", (1.0, 2.0, 0.0))] if shape is not BOX else (),
-    )
-    for matrix in (part.stiffness(), part.mass()):
-        A = scipy_of(matrix)
-        assert abs(A - A.T).max() == 0
-
-
-def test_rigid_motions_are_free() -> None:
-    part = body(ANNULUS, (2, 8, 2), (2, 3, 2))
-    K = scipy_of(part.stiffness())
-    x = part.dof_positions
-    for c in range(3):
-        axis = np.eye(3)[c]
-        for motion in (np.broadcast_to(axis, x.shape), np.cross(axis, x)):
-            residual = np.abs(K @ motion.ravel()).max()
-            assert residual <= 1e-14 * abs(K).sum(axis=1).max() * np.abs(motion).max()
-    values = eigh(K.toarray(), eigvals_only=True)
-    assert values[5] < 1e-12 * values[-1] < values[6]
-
-
-def test_total_mass() -> None:
-    part = body(ANNULUS, (2, 16, 2), (2, 6, 2))
-    volume = np.pi * (1.7**2 - 0.8**2) * 0.3
-    assert scipy_of(part.mass()).sum() == pytest.approx(3 * STEEL.rho * volume, rel=2e-14)
 
 
 @pytest.mark.parametrize(
@@ -149,19 +116,6 @@ def test_thin_patches_are_not_taken_for_gaps_between_their_faces() -> None:
         assert part.num_scalar_dofs == 2 * 3 * 4 * 3 - 3 * 4
 
 
-def test_bar_under_pressure_is_exact() -> None:
-    part = body(
-        BOX,
-        (3, 2, 2),
-        (2, 3, 1),
-        Placement(),
-        supports=[Support("x_min", (0,)), Support("y_min", (1,)), Support("z_min", (2,))],
-        pressures=[Pressure("x_max", 0.7)],
-    )
-    strain = -0.7 / STEEL.E * np.array([1, -STEEL.nu, -STEEL.nu])
-    np.testing.assert_allclose(displacement(part), strain * part.dof_positions, atol=1e-14)
-
-
 def test_column_on_springs_is_exact() -> None:
     part = body(
         BOX,
@@ -175,18 +129,6 @@ def test_column_on_springs_is_exact() -> None:
     exact = np.zeros_like(part.dof_positions)
     exact[:, 2] = -0.7 / 5.0 - 0.7 / 2.0 * part.dof_positions[:, 2]
     np.testing.assert_allclose(displacement(part), exact, atol=1e-13)
-
-
-def test_pressure_all_round_has_no_resultant() -> None:
-    everywhere = [Pressure(name, 1.3) for name in ANNULUS.surfaces]
-    part = body(ANNULUS, (2, 12, 2), (2, 2, 2), pressures=everywhere)
-    force = part.load().getArray().reshape(-1, 3)
-    assert np.abs(force.sum(axis=0)).max() < 1e-14
-    assert np.abs(np.cross(part.dof_positions, force).sum(axis=0)).max() < 1e-14
-    top = body(ANNULUS, (2, 12, 2), (2, 6, 2), Placement(), pressures=[Pressure("top", 1.3)])
-    area = np.pi * (1.7**2 - 0.8**2)
-    resultant = top.load().getArray().reshape(-1, 3).sum(axis=0)
-    np.testing.assert_allclose(resultant, [0, 0, -1.3 * area], rtol=1e-13, atol=1e-13)
 
 
 def test_supports_hold_components_of_whole_surfaces() -> None:
@@ -259,12 +201,6 @@ def test_volume_sample_fills_the_body() -> None:
 def test_wrong_input_is_refused(options: dict, message: str) -> None:
     with pytest.raises(InputError, match=message):
         body(SECTOR, (1, 1, 1), options.pop("degree", (2, 2, 2)), **options)
-
-
-def test_mass_needs_a_density() -> None:
-    part = body(BOX, (1, 1, 1), (1, 1, 1), material=IsotropicMaterial(1.0, 0.3))
-    with pytest.raises(InputError, match=r"bodies.part.material.rho = None: a density"):
-        part.mass()
 
 
 @pytest.mark.parametrize("corner", [(-0.9, -0.8, -0.7), (0.5, 0.5, 1.0)], ids=["folded", "flat"])

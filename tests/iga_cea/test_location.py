@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from iga_data import TILTED, body
 
-from cea.surface import Status
+from cea.surface_points import Status
 from meshes.patches import GivenPatch, Patches
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Disc, Hub

@@ -151,5 +151,5 @@ def test_breaks_that_do_not_fit_are_refused() -> None:
     r, _, z = breaks_of(annulus, (1, 4, 1))
     with pytest.raises(ValueError, match="theta"):
         nurbs_shape(annulus, (r, np.array([0.0, 90.0, 180.0, 360.0]), z))
-    with pytest.raises(ValueError, match="breaks along r"):
+    with pytest.raises(ValueError, match="breaks of r"):
         nurbs_shape(annulus, (r[::-1], np.array([0.0, 90.0, 180.0, 270.0, 360.0]), z))

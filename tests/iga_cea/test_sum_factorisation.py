@@ -7,13 +7,12 @@ from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, slow_
 
 from cea.body import Body
 from cea.rotation import Rotation
-from cea.supports.boundary import Spring, Support
 from iga_cea.patch import refine
 from iga_cea.pattern import boxes_of
 from iga_cea.separation import holds, separate
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
-from meshes.shapes import Box, Disc, Hub, RingSector, Sector
+from meshes.shapes import Box, Disc, RingSector, Sector
 
 SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
 RING_SECTOR = RingSector(0.8, 1.7, 20.0, 85.0)
@@ -143,19 +142,3 @@ def test_geometric_stiffness(weights: bool) -> None:
     ours = scipy_of(part.geometric_stiffness(u.ravel())).toarray()
     slow = np.kron(slow, np.eye(3))
     assert np.abs(ours - slow).max() <= 1e-13 * np.abs(slow).max()
-
-
-def test_held_unknowns_are_left_out() -> None:
-    """Matrices of what supports leave are picked from those of all, to the last bit."""
-    part = body(
-        Hub(0.3, 0.8, 1.7, -0.1, 0.2, -0.2, 0.2),
-        (2, 4, 2),
-        (2, 2, 1),
-        supports=[Support("bottom", (0, 2))],
-        springs=[Spring("top", (1.0, 2.0, 3.0))],
-    )
-    Z = scipy_of(part.expansion)
-    whole = scipy_of(part.full_stiffness())
-    free = scipy_of(part.stiffness())
-    assert free.shape[0] < whole.shape[0]
-    assert abs(Z.T @ whole @ Z - free).max() == 0

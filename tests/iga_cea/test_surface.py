@@ -8,7 +8,7 @@ from covering import covering
 from cea.body import Body
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.surface import Status
+from cea.surface_points import Status
 from iga_cea.grids import grid_points
 from iga_cea.surface import NurbsSurface
 from meshes.breaks import breaks_of

@@ -13,8 +13,8 @@ from mpi4py import MPI
 
 from cea.errors import InputError
 from fe_cea.distribution import distribute
-from meshes.gmsh_model import gmsh_session
 from meshes.mesh_file import MeshFile
+from meshes.unstructured import gmsh_session
 
 SECONDS = 20
 TWO_PARTS = """*PART, NAME=a

@@ -7,9 +7,9 @@ from gmsh_models import assert_outer_facets_are_named, volumes
 from cea.errors import InputError
 from cea.mesh import Mesh, reference_nodes
 from meshes.breaks import breaks_of
-from meshes.division import divided
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
+from meshes.structured import divided
 
 SHAPES = {
     shape.shape: shape

@@ -7,11 +7,10 @@ from gmsh_models import assert_outer_facets_are_named, volumes
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
-from meshes.edge_templates import RATIO
+from meshes.edge_layers import RATIO, check_edges, check_room
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector
-from meshes.singular_edges import check_edges, check_room
 
 ANNULUS = Annulus(0.5, 1.0, 0.0, 0.3)
 ENDS = ({"r": 0.5, "z": 0.0}, {"r": 0.5, "z": 0.3})

@@ -10,11 +10,11 @@ from mesh_writers import listed, write
 from cea.errors import InputError
 from cea.mesh import facet_nodes
 from meshes.breaks import breaks_of
-from meshes.gmsh_model import gmsh_session
 from meshes.mesh_file import MeshFile
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Rectangle
+from meshes.unstructured import gmsh_session
 
 FILES = ("a.msh", "a22.msh", "binary.msh", "a.inp", "a.cdb", "a.bdf", "a.nas", "a.xdmf", "a.vtu")
 KINDS = [("hexahedron", 1), ("hexahedron", 2), ("tetrahedron", 1), ("tetrahedron", 2)]

@@ -11,8 +11,8 @@ from dolfinx import mesh as dolfinx_mesh
 from mesh_writers import write
 from mpi4py import MPI
 
-from meshes.gmsh_model import gmsh_session
 from meshes.mesh_file import MeshFile
+from meshes.unstructured import gmsh_session
 
 
 @pytest.mark.parametrize("version", [2.2, 4.0, 4.1])

@@ -8,9 +8,9 @@ from mixed_blocks import mixed_blocks
 from mixed_files import abaqus_deck, ansys_archive, vtu_file
 
 from cea.errors import InputError
-from meshes.files.kinds import KINDS, full_order
-from meshes.gmsh_model import gmsh_session
+from meshes.files.content import KINDS
 from meshes.mesh_file import MeshFile
+from meshes.unstructured import gmsh_session
 
 WRITERS = {"a.inp": abaqus_deck, "a.cdb": ansys_archive, "a.vtu": vtu_file}
 
@@ -63,7 +63,7 @@ def test_faces_of_elements_are_those_of_the_manual(tmp_path):
     abaqus_deck(file, points, blocks, [0])
     lines, element = ["*SURFACE, NAME=HIGH"], 0
     for block in blocks:
-        for nodes in block.nodes[:, full_order(block.cell, 1)]:
+        for nodes in block.nodes:
             element += 1
             for side, face in enumerate(ABAQUS_FACES[block.cell], 1):
                 on = points[[nodes[int(corner) - 1] for corner in face]]

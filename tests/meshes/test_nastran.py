@@ -8,9 +8,9 @@ from mixed_blocks import mixed_blocks
 from mixed_files import listed
 
 from cea.errors import InputError
-from meshes.files.kinds import wanted_nodes
+from meshes.files.content import KINDS
+from meshes.files.reading import read_mesh_file
 from meshes.mesh_file import MeshFile
-from meshes.read_mesh_file import read_mesh_file
 
 CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
                  [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float)  # fmt: skip
@@ -123,7 +123,7 @@ def test_every_spelling_is_the_same_mesh(tmp_path, name):
     np.testing.assert_allclose(found.points[order], X, rtol=0, atol=1e-16)
     (block,) = found.blocks
     corners = found.points[block.nodes[0]]
-    box = wanted_nodes("hexahedron", 1) * [0.02, 0.015, 0.01] - [0.0, 0.015, 0.0]
+    box = KINDS["hexahedron8"].reference * [0.02, 0.015, 0.01] - [0.0, 0.015, 0.0]
     np.testing.assert_allclose(corners, box, rtol=0, atol=1e-16)
     assert {name: rows.tolist() for name, rows in found.element_sets.items()} == {"PSOLID 7": [0]}
     assert MeshFile(str(tmp_path / "a.bdf"), "m").num_cells == 1
@@ -155,9 +155,9 @@ def test_quadratic_elements_have_every_point_where_it_belongs(tmp_path, card, fi
     cards.append([card, 1, 1, *range(1, len(points) + 1)])
     (block,) = content(tmp_path, small(cards, first)).blocks
     assert (block.cell, block.order, len(points) - count) == (cell, 2, len(edges.split()))
-    nodes, given = block.nodes[0], block.nodes[0] >= 0
-    assert sorted(nodes[given]) == list(range(len(points)))
-    np.testing.assert_allclose(points[nodes[given]], wanted_nodes(cell, 2)[given], atol=1e-15)
+    nodes = block.nodes[0]
+    assert sorted(nodes) == list(range(len(points)))
+    np.testing.assert_allclose(points[nodes], KINDS[f"{cell}{len(points)}"].reference, atol=1e-15)
 
 
 NAMES = {"tetrahedron": "CTETRA", "pyramid": "CPYRAM", "wedge": "CPENTA", "hexahedron": "CHEXA"}

@@ -6,8 +6,8 @@ from covering import covering
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
-from meshes.nurbs_file import NurbsFile
 from meshes.nurbs_shapes import nurbs_shape
+from meshes.patches import NurbsFile
 from meshes.shapes import Annulus, Ring
 from scenes.read import read_scene
 from scenes.run import run_modes

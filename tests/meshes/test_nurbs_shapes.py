@@ -97,7 +97,7 @@ def test_breaks_without_the_joints_are_refused(shape, axis: int, name: str) -> N
     elements = (4, 8, 5)[: len(shape.directions)]
     breaks = list(breaks_of(shape, elements))
     breaks[axis] = np.linspace(*shape.extent[axis], 4)
-    with pytest.raises(InputError, match=f"breaks along {name}"):
+    with pytest.raises(InputError, match=f"breaks of {name}"):
         nurbs_shape(shape, tuple(breaks))
 
 

@@ -12,10 +12,10 @@ from gmsh_models import gmsh_model
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
-from meshes.gmsh_model import gmsh_session
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
+from meshes.unstructured import gmsh_session
 
 BOX = Box((0.3, 0.2, 0.1), origin=(-0.1, 0.05, 0.02))
 ANNULUS = Annulus(0.06, 0.15, -0.002, 0.01)

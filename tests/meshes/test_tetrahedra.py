@@ -10,9 +10,9 @@ from mixed_blocks import mixed_blocks
 
 from cea.errors import InputError
 from cea.mesh import Mesh, facet_nodes, node_order
-from meshes.files.checks import check_elements
-from meshes.files.kinds import FACES, full_order
-from meshes.files.tetrahedra import tetrahedra
+from meshes.files.body import check_elements
+from meshes.files.content import FACES, KINDS, block
+from meshes.files.tetrahedra import completed, tetrahedra
 
 RULE = np.array([0.5 - np.sqrt(15) / 10, 0.5, 0.5 + np.sqrt(15) / 10]), np.array([5, 8, 5]) / 18
 
@@ -74,7 +74,7 @@ def test_each_tetrahedron_tells_its_element_and_the_faces_it_lies_on(order):
     facets = facet_nodes("tetrahedron", order)
     for cell, element, sides in zip(made.cells, made.elements, made.sides, strict=True):
         own, row = elements[element]
-        listed = own.nodes[row, full_order(own.cell, order)]
+        listed = own.nodes[row]
         for facet, side in zip(facets, sides, strict=True):
             if side >= 0:
                 corners = made.points[listed[list(FACES[own.cell][side])]]
@@ -103,13 +103,30 @@ def test_nodes_that_elements_have_are_kept_and_no_others_double():
     np.testing.assert_allclose(places[0][order[0]], places[1][order[1]], rtol=0, atol=1e-14)
 
 
-def test_elements_of_two_orders_or_without_middles_are_refused():
+def test_elements_of_two_orders_are_refused():
     points, blocks = mixed_blocks(1)
     _, others = mixed_blocks(2)
     with pytest.raises(InputError, match="all of order 1 or all of order 2"):
         tetrahedra(points, [blocks[0], others[1]])
-    points, (first, *rest) = mixed_blocks(2)
-    nodes = first.nodes.copy()
-    nodes[1, full_order("hexahedron", 2)[9]] = -1
-    with pytest.raises(InputError, match=r"element 2.*middles of all edges"):
-        tetrahedra(points, [replace(first, nodes=nodes), *rest])
+
+
+def test_neighbours_of_20_and_27_nodes_share_the_middle_of_their_face():
+    """Two hexahedra on a row: the one that lacks the middle of the face takes that of the other."""
+    kind = KINDS["hexahedron27"]
+    at = np.concatenate([kind.reference, kind.reference + np.array([1.0, 0.0, 0.0])])
+    points, rows = np.unique(at, axis=0, return_inverse=True)
+    first, second = rows.reshape(2, 1, 27)
+    blocks = [
+        block("whole", "hexahedron27", np.array([1]), first),
+        block("fewer", "hexahedron20", np.array([2]), second[:, :20]),
+    ]
+    used = np.union1d(first, second[:, :20])
+    every, full = completed(points[used], [renumbered(each, used) for each in blocks])
+    assert len(every) == len(points)
+    nodes = np.concatenate([each.nodes for each in full])
+    assert len(np.intersect1d(*nodes)) == 9
+    np.testing.assert_allclose(every[nodes], at.reshape(2, 27, 3), atol=1e-15)
+
+
+def renumbered(elements, used):
+    return replace(elements, nodes=np.searchsorted(used, elements.nodes))

@@ -12,8 +12,8 @@ from mpi import cea_on_ranks
 
 from comparisons.cli.app import main
 from scenes import run_modes
-from scenes.deck.bodies import deck_bodies
-from scenes.deck.write import write_deck
+from scenes.export.decks.bodies import deck_bodies
+from scenes.export.decks.write import write_deck
 
 
 @pytest.fixture(scope="module")
@@ -166,7 +166,16 @@ def test_texts_of_a_scene_stay_comments(written, tmp_path):
 
 def test_the_command_names_what_it_wrote_or_what_is_wrong(tmp_path, monkeypatch, capsys):
     mesh = 'mesh.fe={cell="hexahedron", degree=1, elements=[3, 16, 1]}'
-    command = ["cea", "export", "disc", "--out", str(tmp_path), "--set", f"bodies.disc.{mesh}"]
+    command = [
+        "cea",
+        "scene",
+        "export",
+        "disc",
+        "--out",
+        str(tmp_path),
+        "--set",
+        f"bodies.disc.{mesh}",
+    ]
     for more, code in ((["--backend", "fe", "--modes", "7"], 0), ([], 1)):
         monkeypatch.setattr(sys, "argv", [*command, *more])
         with pytest.raises(SystemExit) as end:
@@ -191,7 +200,9 @@ def test_ranks_write_the_deck_once(written, tmp_path):
         for field in ('cell="tetrahedron"', "degree=2", "geometry_degree=1"):
             overrides += ["--set", f"bodies.{name}.mesh.fe.{field}"]
         overrides += ["--set", f"bodies.{name}.mesh.fe.through={{}}"]
-    done = cea_on_ranks(2, "export", "disc_pad", "--backend", "fe", *overrides, "--out", tmp_path)
+    done = cea_on_ranks(
+        2, "scene", "export", "disc_pad", "--backend", "fe", *overrides, "--out", tmp_path
+    )
     assert done.returncode == 0, done.stderr
     assert len(done.stdout.splitlines()) == 3
     assert (tmp_path / model.name).read_bytes() == model.read_bytes()

@@ -11,7 +11,7 @@ import pytest
 from deck_scenes import ELEMENTS, ROUND, alone, in_contact
 
 from scenes import read_scene
-from scenes.deck.write import write_deck
+from scenes.export.decks.write import write_deck
 
 LABEL = r"[A-Za-z][\w-]{0,79}"
 NUMBER = r"[+-]?\d+(\.\d*)?([Ee][+-]?\d+)?"

@@ -4,7 +4,7 @@ import pytest
 from deck_scenes import P2, SLIDING, alone, body, in_contact
 
 from scenes import read_scene
-from scenes.deck.write import write_deck
+from scenes.export.decks.write import write_deck
 from scenes.scene_error import SceneError
 
 REFUSED = {

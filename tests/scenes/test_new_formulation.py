@@ -7,7 +7,8 @@ from typing import ClassVar, Literal
 import pytest
 from blocks import two_blocks
 
-from cea.contact.formulations import Formulation, GaussPointToSurface, base, register, registered
+from cea.contact import formulations
+from cea.contact.formulations import Formulation, GaussPointToSurface, register, registered
 from cea.errors import InputError
 from scenes.contact_checks import suits
 from scenes.read import read_scene
@@ -33,11 +34,11 @@ class Midpoints(Formulation):
 
 @pytest.fixture(autouse=True)
 def _registered() -> Iterator[None]:
-    before = dict(base._REGISTER)
+    before = dict(formulations._REGISTER)
     register(Midpoints)
     yield
-    base._REGISTER.clear()
-    base._REGISTER.update(before)
+    formulations._REGISTER.clear()
+    formulations._REGISTER.update(before)
 
 
 def test_a_scene_names_it_and_both_backends_run_it(backend):
@@ -63,7 +64,7 @@ def test_a_method_that_is_not_registered_is_refused_with_those_that_are():
     with pytest.raises(SceneError, match="midpoints") as caught:
         read_scene(two_blocks("iga", {"method": "corners"}))
     assert all(method in str(caught.value) for method in registered())
-    del base._REGISTER["midpoints"]
+    del formulations._REGISTER["midpoints"]
     with pytest.raises(SceneError, match=r"method = 'midpoints': one of (?!.*midpoints)"):
         read_scene(two_blocks("iga", {"method": "midpoints"}))
 

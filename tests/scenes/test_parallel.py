@@ -217,32 +217,6 @@ def test_command_line_prints_and_writes_once(tmp_path):
     assert together.keys() == single.keys()
 
 
-REPORT = """
-import sys
-from pathlib import Path
-
-from mpi4py import MPI
-from report_data import small_comparison
-
-from comparisons.agreement import page
-
-write, writers = page._write, []
-page._write = lambda *arguments: (writers.append(MPI.COMM_WORLD.rank), write(*arguments))
-report = page.write_report(small_comparison(), [], Path(sys.argv[1]))
-there = all(MPI.COMM_WORLD.allgather(report.exists()))
-writers = MPI.COMM_WORLD.allreduce(writers)
-if MPI.COMM_WORLD.rank == 0:
-    print(writers, there)
-"""
-
-
-@pytest.mark.slow
-def test_rank_0_writes_the_report_and_the_others_wait(tmp_path):
-    done = mpiexec(2, sys.executable, "-c", REPORT, tmp_path / "new")
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.split("\n")[-2] == "[0] True"
-
-
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [

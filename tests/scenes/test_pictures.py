@@ -1,20 +1,17 @@
 """Pictures of modes: which are drawn, at which phase, and that both bodies are in the frame."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import pyvista
 from blocks import two_blocks
+from file_pictures import draw_files
 from matplotlib.image import imread
 from PIL import Image
-from report_data import small_comparison
 from scipy.sparse import eye_array
 
 from cea.volume import VolumeSample
-from comparisons.agreement.file_pictures import draw_files
-from comparisons.agreement.page import write_report
 from scenes.drawing import Drawing, largest_deflection
 from scenes.paraview import write_paraview
 from scenes.pictures import draw_modes
@@ -72,22 +69,6 @@ def test_modes_are_drawn(result, backend, tmp_path):
     assert rows.min() > 0
     assert columns.min() > 0
     assert columns.max() < image.shape[1] - 1
-
-
-@pytest.mark.slow
-def test_modes_are_put_on_the_page(result, backend, tmp_path):
-    data, unstable = small_comparison(), with_growth(result, [0.0, 0.7])
-    runs = data["disc_pad"]["runs"]
-    kind = (backend, "gpts")
-    data["disc_pad"]["runs"] = [run for run in runs if (run["backend"], run["method"]) == kind]
-    page = write_report(data, [unstable], tmp_path)
-    (name,) = json.loads((tmp_path / "result.json").read_text())["pictures"]
-    assert name == f"mode_{backend}_2.png"
-    assert name in page.read_text(encoding="utf-8")
-    (drawn_from_files,) = json.loads((tmp_path / "result.json").read_text())["pictures_from_files"]
-    assert drawn_from_files == f"paraview_{backend}.png"
-    assert f"<code>{drawn_from_files}</code>" in page.read_text(encoding="utf-8")
-    assert (tmp_path / drawn_from_files).exists()
 
 
 def colours(file):

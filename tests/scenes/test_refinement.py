@@ -8,7 +8,7 @@ import pytest
 from cea.errors import InputError
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of, fewest, layered
-from meshes.edge_templates import RATIO
+from meshes.edge_layers import RATIO
 from meshes.shapes import Annulus, Hub
 from scenes.build import build_bodies, build_interfaces
 from scenes.read import load_scene, read_scene

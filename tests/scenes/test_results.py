@@ -9,7 +9,7 @@ from motions import mode_displacement
 from scipy.linalg import eigvals
 
 from cea.errors import InputError
-from cea.surface import SurfaceCoordinates
+from cea.surface_points import SurfaceCoordinates
 from scenes import (
     ModesResult,
     StaticResult,

@@ -20,13 +20,13 @@ LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 def taken(monkeypatch):
     """Whether each search that is made takes the symmetric path."""
     paths = []
-    original = cea.eigen.krylov_schur.WindowSearch
+    original = cea.eigen.krylov_schur.UndampedSearch
 
     def recorded(matrices, *arguments, **options):
         paths.append(matrices.symmetric)
         return original(matrices, *arguments, **options)
 
-    monkeypatch.setattr(cea.eigen.krylov_schur, "WindowSearch", recorded)
+    monkeypatch.setattr(cea.eigen.krylov_schur, "UndampedSearch", recorded)
     return paths
 
 

@@ -56,38 +56,31 @@ def fields_of(base, overrides):
     return [fault.field for fault in caught.value.faults]
 
 
-def test_faults_of_all_kinds_are_told_at_once():
-    """Types, sections, what stands between sections: one reading tells them all."""
-    assert fields_of(
-        "disc_pad",
-        [
-            "bodies.pad.material={E=-1.0,nu=0.7,rho=-3.0}",
-            "contacts.pad_disc.b='disc.to'",
-            "contacts.pad_disc.a='pad.top'",
-            "bodies.disc.mesh.iga.elements=[1,1]",
-            "bodies.disc.supports=[{surface='innr'}]",
-            "analysis.max_frequency=-3",
-            "loads=[{surface='pad.top',pressure='x'},{surface='pad.side',pressure=1.0}]",
-        ],
-    ) == [
+def test_faults_are_told_together_those_of_single_fields_first():
+    single = [
+        "bodies.pad.material={E=-1.0,nu=0.7,rho=-3.0}",
+        "analysis.max_frequency=-3",
+        "loads=[{surface='pad.top',pressure='x'},{surface='pad.side',pressure=1.0}]",
+    ]
+    between = [
+        "contacts.pad_disc.b='disc.to'",
+        "contacts.pad_disc.a='pad.top'",
+        "bodies.disc.mesh.iga.elements=[1,1]",
+        "bodies.disc.supports=[{surface='innr'}]",
+    ]
+    assert fields_of("disc_pad", [*single, *between]) == [
         "bodies.pad.material.E",
         "bodies.pad.material.nu",
         "bodies.pad.material.rho",
         "analysis.max_frequency",
         "loads.0.pressure",
+    ]
+    assert fields_of("disc_pad", between) == [
         "bodies.disc.mesh.iga.elements",
         "bodies.disc.supports.0.surface",
         "contacts.pad_disc.b",
         "contacts.pad_disc.a",
-        "loads.1.surface",
     ]
-
-
-def test_what_depends_on_a_wrong_section_is_not_told():
-    """A body without a shape has no surfaces: that contacts and loads name them is no fault."""
-    overrides = ["bodies.pad.geometry.shape='x'", "loads=[{surface='pad.top',pressure=1.0}]"]
-    assert fields_of("disc_pad", overrides) == ["bodies.pad.geometry.shape"]
-    assert fields_of("disc_pad", ["analysis.kind='x'", "output.pictures=2"]) == ["analysis.kind"]
 
 
 @pytest.mark.parametrize("name", ["geometry", "p", "analysis", "float", "box", "AlongVector"])

@@ -14,7 +14,8 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-u
 
 from cea.arrays import Floats
 from cea.contact.formulations import Greville, Grid
-from cea.surface import Surface, SurfaceCoordinates
+from cea.surface import Surface
+from cea.surface_points import SurfaceCoordinates
 from cea.timing import StageTimer
 from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Column, Table

@@ -1,0 +1,229 @@
+"""Eigenpairs of an invariant subspace, with residuals, backward errors and condition numbers.
+
+With a left vector y, y^H (2 lambda M + D) x = 1, a change of the problem moves an eigenvalue by
+
+    d lambda = - y^H (lambda^2 dM + lambda dD + dK) x,
+
+so that a backward error e of lambda^2 is worth || y ||_M e. Left vectors are those within the
+invariant subspace, unless they are given (:mod:`cea.eigen.left_vectors`). Where the other
+eigenvalue of a motion was not found, as of overdamped ones, they say too little:
+
+    || y ||_M >= 1 / || (2 lambda M + D) x ||,
+
+and e makes no more than sqrt(e) of the two of a motion where they meet. Without damping the
+eigenvalue is kappa = -lambda^2, and || y ||_M its condition number.
+
+With the residual r the backward error is || r || in the norm of M^-1, or nearly of the diagonal of
+M, or what it is in the inverse problem, which is the one that was solved: without damping
+
+    abs(kappa - sigma) || (K - sigma M)^-1 r ||_M.
+
+Far from the shift the first is the smaller one. Rounding of the entries adds
+u abs(x)^T abs(P) abs(x).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.blocks import all_inner, column_blocks, columns_inner, image_of, norms, times
+from cea.eigen.clusters import cluster_bounds
+from cea.eigen.pencil import Matrices
+from cea.eigen.residuals import Sizes, internal_forces
+from cea.eigen.shift_invert import MARGIN, Undamped
+from cea.eigen.subspace import InvariantSubspace
+from cea.matrices import destroy
+
+_SMALL = 1e-8
+"""Part of an eigenvalue up to which it does not matter how large a residual is exactly."""
+_LUMPED = 4.0
+"""What the norm of the inverse of a mass is at most, about, in that of its diagonal."""
+
+
+@dataclass(frozen=True)
+class Eigenpairs:
+    """Eigenpairs of a window and around it.
+
+    Parameters
+    ----------
+    values
+        Eigenvalues, shape (n,): kappa (1/s^2), or with damping or rotation lambda (1/s).
+    vectors
+        Eigenvectors with x^H M x = 1, the rows of this rank, shape (n_local, n).
+    forces
+        Contact forces that are unknowns, shape (multipliers of this rank, n).
+    residuals
+        Shape (n,), as :class:`cea.eigen.spectrum.Spectrum` has them.
+    conditions
+        Condition numbers of the values within the invariant subspace, shape (n,).
+    slopes
+        What a backward error is multiplied by, shape (n,): without damping the condition number,
+        else || y ||_M (s).
+    errors
+        Backward errors of lambda^2 (1/s^2), shape (n,): what the residual amounts to, and what
+        rounding the entries of the matrices does.
+    bounds
+        Bounds on errors of values by the clusters that they belong to
+        (:mod:`cea.eigen.clusters`), shape (n,); infinite where there is none.
+    """
+
+    values: Complexes
+    vectors: Complexes
+    forces: Complexes
+    residuals: Floats
+    conditions: Floats
+    slopes: Floats
+    errors: Floats
+    bounds: Floats
+
+    @property
+    def uncertainties(self) -> Floats:
+        """Errors of the values, shape (n,)."""
+        return np.minimum(self.errors * self.slopes, self.bounds)
+
+
+def error_estimates(op: Undamped, subspace: InvariantSubspace) -> Eigenpairs:
+    """Eigenpairs of an invariant subspace, normalised, with their errors.
+
+    Where contact forces are unknowns, one step of inverse iteration gives displacements that obey
+    the contact, and the forces. With damping conjugates with Im lambda < 0 are left out but for
+    those next to the real axis.
+
+    Parameters
+    ----------
+    op
+        The operator, near to the eigenvalues.
+    subspace
+        Invariant subspace.
+    """
+    values, vectors = subspace.eigenpairs(op.matrices.stiffness.getLocalSize()[0])
+    duals = subspace.duals()
+    if op.damped:
+        kept = np.flatnonzero(values.imag >= -MARGIN * op.scale)
+        values, vectors, duals = values[kept], vectors[:, kept], duals[:, kept]
+        # Left vectors are scaled by lambda, which may be zero to the last digit.
+        values = np.where(values == 0, 1j * np.finfo(float).eps * op.scale, values)
+    conditions = np.maximum(np.linalg.norm(duals, axis=0), 1.0)
+    slopes = _slopes(op, subspace, duals) if op.damped else conditions
+    pairs = checked(op, values, vectors, conditions, slopes)
+    if op.symmetric:
+        return pairs
+    within = pairs.errors * pairs.slopes / conditions
+    bounds = cluster_bounds(subspace.projected, pairs.values, within, conditions)
+    return replace(pairs, bounds=bounds)
+
+
+def checked(
+    op: Undamped, values: Complexes, vectors: Complexes, conditions: Floats, slopes: Floats
+) -> Eigenpairs:
+    """Eigenpairs normalised, with residuals and backward errors.
+
+    Parameters
+    ----------
+    op
+        The operator, near to the eigenvalues.
+    values, vectors
+        Eigenvalues, shape (n,), and their vectors, the rows of this rank, shape (n_local, n), which
+        are normalised in place. That of a conjugate which follows its eigenvalue is the conjugate.
+    conditions, slopes
+        Those of vectors of unit length of the operator, shape (n,).
+    """
+    matrices, comm = op.matrices, op.matrices.stiffness.comm
+    values, n = values.copy(), len(values)
+    slopes = slopes.copy()
+    forces = np.empty((op.factors.multipliers, n), dtype=complex)
+    lengths, residuals, errors, least = np.empty((4, n))
+    sizes, root = Sizes(matrices, op.damping), _root_of_diagonal(matrices)
+    twins = _twins(values)
+    for block, x in _blocks(values, vectors, twins):
+        value = values[block] if np.iscomplexobj(x) else values[block].real
+        f = np.empty((0, x.shape[1]), dtype=x.dtype)
+        if matrices.multipliers is not None:
+            lengths[block] = np.sqrt(columns_inner(x, times(matrices.mass, x), comm).real)
+            x, f = op.inverse_step(value, x)
+        force, inertia = internal_forces(matrices, x, f), times(matrices.mass, x)
+        size = np.sqrt(columns_inner(x, inertia, comm).real)
+        for part in (x, f, force, inertia):
+            part /= size
+        if matrices.multipliers is None:
+            lengths[block] = size
+        vectors[:, block], forces[:, block] = x, f
+        if op.symmetric:  # it has the square of the vector's error
+            value = columns_inner(x, force, comm).real
+            values[block] = value
+        square, speed = op.square(value), np.sqrt(np.abs(op.square(value)))
+        defect = force + inertia * square
+        if op.damping is not None:
+            drag = op.damping.times(x)
+            defect += drag * value
+            turned = norms((inertia * 2 * value + drag) / root, comm)
+            least[block] = 1 / np.maximum(turned, np.finfo(float).tiny)
+        parts = sizes.forces(x, 2 * np.abs(f), speed)
+        works = comm.tompi4py().allreduce(np.einsum("ij,ij->j", np.abs(x), parts))
+        rounding = np.finfo(float).eps * works
+        scale = np.maximum(np.abs(square), rounding)
+        whole = norms(parts, comm) if op.damped else scale * norms(inertia, comm)
+        residuals[block] = norms(defect, comm) / whole
+        if op.damped:
+            slopes[block] *= lengths[block]
+        error = _LUMPED * norms(defect / root, comm)
+        large = np.flatnonzero(error > _SMALL * scale)
+        if len(large):  # solves cost as much as all the rest
+            step = op.factors.solve_block(np.asfortranarray(defect[:, large]))
+            length = np.sqrt(np.abs(columns_inner(step, times(matrices.mass, step), comm)))
+            chosen = block[large]
+            left = conditions[chosen] * lengths[chosen] if op.damped else slopes[chosen]
+            slope = np.maximum(slopes[chosen], np.finfo(float).eps * left / op.scale)
+            inverse = op.distance(value[large]) * length * left / slope
+            error[large] = np.minimum(error[large], inverse)
+        errors[block] = rounding + error
+    sizes.free()
+    for each in (vectors, forces):
+        each[:, twins] = each[:, twins - 1].conj()
+    for each in (residuals, errors, slopes, least):
+        each[twins] = each[twins - 1]
+    if op.damped:
+        slopes = np.maximum(slopes, np.minimum(least, 1 / np.sqrt(errors)))
+    bounds = np.full(n, np.inf)
+    return Eigenpairs(values, vectors, forces, residuals, conditions, slopes, errors, bounds)
+
+
+def _slopes(op: Undamped, subspace: InvariantSubspace, duals: Complexes) -> Floats:
+    """Norms of the second halves of dual vectors of the companion form (s), of unit vectors."""
+    rows = len(subspace.basis) // 2
+    second, comm = np.asfortranarray(subspace.basis[rows:]), op.matrices.stiffness.comm
+    gram = np.empty((subspace.size,) * 2)
+    for block in column_blocks(subspace.size):
+        gram[:, block] = all_inner(second, image_of(op.matrices.mass, second[:, block]), comm)
+    squares = np.einsum("ij,ij->j", duals.conj(), gram @ duals).real
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / op.scale)
+
+
+def _root_of_diagonal(matrices: Matrices) -> Floats:
+    """Roots of the diagonal of M, a column."""
+    diagonal = matrices.mass.getDiagonal()
+    root = np.sqrt(diagonal.array_r)[:, None]
+    destroy(diagonal)
+    return np.asarray(root)
+
+
+def _twins(values: Complexes) -> Ints:
+    """Numbers of the eigenvalues that are the conjugates of those before them."""
+    return 1 + np.flatnonzero((values[:-1].imag > 0) & (values[1:] == values[:-1].conj()))
+
+
+def _blocks(
+    values: Complexes, vectors: Complexes, twins: Ints
+) -> Iterator[tuple[Ints, NDArray[np.inexact]]]:
+    """Numbers of eigenvalues with their vectors, real ones in real numbers; without twins."""
+    real = values.imag == 0
+    other = ~real
+    other[twins] = False
+    for chosen, part in ((real, np.real), (other, np.asarray)):
+        numbers = np.flatnonzero(chosen)
+        for columns in column_blocks(len(numbers)):
+            block = numbers[columns]
+            yield block, np.asfortranarray(part(vectors)[:, block])

@@ -1,0 +1,319 @@
+"""Left eigenvectors of a pencil: errors that right ones do not tell, and derivatives.
+
+Of the left vectors the invariant subspace of the right ones knows no more than their projection.
+What it leaves out comes of one step of inverse iteration with the transposed matrix, and vanishes
+where the subspace holds its left vectors too. Friction between bodies makes it about as large as
+one. Where it is much larger, or conditions are bad, or the mass cancels, left vectors are searched
+themselves. With the residual r and rounding u of all entries lambda is then in error by
+
+    e / abs(y^H (2 lambda M + D) x),    e = abs(y)^T (abs(r) + u abs(P) abs(x)),
+
+to first order, however unknowns and equations are scaled, but by no more than
+sqrt(e / abs(y^H M x)), where the two eigenvalues of a motion meet. That holds as far as y is right.
+Left eigenvalues come of systems, start vectors and roundings of their own: by how much they and
+right ones differ is what both searches have made of the matrices, a backward error that is counted
+for every eigenvalue, times its condition.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Complexes, Floats
+from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
+from cea.eigen.clusters import cluster_bounds, clusters
+from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
+from cea.eigen.errors import Eigenpairs
+from cea.eigen.pencil import Pencil, Role
+from cea.eigen.residuals import Sizes, internal_forces
+from cea.eigen.shift_invert import Undamped
+from cea.eigen.spectrum import SLOW
+from cea.eigen.subspace import InvariantSubspace
+from cea.errors import ConvergenceError
+from cea.matrices import destroy
+from cea.petsc import Mat
+
+SAME = 1e-4
+"""Relative distance of left and right eigenvalues beyond which they are not the same."""
+_PLAIN = 30.0
+"""What may be left out for the subspace to say enough of its left vectors."""
+_ILL = 1e2
+"""Condition number up to which one residual says enough of an eigenvalue."""
+_ROUGH = 1e-11
+"""Residual of a damped eigenpair up to which it is as good as rounding lets it be."""
+_CANCELS = 100.0
+"""Sum of m_ii abs(x_i)^2, x^H M x = 1, up to which rounding of the mass counts for nothing."""
+_MORE = 2.0
+"""Factor by which errors by left vectors are larger where they are believed instead."""
+_UNKNOWN = 1e300
+"""Error in the place of an infinite one."""
+_COLUMNS = 4
+"""Random combinations of a subspace by which its left vectors are judged."""
+
+POWERS: dict[Role, int] = {"mass": 2, "damping": 1, "stiffness": 0}
+"""Powers of lambda that go with the pieces of a pencil."""
+
+
+@dataclass(frozen=True)
+class LeftVectors:
+    """Left eigenvectors y with y_i^H M x_j = delta_ij, or as damped pencils have them.
+
+    There y_i^H ((lambda_i + lambda_j) M + D) x_j is 2 lambda_i for i = j, and zero otherwise.
+
+    Parameters
+    ----------
+    vectors
+        The rows of this rank, shape (n_local, n).
+    forces
+        Their multipliers, the rows of this rank, shape (multipliers of this rank, n).
+    """
+
+    vectors: Complexes
+    forces: Complexes
+
+    def __getitem__(self, modes: Any) -> "LeftVectors":
+        return LeftVectors(self.vectors[:, modes], self.forces[:, modes])
+
+
+def needs_left_vectors(op: Undamped, subspace: InvariantSubspace, pairs: Eigenpairs) -> bool:
+    """Whether the right vectors say too little of the errors of eigenvalues; collective.
+
+    Parameters
+    ----------
+    op
+        The operator, near to the eigenvalues.
+    subspace, pairs
+        Invariant subspace, and the eigenpairs of that.
+    """
+    if op.symmetric or not len(pairs.values):
+        return False
+    if subspace.graded or pairs.conditions.max() > _ILL:
+        return True
+    if op.damped and pairs.residuals.max() > _ROUGH:
+        return True
+    weights, parts = _diagonal(op.matrices.mass), (pairs.vectors.real, pairs.vectors.imag)
+    sums: Floats = sum(np.einsum("i,ij,ij->j", weights, part, part) for part in parts)
+    if op.comm.allreduce(sums).max() > _CANCELS:
+        return True
+    mixed = np.random.default_rng(3).standard_normal((subspace.size, _COLUMNS))
+    # Of what is far from the shift a step of inverse iteration leaves rounding.
+    far = np.abs(np.diag(subspace.projected) - op.shift) / abs(op.shift)
+    mixed /= np.maximum(1.0, far)[:, None]
+    moved = subspace.projected.T @ mixed - op.shift * mixed
+    rest = np.asfortranarray(op.left_out(subspace.basis, mixed, moved))
+    comm = op.matrices.mass.comm
+    squares = columns_inner(rest, times(op.matrices.mass, rest), comm)
+    return bool(np.sqrt(squares.sum() / _COLUMNS) > _PLAIN)
+
+
+def left_vectors_of(
+    op: Undamped, pairs: Eigenpairs, left_values: Complexes, left: Complexes
+) -> LeftVectors:
+    """Left vectors of eigenpairs, in their order; where eigenvalues touch, a dual basis.
+
+    Parameters
+    ----------
+    op
+        The operator, near to the eigenvalues.
+    pairs
+        Eigenpairs.
+    left_values, left
+        Eigenvalues of the transposed pencil and their vectors, the rows of this rank, at least as
+        many: conjugates of left ones.
+
+    Raises
+    ------
+    ConvergenceError
+        When an eigenvalue has no left vector.
+    """
+    values, x = pairs.values, pairs.vectors
+    slow = SLOW * op.scale if op.damped else (SLOW * op.scale) ** 2  # rigid motions have no speed
+    scale = np.abs(values).max(initial=slow)
+    rows, columns = assign(np.abs(values[:, None] - left_values) / scale, SAME)
+    if len(rows) < len(values):
+        raise ConvergenceError(
+            f"{len(values) - len(rows)} of {len(values)} eigenvalues have no left vector",
+            best=left_values,
+        )
+    y = left[:, columns].conj()
+    for members in group(values, np.sqrt(DEGENERATE), 0.0 if op.damped else slow):
+        overlap, target = op.pairing(values[members], y[:, members], x[:, members])
+        y[:, members] = y[:, members] @ np.linalg.pinv(overlap).conj().T * target.conj()
+    g = np.empty((0, len(values)), dtype=complex)
+    if op.matrices.multipliers is not None:
+        y, g = op.inverse_step(values, y.conj(), transposed=True)
+        y, g = y.conj(), g.conj()
+    return LeftVectors(y, g)
+
+
+def with_lengths(op: Undamped, pairs: Eigenpairs, left: LeftVectors) -> Eigenpairs:
+    """Eigenpairs with the conditions that their left vectors give."""
+    mass, n = op.matrices.mass, len(pairs.values)
+    squares = np.empty(n)
+    for block in column_blocks(n):
+        y = left.vectors[:, block]
+        squares[block] = columns_inner(y, times(mass, y), mass.comm).real
+    lengths = np.sqrt(squares)
+    if not op.damped:
+        return replace(pairs, slopes=lengths, conditions=lengths)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slopes = lengths / (2 * np.abs(pairs.values))
+    return replace(pairs, slopes=np.where(np.isfinite(slopes), slopes, pairs.slopes))
+
+
+def two_sided(
+    op: Undamped,
+    subspace: InvariantSubspace,
+    pairs: Eigenpairs,
+    left: tuple[Complexes, LeftVectors] | None,
+) -> Eigenpairs:
+    """Eigenpairs whose errors are those by their left vectors, where these say much more.
+
+    Parameters
+    ----------
+    op
+        The operator, near to the eigenvalues.
+    subspace, pairs
+        Invariant subspace, and the eigenpairs of that.
+    left
+        Eigenvalues of the transposed pencil, in any order, and left vectors of the pairs; nothing
+        is known of any error without.
+    """
+    values = pairs.values
+    if left is None:
+        unknown = np.full(len(values), np.inf)
+        return replace(pairs, errors=unknown, bounds=unknown)
+    errors, slopes = _two_sided_errors(op, pairs, left[1])
+    slopes = np.nan_to_num(slopes, nan=0.0, posinf=_UNKNOWN)
+    slopes = np.maximum(slopes, np.finfo(float).tiny if subspace.graded else pairs.slopes)
+    # Of a graded pencil lengths say something in the units that the subspace was found in.
+    measure = pairs.conditions if subspace.graded else slopes
+    far = np.maximum(1.0, np.abs(op.square(values)) / op.scale**2)
+    distances = np.abs(values[:, None] - left[0])
+    rows, columns = assign(distances)
+    apart = distances[rows, columns] / (measure * far)[rows]  # a backward error for all of a window
+    explained = far * float(apart.max(initial=0.0))
+    moved = explained * measure
+    if op.damped and not subspace.graded:
+        moved = np.minimum(moved, np.sqrt(explained))
+    errors = np.maximum(errors, moved)
+    if subspace.graded and not op.damped:
+        slopes = pairs.slopes
+    within = np.minimum(errors, _UNKNOWN) / pairs.conditions
+    bounds = cluster_bounds(subspace.projected, values, within, pairs.conditions)
+    for members in list(clusters(values, errors)):
+        errors[members] *= len(members)  # discs that overlap hold all of their eigenvalues
+    more = subspace.graded | (np.minimum(errors, bounds) > _MORE * pairs.uncertainties)
+    conditions = pairs.conditions if op.damped else slopes
+    return replace(
+        pairs,
+        slopes=np.where(more, slopes, pairs.slopes),
+        conditions=np.where(more, conditions, pairs.conditions),
+        errors=np.where(more, errors / slopes, pairs.errors),
+        bounds=np.where(more, bounds, pairs.bounds),
+    )
+
+
+def _two_sided_errors(op: Undamped, pairs: Eigenpairs, left: LeftVectors) -> tuple[Floats, Floats]:
+    """Errors of eigenvalues, and lengths of left vectors of unit product, shape (n,)."""
+    matrices, comm, n = op.matrices, op.matrices.stiffness.comm, len(pairs.values)
+    errors, slopes = np.empty((2, n))
+    sizes, weights = Sizes(matrices, op.damping), _diagonal(matrices.mass)[:, None]
+    for block in column_blocks(n):
+        value, x, y = pairs.values[block], pairs.vectors[:, block], left.vectors[:, block]
+        f, square = pairs.forces[:, block], op.square(pairs.values[block])
+        inertia = times(matrices.mass, x)
+        derivative, defect = inertia, internal_forces(matrices, x, f) + square * inertia
+        if op.damping is not None:
+            drag = op.damping.times(x)
+            defect += value * drag
+            derivative = 2 * value * inertia + drag
+        entries = sizes.forces(x, 2 * np.abs(f), np.sqrt(np.abs(square)))
+        parts = np.abs(defect) + np.finfo(float).eps * entries
+        work = op.comm.allreduce(np.einsum("ij,ij->j", np.abs(y), parts))
+        lengths = [op.comm.allreduce((weights * np.abs(v) ** 2).sum(axis=0)) for v in (x, y)]
+        turned = np.abs(columns_inner(y, derivative, comm))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            errors[block] = work / turned
+            if op.damped:
+                root = np.sqrt(work / np.abs(columns_inner(y, inertia, comm)))
+                errors[block] = np.fmin(errors[block], root)
+            slopes[block] = np.sqrt(lengths[0] * lengths[1]) / turned
+    sizes.free()
+    errors[np.isnan(errors)] = np.inf
+    return errors, slopes
+
+
+def _diagonal(mass: Mat) -> Floats:
+    vector = mass.getDiagonal()
+    diagonal = np.array(vector.array_r, dtype=float)
+    destroy(vector)
+    return diagonal
+
+
+def derivatives(
+    pencil: Pencil,
+    values: Mapping[str, float],
+    name: str,
+    eigenvalues: Complexes,
+    vectors: Complexes,
+    forces: Complexes,
+    left: LeftVectors,
+) -> Complexes:
+    """Derivatives of eigenvalues lambda in a parameter (:meth:`cea.eigen.modes.Modes.sensitivity`).
+
+    Parameters
+    ----------
+    pencil, values
+        The pencil and the parameters it was solved at.
+    name
+        The parameter.
+    eigenvalues, vectors, forces
+        lambda (1/s), right vectors and their contact forces.
+    left
+        Left vectors.
+    """
+    n = len(eigenvalues)
+    change = np.zeros((n, n), dtype=complex)
+    for term in pencil.terms:
+        slope = term.coefficient.derivative(name, values)
+        if slope:
+            power = eigenvalues ** POWERS[term.role]
+            change += slope * power * _projected(term.matrix, left.vectors, vectors)
+    comm, first = pencil.comm, 0
+    for circulatory in pencil.circulatory:
+        slope = circulatory.coefficient.derivative(name, values)
+        if slope:
+            change += slope * all_inner(left.vectors, circulatory.piece.times(vectors), comm)
+    for piece in pencil.low_rank:
+        slope = piece.coefficient.derivative(name, values)
+        if slope:
+            drag = piece.piece.projected(left.vectors, vectors, comm)
+            change += slope * eigenvalues * drag
+    for of_contact in pencil.forces:
+        last = first + of_contact.closure.getLocalSize()[0]
+        f, g = forces[first:last], left.forces[first:last]
+        slope = of_contact.friction.derivative(name, values)
+        if slope and of_contact.slip is not None:
+            change -= slope * all_inner(times(of_contact.slip, left.vectors), f, comm)
+        slope = of_contact.inverse_stiffness.derivative(name, values)
+        if slope:
+            change -= slope * all_inner(g, times(of_contact.compliance, f), comm)
+        first = last
+    moved = np.diag(change).copy()
+    for members in group(eigenvalues, DEGENERATE):
+        if len(members) > 1:
+            moved[members] = np.linalg.eigvals(change[np.ix_(members, members)])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return -moved / (2 * eigenvalues)
+
+
+def _projected(matrix: Mat, left: Complexes, right: Complexes) -> Complexes:
+    """Y^H A X, shape (n, n)."""
+    n = right.shape[1]
+    result = np.empty((n, n), dtype=complex)
+    for block in column_blocks(n):
+        result[:, block] = all_inner(left, times(matrix, right[:, block]), matrix.comm)
+    return result

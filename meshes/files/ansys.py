@@ -1,0 +1,170 @@
+"""Content of Ansys archives (CDWRITE); run as a program, mapdl-archive reads one as arrays."""
+
+import re
+import sys
+from collections.abc import Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Ints
+from cea.errors import InputError, require
+from meshes.files.content import (
+    ElementBlock,
+    FileContent,
+    Role,
+    block,
+    known_rows,
+    rows_of,
+    without_nodes,
+)
+from meshes.files.sandbox import arrays_of
+
+_HEAD = 10
+"""Numbers of an element before its nodes: material, type, ..., its number."""
+_BRICKS = {45: 8, 185: 8, 95: 20, 186: 20}
+"""Nodes of hexahedra by the number of their type."""
+_TETRAHEDRA = {285: 4, 92: 10, 187: 10}
+_MARKS = (154, 170, 173, 174, 175, 177)
+"""Surface loads, and sides of contacts: they bear nothing of a body."""
+_NODES = re.compile(
+    rb"(?im)^[ \t]*NBLOCK,.*\n(?:[ \t]*\(.*\n)?(?:[ \t]*\d.*\n)*"
+    rb"(?:[ \t]*(?:N,[^\n]*,)?[ \t]*-1.*\n)?"
+)
+"""Nodes from NBLOCK to the line that ends them."""
+_OF_BRICK = {
+    ("tetrahedron", 8): [0, 1, 2, 4],
+    ("tetrahedron", 20): [0, 1, 2, 4, 8, 9, 11, 16, 17, 18],
+    ("pyramid", 8): [0, 1, 2, 3, 4],
+    ("pyramid", 20): [0, 1, 2, 3, 4, 8, 9, 10, 11, 16, 17, 18, 19],
+    ("wedge", 8): [0, 1, 2, 4, 5, 6],
+    ("wedge", 20): [0, 1, 2, 4, 5, 6, 8, 9, 11, 12, 13, 15, 16, 17, 18],
+    ("hexahedron", 8): list(range(8)),
+    ("hexahedron", 20): list(range(20)),
+}
+"""Nodes of other elements among those of a brick whose other nodes fall on them."""
+
+
+def ansys_content(file: Path) -> FileContent:
+    """Nodes, elements and components of an archive.
+
+    Elements of each material and type are sets as well, ``material 1`` and ``type 2``.
+    """
+    if find_spec("mapdl_archive") is None:
+        allowed = "mapdl-archive to read it: python -m pip install 'friction-cea[meshes]'"
+        raise InputError("file", str(file), allowed)
+    arrays = arrays_of(Path(__file__), file)
+    numbers, points = arrays["numbers"].astype(np.int64), arrays["points"].astype(float)
+    data, ends = arrays["elements"].astype(np.int64), arrays["ends"]
+    starts = np.concatenate([[0], ends[:-1]])
+    count = ends - starts - _HEAD
+    require(len(count) > 0 and count.min() > 0, "file", str(file), "nodes of every element")
+    heads = data[starts[:, None] + np.arange(_HEAD)]
+    types = dict(arrays["types"].tolist())
+    known, place = np.unique(heads[:, 1], return_inverse=True)
+    kind = np.array([types.get(t, 0) for t in known.tolist()], dtype=np.int64)[place]
+    blocks, places = [], []
+    for each, nodes in sorted(set(zip(kind.tolist(), count.tolist(), strict=True))):
+        rows = np.flatnonzero((kind == each) & (count == nodes))
+        listed = data[starts[rows, None] + _HEAD + np.arange(nodes)]
+        for of_kind, inside in _blocks(each, heads[rows, 8], listed, numbers):
+            blocks.append(of_kind)
+            places.append(rows[inside])
+    order = np.empty(len(heads), dtype=np.int64)
+    order[np.concatenate(places)] = np.arange(len(heads))
+    node_sets = {
+        name.removeprefix("node "): known_rows(numbers, members.astype(np.int64))
+        for name, members in arrays.items()
+        if name.startswith("node ")
+    }
+    return FileContent(points, numbers, blocks, _element_sets(arrays, heads, order), node_sets)
+
+
+def _blocks(
+    kind: int, numbers: Ints, nodes: Ints, known: Ints
+) -> list[tuple[ElementBlock, np.ndarray]]:
+    """Elements of a type: bricks, those that are other solids, and others."""
+    every = np.ones(len(nodes), dtype=bool)
+    name = f"type {kind}"
+    if kind in _TETRAHEDRA and nodes.shape[1] >= _TETRAHEDRA[kind]:
+        return [(_block(name, "tetrahedron", _TETRAHEDRA[kind], numbers, nodes, known), every)]
+    if kind not in _BRICKS or nodes.shape[1] < _BRICKS[kind]:
+        role: Role = "mark" if kind in _MARKS else "structural"
+        return [(without_nodes(name, numbers, role), every)]
+    count, corners = _BRICKS[kind], nodes[:, :8]
+    apex = (corners[:, 4:5] == corners[:, 5:]).all(axis=1)
+    triangle, above = corners[:, 2] == corners[:, 3], corners[:, 6] == corners[:, 7]
+    cells = np.select(
+        [apex & triangle, apex, triangle & above],
+        ["tetrahedron", "pyramid", "wedge"],
+        "hexahedron",
+    )
+    found = []
+    for cell in np.unique(cells).tolist():
+        own, kept = cells == cell, _OF_BRICK[cell, count]
+        listed = nodes[own][:, kept]
+        found.append((_block(name, cell, len(kept), numbers[own], listed, known), own))
+    return found
+
+
+def _block(
+    name: str, cell: str, count: int, numbers: Ints, nodes: Ints, known: Ints
+) -> ElementBlock:
+    lacks = (nodes[:, :count] == 0).any(axis=1)
+    if lacks.any():
+        worst = f"element {int(numbers[np.argmax(lacks)])}"
+        raise InputError("file", worst, "elements with the middles of all edges")
+    return block(name, f"{cell}{count}", numbers, rows_of(known, nodes[:, :count], "a node"))
+
+
+def _element_sets(arrays: Mapping[str, Any], heads: Ints, place: Ints) -> dict[str, Ints]:
+    """Elements of each component, material and type, counted through the blocks."""
+    sets = {
+        name.removeprefix("element "): place[known_rows(heads[:, 8], members.astype(np.int64))]
+        for name, members in arrays.items()
+        if name.startswith("element ")
+    }
+    for column, word in ((0, "material"), (1, "type")):
+        for value in np.unique(heads[:, column]):
+            sets.setdefault(f"{word} {value}", place[heads[:, column] == value])
+    return sets
+
+
+def _write_arrays(archive: str, arrays: str) -> None:
+    """Read an archive and write its nodes, elements, types and components."""
+    from mapdl_archive import Archive
+
+    read = Archive(archive, parse_vtk=False)
+    numbers, nodes = read.nnum, np.asarray(read.nodes)
+    blocks = _NODES.findall(Path(archive).read_bytes())
+    if len(blocks) > 1:  # of several, the library keeps one
+        one, each = f"{arrays}.cdb", []
+        for block in blocks:
+            Path(one).write_bytes(b"/PREP7\n" + block + b"FINISH\n")
+            each.append(Archive(one, parse_vtk=False))
+        numbers = np.concatenate([part.nnum for part in each])
+        nodes = np.concatenate([part.nodes for part in each])
+    components = {
+        f"{kind} {name}": numbers
+        for kind, of_kind in (("node", read.node_components), ("element", read.element_components))
+        for name, numbers in of_kind.items()
+    }
+    elements = list(read.elem)
+    np.savez(
+        arrays,
+        numbers=numbers,
+        points=nodes[:, :3],
+        elements=np.concatenate(elements),
+        ends=np.cumsum([len(element) for element in elements]),
+        types=read.ekey,
+        **components,
+    )
+
+
+if __name__ == "__main__":
+    try:
+        _write_arrays(*sys.argv[1:])
+    except Exception:  # whatever comes up in a broken file, mostly in words of no use
+        sys.exit("it is not as CDWRITE writes blocked archives")

@@ -1,0 +1,138 @@
+"""Content of files of gmsh; run as a program, gmsh reads one and this writes it as arrays."""
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Ints
+from cea.errors import require
+from cea.mesh import matching_nodes, reference_nodes
+from meshes.files.content import (
+    DIVIDED,
+    ElementBlock,
+    FileContent,
+    full_kind,
+    rows_of,
+    without_copies,
+)
+from meshes.files.sandbox import arrays_of
+
+_CELLS = {
+    **{"Triangle": "triangle", "Quadrilateral": "quadrilateral", "Tetrahedron": "tetrahedron"},
+    **{"Pyramid": "pyramid", "Prism": "wedge", "Hexahedron": "hexahedron"},
+}
+"""Cells by the first word of gmsh's names."""
+_WORDS = {1: "curve", 2: "surface", 3: "volume"}
+"""What groups without a name are called, before their number."""
+_FROM = {
+    **{"quadrilateral": [-1, -1], "hexahedron": [-1] * 3},
+    **{"pyramid": [-1, -1, 0], "wedge": [0, 0, -1]},
+}
+"""Where gmsh's reference cells begin that are not those from 0 to 1; all end at 1."""
+
+
+def gmsh_content(file: Path) -> FileContent:
+    """Nodes, elements and physical groups of a file."""
+    with file.open("rb") as stream:
+        require(stream.read(11) == b"$MeshFormat", "file", str(file), "a .msh file of gmsh")
+    return content_of(arrays_of(Path(__file__), file))
+
+
+def content_of(arrays: Mapping[str, Any]) -> FileContent:
+    """Nodes, elements and physical groups of the arrays of a model."""
+    what, numbers = json.loads(arrays["what"].item()), arrays["tags"]
+    require(len(numbers) > 0, "file", "no nodes", "a mesh")
+    points = arrays["positions"].reshape(-1, 3)
+    blocks: list[ElementBlock] = []
+    places: dict[tuple[int, int], list[Ints]] = {}
+    count = 0
+    for i, (dim, entity, kind) in enumerate(what["blocks"]):
+        if dim:
+            name, order, per_element, local = what["kinds"][str(kind)]
+            ids, nodes = arrays[f"numbers {i}"], arrays[f"nodes {i}"].reshape(-1, per_element)
+            rows = rows_of(numbers, nodes, "a node")
+            blocks.append(_block(name, dim, order, local, ids, rows))
+            places.setdefault((dim, entity), []).append(np.arange(count, count + len(ids)))
+            count += len(ids)
+    sets = _groups(what["groups"], places)
+    return without_copies(FileContent(points, numbers, blocks, sets))
+
+
+def _block(
+    name: str, dim: int, order: int, local: Sequence[float], ids: Ints, rows: Ints
+) -> ElementBlock:
+    """Elements of one kind in one entity."""
+    cell = _CELLS.get(name.split()[0])
+    if cell is None or (order > 2 and not _is_full(cell, order, rows.shape[1])):
+        return ElementBlock(name, "line" if dim == 1 else name, order, ids, rows)
+    reference = np.reshape(local, (rows.shape[1], -1))[:, :dim]
+    low = np.array(_FROM.get(cell, [0] * dim))
+    reference = (reference - low) / (1 - low)
+    if order < 3:  # fewer than all nodes lack the middles of faces and cells, listed last
+        listed = full_kind(cell, order).reference[: len(reference)]
+        place = matching_nodes(listed, reference)
+        rows, reference = rows[:, place], listed
+    return ElementBlock(name, cell, order, ids, rows, reference)
+
+
+def _is_full(cell: str, order: int, count: int) -> bool:
+    """Whether elements of third or higher order have all nodes of a cell of a mesh."""
+    return cell not in DIVIDED and count == len(reference_nodes(cell, order))  # type: ignore[arg-type]
+
+
+def _groups(
+    groups: Sequence[tuple[int, int, str, Sequence[int]]],
+    places: Mapping[tuple[int, int], Sequence[Ints]],
+) -> dict[str, Ints]:
+    """Elements of each physical group; groups of one name together."""
+    sets: dict[str, list[Ints]] = {}
+    for dim, tag, name, entities in groups:
+        if dim:
+            members = sets.setdefault(name or f"{_WORDS[dim]} {tag}", [])
+            for entity in entities:
+                members += places.get((dim, entity), ())
+    return {name: np.concatenate(parts) for name, parts in sets.items() if parts}
+
+
+def arrays_of_model(model: Any) -> dict[str, Any]:
+    """Nodes, elements of each kind in each entity, kinds and physical groups of a gmsh model."""
+    tags, positions, _ = model.mesh.getNodes()
+    found: dict[str, Any] = {}
+    blocks: list[list[int]] = []
+    kinds: dict[str, list[object]] = {}
+    for dim, entity in model.getEntities():
+        for kind, numbers, nodes in zip(*model.mesh.getElements(dim, entity), strict=True):
+            found[f"numbers {len(blocks)}"] = numbers.astype(np.int64)
+            found[f"nodes {len(blocks)}"] = nodes.astype(np.int64)
+            blocks.append([dim, int(entity), int(kind)])
+            name, _, order, per_element, local, _ = model.mesh.getElementProperties(kind)
+            kinds[str(kind)] = [name, order, per_element, np.asarray(local).tolist()]
+    groups = []
+    for dim, tag in model.getPhysicalGroups():
+        entities = model.getEntitiesForPhysicalGroup(dim, tag).tolist()
+        groups.append([int(dim), int(tag), model.getPhysicalName(dim, tag), entities])
+    what = json.dumps({"blocks": blocks, "kinds": kinds, "groups": groups})
+    tags = tags.astype(np.int64)
+    return found | {"tags": tags, "positions": positions, "what": np.array(what)}
+
+
+def _write_arrays(mesh: str, arrays: str) -> None:
+    """Read a mesh and write its arrays."""
+    import gmsh
+
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("General.NumThreads", 1)
+    gmsh.merge(mesh)
+    np.savez(arrays, **arrays_of_model(gmsh.model))
+
+
+if __name__ == "__main__":
+    try:
+        _write_arrays(*sys.argv[1:])
+    except Exception as error:  # gmsh raises what it says in its own words
+        sys.exit(str(error))

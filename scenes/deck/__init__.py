@@ -1,4 +1,0 @@
-"""Scenes written as input decks of other programs: Abaqus and CalculiX.
-
-:func:`scenes.deck.write.write_deck` is what callers need.
-"""

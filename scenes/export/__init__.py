@@ -1,0 +1,1 @@
+"""Scenes and results written for other programs."""

@@ -1,0 +1,275 @@
+"""What every backend must hold: matrices, supports, loads, surfaces of a `cea.body.Space`.
+
+The stub of tests/helpers/stub_backend.py shows how little a new backend has to implement; it takes
+part in all but rotations and prestress.
+"""
+
+import numpy as np
+import pytest
+from bodies import lagrange_body, nurbs_body
+from mpi import on_ranks
+from stub_backend import StubSpace
+
+from cea.body import Body
+from cea.material import IsotropicMaterial
+from cea.matrices import gather, local_part
+from cea.petsc import MPI
+from cea.rotation import Rotation
+from cea.supports.boundary import Force, Pressure, Spring, Support
+from cea.surface_points import Status, SurfaceCoordinates
+from meshes.breaks import breaks_of
+from meshes.nurbs_shapes import nurbs_shape
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Annulus, Box, Rectangle, Ring
+
+MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
+BOX, PLATE, RING, ANNULUS = (
+    Box((1.0, 0.8, 0.5)),
+    Rectangle((1.0, 0.8)),
+    Ring(0.5, 1.0),
+    Annulus(0.5, 1.0, 0.0, 0.3),
+)
+FLAT = {
+    "P2": (BOX, "tetrahedron", 2, {"size": 0.5}),
+    "Q1": (BOX, "hexahedron", 1, (2, 2, 1)),
+    "Q3 plane": (PLATE, "quadrilateral", 3, (2, 2)),
+    "NURBS 2": (BOX, None, 2, (2, 2, 1)),
+    "NURBS 3 plane": (PLATE, None, 3, (3, 2)),
+    "stub": (PLATE, "stub", 1, (3, 2)),
+}
+ROUND = {
+    "P2": (ANNULUS, "tetrahedron", 2, {"size": 0.4}),
+    "Q2": (ANNULUS, "hexahedron", 2, (1, 12, 1)),
+    "P3 plane": (RING, "triangle", 3, {"size": 0.4}),
+    "NURBS 2": (ANNULUS, None, 2, (1, 8, 1)),
+    "NURBS 3 plane": (RING, None, 3, (1, 8)),
+}
+TOP = {"box": ("z_min", "z_max"), "plate": ("y_min", "y_max")}
+
+
+def made(case, **conditions):
+    shape, cell, degree, mesh = case
+    if cell == "stub":
+        return Body("part", StubSpace(shape.size, mesh), MATERIAL, **conditions)
+    options = {"material": MATERIAL, **conditions}
+    if cell is None:
+        data = nurbs_shape(shape, breaks_of(shape, mesh))
+        degrees = (degree,) * len(mesh)
+        return nurbs_body("part", data.patches, data.faces, degrees, comm=MPI.COMM_SELF, **options)
+    given = mesh if isinstance(mesh, dict) else {"breaks": breaks_of(shape, mesh)}
+    mesh = shape_mesh(shape, cell, degree, **given)
+    return lagrange_body("part", mesh, degree=degree, comm=MPI.COMM_SELF, **options)
+
+
+def ends(case):
+    """Opposite flat surfaces: below and above."""
+    if case[1] == "stub":
+        return "bottom", "top"
+    return TOP["box" if case[0] is BOX else "plate"]
+
+
+def dense(matrix):
+    return local_part(matrix).toarray()
+
+
+def rigid_motions(x):
+    dim = x.shape[1]
+    spins = [[0, 1]] if dim == 2 else [[0, 1], [0, 2], [1, 2]]
+    turns = []
+    for i, j in spins:
+        turn = np.zeros_like(x)
+        turn[:, i], turn[:, j] = -x[:, j], x[:, i]
+        turns.append(turn.ravel())
+    return np.column_stack([np.tile(e, len(x)) for e in np.eye(dim)] + turns)
+
+
+@pytest.fixture(params=FLAT)
+def flat(request):
+    return FLAT[request.param]
+
+
+@pytest.fixture(params=ROUND)
+def curved(request):
+    return ROUND[request.param]
+
+
+def test_matrices_are_symmetric_and_conserve_momentum(flat):
+    part = made(flat)
+    K, M = dense(part.stiffness()), dense(part.mass())
+    np.testing.assert_array_equal(K, K.T)
+    np.testing.assert_array_equal(M, M.T)
+    motions = rigid_motions(part.dof_positions)
+    assert np.abs(K @ motions).max() < 1e-13 * np.abs(K).max()
+    assert np.linalg.matrix_rank(K, tol=1e-9 * np.abs(K).max()) == len(K) - motions.shape[1]
+    volume = np.prod(flat[0].size)
+    translations = motions[:, : part.dim]
+    expected = MATERIAL.rho * volume * np.eye(part.dim)
+    np.testing.assert_allclose(translations.T @ M @ translations, expected, atol=1e-13)
+    middle = part.dof_positions.T @ M[:: part.dim, :: part.dim].sum(axis=1)
+    np.testing.assert_allclose(middle, MATERIAL.rho * volume * np.array(flat[0].size) / 2)
+
+
+def test_a_linear_field_is_the_answer_to_its_tractions(flat):
+    """Pressed with 0.3 on both ends, nothing held: u = -0.3 / E (d - nu (others))."""
+    low, high = ends(flat)
+    part = made(flat, pressures=[Pressure(low, 0.3), Pressure(high, 0.3)])
+    x, dim = part.dof_positions, part.dim
+    strain = np.full(dim, 0.3 * MATERIAL.nu / MATERIAL.E)
+    strain[-1] = -0.3 / MATERIAL.E
+    if dim == 2:  # plane strain
+        strain = 0.3 * (1 + MATERIAL.nu) / MATERIAL.E * np.array([MATERIAL.nu, MATERIAL.nu - 1])
+    residual = dense(part.stiffness()) @ (x * strain).ravel() - part.load().array_r
+    assert np.abs(residual).max() < 1e-14
+
+
+def test_curved_bodies_have_no_resultant_of_a_pressure_all_around(curved):
+    part = made(curved, pressures=[Pressure(name, 0.7) for name in made(curved).surfaces])
+    force = gather(part.load()).reshape(-1, part.dim)
+    assert np.abs(force.sum(axis=0)).max() < 1e-13
+    assert np.abs(rigid_motions(part.dof_positions).T @ force.ravel()).max() < 1e-13
+
+
+def test_curved_matrices_are_symmetric_skew_and_leave_rigid_motions_free(curved):
+    part = made(curved)
+    K, motions = dense(part.stiffness()), rigid_motions(part.dof_positions)
+    assert np.abs(K @ motions).max() < 1e-12 * np.abs(K).max()
+    for rotation in (Rotation(1.0), Rotation(1.0, coriolis=False)):
+        Y, Z = dense(part.gyroscopic(rotation)), dense(part.convective_stiffness(rotation))
+        np.testing.assert_array_equal(Y, -Y.T)
+        np.testing.assert_array_equal(Z, Z.T)
+        if not rotation.coriolis:  # nothing changes where a body turns as a whole about its axis
+            turn = motions[:, part.dim]
+            assert np.abs(Z @ turn).max() < 1e-12 * np.abs(Z).max()
+    u = np.random.default_rng(1).normal(size=len(K))
+    S = dense(part.geometric_stiffness(u))
+    np.testing.assert_array_equal(S, S.T)
+    assert np.abs(S @ motions[:, : part.dim]).max() < 1e-12 * np.abs(S).max()
+
+
+def test_springs_and_forces_have_their_sums(flat):
+    low, high = ends(flat)
+    stiffness = (2.0, 3.0, 5.0)[: len(flat[0].size)]
+    value = tuple(0.1 * k for k in stiffness)
+    loads = [Force(value, high), Force(value)]
+    part = made(flat, springs=[Spring(low, stiffness)], forces=loads)
+    translations = rigid_motions(part.dof_positions)[:, : part.dim]
+    total = translations.T @ dense(part.stiffness()) @ translations
+    area = np.prod(flat[0].size[:-1])
+    np.testing.assert_allclose(total, area * np.diag(stiffness), atol=1e-12)
+    resultant = gather(part.load()).reshape(-1, part.dim).sum(axis=0)
+    expected = np.array(value) * (1 + np.prod(flat[0].size))
+    np.testing.assert_allclose(resultant, expected, rtol=1e-12)
+
+
+def test_supports_leave_what_they_do_not_hold(flat):
+    low, high = ends(flat)
+    last = len(flat[0].size) - 1
+    part = made(
+        flat, supports=[Support(low, (last,))], forces=[Force((0.0,) * last + (0.2,), high)]
+    )
+    Z = dense(part.expansion)
+    np.testing.assert_allclose(Z.T @ Z, np.eye(Z.shape[1]), atol=1e-14)
+    K = Z.T @ dense(part.full_stiffness()) @ Z
+    np.testing.assert_allclose(dense(part.stiffness()), K, atol=1e-13 * np.abs(K).max())
+    surface = part.surfaces[low]
+    points = surface.gauss_points(2)
+    u = Z @ np.random.default_rng(2).normal(size=Z.shape[1])
+    traced = surface.trace(points.at) @ u.reshape(-1, part.dim)
+    assert np.abs(traced[:, last]).max() < 1e-14
+    assert np.abs(traced[:, 0]).max() > 0.01
+
+
+def test_surfaces_measure_trace_and_differentiate(flat):
+    part = made(flat)
+    rng = np.random.default_rng(3)
+    slope, shift = rng.normal(size=part.dim), 0.4
+    field = part.dof_positions @ slope + shift
+    for name, side in zip(ends(flat), (-1.0, 1.0), strict=True):
+        surface = part.surfaces[name]
+        for points in (
+            surface.gauss_points(2),
+            surface.grid(3),
+            *(
+                surface.abscissae(kind, weights)
+                for kind in surface.abscissa_kinds
+                for weights in surface.abscissa_weights
+            ),
+        ):
+            assert points.weight.sum() == pytest.approx(np.prod(flat[0].size[:-1]))
+            assert points.weight.min() > 0
+            np.testing.assert_allclose(points.normal[:, -1], side, atol=1e-14)
+            np.testing.assert_allclose(points.x, surface.position(points.at), atol=1e-14)
+            traced = surface.trace(points.at) @ field
+            np.testing.assert_allclose(traced, points.x @ slope + shift, atol=1e-13)
+            np.testing.assert_allclose((surface.split_trace(points.at)).sum(axis=1), 1, atol=1e-13)
+            for part_of, expected in zip(surface.gradient(points.at), slope, strict=True):
+                np.testing.assert_allclose(part_of @ field, expected, atol=1e-12)
+
+
+def test_gradients_along_a_surface_are_those_of_the_trace(curved):
+    part = made(curved)
+    u = np.random.default_rng(4).normal(size=part.num_scalar_dofs)
+    for surface in part.surfaces.values():
+        at = surface.gauss_points(2).at
+        gradient = np.stack([part_of @ u for part_of in surface.gradient(at)], axis=1)
+        _, tangents = surface.tangents(at.element, at.xi)
+        low, high = (end[at.element] for end in surface.domains)
+        for k in range(part.dim - 1):
+            step = 1e-5 * (high - low) * np.eye(part.dim - 1)[k]
+            ahead, behind = (
+                surface.trace(SurfaceCoordinates(at.element, at.xi + way * step)) @ u
+                for way in (1, -1)
+            )
+            along = np.einsum("ni,ni->n", gradient, tangents[:, :, k])
+            expected = (ahead - behind) / (2 * step[:, k])
+            np.testing.assert_allclose(along, expected, atol=1e-6 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("cases", [FLAT, ROUND], ids=["flat", "round"])
+def test_points_beside_a_surface_are_found_where_they_came_from(cases):
+    for case in cases.values():
+        part = made(case)
+        for surface in part.surfaces.values():
+            points = surface.gauss_points(3)
+            gap = 0.05 * np.cos(np.arange(len(points)))
+            found = surface.locate(points.x + gap[:, None] * points.normal, points.normal, 0.06)
+            assert not found.missed.any()
+            np.testing.assert_allclose(found.distance, -gap, atol=1e-9)
+            np.testing.assert_allclose(surface.position(found.at), points.x, atol=1e-8)
+            far = surface.locate(points.x + 3.0 * points.normal, points.normal, 0.06)
+            assert (far.status == Status.MISSED).all()
+
+
+@pytest.mark.parametrize("kind", ["fe", "iga", "stub"])
+def test_frequencies_of_a_sliding_plate_converge_at_twice_the_degree(kind):
+    """Between rollers at both ends: plane waves across the height, kappa = c^2 (pi / 0.8)^2."""
+    degree = {"fe": 2, "iga": 2, "stub": 1}[kind]
+    cell = {"fe": "quadrilateral", "iga": None, "stub": "stub"}[kind]
+    lam, mu = MATERIAL.lame
+    exact = (lam + 2 * mu) / MATERIAL.rho * (np.pi / 0.8) ** 2
+    errors, counts = [], (2, 4, 8)
+    for n in counts:
+        case = (PLATE, cell, degree, (1, n))
+        low, high = ends(case)
+        part = made(case, supports=[Support(low, (1,)), Support(high, (1,))])
+        K, M, Z = dense(part.stiffness()), dense(part.mass()), dense(part.expansion)
+        y = part.dof_positions[:, 1]
+        lines = np.unique(np.round(y, 9))[1:-1]
+        # Uniform along x: one unknown for each row of nodes.
+        rows = [np.column_stack([0 * y, np.abs(y - line) < 1e-8]).ravel() for line in lines]
+        own = Z.T @ np.transpose(rows)
+        A, B = own.T @ K @ own, own.T @ M @ own
+        values = np.sort(np.linalg.eigvals(np.linalg.solve(B, A)).real)
+        errors.append(abs(values[0] / exact - 1))
+    rate = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert rate == pytest.approx(2 * degree, abs=0.35)
+    assert errors[-1] < {2: 1e-4, 1: 2e-2}[degree]
+
+
+@pytest.mark.mpi
+def test_static_work_and_modes_agree_on_any_ranks(backend):
+    one, *others = (on_ranks(ranks, "space_numbers.numbers", backend) for ranks in (1, 2, 3))
+    for other in others:
+        assert other["asymmetry"] == [0.0, 0.0, 0.0]
+        for key in ("frequencies", "work", "areas", "trace", "geometric", "gyroscopic"):
+            np.testing.assert_allclose(other[key], one[key], rtol=1e-9)
