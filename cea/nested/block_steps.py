@@ -180,10 +180,12 @@ class BlockSteps:
         return np.asfortranarray(np.hstack(parts)), int(real.sum())
 
     def _forces(self, values: Complexes, x: Complexes, *, transposed: bool = False) -> Complexes:
-        """(kappa - sigma) M x - lambda D x, or with D^T."""
-        shifted = -(values**2) - self.factors.kappa
+        """(kappa - sigma) M x - lambda D x, or with D^T; without damping M x, whose span it is."""
+        inertia = times(self.matrices.mass, x)
+        if not self.matrices.quadratic:  # kappa may be sigma
+            return np.asarray(inertia)
         drag = self._damping.times(x, transposed=transposed)
-        return np.asarray(shifted * times(self.matrices.mass, x) - values * drag)
+        return np.asarray((-(values**2) - self.factors.kappa) * inertia - values * drag)
 
     def _solved(self, forces: Floats, *, transposed: bool = False) -> Floats:
         """Displacements of A(sigma)^-1, or of its transpose."""
