@@ -42,15 +42,9 @@ from cea.nested.ritz import (
 
 @dataclass(frozen=True)
 class Step:
-    """What steps make of an approximation.
+    """What steps make of an approximation, and bounds on what it still errs by (1/s).
 
-    Parameters
-    ----------
-    approximation
-        The new one, in the order of the old one.
-    remaining
-        Bounds on what they still err by (1/s), shape (n,), by what the last steps changed
-        (:mod:`cea.nested.remaining`); infinite after one step.
+    They are infinite after one step (:mod:`cea.nested.remaining`).
     """
 
     approximation: Approximation
@@ -69,20 +63,7 @@ class _Spanned:
 
 
 class BlockSteps:
-    """A pencil at a shift; what steps are made with.
-
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    shift
-        sigma (1/s^2); half of it where it is an eigenvalue.
-
-    Attributes
-    ----------
-    factors
-        The pencil factorised.
-    """
+    """A pencil factorised at a shift (1/s^2), or at half of it where that is an eigenvalue."""
 
     def __init__(self, matrices: Matrices, shift: float) -> None:
         self.matrices = matrices

@@ -17,15 +17,7 @@ DEPENDENT = 1e-13
 
 @dataclass(frozen=True)
 class Approximation:
-    """Approximate eigenvalues with right and left vectors.
-
-    Parameters
-    ----------
-    eigenvalues
-        lambda (1/s), shape (n,).
-    right, left
-        Vectors x and y, y^H (lambda^2 M + lambda D + K) = 0: the rows of this rank, (n_local, n).
-    """
+    """Approximate lambda (1/s) with vectors x and y, y^H (lambda^2 M + lambda D + K) = 0."""
 
     eigenvalues: Complexes
     right: Complexes
