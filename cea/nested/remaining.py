@@ -7,8 +7,7 @@ the changes of two steps, in which a slow component of the error may hide. So no
 change before the last than
 
 - rho of any other mode, times the ratio of both distances from the shift where that one is farther:
-  a component of another eigenvalue kappa_j shrinks by (kappa - sigma) / (kappa_j - sigma), and by
-  its square with damping, where steps are whole ones;
+  a component of another eigenvalue kappa_j shrinks by ((kappa - sigma) / (kappa_j - sigma))^2;
 - what damping leaves of components of damping d and stiffness k, abs(lambda) d / k of vectors.
 
 Steps of rho >= 1 bound nothing.
@@ -42,25 +41,10 @@ def left_of_errors(
     damping: Damping,
     shift: float,
 ) -> Floats:
-    """Bounds on the errors of eigenvalues after steps (1/s), shape (n,); collective.
+    """Bounds on the errors of eigenvalues after steps about a shift (1/s); collective.
 
-    Parameters
-    ----------
-    new
-        After the last step.
-    before
-        Eigenvalues before the last step, and before the last but one.
-    slowest
-        What damping makes rho of such components, shape (n,).
-    matrices, damping
-        The pencil.
-    shift
-        sigma (1/s^2), about which steps shrink errors.
-
-    Returns
-    -------
-    Floats
-        Infinite where the steps do not converge, as far as they show.
+    Infinite where steps do not converge, as far as they show. The eigenvalues before are those
+    before the last step and the last but one, slowest is rho of rough components with damping.
     """
     comm, values = matrices.stiffness.comm, new.eigenvalues
     inertia = columns_inner(new.left, times(matrices.mass, new.right), comm)
@@ -108,7 +92,7 @@ def _by_changes(
     rates = np.where(last > rounding, last / np.maximum(first, np.finfo(float).tiny), 0.0)
     converges = np.maximum(rates, slowest) < 1
     others = np.minimum(1.0, distances[:, None] / np.maximum(distances, np.finfo(float).tiny))
-    others = np.minimum(rates, 1.0) * others ** (2 if damped else 1)
+    others = np.minimum(rates, 1.0) * others**2
     others = np.where(converges | (distances[:, None] < distances), others, 0.0).max(axis=1)
     rates, slowest = (np.where(converges, each, 0.0) for each in (rates, slowest))
     left = last * np.maximum(1.0, rates / (1 - rates))

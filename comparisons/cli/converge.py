@@ -75,8 +75,7 @@ def _run(request: "Request", out: Path, begun: float) -> None:
     from cea.petsc import MPI
     from comparisons.cli.output import console, print_table, print_warnings
     from comparisons.cli.progress import working
-    from comparisons.converge import tables
-    from comparisons.converge.page import write_converge
+    from comparisons.converge.page import levels_table, modes_table, write_converge
     from comparisons.converge.study import run_converge
     from comparisons.kit.progress import Progress
     from scenes.results.folder import new_folder
@@ -93,8 +92,8 @@ def _run(request: "Request", out: Path, begun: float) -> None:
     typer.echo(data["first"])
     for line in (data["words"], *data["hints"]):
         typer.echo(line)
-    print_table(tables.modes_table(data))
-    print_table(tables.levels_table(data))
+    print_table(modes_table(data))
+    print_table(levels_table(data))
     print_warnings(data["warnings"])
     typer.echo(f"The page to open: {page}")
     if not data["held"]:

@@ -16,15 +16,7 @@ from scenes.results.matching import match_runs
 
 @dataclass
 class Followed:
-    """Meshes of one backend, with the modes that stand for one another.
-
-    Parameters
-    ----------
-    meshes
-        From the first on; only the last holds its vectors.
-    links
-        Groups of modes of each mesh and of the next that were matched.
-    """
+    """Meshes of one backend, and groups of modes of each and of the next that were matched."""
 
     meshes: list[Mesh] = field(default_factory=list)
     links: list[list[tuple[Ints, Ints]]] = field(default_factory=list)
@@ -68,18 +60,7 @@ def estimated(
 ) -> list[Estimated]:
     """Every mode of the finest mesh with its error bars, in the order of its eigenvalues.
 
-    Parameters
-    ----------
-    followed
-        The meshes.
-    degree
-        Degree of the elements.
-    damped
-        Whether something damps or rotates.
-    grows
-        Whether anything can grow: something damps, rotates or rubs.
-    by_degree
-        Whether meshes differ in the degree of their elements: then no ratio relates them.
+    Something may damp or rotate, or grow at all; meshes by degree have no ratio.
     """
     mesh = followed.meshes[-1]
     found: dict[int, Estimated] = {}

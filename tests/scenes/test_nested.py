@@ -180,6 +180,17 @@ def test_estimates_are_what_a_search_in_the_richer_space_finds(backend, changes)
     assert (apart <= estimate.remaining + 1e-12).all()
 
 
+def test_one_mode_alone_is_corrected_too(backend):
+    """The shift amid the modes is its own eigenvalue then."""
+    elements = {"upper": [6, 2], "lower": [5, 3]}
+    coarse = coarse_modes("blocks", backend, 2, 1.4, elements=elements)
+    assert len(coarse.modes) == 1
+    for steps in (1, 2):
+        estimate = estimate_errors(coarse, steps=steps)
+        assert (apart_from_richer(estimate, coarse) <= 0.05 * estimate.errors).all()
+        assert (estimate.errors > 0).all()
+
+
 def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
     """With what they hold: estimates in a space richer in one body are the same."""
     coarse = coarse_modes("blocks", backend, 2, 2.9, elements={"upper": [6, 2], "lower": [5, 3]})
@@ -206,7 +217,7 @@ def test_more_steps_come_nearer_to_dense_eigenvalues_of_the_richer_space(backend
     """What remains bounds the distance always, on a mesh so coarse that it is seen."""
     elements = {"upper": [4, 1], "lower": [3, 2]}
     coarse = coarse_modes("blocks", backend, 2, 2.9, changes, elements)
-    one, two = (estimate_errors(coarse, steps=steps) for steps in (1, 2))
+    one, two = (estimate_errors(coarse, steps=steps) for steps in (2, 3))
     before, after = (apart_from_richer(each, coarse) for each in (one, two))
     assert (before <= one.remaining).all()
     assert (after <= two.remaining).all()
@@ -219,7 +230,7 @@ def test_more_steps_come_nearer_to_dense_eigenvalues_of_the_richer_space(backend
 def test_a_smoother_space_of_few_unknowns_takes_two_steps():
     coarse = coarse_modes("drum", "iga", 3, 2.0)
     richer = richer_scene(coarse.scene, "smooth")
-    one, two = (estimate_errors(coarse, richer, steps=steps) for steps in (1, 2))
+    one, two = (estimate_errors(coarse, richer, steps=steps) for steps in (2, 3))
     assert one.dofs < 1.25 * coarse.dofs
     assert (two.remaining < one.remaining).all()
     values = paired(coarse.eigenvalues, exact("drum", 2.0))
