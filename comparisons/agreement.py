@@ -17,14 +17,13 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study
-from scenes.names import backend_name
-from scenes.read import Scene, load_scene
-from scenes.results import ModesResult
-from scenes.run import run_scene
-from scenes.run_matching import match_unstable
+from scenes import Result, run_scene
+from scenes.results.matching import match_unstable
 from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.variants import BACKENDS, on_backend, with_contact
+from scenes.spec.names import backend_name
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import BACKENDS, on_backend, with_contact
 
 EXPECTED = {
     ("Greville", 25, 1e14): 1722.0,
@@ -236,14 +235,14 @@ def _disc_pad(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     return {"eigenvalues": modes, "windows": windows, "agreement": pairs}
 
 
-def _formulation_of(result: ModesResult) -> str:
+def _formulation_of(result: Result) -> str:
     (contact,) = result.scene.contacts.values()
     rule = contact.formulation
     n = getattr(rule, "points", None)
     return f"{rule.name} {n} x {n}" if isinstance(rule, GaussPointToSurface) else rule.name
 
 
-def _window(result: ModesResult) -> dict[str, Any]:
+def _window(result: Result) -> dict[str, Any]:
     """What was searched, and the largest errors of what was found."""
     window, rows = result.modes.window, result.table()
     points = [interface.points for interface in result.interfaces.values()]

@@ -26,8 +26,8 @@ from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study
 from exact_cea.lumped import hulten_threshold
-from scenes.assembled import AssembledScene
-from scenes.read import Scene, read_scene
+from scenes.running.assembled import AssembledScene
+from scenes.spec.reading import Scene, read_scene
 
 K1, K2 = 1.0, 1.44
 """Stiffness along x and y (N/m)."""

@@ -5,7 +5,7 @@ from shutil import copy
 
 import gmsh
 
-from scenes import ModesResult, load_scene, run_modes
+from scenes import Result, load_scene, run_modes
 
 FACES = {  # boxes that hold nothing larger (mm)
     "bore": (-41, -41, -1, 41, 41, 11),
@@ -15,7 +15,7 @@ FACES = {  # boxes that hold nothing larger (mm)
 }
 
 
-def brake(folder: Path, size: float = 14.0) -> ModesResult:
+def brake(folder: Path, size: float = 14.0) -> Result:
     """Modes of pad and disc; their mesh, of a size (mm), and scene are written to a folder."""
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     gmsh.model.occ.addCylinder(0, 0, 0, 0, 0, 10, 100, tag=1)

@@ -4,20 +4,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import BeforeValidator
 
 from cea.errors import InputError, require
 from cea.mesh import Mesh
-from meshes.files.body import body_mesh
-from meshes.files.content import FileContent
-from meshes.files.part import Part, part_of
-from meshes.files.reading import read_mesh_file
-from meshes.files.surfaces import check_sets, marks_of, surface_faces
 from meshes.placement import Placement
 from meshes.units import Unit, check_unit, in_metres, is_fit
+
+if TYPE_CHECKING:  # readers of files are brought in where there is a file
+    from meshes.files.content import FileContent
+    from meshes.files.part import Part
 
 
 def _one_or_more(sets: Any) -> Any:
@@ -84,18 +83,25 @@ class MeshFile:
         object.__setattr__(self, "faces", faces)
         empty = [name for name, sets in faces.items() if not sets]
         require(not empty, "faces", empty, "one set of the file or more for each surface")
+        from meshes.files.surfaces import check_sets
+
         check_sets(self.content, faces)
         if not self.extent:
             raise InputError("part", self.part, "elements")
 
     @property
-    def content(self) -> FileContent:
+    def content(self) -> "FileContent":
         """What the file holds."""
+        from meshes.files.reading import read_mesh_file
+
         return read_mesh_file(Path(self.file), self.merge_nodes)
 
     @cached_property
-    def _part(self) -> Part:
+    def _part(self) -> "Part":
         faces = {name: self._sets(name) for name in self.faces}
+        from meshes.files.part import part_of
+        from meshes.files.surfaces import marks_of
+
         marks = marks_of(self.content, faces)
         return part_of(self.content, Path(self.file).name, self.part, marks)
 
@@ -158,6 +164,8 @@ class MeshFile:
 
     def nodes_left_out(self, surfaces: Iterable[str]) -> dict[str, int]:
         """Numbers of nodes of the body that sets of surfaces have and that make no face of them."""
+        from meshes.files.surfaces import surface_faces
+
         faces = surface_faces(self.content, self._part, {n: self._sets(n) for n in surfaces})
         return {name: count for name, (_, count) in faces.items() if count}
 
@@ -181,6 +189,8 @@ class MeshFile:
         InputError
             Naming file, part, merge_nodes or faces.
         """
+        from meshes.files.body import body_mesh
+
         faces = {name: self._sets(name) for name in surfaces}
         mesh = body_mesh(self.content, self._part, faces, self.part)
         return replace(mesh, points=placement.apply(in_metres(mesh.points, self._unit)))

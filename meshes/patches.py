@@ -129,7 +129,7 @@ class Patches:
     shape: Literal["patches"] = "patches"
 
     left_out: ClassVar[tuple[str, ...]] = ("merge_nodes",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
     names: ClassVar[tuple[str, ...]] = ("u", "v", "w")
 
     def __post_init__(self) -> None:
@@ -227,7 +227,7 @@ class NurbsFile:
     shape: Literal["nurbs_file"] = "nurbs_file"
 
     left_out: ClassVar[tuple[str, ...]] = ("merge_nodes",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         check_unit(self.unit)

@@ -9,46 +9,45 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cea.contact.formulations import Formulation as Formulation
     from cea.contact.formulations import register as register
-    from scenes.assembled import AssembledScene as AssembledScene
-    from scenes.assembled import assemble as assemble
-    from scenes.describe import save_result as save_result
-    from scenes.inspection import Inspection as Inspection
-    from scenes.inspection import inspect_scene as inspect_scene
-    from scenes.matrix_run import AssembledMatrices as AssembledMatrices
-    from scenes.matrix_run import MatrixResult as MatrixResult
-    from scenes.matrix_run import run_matrices as run_matrices
-    from scenes.matrix_scene import MatrixScene as MatrixScene
-    from scenes.matrix_scene import load_matrices as load_matrices
-    from scenes.matrix_scene import read_matrix_scene as read_matrix_scene
-    from scenes.nested import estimate_errors as estimate_errors
-    from scenes.opened import open_result as open_result
-    from scenes.read import Scene as Scene
-    from scenes.read import load_scene as load_scene
-    from scenes.read import read_scene as read_scene
-    from scenes.results import ModesResult as ModesResult
-    from scenes.results import StaticResult as StaticResult
-    from scenes.richer import richer_scene as richer_scene
-    from scenes.run import run_modes as run_modes
-    from scenes.run import run_scene as run_scene
-    from scenes.run import run_static as run_static
-    from scenes.scene_error import SceneError as SceneError
-    from scenes.scene_files import scene_names as scene_names
+    from scenes.checking.check import Inspection as Inspection
+    from scenes.checking.check import inspect_scene as inspect_scene
+    from scenes.results.record import save_result as save_result
+    from scenes.results.result import Result as Result
+    from scenes.running.analysis import open_result as open_result
+    from scenes.running.analysis import run_scene as run_scene
+    from scenes.running.assembled import AssembledScene as AssembledScene
+    from scenes.running.assembled import assemble as assemble
+    from scenes.running.enrich import richer_scene as richer_scene
+    from scenes.running.matrices import AssembledMatrices as AssembledMatrices
+    from scenes.running.matrices import run_matrices as run_matrices
+    from scenes.running.modes import run_modes as run_modes
+    from scenes.running.nested import estimate_errors as estimate_errors
+    from scenes.running.static import run_static as run_static
+    from scenes.spec.files import scene_names as scene_names
+    from scenes.spec.matrices import MatrixScene as MatrixScene
+    from scenes.spec.matrices import load_matrices as load_matrices
+    from scenes.spec.matrices import read_matrix_scene as read_matrix_scene
+    from scenes.spec.problems import SceneError as SceneError
+    from scenes.spec.reading import Scene as Scene
+    from scenes.spec.reading import load_scene as load_scene
+    from scenes.spec.reading import read_scene as read_scene
 
 _OWNERS = {
     "cea.contact.formulations": ("Formulation", "register"),
-    "scenes.assembled": ("AssembledScene", "assemble"),
-    "scenes.describe": ("save_result",),
-    "scenes.inspection": ("Inspection", "inspect_scene"),
-    "scenes.matrix_run": ("AssembledMatrices", "MatrixResult", "run_matrices"),
-    "scenes.matrix_scene": ("MatrixScene", "load_matrices", "read_matrix_scene"),
-    "scenes.nested": ("estimate_errors",),
-    "scenes.opened": ("open_result",),
-    "scenes.read": ("Scene", "load_scene", "read_scene"),
-    "scenes.scene_error": ("SceneError",),
-    "scenes.scene_files": ("scene_names",),
-    "scenes.results": ("ModesResult", "StaticResult"),
-    "scenes.richer": ("richer_scene",),
-    "scenes.run": ("run_modes", "run_scene", "run_static"),
+    "scenes.checking.check": ("Inspection", "inspect_scene"),
+    "scenes.results.record": ("save_result",),
+    "scenes.results.result": ("Result",),
+    "scenes.running.analysis": ("open_result", "run_scene"),
+    "scenes.running.assembled": ("AssembledScene", "assemble"),
+    "scenes.running.enrich": ("richer_scene",),
+    "scenes.running.matrices": ("AssembledMatrices", "run_matrices"),
+    "scenes.running.modes": ("run_modes",),
+    "scenes.running.nested": ("estimate_errors",),
+    "scenes.running.static": ("run_static",),
+    "scenes.spec.files": ("scene_names",),
+    "scenes.spec.matrices": ("MatrixScene", "load_matrices", "read_matrix_scene"),
+    "scenes.spec.problems": ("SceneError",),
+    "scenes.spec.reading": ("Scene", "load_scene", "read_scene"),
 }
 """Names by the module they come from."""
 

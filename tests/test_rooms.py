@@ -42,8 +42,14 @@ SOLVERS = {"petsc4py", "slepc4py", "mpi4py", "dolfinx_solver"}
 BESIDE_US = {"comparisons.bench.assembly.programs.plain_dolfinx"}
 """Programs that assembly is compared with and that come with this one."""
 DRAWING = {
-    *("scenes.drawing", "scenes.decimation", "scenes.pictures", "scenes.paraview", "scenes.vtu"),
-    *("scenes.scene_picture", "scenes.paraview_steps"),
+    *(
+        "scenes.pictures.drawing",
+        "scenes.pictures.decimation",
+        "scenes.export.pictures",
+        "scenes.export.paraview",
+        "scenes.pictures.grids",
+    ),
+    *("scenes.pictures.scene", "scenes.export.paraview_steps"),
 }
 """Modules that need pyvista; all others import them in the functions that draw."""
 

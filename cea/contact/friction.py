@@ -6,7 +6,7 @@ import numpy as np
 
 from cea.arrays import Floats, of_size_one
 from cea.errors import InputError
-from cea.fields import Expression
+from cea.expressions import Expression
 
 _GRAZING = 1e-6
 _FIELD = "friction_direction_on_a"
@@ -93,7 +93,8 @@ class AlongField:
     Parameters
     ----------
     field
-        Expressions in the coordinates (:class:`cea.fields.Expression`), one for each component.
+        Expressions in the coordinates, one for each component
+        (:class:`cea.expressions.Expression`).
     """
 
     field: tuple[str, ...]

@@ -26,7 +26,6 @@ from cea.eigen.field_of_values import FieldOfValues, field_of_values, has_cone
 from cea.eigen.left_vectors import SAME
 from cea.eigen.options import KrylovOptions
 from cea.eigen.pencil import Matrices
-from cea.eigen.quadratic_coverage import bounded_growth, first_shift, largest_growth
 from cea.eigen.shift_invert import MARGIN, Companion, Undamped
 from cea.eigen.shifted import count_below
 from cea.eigen.subspace import InvariantSubspace
@@ -391,6 +390,8 @@ class DampedSearch(WindowSearch):
 
     def run(self) -> Found:
         """A window of any growth, down to a decay."""
+        from cea.eigen.quadratic_coverage import first_shift, largest_growth
+
         end = self._end
         with self._timer("factorisation"):
             self.factorisations += 2
@@ -450,6 +451,8 @@ class DampedSearch(WindowSearch):
 
     def _bounded(self, growth: float) -> bool:
         """Whether no eigenvalue of the window grows at a rate or faster."""
+        from cea.eigen.quadratic_coverage import bounded_growth
+
         self.factorisations += 1
         with self._timer("factorisation"):
             return bounded_growth(self._matrices, growth, self._end)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cea.body import Body
 from cea.eigen.circulatory import CirculatoryTerm
@@ -13,8 +13,10 @@ from cea.eigen.pencil import Term
 from cea.petsc import Mat
 from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
 from cea.system.embedding import Embedding
-from cea.system.modal_damping import DampedModes, damped_modes, modal_term
-from cea.system.rotating_damping import RotatingDamping
+
+if TYPE_CHECKING:  # brought in where modes are damped, or damping rotates
+    from cea.system.modal_damping import DampedModes
+    from cea.system.rotating_damping import RotatingDamping
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,10 @@ class BodyPieces:
         return tuple(self._of_modes()) if self.with_mass else ()
 
     def _of_modes(self) -> Iterator[LowRankTerm]:
+        if not self._damped_modes:
+            return
+        from cea.system.modal_damping import modal_term
+
         for name, modes in self._damped_modes.items():
             modal, first = self.motion(name).modal, self.among[name].first
             assert modal is not None
@@ -97,25 +103,33 @@ class BodyPieces:
         return self.motions.get(body, STILL)
 
     @cached_property
-    def _damped_modes(self) -> dict[str, DampedModes]:
+    def _damped_modes(self) -> dict[str, "DampedModes"]:
         """Modes that are damped one by one, of each body that has any."""
+        modal = {name: each for name in self.bodies if (each := self.motion(name).modal)}
+        if not modal:
+            return {}
+        from cea.system.modal_damping import damped_modes
+
         return {
-            name: damped_modes(f"bodies.{name}", body, modal)
-            for name, body in self.bodies.items()
-            if (modal := self.motion(name).modal) is not None
+            name: damped_modes(f"bodies.{name}", self.bodies[name], each)
+            for name, each in modal.items()
         }
 
     @cached_property
-    def rotating(self) -> dict[str, RotatingDamping]:
+    def rotating(self) -> dict[str, "RotatingDamping"]:
         """Damping that rotates with its body, of each body that has any."""
+        rotating = [name for name in self.bodies if self.motion(name).circulates]
+        if not rotating:
+            return {}
+        from cea.system.rotating_damping import RotatingDamping
+
         return {
             name: RotatingDamping(
                 f"bodies.{name}",
-                body,
+                self.bodies[name],
                 self.motion(name),
                 self._damped_modes.get(name),
                 self.among[name],
             )
-            for name, body in self.bodies.items()
-            if self.motion(name).circulates
+            for name in rotating
         }

@@ -16,7 +16,6 @@ from cea.eigen.parameters import Coefficient, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.petsc import Mat
 from cea.rotation import Rotation
-from cea.system.modal_damping import modal_parameters
 
 
 @dataclass(frozen=True)
@@ -160,6 +159,8 @@ def body_parameters(
         yield Parameter(f"{path}.damping.alpha", motion.damping.alpha, "1/s")
         yield Parameter(f"{path}.damping.beta", motion.damping.beta, "s")
     if motion.modal is not None:
+        from cea.system.modal_damping import modal_parameters
+
         yield from modal_parameters(path, motion.modal)
     if motion.rotation is not None:
         yield Parameter(f"{path}.rotation.rate", motion.rotation.rate, "rad/s")

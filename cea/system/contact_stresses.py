@@ -5,7 +5,7 @@ large against round-off, and nothing but round-off where p is large.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,30 +23,34 @@ _TIED = 1e-9
 
 
 @dataclass(frozen=True)
-class SideStress:
+class NormalStress:
     """Normal stress of one side of a contact; compression is negative.
 
     Parameters
     ----------
-    x
-        Sample points over the whole surface (m), shape (n, dim).
-    sigma_n
-        Normal stress there (N/m^2), shape (n,).
+    min, max
+        Extremes over the surface (N/m^2).
     arc
         Distances (m) along the diagonal of side a from its first corner, shape (m,).
     sigma_n_along
         Normal stress on that line (N/m^2), shape (m,); NaN where the line leaves the surface.
+    x
+        Sample points over the whole surface (m), shape (n, dim); none of a stored result.
+    sigma_n
+        Normal stress there (N/m^2), shape (n,).
     """
 
-    x: Floats
-    sigma_n: Floats
+    min: float
+    max: float
     arc: Floats
     sigma_n_along: Floats
+    x: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    sigma_n: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def oscillation(self) -> float:
         """Largest minus smallest normal stress over the surface (N/m^2)."""
-        return float(np.ptp(self.sigma_n))
+        return self.max - self.min
 
 
 @dataclass(frozen=True)
@@ -71,7 +75,7 @@ class StressMap:
 
 def contact_stresses(
     system: CoupledSystem, contact_name: str, x: Any, samples: int
-) -> dict[str, SideStress]:
+) -> dict[str, NormalStress]:
     """Stresses of sides "a" and "b" of a contact.
 
     Parameters
@@ -90,11 +94,14 @@ def contact_stresses(
     stresses = {}
     for side, surface, body, displacement in _sides(system, contact, x):
         points = surface.grid(max(2, round(samples / np.sqrt(surface.num_elements))))
-        stresses[side] = SideStress(
-            points.x,
-            normal_stress(surface, points.at, displacement, body.material),
+        sigma_n = normal_stress(surface, points.at, displacement, body.material)
+        stresses[side] = NormalStress(
+            float(sigma_n.min()),
+            float(sigma_n.max()),
             arc,
             _stress_at(surface, body, displacement, line, direction),
+            points.x,
+            sigma_n,
         )
     return stresses
 

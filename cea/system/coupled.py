@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf, log10
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cea.arrays import Floats
 from cea.body import Body
@@ -24,9 +24,11 @@ from cea.petsc import MPI
 from cea.system.body_pieces import BodyPieces
 from cea.system.contact_terms import ContactPairs
 from cea.system.near_contact import PARTED_FROM, ContactPieces, near_contact
-from cea.system.sliding_state import SteadySliding
 from cea.system.sliding_terms import sliding_parameters, sliding_terms
 from cea.warned import ResultWarning
+
+if TYPE_CHECKING:
+    from cea.system.sliding_state import SteadySliding
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,7 @@ class CoupledSystem:
     penalty_digits: Mapping[str, float]
     pieces: BodyPieces
     sliding: Mapping[str, Sliding]
-    steady: SteadySliding | None = None
+    steady: "SteadySliding | None" = None
     prestress: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -209,7 +211,7 @@ class CoupledSystem:
         )
 
     def linearised(
-        self, steady: SteadySliding, *, geometric_stiffness: bool = False
+        self, steady: "SteadySliding", *, geometric_stiffness: bool = False
     ) -> "CoupledSystem":
         """The system of small motions about a state of steady sliding.
 

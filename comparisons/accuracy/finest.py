@@ -19,9 +19,9 @@ from cea.arrays import Complexes
 from cea.eigen.eigenvalue_matching import match_spectrum
 from cea.eigen.modes import Modes
 from exact_cea.reference import exact_eigenvalues
-from scenes.read import load_scene
-from scenes.run import run_modes
+from scenes import run_modes
 from scenes.spec.body import Backend
+from scenes.spec.reading import load_scene
 
 Data = dict[str, Any]
 

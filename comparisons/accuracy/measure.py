@@ -14,9 +14,8 @@ from cea.arrays import Complexes, Floats
 from cea.eigen.eigenvalue_matching import match_spectrum
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, overrides
-from scenes.read import load_scene
-from scenes.results import ModesResult
-from scenes.run import run_modes
+from scenes import Result, run_modes
+from scenes.spec.reading import load_scene
 
 REACH = 0.25
 """Relative distance at which a computed eigenvalue no longer stands for an exact one."""
@@ -92,7 +91,7 @@ class Measurer:
 class _Timed:
     """A run with its processor time by stage and its time by the clock (s)."""
 
-    result: ModesResult | None
+    result: Result | None
     stages: dict[str, float]
     clock: float
 
@@ -111,7 +110,7 @@ def _timed(case: Case) -> _Timed:
     return _Timed(result, stages, result.timer.total)
 
 
-def _run(case: Case) -> ModesResult:
+def _run(case: Case) -> Result:
     fields = overrides(problem(case.problem), case)
     return run_modes(load_scene(Path(case.problem), fields, case.method.backend))
 

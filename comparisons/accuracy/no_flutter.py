@@ -13,9 +13,9 @@ import numpy as np
 
 from comparisons.accuracy.problems import PROBLEMS, BodyMesh, Problem
 from comparisons.accuracy.study import RULES, Case, Method, overrides
-from scenes.read import load_scene
-from scenes.run import run_modes
-from scenes.run_matching import circumferential_orders
+from scenes import run_modes
+from scenes.results.matching import circumferential_orders
+from scenes.spec.reading import load_scene
 
 Data = dict[str, Any]
 

@@ -14,7 +14,7 @@ from comparisons.accuracy.runner import COMMAND
 from comparisons.kit.plots import png
 from comparisons.kit.records import RESULT, read_result
 from comparisons.kit.tables import Table
-from scenes.stored import write_record
+from scenes.results.record import write_record
 
 Data = dict[str, Any]
 

@@ -13,7 +13,7 @@ from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, Study, cases
 from comparisons.accuracy.worker import CaseWorker
 from comparisons.kit.worker import WorkerError
-from scenes.stored import record
+from scenes.results.record import record
 
 Data = dict[str, Any]
 

@@ -16,9 +16,9 @@ from cea.contact.formulations import (
     registered,
 )
 from comparisons.accuracy.problems import BodyMesh, Problem
-from scenes.contact_checks import suits
 from scenes.spec.body import Backend
-from scenes.variants import BACKENDS
+from scenes.spec.contact_checks import suits
+from scenes.spec.variants import BACKENDS
 
 
 @dataclass(frozen=True)

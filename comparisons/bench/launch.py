@@ -10,7 +10,7 @@ from typing import Any
 
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
-from scenes.stored import read_record, write_record
+from scenes.results.record import read_record, write_record
 
 _ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",

@@ -9,7 +9,7 @@ from cea.files import write_whole
 from comparisons.kit.provenance import machine
 from comparisons.kit.records import RESULT, read_result
 from comparisons.kit.tables import Data, Table
-from scenes.stored import write_record
+from scenes.results.record import write_record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

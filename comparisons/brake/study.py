@@ -26,10 +26,10 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study
-from scenes.memory import estimated_memory
-from scenes.read import Scene, load_scene
-from scenes.run_matching import match_runs
-from scenes.variants import with_contact
+from scenes.checking.memory import estimated_memory
+from scenes.results.matching import match_runs
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import with_contact
 
 SCENE = "ventilated_brake"
 _KILOBYTE = 1024

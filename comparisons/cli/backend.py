@@ -28,8 +28,8 @@ def with_backend(
     if backend is None:
         return tuple(overrides)
     from cea.errors import InputError
-    from scenes.matrix_scene import is_of_matrices
-    from scenes.read import load_scene
+    from scenes.spec.files import is_of_matrices
+    from scenes.spec.reading import load_scene
 
     if is_of_matrices(scene):
         allowed = "left out: a scene of matrices has no bodies"

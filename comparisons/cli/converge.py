@@ -41,7 +41,7 @@ def converge(
     from comparisons.cli.extras import need
     from comparisons.cli.redraw import refuse_another, refuse_with_redraw
     from comparisons.converge.request import Request
-    from scenes.out_folder import check_out
+    from scenes.results.folder import check_out
 
     need("pictures")
     refuse_with_redraw(redraw, {"set": set_, "unstable": unstable})
@@ -58,7 +58,7 @@ def converge(
     if redraw:
         from cea.petsc import MPI
         from comparisons.converge.page import read_converge, write_converge
-        from scenes.out_folder import new_folder
+        from scenes.results.folder import new_folder
 
         data = read_converge(out)
         refuse_another({"scene": scene}, data["inputs"])
@@ -79,7 +79,7 @@ def _run(request: "Request", out: Path, begun: float) -> None:
     from comparisons.converge.page import write_converge
     from comparisons.converge.study import run_converge
     from comparisons.kit.progress import Progress
-    from scenes.out_folder import new_folder
+    from scenes.results.folder import new_folder
 
     with working("converge", expected=request.budget) as work:
 

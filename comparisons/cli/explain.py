@@ -8,9 +8,8 @@ import typer
 
 def explain_bodies(scene: str, set_: list[str], backend: Literal["fe", "iga"] | None) -> None:
     """Tell the steps of a scene of bodies; nothing is built."""
-    from scenes.read import load_scene
-    from scenes.run import skipped_by
-    from scenes.steps import needed_by
+    from scenes.checking.steps import needed_by, skipped_by
+    from scenes.spec.reading import load_scene
 
     chosen = load_scene(scene, set_, backend)
     _tell(needed_by(chosen), skipped_by(chosen))
@@ -18,9 +17,9 @@ def explain_bodies(scene: str, set_: list[str], backend: Literal["fe", "iga"] | 
 
 def explain_matrices(scene: str, set_: list[str], data: str | None) -> None:
     """Tell the steps of a scene of matrices, which are read: their entries decide."""
-    from scenes.matrix_pencil import read_pieces
-    from scenes.matrix_run import skipped_by
-    from scenes.matrix_scene import ROLES, load_matrices
+    from scenes.matrices.pencil import read_pieces
+    from scenes.running.matrices import skipped_by
+    from scenes.spec.matrices import ROLES, load_matrices
 
     chosen = load_matrices(scene, set_, data)
     needed: dict[str, str] = {}

@@ -24,7 +24,7 @@ def export(
     from cea.petsc import MPI
     from comparisons.cli.output import console
     from scenes.export.decks.write import write_deck
-    from scenes.read import load_scene
+    from scenes.spec.reading import load_scene
 
     with console.status("export"):
         files = write_deck(load_scene(scene, set_ or [], backend), out, modes)

@@ -12,8 +12,7 @@ from comparisons.kit.tables import Table as ReportTable
 
 if TYPE_CHECKING:
     from comparisons.study.sections import Table as FrameTable
-    from scenes.matrix_run import MatrixResult
-    from scenes.results import ModesResult, StaticResult
+    from scenes import Result
 
 console = Console(highlight=False)
 
@@ -76,9 +75,7 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
         _print(block.table("" if i else table.caption), to)
 
 
-def print_result(
-    result: "ModesResult | StaticResult | MatrixResult", to: Console = console
-) -> None:
+def print_result(result: "Result", to: Console = console) -> None:
     """Print what a run found: first how many modes are unstable, last what it left out.
 
     Parameters
@@ -88,15 +85,11 @@ def print_result(
     to
         Where it is printed.
     """
-    from scenes.results import StaticResult
-
-    if isinstance(result, StaticResult):
+    if result.spectrum is None:
         say(to, str(result))
-        warnings = result.warnings
     else:
         _print_modes(result, to)
-        warnings = result.modes.warnings
-    print_warnings([warning.plain() for warning in warnings], to)
+    print_warnings([warning.plain() for warning in result.warnings], to)
     _say_left_out(result.skipped, to)
 
 
@@ -116,7 +109,7 @@ def print_warnings(warnings: Iterable[Mapping[str, Any]], to: Console = console)
 
 def _say_left_out(skipped: Mapping[str, str], to: Console) -> None:
     """Name what the run did without; the reasons stand in result.json."""
-    from scenes.unused import GIVEN
+    from scenes.checking.unused import GIVEN
 
     given = [name for name, reason in skipped.items() if reason.startswith(GIVEN)]
     others = [name for name in skipped if name not in given]
@@ -125,7 +118,7 @@ def _say_left_out(skipped: Mapping[str, str], to: Console) -> None:
             say(to, f"{words}: {', '.join(names)}", "dim")
 
 
-def _print_modes(result: "ModesResult | MatrixResult", to: Console) -> None:
+def _print_modes(result: "Result", to: Console) -> None:
     """Print the verdict, the unstable modes, all modes, and why they are all."""
     from cea.eigen.mode_table import MARKS, SIGNS, TITLES, shown_cells
 

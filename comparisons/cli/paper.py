@@ -32,7 +32,7 @@ def figure(
     from comparisons.paper.both_backends import make_both
     from comparisons.paper.common.store import make_figure
     from comparisons.paper.registry import chosen
-    from scenes.out_folder import check_out
+    from scenes.results.folder import check_out
 
     figures = chosen(name)
     check_out(out)
@@ -64,7 +64,7 @@ def claims(out: _Out = Path("results/figures")) -> None:
     need("pictures")
     from comparisons.kit.progress import Progress
     from comparisons.paper.claims.judge import judge, write_claims
-    from scenes.out_folder import check_out
+    from scenes.results.folder import check_out
 
     check_out(out)
     start = perf_counter()

@@ -19,8 +19,8 @@ def race(
     from comparisons.race.page import write_race
     from comparisons.race.study import race as run_race
     from comparisons.race.tables import race_table
-    from scenes.matrix_scene import load_matrices
-    from scenes.out_folder import check_out, new_folder
+    from scenes.results.folder import check_out, new_folder
+    from scenes.spec.matrices import load_matrices
 
     with working("race") as work:
         chosen = load_matrices(scene, set_ or (), data)

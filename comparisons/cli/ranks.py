@@ -85,7 +85,7 @@ def _told(error: Exception) -> str:
 
 def _is_of_a_scene(error: Exception) -> bool:
     """Whether a scene was refused; only what has read scenes can refuse one."""
-    refusals = sys.modules.get("scenes.scene_error")
+    refusals = sys.modules.get("scenes.spec.problems")
     return refusals is not None and isinstance(error, refusals.SceneError)
 
 

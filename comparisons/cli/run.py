@@ -7,10 +7,9 @@ import typer
 
 if TYPE_CHECKING:
     from comparisons.cli.progress import Working
-    from scenes.matrix_run import MatrixResult
-    from scenes.matrix_scene import MatrixScene
-    from scenes.read import Scene
-    from scenes.results import ModesResult, StaticResult
+    from scenes import Result
+    from scenes.spec.matrices import MatrixScene
+    from scenes.spec.reading import Scene
 
 
 def run(
@@ -40,10 +39,12 @@ def run(
 ) -> None:
     """Run one scene and write its result.json."""
     from comparisons.cli.explain import explain_bodies, explain_matrices
-    from scenes.matrix_scene import is_of_matrices, load_matrices
+    from scenes.spec.files import is_of_matrices
 
     inputs = {"scene": scene, "set": set_ or [], "backend": backend}
     if is_of_matrices(scene):
+        from scenes.spec.matrices import load_matrices
+
         _refuse("backend", backend, "left out: a scene of matrices has no bodies")
         if explain:
             explain_matrices(scene, set_ or [], data)
@@ -62,7 +63,7 @@ def run(
 
 def _results_of(scene: "Scene | MatrixScene") -> Path:
     """Folder of the results of a scene where none is given."""
-    from scenes.names import file_name
+    from scenes.spec.names import file_name
 
     return Path("results") / file_name(scene.name)
 
@@ -86,9 +87,9 @@ def report_matrices(
     from comparisons.cli.extras import need
     from comparisons.cli.progress import working
     from comparisons.kit.records import last_seconds
-    from scenes.describe import RUN
-    from scenes.matrix_run import run_matrices
-    from scenes.out_folder import check_run_out
+    from scenes.results.folder import check_run_out
+    from scenes.results.record import RUN
+    from scenes.running.matrices import run_matrices
 
     expected = last_seconds(out, RUN, inputs)
     with working("reading matrices", expected=expected) as work:
@@ -110,10 +111,10 @@ def _run_bodies(
     from comparisons.cli.extras import need
     from comparisons.cli.progress import working
     from comparisons.kit.records import last_seconds
-    from scenes.describe import RUN
-    from scenes.out_folder import check_run_out
-    from scenes.read import load_scene
-    from scenes.run import run_scene
+    from scenes import run_scene
+    from scenes.results.folder import check_run_out
+    from scenes.results.record import RUN
+    from scenes.spec.reading import load_scene
 
     with working("reading the scene"):
         chosen = load_scene(inputs["scene"], inputs["set"], inputs["backend"])
@@ -127,7 +128,7 @@ def _run_bodies(
 
 
 def _write(
-    result: "ModesResult | StaticResult | MatrixResult",
+    result: "Result",
     out: Path,
     inputs: dict[str, Any],
     *,
@@ -136,14 +137,13 @@ def _write(
     """Print a result, then put it in the place of an earlier one."""
     from comparisons.cli.output import console, print_result, say
     from comparisons.cli.progress import working
-    from scenes.describe import save_result
-    from scenes.matrix_run import MatrixResult
-    from scenes.out_folder import RESULT, new_folder
+    from scenes import save_result
+    from scenes.results.folder import RESULT, new_folder
 
     page = None
     print_result(result)
     with working("writing") as work, new_folder(out, root=result.comm.rank == 0) as new:
-        drawn = {} if isinstance(result, MatrixResult) else _draw(result, new.part, work)
+        drawn = {} if result.coupled is None else _draw(result, new.part, work)
         record = save_result(result, new.part / RESULT, inputs=inputs, data=drawn)
         if report:
             page = new.final(_report(result, record))
@@ -154,34 +154,30 @@ def _write(
         typer.echo(f"The report to open: {page}")
 
 
-def _report(result: "ModesResult | StaticResult | MatrixResult", record: Path) -> Path:
+def _report(result: "Result", record: Path) -> Path:
     """Write the page of a run beside its record."""
     from comparisons.run_report.page import write_run_report
 
     return write_run_report(result, record)
 
 
-def _draw(
-    result: "ModesResult | StaticResult", folder: Path, work: "Working"
-) -> dict[str, list[str]]:
+def _draw(result: "Result", folder: Path, work: "Working") -> dict[str, list[str]]:
     """Write the pictures and files for ParaView that a scene asks for; their names."""
-    from scenes.results import ModesResult
-
-    files = {}
+    files: dict[str, list[str]] = {}
     output = result.scene.output
     if output.pictures:
         from comparisons.kit.contact_pictures import draw_contacts
 
         work.stage("pictures")
         pictures = draw_contacts(result, folder)
-        if isinstance(result, ModesResult):
-            from scenes.pictures import draw_modes
+        if result.spectrum is not None:
+            from scenes.export.pictures import draw_modes
 
             pictures += draw_modes(result, output.pictures, folder, animated=True)
         files["pictures"] = [file.name for file in pictures]
     if output.paraview:
-        from scenes.paraview import write_paraview
-        from scenes.paraview_steps import write_load_steps
+        from scenes.export.paraview import write_paraview
+        from scenes.export.paraview_steps import write_load_steps
 
         work.stage("files for ParaView")
         collections = write_paraview(result, output.paraview, folder)

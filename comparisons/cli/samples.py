@@ -64,7 +64,7 @@ def _run(asked: Any, out: Path) -> None:
     from comparisons.sweep.sample_page import FILE, write_samples
     from comparisons.sweep.sample_study import run_samples
     from comparisons.sweep.sample_tables import probability_table, samples_summary
-    from scenes.out_folder import check_out, new_folder
+    from scenes.results.folder import check_out, new_folder
 
     check_out(out)
     with working("samples") as work:
@@ -84,7 +84,7 @@ def _draw_anew(asked: Any, out: Path) -> None:
     from comparisons.cli.redraw import refuse_another
     from comparisons.sweep.page import read_sweep
     from comparisons.sweep.sample_page import FILE, read_samples, write_samples
-    from scenes.out_folder import new_folder
+    from scenes.results.folder import new_folder
 
     data = read_sweep(out)
     wanted = asked.plain()

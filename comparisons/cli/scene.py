@@ -43,7 +43,7 @@ def check(
     out: Annotated[Path, typer.Option(help="Folder of the picture.")] = Path("results/check"),
 ) -> None:
     """Tell every fault of a scene, else what it would take; nothing is solved."""
-    from scenes.matrix_scene import is_of_matrices
+    from scenes.spec.files import is_of_matrices
 
     if is_of_matrices(scene):
         _check_matrices(scene, set_ or [], data)
@@ -53,8 +53,8 @@ def check(
 
 def _check_matrices(scene: str, set_: list[str], data: str | None) -> None:
     """Read a scene of matrices and the matrices it names."""
-    from scenes.matrix_pencil import matrix_pencil, read_pieces
-    from scenes.matrix_scene import load_matrices
+    from scenes.matrices.pencil import matrix_pencil, read_pieces
+    from scenes.spec.matrices import load_matrices
 
     chosen = load_matrices(scene, set_, data)
     pieces = read_pieces(chosen)
@@ -70,9 +70,9 @@ def _check_bodies(
     from cea.files import check_writable
     from comparisons.cli.extras import need
     from comparisons.cli.output import console, print_warnings
-    from scenes.inspection import inspect_scene, told
-    from scenes.read import load_scene
-    from scenes.scene_error import SceneError
+    from scenes.checking.check import inspect_scene, told
+    from scenes.spec.problems import SceneError
+    from scenes.spec.reading import load_scene
 
     if out is not None:
         need("pictures")
@@ -82,7 +82,7 @@ def _check_bodies(
         status.update("bodies and contact points")
         inspection = inspect_scene(chosen)
         if out is not None and inspection.bodies:
-            from scenes.scene_picture import draw_scene
+            from scenes.pictures.scene import draw_scene
 
             status.update("picture")
             file = draw_scene(inspection, out / f"{Path(scene).stem}.png")
@@ -99,9 +99,9 @@ def _check_bodies(
 @app.command(name="list")
 def list_() -> None:
     """List the scenes that come with the project."""
-    from scenes.read import load_scene
-    from scenes.scene_files import matrix_scene_names, scene_names, tables_of
-    from scenes.sizes import dofs_of
+    from scenes.spec.consistency import dofs_of
+    from scenes.spec.files import matrix_scene_names, scene_names, tables_of
+    from scenes.spec.reading import load_scene
 
     rows = [("scene", "dofs, about", "bodies", "what it is")]
     for name in scene_names():
@@ -135,7 +135,7 @@ def reference(
     out: Annotated[Path | None, typer.Option(help="File to write instead.")] = None,
 ) -> None:
     """Every field of a scene, its type, default and meaning, as Markdown."""
-    from scenes.reference import reference_text
+    from scenes.spec.reference import reference_text
 
     _deliver(reference_text(), out)
 
@@ -148,7 +148,7 @@ def schema(
     out: Annotated[Path | None, typer.Option(help="File to write instead.")] = None,
 ) -> None:
     """JSON Schema of scenes, with which editors complete and check them."""
-    from scenes.schema import schema_text
+    from scenes.spec.schema import schema_text
 
     _deliver(schema_text("matrices" if matrices else "bodies"), out)
 

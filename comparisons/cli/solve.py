@@ -35,7 +35,7 @@ def solve(
 ) -> None:
     """Solve (lambda^2 M + lambda C + K) x = 0 for matrices from files."""
     from comparisons.cli.run import report_matrices
-    from scenes.matrix_scene import read_matrix_scene
+    from scenes.spec.matrices import read_matrix_scene
 
     files = {"M": mass, "K": stiffness} | ({"C": damping} if damping is not None else {})
     analysis = {

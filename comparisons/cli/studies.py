@@ -36,7 +36,7 @@ def accuracy(
     from comparisons.accuracy.runner import run_study
     from comparisons.accuracy.study import FULL, QUICK
     from comparisons.kit.records import last_seconds
-    from scenes.out_folder import check_out
+    from scenes.results.folder import check_out
 
     refuse_with_redraw(redraw, {"problems": problems, "quick": quick})
     check_out(out)

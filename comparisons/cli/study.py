@@ -142,7 +142,7 @@ def run_study(
     from comparisons.study.page import write_study
     from comparisons.study.result import read
     from comparisons.study.run import finished
-    from scenes.out_folder import check_out, new_folder
+    from scenes.results.folder import check_out, new_folder
 
     if redraw:
         _refuse({"quick": quick, "only": only, "anew": anew, **given})

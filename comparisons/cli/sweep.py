@@ -70,7 +70,7 @@ def sweep(
     from comparisons.cli.redraw import refuse_with_redraw
     from comparisons.cli.samples import are_distributions, sample
     from comparisons.sweep.axes import read_axis
-    from scenes.out_folder import check_out
+    from scenes.results.folder import check_out
 
     need("pictures")
     refuse_with_redraw(redraw, {"set": set_, "backend": backend, "data": data})
@@ -135,7 +135,7 @@ def _map(asked: Any, out: Path) -> None:
     from comparisons.sweep.map_page import write_result
     from comparisons.sweep.map_study import run_map
     from comparisons.sweep.map_tables import headline, summary_table, thresholds_table
-    from scenes.out_folder import new_folder
+    from scenes.results.folder import new_folder
 
     with working("map") as work:
         found, rows, store = run_map(asked, out, work.stage)
@@ -169,7 +169,7 @@ def _each_in_full(
     from comparisons.sweep.page import write_sweep
     from comparisons.sweep.study import Sweep, run_sweep
     from comparisons.sweep.tables import unstable_table, values_table
-    from scenes.out_folder import new_folder
+    from scenes.results.folder import new_folder
 
     if len(axes) > 1:
         raise InputError("axis", axes[1].name, "one field only with --full")
@@ -195,7 +195,7 @@ def _draw_anew(scene: str, axes: "list[Axis]", out: Path) -> None:
     from comparisons.sweep.map_page import write_result
     from comparisons.sweep.netcdf import read_map
     from comparisons.sweep.page import read_sweep, write_sweep
-    from scenes.out_folder import new_folder
+    from scenes.results.folder import new_folder
 
     found, rows = read_sweep(out), None
     asked: dict[str, Any] = {"scene": scene, "axes": [dict(axis.plain()) for axis in axes]}
@@ -236,7 +236,7 @@ def threshold(
     """
     from comparisons.cli.backend import with_backend
     from comparisons.sweep.axes import read_axis
-    from scenes.out_folder import check_out
+    from scenes.results.folder import check_out
 
     need_maps()
     asked = tuple(read_axis(axis) for axis in axes)

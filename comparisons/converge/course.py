@@ -10,8 +10,8 @@ from comparisons.converge.follow import Followed, estimated
 from comparisons.converge.ladder import MESHES, Ladder, window_of
 from comparisons.converge.request import Request
 from comparisons.kit.progress import Progress
-from scenes.read import Scene
 from scenes.spec.body import Backend
+from scenes.spec.reading import Scene
 
 
 class _OutOfTimeError(Exception):

@@ -11,7 +11,7 @@ from cea.arrays import Complexes, Ints
 from cea.eigen.eigenvalue_matching import assign, connected
 from comparisons.converge.bars import Estimated, bar_of, opened, pair, single
 from comparisons.converge.ladder import Mesh
-from scenes.run_matching import match_runs
+from scenes.results.matching import match_runs
 
 
 @dataclass

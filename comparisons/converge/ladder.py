@@ -18,22 +18,21 @@ from cea.eigen.spectrum import Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
 from comparisons.kit.progress import Progress
-from scenes.memory import estimated_memory
-from scenes.nested import estimate_errors
-from scenes.read import Scene
-from scenes.refinement import (
+from scenes import Result, run_modes
+from scenes.checking.memory import estimated_memory
+from scenes.checking.run_time import estimated_seconds
+from scenes.refinement.meshes import (
     Resolution,
     from_file,
     has_singular_edges,
     on_backend_of_shapes,
     refined,
 )
-from scenes.results import ModesResult
-from scenes.richer import enriched_scene
-from scenes.run import run_modes
-from scenes.run_time import estimated_seconds
+from scenes.running.enrich import enriched_scene
+from scenes.running.nested import estimate_errors
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.body import Backend
+from scenes.spec.reading import Scene
 
 MESHES = 3
 """Meshes of a bar: two differences show the order of convergence."""
@@ -83,7 +82,7 @@ class Mesh:
     stable: NDArray[np.bool_]
     window: Window
     warnings: tuple[ResultWarning, ...]
-    result: ModesResult | None = field(repr=False)
+    result: Result | None = field(repr=False)
     corrected: Complexes | None = None
 
 

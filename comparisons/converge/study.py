@@ -10,10 +10,10 @@ from comparisons.converge.ladder import window_of
 from comparisons.converge.request import Request
 from comparisons.converge.told import data_of
 from comparisons.kit.progress import Progress
-from scenes.read import Scene, load_scene
-from scenes.refinement import from_file
+from scenes.refinement.meshes import from_file
+from scenes.results.record import record
 from scenes.spec.body import Backend
-from scenes.stored import record
+from scenes.spec.reading import Scene, load_scene
 
 COMMAND = "converge"
 """Command that a result is marked with."""

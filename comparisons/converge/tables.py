@@ -6,7 +6,7 @@ from cea.eigen.classify import threshold_text
 from comparisons.kit.interactive import sign
 from comparisons.kit.numbers import MISSING, number, shown
 from comparisons.kit.tables import VERDICTS, Column, Data, Table
-from scenes.names import backend_name
+from scenes.spec.names import backend_name
 
 
 def with_bar(value: float, bar: float | None) -> str:

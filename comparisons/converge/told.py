@@ -14,11 +14,11 @@ from comparisons.converge.course import Course
 from comparisons.converge.ladder import Mesh, elements_of, window_of
 from comparisons.converge.request import Request, half_unit
 from comparisons.kit.run_warnings import Run, merged_warnings
-from scenes.following import STATE_KEPT
-from scenes.read import Scene
-from scenes.refinement import moved_to_mortar
-from scenes.scene_toml import scene_text
+from scenes.checking.steady import STATE_KEPT
+from scenes.refinement.meshes import moved_to_mortar
 from scenes.spec.body import Backend
+from scenes.spec.reading import Scene
+from scenes.spec.toml import scene_text
 
 
 def data_of(

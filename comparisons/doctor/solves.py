@@ -51,8 +51,8 @@ def solve(backend: Backend) -> Finding:
 
 def worst_error(backend: Backend) -> float:
     """Largest relative error of the eigenvalues of the two blocks."""
-    from scenes.read import load_scene
-    from scenes.run import run_modes
+    from scenes import run_modes
+    from scenes.spec.reading import load_scene
 
     scene = load_scene(_SCENE, backend=backend).change(_COARSE)
     found = run_modes(scene).eigenvalues

@@ -82,7 +82,7 @@ def launcher(*, launched: bool) -> Finding:
 
 def memory() -> Finding:
     """Memory that a run may have."""
-    from scenes.memory import available_memory
+    from scenes.checking.memory import available_memory
 
     available = available_memory()
     told = f"{available / 1e9:.1f} GB"

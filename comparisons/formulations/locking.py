@@ -25,11 +25,11 @@ from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
 from exact_cea.reference import exact_eigenvalues
-from scenes.names import backend_name
-from scenes.read import Scene, load_scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.variants import on_backend
+from scenes.spec.names import backend_name
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import on_backend
 
 _MARGIN = 1.15
 """How far beyond the exact eigenvalues is searched: locked ones lie too high."""

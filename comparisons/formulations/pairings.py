@@ -18,13 +18,13 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
-from scenes.names import backend_name
-from scenes.read import Scene, load_scene
-from scenes.results import ModesResult
-from scenes.run_matching import match_unstable
+from scenes import Result
+from scenes.results.matching import match_unstable
 from scenes.spec.body import Backend, BodySpec
 from scenes.spec.mesh import MeshSpec
-from scenes.variants import BACKENDS, with_contact
+from scenes.spec.names import backend_name
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import BACKENDS, with_contact
 
 FREQUENCY_BOUND = 0.01
 """Largest relative difference of frequencies that agree."""
@@ -111,7 +111,7 @@ def _name(backends: tuple[Backend, Backend]) -> str:
     return " on ".join(map(backend_name, backends))
 
 
-def _unstable(result: ModesResult) -> list[dict[str, Any]]:
+def _unstable(result: Result) -> list[dict[str, Any]]:
     """Unstable modes with their errors."""
     return [
         {
@@ -126,7 +126,7 @@ def _unstable(result: ModesResult) -> list[dict[str, Any]]:
     ]
 
 
-def _run(name: str, result: ModesResult) -> dict[str, Any]:
+def _run(name: str, result: Result) -> dict[str, Any]:
     window, unstable = result.modes.window, _unstable(result)
     return {
         "run": name,
@@ -140,7 +140,7 @@ def _run(name: str, result: ModesResult) -> dict[str, Any]:
     }
 
 
-def _differences(label: str, first: ModesResult, second: ModesResult) -> Iterator[dict[str, Any]]:
+def _differences(label: str, first: Result, second: Result) -> Iterator[dict[str, Any]]:
     """Every unstable mode of two runs beside its partner."""
     found = match_unstable(first, second)
     for pair in found["pairs"]:

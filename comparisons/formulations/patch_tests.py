@@ -29,10 +29,10 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
-from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import Scene, load_scene
+from scenes.building.build import build_bodies, build_interfaces, build_system
 from scenes.spec.body import Backend
 from scenes.spec.load import LoadSpec
+from scenes.spec.reading import Scene, load_scene
 
 PRESSURE = 1000.0
 """Exact contact pressure of every patch test (N/m^2)."""

@@ -7,7 +7,7 @@ from typing import Any
 from comparisons.formulations import locking, pairings, patch_tests
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study
-from scenes.read import Scene
+from scenes.spec.reading import Scene
 
 PARTS: dict[str, Any] = {"patch_tests": patch_tests, "locking": locking, "pairings": pairings}
 """Modules of the parts, each with ``cases`` and ``evaluate``."""

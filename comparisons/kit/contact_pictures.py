@@ -13,7 +13,7 @@ from cea.arrays import Floats
 from cea.contact.operators import Contact
 from cea.system.sliding_state import ContactState
 from comparisons.kit.plots import AXIS, BLUE, GREY, save
-from scenes.results import ModesResult, StaticResult
+from scenes import Result
 
 _OPEN = "#D9D9D9"
 _FLAT = 0.5
@@ -24,7 +24,7 @@ _FAR = 3.5
 """Distance between neighbours, in roots of the area weight of a point."""
 
 
-def draw_contacts(result: ModesResult | StaticResult, out: Path) -> list[Path]:
+def draw_contacts(result: Result, out: Path) -> list[Path]:
     """Draw what each contact with a law carries in steady sliding.
 
     In space seen along the coordinate nearest to the contact's mean normal, or in which it is

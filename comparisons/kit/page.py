@@ -12,7 +12,7 @@ from cea.files import write_whole
 from comparisons.kit.interactive import library, scripts, style
 from comparisons.kit.records import RESULT
 from comparisons.kit.tables import Table
-from scenes.stored import write_record
+from scenes.results.record import write_record
 
 if TYPE_CHECKING:
     from comparisons.kit.shapes import Shapes

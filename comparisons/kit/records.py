@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from cea.errors import InputError
-from scenes.out_folder import RESULT as RESULT
-from scenes.stored import read_record
+from scenes.results.folder import RESULT as RESULT
+from scenes.results.record import read_record
 
 
 def read_result(out: Path, command: str) -> dict[str, Any]:

@@ -16,8 +16,8 @@ from cea.eigen.classify import BY_URGENCY, GROWING
 from comparisons.kit.binary import STEPS, Binary, quantised
 from comparisons.kit.interactive import literal
 from comparisons.kit.numbers import growth, number
-from scenes.results import ModesResult, StaticResult
-from scenes.skin import Skin, skins
+from scenes import Result
+from scenes.pictures.skin import Skin, skins
 
 _POINTS = 4000
 """Points of the outsides of a scene, about: more are not seen on a screen."""
@@ -59,7 +59,7 @@ class Shapes:
         """Plain data for the page, beside the text of :attr:`binary`."""
         return {"scenes": self.scenes, "modes": self.modes, "steps": STEPS}
 
-    def add_bodies(self, key: str, result: ModesResult | StaticResult) -> None:
+    def add_bodies(self, key: str, result: Result) -> None:
         """Keep the bodies of a result at rest, and its contact points; collective."""
         outside = _outside(result)
         if result.comm.rank == 0:
@@ -68,7 +68,7 @@ class Shapes:
     def add(
         self,
         key: str,
-        result: ModesResult,
+        result: Result,
         modes: Sequence[int],
         like: str | None = None,
         title: str = "",
@@ -88,7 +88,7 @@ class Shapes:
         title
             What is said of the result.
         """
-        from scenes.drawing import largest_deflection  # brings pyvista
+        from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
         outside = _outside(result)
         shapes = {
@@ -109,10 +109,8 @@ class Shapes:
             kept[str(mode + 1)]["scene"] = like or key
             self._size += 4 * u.size
 
-    def _add_scene(
-        self, key: str, result: ModesResult | StaticResult, outside: Mapping[str, Skin]
-    ) -> None:
-        from scenes.drawing import view_of  # brings pyvista
+    def _add_scene(self, key: str, result: Result, outside: Mapping[str, Skin]) -> None:
+        from scenes.pictures.drawing import view_of  # brings pyvista
 
         points = [skin.points for skin in outside.values()]
         scene = self._scene(outside)
@@ -173,14 +171,14 @@ class Shapes:
         return {"real": real, "imaginary": imaginary}
 
 
-def _outside(result: ModesResult | StaticResult) -> dict[str, Skin]:
+def _outside(result: Result) -> dict[str, Skin]:
     """Outsides of the bodies with no more points than a page has room for; collective."""
-    from scenes.decimation import reduced  # brings pyvista
+    from scenes.pictures.decimation import reduced  # brings pyvista
 
     return reduced(skins(result.bodies, _POINTS), _MOST_POINTS)
 
 
-def _told(result: ModesResult, mode: int, title: str) -> dict[str, Any]:
+def _told(result: Result, mode: int, title: str) -> dict[str, Any]:
     row = result.table()[mode]
     return {
         "number": mode + 1,
@@ -191,7 +189,7 @@ def _told(result: ModesResult, mode: int, title: str) -> dict[str, Any]:
     }
 
 
-def by_importance(result: ModesResult) -> list[int]:
+def by_importance(result: Result) -> list[int]:
     """Numbers of modes from 0: growing ones first, the fastest growing before, then undecided."""
     rows = enumerate(result.table())
     return [

@@ -13,8 +13,8 @@ from cea.petsc import MPI
 from comparisons.kit.progress import Progress
 from comparisons.paper.common.figure import Data, PaperFigure
 from comparisons.paper.common.store import MadeFigure, make_figure
+from scenes.results.record import read_record
 from scenes.spec.body import Backend
-from scenes.stored import read_record
 
 BACKENDS: tuple[Backend, ...] = ("iga", "fe")
 

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from scenes.stored import read_record, write_record
+from scenes.results.record import read_record, write_record
 
 
 def solve(scene_data: dict[str, Any], mass_quadrature: int | None) -> dict[str, Any]:
@@ -28,9 +28,9 @@ def solve(scene_data: dict[str, Any], mass_quadrature: int | None) -> dict[str, 
     """
     from cea.body import Body
     from fe_cea import LagrangeSpace
-    from scenes.body_meshes import body_mesh
-    from scenes.read import read_scene
-    from scenes.run import run_modes
+    from scenes import run_modes
+    from scenes.building.body_meshes import body_mesh
+    from scenes.spec.reading import read_scene
 
     scene = read_scene(scene_data)
     bodies = None

@@ -26,11 +26,11 @@ from comparisons.peers import calculix
 from comparisons.peers.measured import Measured, run_measured
 from scenes.export.decks.bodies import deck_bodies
 from scenes.export.decks.write import write_deck
-from scenes.plain import as_data
-from scenes.read import Scene, load_scene
+from scenes.results.record import read_record, record, write_record
 from scenes.spec.mesh import FeMesh, MeshSpec
-from scenes.stored import read_record, record, write_record
-from scenes.variants import with_contact
+from scenes.spec.plain import as_data
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import with_contact
 
 COMMAND = "peers"
 STORED = Path(__file__).parent / "results"

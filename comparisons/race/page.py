@@ -5,7 +5,7 @@ from typing import Any
 
 from comparisons.kit.records import RESULT
 from comparisons.race.tables import race_table
-from scenes.stored import write_record
+from scenes.results.record import write_record
 
 
 def write_race(data: dict[str, Any], out: Path) -> Path:

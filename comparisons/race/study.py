@@ -17,9 +17,10 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 from cea.arrays import Complexes
 from cea.errors import InputError
 from cea.petsc import MPI
-from scenes.matrix_run import AssembledMatrices, MatrixResult
-from scenes.matrix_scene import MatrixScene
-from scenes.stored import record
+from scenes import Result
+from scenes.results.record import record
+from scenes.running.matrices import AssembledMatrices
+from scenes.spec.matrices import MatrixScene
 
 COMMAND = "race"
 SHIFTS = 5
@@ -104,7 +105,7 @@ def race(
     return record(COMMAND, data, inputs=inputs, seconds=seconds, warnings=warnings)
 
 
-def _common(first: MatrixResult, values: Complexes) -> int:
+def _common(first: Result, values: Complexes) -> int:
     """How many modes of a result are among some eigenvalues."""
     apart = np.abs(first.eigenvalues[:, None] - values)
     return int((apart.min(axis=1) <= _SAME * np.abs(first.eigenvalues)).sum())

@@ -24,12 +24,12 @@ from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study
 from meshes.breaks import graded
-from scenes.read import Scene, load_scene
-from scenes.results import ModesResult
-from scenes.run_matching import match_runs
+from scenes import Result
+from scenes.results.matching import match_runs
 from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.variants import on_backend, with_contact
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import on_backend, with_contact
 
 GROWTH = 10.0
 """Growth rate (1/s) above which digits of it are asked for."""
@@ -101,7 +101,7 @@ def cases(options: Options) -> Iterator[Case]:
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     """Every level; modes of the finest of both backends beside each other."""
-    finest: dict[Backend, ModesResult] = {}
+    finest: dict[Backend, Result] = {}
     changes: dict[Backend, dict[int, tuple[float, float]]] = {}
     runs, modes = [], []
     for backend, pair in session.options.levels.items():
@@ -188,14 +188,14 @@ def _elements(mesh: MeshSpec, backend: Backend) -> str:
     return " x ".join(map(str, chosen.elements))
 
 
-def _values(result: ModesResult, modes: Any) -> list[dict[str, float]]:
+def _values(result: Result, modes: Any) -> list[dict[str, float]]:
     return [
         {"frequency": float(v.imag / tau), "growth": float(v.real)}
         for v in result.eigenvalues[modes]
     ]
 
 
-def _changes(coarse: ModesResult, fine: ModesResult) -> dict[int, tuple[float, float]]:
+def _changes(coarse: Result, fine: Result) -> dict[int, tuple[float, float]]:
     """Relative change of frequency and change of growth rate (1/s), by mode of the fine run."""
     changes = {}
     for each in match_runs(coarse, fine).groups:

@@ -11,17 +11,16 @@ from comparisons.kit.provenance import machine
 from comparisons.kit.shapes import Shapes, by_importance
 from comparisons.kit.tables import Table
 from comparisons.run_report import plots, tables, words
-from scenes.matrix_run import MatrixResult
-from scenes.results import ModesResult, StaticResult
-from scenes.steady import steady_lines
-from scenes.stored import read_record
+from scenes import Result
+from scenes.results.record import read_record
+from scenes.results.steady import steady_lines
 
 TEMPLATE = Path(__file__).with_name("page.html")
 _KEY = "run"
 """Name of the modes on the page."""
 
 
-def write_run_report(result: ModesResult | StaticResult | MatrixResult, record: Path) -> Path:
+def write_run_report(result: Result, record: Path) -> Path:
     """Write the page of a run beside its record; collective, rank 0 writes.
 
     Parameters
@@ -29,7 +28,7 @@ def write_run_report(result: ModesResult | StaticResult | MatrixResult, record: 
     result
         The run.
     record
-        Its ``result.json``, as :func:`scenes.describe.save_result` wrote it.
+        Its ``result.json``, as :func:`scenes.save_result` wrote it.
 
     Returns
     -------
@@ -39,9 +38,9 @@ def write_run_report(result: ModesResult | StaticResult | MatrixResult, record: 
     """
     page = record.with_name(REPORT)
     shapes = Shapes()
-    if isinstance(result, ModesResult):
+    if result.spectrum is not None and result.coupled is not None:
         shapes.add(_KEY, result, by_importance(result))
-    elif isinstance(result, StaticResult):
+    elif result.coupled is not None:
         shapes.add_bodies(_KEY, result)
     if result.comm.rank == 0:
         write_whole(_page(read_record(record), shapes).encode(), page)

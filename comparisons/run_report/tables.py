@@ -8,7 +8,7 @@ from comparisons.kit import provenance
 from comparisons.kit.interactive import sign
 from comparisons.kit.numbers import growth, number, plain, shown
 from comparisons.kit.tables import Column, Data, Table
-from scenes.names import backend_name
+from scenes.spec.names import backend_name
 
 
 def modes(data: Data) -> Table:

@@ -10,7 +10,7 @@ from cea.errors import ConvergenceError, InputError
 from comparisons.stability.parts.case import Run
 from comparisons.stability.parts.problems import Answer, ModesAnswer
 from comparisons.stability.verdicts import Judged, answered, crashed, refused
-from scenes.scene_error import SceneError
+from scenes.spec.problems import SceneError
 
 _GAPS = 2
 """Gaps between frequencies among which the widest ends a window."""

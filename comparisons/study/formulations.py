@@ -13,9 +13,9 @@ from cea.contact.formulations import (
     NodeToSurface,
     Segments,
 )
-from scenes.contact_checks import suits
-from scenes.read import Scene
 from scenes.spec.body import Backend
+from scenes.spec.contact_checks import suits
+from scenes.spec.reading import Scene
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import pandas as pd
 
 from cea.errors import InputError
 from comparisons.kit.records import RESULT, read_result
-from scenes.stored import read_record
+from scenes.results.record import read_record
 
 ARRAYS = "arrays.npz"
 """File of the arrays beside the record."""
@@ -82,7 +82,7 @@ class StudyResult:
 
     def save(self, out: Path) -> None:
         """Write record and arrays to a folder."""
-        from scenes.stored import write_record
+        from scenes.results.record import write_record
 
         write_record(self.record, out / RESULT)
         write_arrays({f"{k}/{n}": a for k, own in self.arrays.items() for n, a in own.items()}, out)

@@ -17,8 +17,8 @@ from comparisons.study.result import StudyResult, read, read_case, write_arrays
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study, evaluated
 from comparisons.study.worker import Workers
-from scenes.plain import as_data
-from scenes.stored import commit, record, write_record
+from scenes.results.record import commit, record, write_record
+from scenes.spec.plain import as_data
 
 _DIRTY = "-dirty"
 

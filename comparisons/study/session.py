@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 
 from comparisons.study.modes_view import Shapes
-from scenes.plain import as_data
-from scenes.read import Scene
-from scenes.results import ModesResult, StaticResult
-from scenes.run import run_scene
+from scenes import Result, run_scene
+from scenes.spec.plain import as_data
+from scenes.spec.reading import Scene
 
 _REMEMBERED = 2
 """Runs whose bodies are remembered: cases often alternate between two backends."""
@@ -57,11 +56,11 @@ class Session:
         scene
             The scene.
         options
-            As of :func:`scenes.run.run_scene`.
+            As of :func:`scenes.run_scene`.
 
         Returns
         -------
-        ModesResult or StaticResult
+        Result or Result
             The result.
         """
         scene = scene or self.scene
@@ -84,7 +83,7 @@ class Session:
         self.note(result)
         return result
 
-    def note(self, result: ModesResult | StaticResult) -> None:
+    def note(self, result: Result) -> None:
         """Note what a run took and left out; :meth:`solve` does it."""
         self.runs.append(
             {
@@ -101,7 +100,7 @@ class Session:
         self.arrays[name] = np.asarray(array)
 
     def keep_modes(
-        self, name: str, result: ModesResult, numbers: Sequence[int], title: str = ""
+        self, name: str, result: Result, numbers: Sequence[int], title: str = ""
     ) -> None:
         """Keep modes for the viewer of the page; collective.
 

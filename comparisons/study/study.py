@@ -11,8 +11,8 @@ from comparisons.study.modes_view import NUMBERS, stored
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section
 from comparisons.study.session import Session
-from scenes.read import Scene
-from scenes.stored import as_json
+from scenes.results.record import as_json
+from scenes.spec.reading import Scene
 
 Case = Mapping[str, Any]
 """What sets a case apart: plain values by name, which are columns of every table of it."""

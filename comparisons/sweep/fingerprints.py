@@ -17,7 +17,7 @@ from cea.eigen.low_rank import LowRank
 from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Pencil
 from comparisons.sweep.mapped import Mapped
-from scenes.stored import as_json
+from scenes.results.record import as_json
 
 _PARTS = (0.0, 0.381966, 1.0)
 """Where between the ends of all axes coefficients are looked at."""

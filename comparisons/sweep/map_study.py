@@ -25,7 +25,7 @@ from comparisons.sweep.rows import Row, Start, map_row
 from comparisons.sweep.store import Store
 from comparisons.sweep.study import COMMAND
 from comparisons.sweep.thrift import BasisTooDearError, Thrift
-from scenes.stored import record
+from scenes.results.record import record
 
 _TRAINING = 17
 """Values of an axis over decades at which bounds are looked at while the basis is made."""

@@ -14,14 +14,15 @@ from cea.errors import InputError
 from cea.reduced.norm import shift_of
 from cea.reduced.pieces import check_pencil
 from cea.warned import ResultWarning
-from scenes.assembled import AssembledScene
-from scenes.matrix_run import AssembledMatrices
-from scenes.matrix_scene import is_of_matrices, load_matrices
-from scenes.plain import as_data
-from scenes.read import load_scene
+from scenes.running.assembled import AssembledScene
+from scenes.running.matrices import AssembledMatrices
+from scenes.running.swept import no_two_alike, parameters_meant, stiffnesses_meant
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.contact import ContactSpec
-from scenes.swept import no_two_alike, parameters_meant, stiffnesses_meant
+from scenes.spec.files import is_of_matrices
+from scenes.spec.matrices import load_matrices
+from scenes.spec.plain import as_data
+from scenes.spec.reading import load_scene
 
 
 class Varied(Protocol):

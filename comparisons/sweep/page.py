@@ -9,7 +9,7 @@ from comparisons.kit.records import RESULT, read_result
 from comparisons.sweep.figures import sweep_figure
 from comparisons.sweep.study import COMMAND
 from comparisons.sweep.tables import modes_table, unstable_table, values_table
-from scenes.stored import write_record
+from scenes.results.record import write_record
 
 
 def read_sweep(out: Path) -> dict[str, Any]:

@@ -23,7 +23,7 @@ from comparisons.sweep.probabilities import record_of, warnings_of
 from comparisons.sweep.sampled import Sampled, gathered, solved
 from comparisons.sweep.store import Store
 from comparisons.sweep.study import COMMAND
-from scenes.stored import record
+from scenes.results.record import record
 
 _MOST = 1_000_000
 """Samples."""

@@ -13,14 +13,15 @@ from cea.eigen.eigenvalue_matching import assign
 from cea.errors import ConvergenceError, InputError
 from comparisons.kit.run_warnings import Run, merged_warnings
 from comparisons.kit.tables import Data
-from scenes.assembled import AssembledScene
-from scenes.matrix_run import AssembledMatrices, MatrixResult
-from scenes.matrix_scene import is_of_matrices, load_matrices
-from scenes.read import load_scene
-from scenes.results import ModesResult
-from scenes.scene_error import SceneError
-from scenes.stored import record
-from scenes.swept import means_several, parameters_meant, stiffnesses_meant
+from scenes import Result
+from scenes.results.record import record
+from scenes.running.assembled import AssembledScene
+from scenes.running.matrices import AssembledMatrices
+from scenes.running.swept import means_several, parameters_meant, stiffnesses_meant
+from scenes.spec.files import is_of_matrices
+from scenes.spec.matrices import load_matrices
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene
 
 COMMAND = "sweep"
 _NEAR = 0.02
@@ -31,7 +32,7 @@ _MOST = 1000
 
 Assembled = AssembledScene | AssembledMatrices
 """A scene that is solved at changed fields."""
-Result = ModesResult | MatrixResult
+Result = Result
 """What comes of it."""
 
 
@@ -45,7 +46,7 @@ class Sweep:
         Name of a scene, or its file.
     field
         Path of the field that is changed, e.g. ``parameters.Omega``; or a short name, or one with
-        asterisks, of fields that change together (:func:`scenes.swept.parameters_meant`).
+        asterisks, of fields that change together (:func:`scenes.running.swept.parameters_meant`).
     start, stop
         Its first and its last value.
     count

@@ -43,7 +43,7 @@ class StaticAnalysis:
     load_steps: LoadSteps | None = None
 
     left_out: ClassVar[tuple[str, ...]] = ("load_steps",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         _check_load_steps(self.load_steps)
@@ -78,7 +78,7 @@ class ComplexEigenvalueAnalysis:
     geometric_stiffness: bool = False
 
     left_out: ClassVar[tuple[str, ...]] = ("min_growth", "load_steps", "geometric_stiffness")
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         _check_load_steps(self.load_steps)

@@ -74,4 +74,4 @@ class BodySpec:
         return self.mesh.fe.degree if self.mesh.fe is not None else None
 
     left_out: ClassVar[tuple[str, ...]] = ("damping", "rotation")
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""

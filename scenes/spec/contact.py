@@ -3,15 +3,15 @@
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Union
 
-from pydantic import Field, GetCoreSchemaHandler
+from pydantic import Discriminator, Field, GetCoreSchemaHandler, Tag
 from pydantic_core import CoreSchema
 
 from cea.contact.coupling import Form
 from cea.contact.formulations import Formulation, registered
-from cea.contact.friction import FrictionDirection
+from cea.contact.friction import AlongField, AlongVector, Circumferential
 from cea.contact.laws import NormalCompliance
 from cea.errors import InputError
-from cea.fields import Expression
+from cea.expressions import Expression
 from scenes.spec.motion import SlidingSpec
 
 
@@ -23,6 +23,33 @@ class _Registered:
     ) -> CoreSchema:
         every: Any = Union[tuple(registered().values())]  # noqa: UP007  (made of a list)
         return handler.generate_schema(Annotated[every, Field(discriminator="method")])
+
+
+_DIRECTIONS = {
+    "vector": "AlongVector",
+    "circumferential_about": "Circumferential",
+    "field": "AlongField",
+}
+"""Kinds of directions of friction by the field that each needs."""
+
+
+def _kind_of_direction(value: Any) -> str | None:
+    """The kind of a direction of friction; None where none of the fields is given."""
+    if not isinstance(value, dict):
+        return type(value).__name__
+    return next((kind for name, kind in _DIRECTIONS.items() if name in value), None)
+
+
+Direction = Annotated[
+    Annotated[AlongVector, Tag("AlongVector")]
+    | Annotated[Circumferential, Tag("Circumferential")]
+    | Annotated[AlongField, Tag("AlongField")],
+    Discriminator(
+        _kind_of_direction,
+        custom_error_type="form",
+        custom_error_message="a table {vector = ...}, {circumferential_about = ...}, {field = ...}",
+    ),
+]
 
 
 @dataclass(frozen=True)
@@ -39,8 +66,8 @@ class ContactSpec:
         Global contact stiffness, the integral of p over the interface (N/m).
     p
         Contact stiffness (N/m^3), a number or an expression in the coordinates
-        (:class:`cea.fields.Expression`), which is zero where the sides have lifted off; either P or
-        p is given, or c_n.
+        (:class:`cea.expressions.Expression`), which is zero where the sides have lifted off;
+        either P or p is given, or c_n.
     c_n, m_n
         Normal compliance -sigma_n = c_n (u_n - g_n)_+^m_n (N/m^(2 + m_n)), m_n 1 or more, 1 by
         default: the loads press the sides together, and p is that of steady sliding.
@@ -75,7 +102,7 @@ class ContactSpec:
     m_n: Annotated[float, Field(allow_inf_nan=True)] | None = None
     added_gap: float | str = 0.0
     mu: float | str = 0.0
-    friction_direction_on_a: FrictionDirection | None = None
+    friction_direction_on_a: Direction | None = None
     full_pass: bool = False
     form: Form | None = None
     reach: Annotated[float, Field(gt=0)] | None = None
@@ -83,7 +110,7 @@ class ContactSpec:
     sliding: SlidingSpec | None = None
 
     left_out: ClassVar[tuple[str, ...]] = ("c_n", "m_n", "added_gap", "sliding")
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         for name, value in (("p", self.p), ("mu", self.mu), ("added_gap", self.added_gap)):

@@ -46,7 +46,7 @@ class FeMesh:
     layers: Annotated[int, Field(ge=0, le=8)] = 0
 
     left_out: ClassVar[tuple[str, ...]] = ("edges", "layers")
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         if self.edges and self.cell in SIMPLICES:
@@ -122,4 +122,4 @@ class MeshSpec:
     degree: Annotated[int, Field(ge=1, le=4)] | None = None
 
     left_out: ClassVar[tuple[str, ...]] = ("degree",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""

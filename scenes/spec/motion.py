@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from cea.damping import ModalDamping, RayleighDamping
 from cea.errors import InputError
-from cea.fields import Expression
+from cea.expressions import Expression
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class DampingSpec:
     modal: ModalDamping | None = None
 
     left_out: ClassVar[tuple[str, ...]] = ("modal",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         ways = [self.alpha is not None or self.beta is not None, self.ratios is not None]

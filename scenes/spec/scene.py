@@ -64,7 +64,7 @@ class SceneSpec:
     units: Literal["SI", "other"] = "SI"
 
     left_out: ClassVar[tuple[str, ...]] = ("units",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     # Nested dataclasses, those of other rooms too, are checked under the same configuration.
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(

@@ -49,7 +49,7 @@ class SupportSpec:
     value: float | tuple[float, ...] | None = None
 
     left_out: ClassVar[tuple[str, ...]] = ("value",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.plain`)."""
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         if not any(set(self.components) <= set(names) for names in _COMPONENTS):

@@ -11,8 +11,8 @@ from cea.contact.cell_coordinates import continued_coordinates
 from cea.contact.segments import segment_points
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
-from scenes.build import build_bodies
-from scenes.read import load_scene
+from scenes.building.build import build_bodies
+from scenes.spec.reading import load_scene
 
 
 def sides(scene, overrides, backend):

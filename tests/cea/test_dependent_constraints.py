@@ -9,8 +9,8 @@ from scipy.linalg import eigvals, null_space
 
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.shifted import count_below
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import read_scene
 
 INF = float("inf")
 

@@ -9,9 +9,9 @@ from covering import covering
 
 from cea.contact.interface import pair
 from cea.errors import InputError
-from scenes.assembled import assemble as assemble_scene
-from scenes.read import read_scene
-from scenes.run import run_modes, run_scene
+from scenes import run_modes, run_scene
+from scenes.running.assembled import assemble as assemble_scene
+from scenes.spec.reading import read_scene
 
 GPTS = {"method": "gpts", "points": 3}
 LUMPED = GPTS | {"lumped": True}

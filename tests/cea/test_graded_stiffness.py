@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from motions import dense
 
-from scenes.read import load_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import load_scene
 
 flint = pytest.importorskip("flint")
 

@@ -10,9 +10,9 @@ from motions import control_points, dense, product, resultant, rotation_of, unkn
 
 from cea.eigen.krylov_schur import solve_modes
 from cea.matrices import gather
-from scenes.read import load_scene
-from scenes.run import run_scene
-from scenes.scene_error import SceneError
+from scenes import run_scene
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene
 
 P, MU, CLOSURE = 3.0, 0.4, 1e-6
 GPTS = {"method": "gpts", "points": 4}

@@ -15,9 +15,9 @@ from cea.eigen.mode_matching import (
     subspace_assurance,
 )
 from cea.errors import InputError
-from scenes.read import read_scene
-from scenes.run import run_scene
-from scenes.run_matching import circumferential_orders, match_runs, match_unstable
+from scenes import run_scene
+from scenes.results.matching import circumferential_orders, match_runs, match_unstable
+from scenes.spec.reading import read_scene
 
 RNG = np.random.default_rng(7)
 

@@ -8,7 +8,7 @@ from pressed import pressed_blocks
 
 from cea.errors import InputError
 from scenes import read_scene, run_scene
-from scenes.scene_error import SceneError
+from scenes.spec.problems import SceneError
 
 E, NU, STRETCH = 2.0, 0.3, 1e-3
 SIZE = (1.0, 0.8, 0.5)

@@ -9,10 +9,10 @@ from scipy.linalg import eigh
 
 from cea.material import IsotropicMaterial
 from scenes import assemble, read_scene, run_scene
-from scenes.build import build_body
-from scenes.plain import as_data
-from scenes.run import skipped_by
-from scenes.scene_error import SceneError
+from scenes.building.build import build_body
+from scenes.checking.steps import skipped_by
+from scenes.spec.plain import as_data
+from scenes.spec.problems import SceneError
 
 STEEL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 MU = STEEL.lame[1]

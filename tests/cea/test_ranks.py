@@ -8,7 +8,7 @@ from mpi import on_ranks
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from cea.ranks import FaultOnRankError, agreed, made_on_first
-from scenes.scene_error import SceneError
+from scenes.spec.problems import SceneError
 
 
 @pytest.mark.mpi

@@ -15,8 +15,8 @@ from scipy.linalg import eigh, eigvals
 from cea.eigen.neumann import NeumannSeries
 from cea.eigen.shifted import Shifted
 from cea.rotation import Rotation
-from scenes.read import read_scene
-from scenes.run import coupled
+from scenes.running.system import coupled
+from scenes.spec.reading import read_scene
 
 RING = {"shape": "ring", "inner_radius": 0.6, "outer_radius": 1.0}
 DISC = {"shape": "annulus", "inner_radius": 0.4, "outer_radius": 1.0, "bottom": 0.0, "top": 0.2}

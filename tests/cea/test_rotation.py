@@ -12,8 +12,8 @@ from cea.errors import InputError
 from cea.rotation import Rotation
 from cea.timing import StageTimer
 from meshes.placement import Placement
-from scenes.build import build_bodies
-from scenes.read import read_scene
+from scenes.building.build import build_bodies
+from scenes.spec.reading import read_scene
 
 INNER, OUTER, RATE = 0.6, 1.0, 0.05
 SOLID = {"shape": "annulus", "inner_radius": INNER, "outer_radius": OUTER, "bottom": 0, "top": 0.3}

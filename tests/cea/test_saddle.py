@@ -12,9 +12,9 @@ from scipy.linalg import eigvals, null_space
 from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.shifted import count_below
 from cea.errors import InputError
-from scenes.read import load_scene
-from scenes.run import run_scene
-from scenes.scene_error import SceneError
+from scenes import run_scene
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene
 
 MAX_FREQUENCY = 1.0
 

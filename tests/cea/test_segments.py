@@ -7,8 +7,8 @@ from blocks import ROTATED, two_blocks
 from cea.contact.interface import pair
 from cea.contact.segments import segment_points
 from cea.timing import StageTimer
-from scenes.build import build_bodies
-from scenes.read import read_scene
+from scenes.building.build import build_bodies
+from scenes.spec.reading import read_scene
 
 PAIRINGS = [("fe", "fe"), ("fe", "iga"), ("iga", "fe"), ("iga", "iga")]
 TETRAHEDRA = {"cell": "tetrahedron", "degree": 2, "size": 0.25}

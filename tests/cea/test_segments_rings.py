@@ -13,8 +13,8 @@ from covering import covering
 from cea.contact.segments import segment_points
 from cea.surface_points import SurfaceCoordinates
 from cea.timing import StageTimer
-from scenes.build import build_bodies
-from scenes.read import load_scene
+from scenes.building.build import build_bodies
+from scenes.spec.reading import load_scene
 
 INNER, OUTER = 0.08, 0.16
 REACH = 0.02

@@ -15,8 +15,8 @@ from cea.eigen.pencil import FRICTION, Pencil
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import load_scene
+from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.spec.reading import load_scene
 
 
 def system_of(scene):

@@ -8,8 +8,8 @@ from petsc_matrices import to_numpy
 
 from cea.errors import InputError
 from meshes.placement import Placement
-from scenes.read import read_scene
-from scenes.scene_error import SceneError
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 PRESSURE, SPEED, SLOPE, MU = 3.0, 0.5, -0.2, 0.4
 AREA = 0.5 * 0.6

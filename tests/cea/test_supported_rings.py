@@ -21,8 +21,8 @@ from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
 from meshes.shapes import Annulus
-from scenes.read import read_scene
-from scenes.run import run_scene
+from scenes import run_scene
+from scenes.spec.reading import read_scene
 
 
 @pytest.mark.parametrize(

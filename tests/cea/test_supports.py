@@ -14,7 +14,7 @@ from cea.supports.boundary import Support
 from cea.supports.directions import Directions, merged
 from cea.supports.elimination import ProjectedConstraints, constrain
 from cea.supports.frames import Cartesian, Cylindrical, SurfaceNormal
-from scenes.scene_error import SceneError
+from scenes.spec.problems import SceneError
 
 
 def test_free_space_is_the_null_space_of_all_constraints():

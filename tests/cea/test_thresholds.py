@@ -14,8 +14,8 @@ from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import load_scene
+from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.spec.reading import load_scene
 
 MU = "contacts.interface.mu"
 TOP = 2.5 / (2 * np.pi)

@@ -13,8 +13,8 @@ from supported import ABOUT_Z, BOX, RING, build, on
 from cea.body.unknowns import free_operator, system_operator
 from cea.contact.interface import along, jump_along
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_interfaces
-from scenes.read import read_scene
+from scenes.building.build import build_bodies, build_interfaces
+from scenes.spec.reading import read_scene
 
 RNG = np.random.default_rng(3)
 SUPPORTS = {

@@ -29,7 +29,7 @@ from comparisons.accuracy.study import (
 from comparisons.accuracy.worker import CaseWorker
 from comparisons.kit.worker import WorkerError
 from exact_cea.reference import exact_eigenvalues
-from scenes.read import load_scene
+from scenes.spec.reading import load_scene
 
 
 @pytest.mark.grid(quick=2)

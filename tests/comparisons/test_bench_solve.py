@@ -11,7 +11,7 @@ from comparisons.bench.solve.page import REPORT
 from comparisons.bench.solve.study import METHODS, OURS, SolveStudy, errors_of, unstable
 from comparisons.bench.solve.tables import left_out_table, methods_table
 from comparisons.kit.progress import Progress
-from scenes.run import run_modes
+from scenes import run_modes
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 

@@ -21,9 +21,9 @@ from comparisons.brake.study import (
 )
 from comparisons.study.result import read
 from comparisons.study.run import run
-from scenes.memory import estimated_memory
-from scenes.read import load_scene
-from scenes.scene_error import SceneError
+from scenes.checking.memory import estimated_memory
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene
 
 BODIES = ("disc", "lower_pad", "upper_pad")
 LINEAR = tuple(f"bodies.{name}.mesh.fe.degree=1" for name in BODIES)

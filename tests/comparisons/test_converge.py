@@ -23,10 +23,10 @@ from comparisons.converge.page import read_converge, write_converge
 from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
 from comparisons.kit.progress import Progress
-from scenes.read import load_scene, read_scene
-from scenes.run import run_modes
-from scenes.scene_error import SceneError
-from scenes.scene_toml import scene_text
+from scenes import run_modes
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
+from scenes.spec.toml import scene_text
 
 SILENT = Progress(step=lambda _: None, stage=lambda _: None)
 MU_CRITICAL = 0.05989842834808168909

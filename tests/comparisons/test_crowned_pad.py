@@ -23,8 +23,8 @@ from comparisons.paper.crowned_pad.case import (
 )
 from comparisons.paper.crowned_pad.drawing import draw_study
 from comparisons.paper.crowned_pad.study import CROWNED_PAD
-from scenes.run import run_modes
-from scenes.stored import read_record
+from scenes import run_modes
+from scenes.results.record import read_record
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 COARSE = {

@@ -27,9 +27,9 @@ from comparisons.paper.disc_pad.runs import Runs, compare_spectra
 from comparisons.paper.disc_pad.stability_diagram import Measure, Panel, StabilityFigure
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
 from comparisons.paper.registry import FIGURES
-from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.plain import as_data
-from scenes.stored import read_record
+from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.results.record import read_record
+from scenes.spec.plain import as_data
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 

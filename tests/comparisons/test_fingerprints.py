@@ -12,7 +12,7 @@ from comparisons.sweep.axes import read_axis
 from comparisons.sweep.fingerprints import fingerprint
 from comparisons.sweep.map_study import AskedMap, run_map
 from comparisons.sweep.mapped import mapped
-from scenes.scene_files import scene_file
+from scenes.spec.files import scene_file
 
 MESHES = {
     "fe": {"upper": [6, 2], "lower": [5, 3]},

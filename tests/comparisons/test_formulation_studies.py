@@ -12,8 +12,8 @@ from comparisons.formulations.patch_tests import PRESSURE, PROBLEMS
 from comparisons.formulations.study import QUICK as QUICK_OPTIONS
 from comparisons.formulations.study import STUDY, Options
 from comparisons.study.run import run
-from scenes.read import load_scene
-from scenes.run import run_scene
+from scenes import run_scene
+from scenes.spec.reading import load_scene
 
 YARDSTICKS = ("segments", "mortar")
 QUICK = {

@@ -8,7 +8,7 @@ from comparisons.sweep.axes import read_axis
 from comparisons.sweep.mapped import NoMapError, mapped
 from comparisons.sweep.study import Sweep, run_sweep
 from scenes import assemble, load_scene, run_modes
-from scenes.scene_toml import scene_text
+from scenes.spec.toml import scene_text
 
 MU, PRESSURE = "contacts.interface.mu", "loads.0.pressure"
 

@@ -27,7 +27,7 @@ from comparisons.sweep.mapped import NoMapError, mapped
 from comparisons.sweep.netcdf import read_map
 from comparisons.sweep.sensitivities import sensitivities_table
 from comparisons.sweep.study import Sweep, run_sweep
-from scenes.swept import parameters_meant
+from scenes.running.swept import parameters_meant
 
 MESHES = {
     "fe": {"upper": [8, 2], "lower": [5, 3]},

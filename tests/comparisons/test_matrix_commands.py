@@ -23,8 +23,8 @@ from comparisons.sweep import page as sweep_page
 from comparisons.sweep.page import read_sweep, write_sweep
 from comparisons.sweep.study import Curves, Sweep, curves_of, run_sweep
 from comparisons.sweep.tables import unstable_table, values_table
-from scenes.matrix_scene import load_matrices, read_matrix_scene
-from scenes.scene_error import SceneError
+from scenes.spec.matrices import load_matrices, read_matrix_scene
+from scenes.spec.problems import SceneError
 
 STORED = Path(sweep_page.__file__).with_name("results")
 PUBLISHED = """

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError
+from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from comparisons.cli.app import app
 from comparisons.cli.fitting import ShownColumn, blocks, total
@@ -19,9 +20,9 @@ from comparisons.cli.progress import working
 from comparisons.kit.numbers import shown
 from comparisons.kit.records import RESULT, last_seconds
 from comparisons.kit.tables import Column, Table
-from scenes import load_scene
-from scenes.opened import StoredModes
-from scenes.stored import record, write_record
+from scenes import Result, load_scene
+from scenes.results.record import record, write_record
+from scenes.running.analysis import analysis_of
 
 WIDTHS = (40, 60, 80, 120)
 WINDOW = Window(12000.0, 1e9, inf, 4, 2, inf, True, False, 1e10, 4, None)
@@ -56,10 +57,18 @@ def result():
         bounded=np.array([False, True, False, False]),
         warnings=(LONG,),
     )
-    data = {"dofs": {"free": 1234}, "timings": {}, "skipped": {"newton": "known stiffness"}}
-    common = dict.fromkeys(("command", "inputs", "versions", "commit", "machine"), "")
-    scene = load_scene("disc_pad")
-    return StoredModes(**common, seconds=1.0, warnings=(), data=data, scene=scene, modes=modes)
+    scene, left_out = load_scene("disc_pad"), {"newton": "known stiffness"}
+    made, stored = {"command": "run"}, {"dofs": {"free": 1234}}
+    return Result(
+        analysis_of(scene),
+        scene,
+        StageTimer(),
+        left_out,
+        modes.warnings,
+        spectrum=modes,
+        provenance=made,
+        stored=stored,
+    )
 
 
 @pytest.mark.parametrize("width", WIDTHS)

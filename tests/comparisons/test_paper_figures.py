@@ -23,9 +23,9 @@ from comparisons.paper.common.store import STORED, fingerprint, make_figure
 from comparisons.paper.patch_test.case import PatchTestCase, run_case, shown
 from comparisons.paper.patch_test.quadrature import QUADRATURE, fitted_slope
 from comparisons.paper.registry import FIGURES, chosen
-from scenes.read import load_scene
-from scenes.run import run_scene
-from scenes.stored import read_record
+from scenes import run_scene
+from scenes.results.record import read_record
+from scenes.spec.reading import load_scene
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 

@@ -17,7 +17,7 @@ from comparisons.kit.interactive import finite, literal
 from comparisons.kit.shapes import Shapes, by_importance
 from comparisons.run_report.page import write_run_report
 from scenes import load_scene, run_modes, run_scene, save_result
-from scenes.skin import skins
+from scenes.pictures.skin import skins
 
 
 @pytest.fixture(scope="module")

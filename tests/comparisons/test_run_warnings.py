@@ -18,8 +18,8 @@ from comparisons.sweep.mapped import mapped
 from comparisons.sweep.study import Sweep, run_sweep
 from comparisons.sweep.tables import values_table
 from scenes import load_scene, run_modes
-from scenes.read import read_scene
-from scenes.scene_toml import scene_text
+from scenes.spec.reading import read_scene
+from scenes.spec.toml import scene_text
 
 NU, STIFFNESS = "bodies.pad.material.nu", "contacts.sliding.p"
 

@@ -9,10 +9,9 @@ from PIL import Image
 
 import cea
 from comparisons.cli.app import main
-from scenes.read import load_scene
-from scenes.run import skipped_by
-from scenes.scene_files import SCENES, matrix_scene_names, scene_names
-from scenes.steps import needed_by
+from scenes.checking.steps import needed_by, skipped_by
+from scenes.spec.files import SCENES, matrix_scene_names, scene_names
+from scenes.spec.reading import load_scene
 
 
 @pytest.fixture

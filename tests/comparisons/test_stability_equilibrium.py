@@ -9,9 +9,9 @@ from cea.errors import ConvergenceError
 from cea.matrices import destroy, gather
 from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
 from comparisons.stability.parts.problems import OfScene
-from scenes import read_scene
-from scenes.run import coupled, run_static
-from scenes.scene_error import SceneError
+from scenes import read_scene, run_static
+from scenes.running.system import coupled
+from scenes.spec.problems import SceneError
 
 EPS = np.finfo(float).eps
 

@@ -8,8 +8,8 @@ from comparisons.stability.parts.dense import dense_eigenvalues, dense_kappas, l
 from comparisons.stability.parts.references import copies, dense
 from comparisons.stability.parts.scenes import in_units, layers, moved, sprag
 from comparisons.stability.parts.ways import ALONE, WAYS, chosen
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import read_scene
 
 
 def test_a_window_ends_in_a_gap_and_never_cuts_copies():

@@ -9,7 +9,7 @@ from cea.eigen.eigenvalue_matching import assign
 from comparisons.sweep.axes import read_axis
 from comparisons.sweep.map_study import AskedMap, run_map
 from scenes import run_modes
-from scenes.read import load_scene
+from scenes.spec.reading import load_scene
 
 SCENE = Path(__file__).parent.parent / "data" / "sweeps" / "bonded.toml"
 TIED = "contacts.tie.P=inf"

@@ -26,8 +26,8 @@ from comparisons.paper.patch_test.quadrature import QuadratureStudy, fitted_slop
 from comparisons.paper.registry import FIGURES
 from comparisons.reference.study import LEVELS, STUDY, graded_scene
 from comparisons.study.result import read
-from scenes.run import run_modes
-from scenes.stored import read_record
+from scenes import run_modes
+from scenes.results.record import read_record
 
 QUIET = Progress(step=lambda name: None, stage=lambda stage: None)
 ESTIMATES = {"growth_uncertainty", "uncertainty", "verdict", "residual", "condition"}

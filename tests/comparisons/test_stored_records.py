@@ -15,7 +15,7 @@ from comparisons.peers.study import STORED as PEERS_STORED
 from comparisons.reference.study import STUDY as REFERENCE
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.study import COMMAND as SWEEP
-from scenes.stored import PROVENANCE, read_record
+from scenes.results.record import PROVENANCE, read_record
 
 MEASURED = Path(accuracy_page.__file__).with_name("results") / "result.json.gz"
 RECORDS = [

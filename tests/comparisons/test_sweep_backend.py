@@ -8,7 +8,7 @@ import pytest
 from cea.errors import InputError
 from comparisons.cli.app import main
 from comparisons.cli.backend import with_backend
-from scenes.read import load_scene
+from scenes.spec.reading import load_scene
 
 COARSE = (
     "bodies.upper.mesh.fe.elements=[6,2]",

@@ -16,11 +16,11 @@ from comparisons.cli.app import main
 from comparisons.sweep.axes import read_axis
 from comparisons.sweep.distributions import read_distribution
 from meshes.files.reading import read_mesh_file
-from scenes.read import load_scene, read_scene
-from scenes.run import run_modes
-from scenes.scene_error import SceneError
-from scenes.scene_toml import scene_text
-from scenes.stored import read_record
+from scenes import run_modes
+from scenes.results.record import read_record
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
+from scenes.spec.toml import scene_text
 
 ENDS = "import sys; sys.argv[0] = 'cea'\nfrom comparisons.cli.app import main\nmain()"
 SECONDS = 20

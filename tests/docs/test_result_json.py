@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 
 from comparisons.cli.run import run
 from scenes import open_result, read_scene, run_modes, save_result
-from scenes.out_folder import listed
+from scenes.results.folder import listed
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "result_json.md"
 LISTS = ("unstable", "eigenvalues")

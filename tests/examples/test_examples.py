@@ -23,9 +23,9 @@ from examples import (
     which_formulation,
 )
 from scenes import assemble
-from scenes.inspection import inspect_scene
-from scenes.read import load_scene
-from scenes.refinement import has_singular_edges
+from scenes.checking.check import inspect_scene
+from scenes.refinement.meshes import has_singular_edges
+from scenes.spec.reading import load_scene
 
 ROOT = Path(__file__).parents[2]
 SAME = 1e-8

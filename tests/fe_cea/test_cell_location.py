@@ -5,9 +5,9 @@ import pytest
 
 from cea.timing import StageTimer
 from fe_cea.cell_location import Cells
-from scenes.build import build_bodies
-from scenes.read import load_scene
-from scenes.refinement import Resolution, refined
+from scenes.building.build import build_bodies
+from scenes.refinement.meshes import Resolution, refined
+from scenes.spec.reading import load_scene
 
 
 @pytest.fixture(scope="module")

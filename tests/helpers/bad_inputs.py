@@ -14,16 +14,16 @@ from mesh_writers import write
 from scene_mutations import HOSTILE, NAMES, Bad, drawn, places, random_mutation, text_of, valid
 
 from cea.errors import ConvergenceError, InputError
-from cea.fields import Expression
+from cea.expressions import Expression
 from cea.mesh import Mesh
 from meshes.breaks import breaks_of
 from meshes.mesh_file import MeshFile
 from meshes.patches import NurbsFile
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box
-from scenes.opened import open_result
-from scenes.read import load_scene, read_scene
-from scenes.scene_error import SceneError
+from scenes import open_result
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
 
 PATIENCE = 20.0
 """Seconds after which an input hangs; each takes milliseconds on a machine with nothing else."""

@@ -3,9 +3,9 @@
 from pydantic import TypeAdapter
 
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import Scene, read_scene
-from scenes.validation import checked
+from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.spec.plain import checked
+from scenes.spec.reading import Scene, read_scene
 
 SECTIONS = TypeAdapter(Scene)
 """Reads sections that are each right by themselves."""

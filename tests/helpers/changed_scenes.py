@@ -4,7 +4,7 @@ import numpy as np
 from damped_numbers import modally_damped_disc
 
 from scenes import assemble
-from scenes.read import read_scene
+from scenes.spec.reading import read_scene
 
 
 def rectangle(backend, size, origin, elements):

@@ -8,8 +8,8 @@ from gmsh_models import gmsh_model
 
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
-from scenes.read import read_scene
-from scenes.run import run_static
+from scenes import run_static
+from scenes.spec.reading import read_scene
 
 MORTAR = {"method": "mortar"}
 SEGMENTS = {"method": "segments"}

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import read_scene
 
 RATE = 0.3
 

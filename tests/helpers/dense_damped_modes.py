@@ -3,8 +3,8 @@
 import numpy as np
 
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import read_scene
 
 
 def in_window(values, window):

@@ -1,8 +1,8 @@
 """Scenes whose numbers, motions or places are unlikely to be meant."""
 
-from scenes.inspection import inspect_scene
-from scenes.read import read_scene
-from scenes.run import run_scene
+from scenes import run_scene
+from scenes.checking.check import inspect_scene
+from scenes.spec.reading import read_scene
 
 STEEL, TONNES = {"E": 2.1e11, "rho": 7850.0}, {"E": 2.1e5, "rho": 7.85e-9}
 

@@ -6,7 +6,7 @@ from math import tau
 import numpy as np
 
 from exact_cea.reference import whole_spectrum
-from scenes.read import load_scene
+from scenes.spec.reading import load_scene
 
 _BEYOND = 1.05
 UNIT = {"drum": 1.0, "blocks": 1.0, "ring": 1e12}

@@ -10,7 +10,7 @@ from PIL import Image
 
 from cea.arrays import Complexes, Floats
 from cea.files import write_whole
-from scenes.drawing import DEFLECTION, aim, largest_deflection, view_of
+from scenes.pictures.drawing import DEFLECTION, aim, largest_deflection, view_of
 
 _WINDOW = (1800, 800)
 _HALF_WINDOW = (_WINDOW[0] // 2, _WINDOW[1])
@@ -36,7 +36,7 @@ _BAR = {
 
 
 def draw_files(modes: Path, contacts: Path, file: Path) -> None:
-    """Draw the first mode of the files that :func:`scenes.paraview.write_paraview` wrote.
+    """Draw the first mode of the files that :func:`scenes.export.paraview.write_paraview` wrote.
 
     The phase is that of largest deflection; displacement and pressure are relative to the largest.
 

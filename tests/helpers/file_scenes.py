@@ -9,9 +9,9 @@ from mesh_writers import write
 from cea.petsc import MPI
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
-from scenes.read import load_scene, read_scene
-from scenes.run import run_modes
-from scenes.validation import plain_data
+from scenes import run_modes
+from scenes.spec.plain import plain_data
+from scenes.spec.reading import load_scene, read_scene
 
 ELEMENTS = {"upper": (2, 1, 2), "lower": (4, 2, 2)}
 TOP = {1: 0.36, 2: 0.25}

@@ -6,8 +6,7 @@ import numpy as np
 from hertz import LineContact, PointContact, contact_modulus
 
 from meshes.breaks import graded
-from scenes import load_scene
-from scenes.run import run_static
+from scenes import load_scene, run_static
 
 CYLINDER, SPHERE = "hertz_cylinder", "hertz_sphere"
 FINE = 0.02

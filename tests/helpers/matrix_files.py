@@ -68,8 +68,8 @@ def inside(values, max_frequency=0.6, min_growth=-1.0):
 
 def on_this_many_ranks(folder):
     """Modes of the scene, with sums of its matrices, on all ranks of a program."""
-    from scenes.matrix_run import run_matrices
-    from scenes.matrix_scene import read_matrix_scene
+    from scenes.running.matrices import run_matrices
+    from scenes.spec.matrices import read_matrix_scene
 
     result = run_matrices(read_matrix_scene(scene(folder)))
     values = result.eigenvalues
@@ -86,8 +86,8 @@ def refused(folder):
     """The field that each rank refuses."""
     from cea.errors import InputError
     from cea.petsc import MPI
-    from scenes.matrix_run import run_matrices
-    from scenes.matrix_scene import read_matrix_scene
+    from scenes.running.matrices import run_matrices
+    from scenes.spec.matrices import read_matrix_scene
 
     try:
         run_matrices(read_matrix_scene(scene(folder)))

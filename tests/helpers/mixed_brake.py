@@ -8,8 +8,8 @@ import numpy as np
 from mpi4py import MPI
 
 from meshes.files.content import KINDS
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import read_scene
 
 RADII, HIGH, PAD = (0.03, 0.045, 0.075, 0.08), 0.015, 0.01
 """Bore, rim of the hub and range of the pad, outer radius; thickness of disc and of pad (m)."""

@@ -7,10 +7,10 @@ from reference_data import plane_meshes
 
 from cea.eigen.eigenvalue_matching import assign
 from cea.matrices import gather
-from scenes.nested import estimate_errors, prolongation
-from scenes.read import load_scene
-from scenes.richer import richer_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.running.enrich import richer_scene
+from scenes.running.nested import estimate_errors, prolongation
+from scenes.spec.reading import load_scene
 
 MESHES = {
     ("drum", "fe"): {"outer": [4, 24], "inner": [8, 16]},

@@ -15,12 +15,10 @@ from cea.eigen.options import KrylovOptions
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
-from scenes.describe import describe
-from scenes.read import load_scene, read_scene
-from scenes.results import ModesResult
-from scenes.run import run_modes, run_scene
-from scenes.scene_files import SCENES
-from scenes.validation import checked
+from scenes import run_modes, run_scene
+from scenes.spec.files import SCENES
+from scenes.spec.plain import checked
+from scenes.spec.reading import load_scene, read_scene
 
 in_krylov_spaces = patch(
     "cea.eigen.krylov_schur.KrylovOptions", lambda: KrylovOptions(dense_limit=0)
@@ -198,7 +196,7 @@ def asymmetry(matrix):
 def facts(scene):
     result = run_scene(scene)
     system = result.system
-    data = describe(result)
+    data = dict(result.data)
     shown = {
         "contacts": data["contacts"],
         "dofs": data["dofs"],
@@ -215,7 +213,7 @@ def facts(scene):
         ],
     }
     traces = probes(result)
-    if isinstance(result, ModesResult):
+    if result.spectrum is not None:
         modes = result.modes
         shapes = np.concatenate([result.mode_shapes(name, traces[name]) for name in system.bodies])
         shown |= {

@@ -3,8 +3,8 @@
 from blocks import two_blocks
 
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import read_scene
+from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.spec.reading import read_scene
 
 PRESSURE, AREA = 1e-3, 0.3
 SOFT = 10.0

@@ -28,8 +28,8 @@ from cea.eigen.krylov_schur import solve_modes
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import release
 from cea.errors import ConvergenceError, InputError
-from scenes.run import run_modes
-from scenes.scene_error import SceneError
+from scenes import run_modes
+from scenes.spec.problems import SceneError
 
 
 @dataclass

@@ -10,7 +10,7 @@ import re
 import numpy as np
 from random_pieces import Draw, a_body, a_contact, leaning, rectangle, supports
 
-from scenes.read import Scene, read_scene
+from scenes.spec.reading import Scene, read_scene
 
 
 def random_scene(seed: int) -> Scene:

@@ -3,7 +3,7 @@
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
-from scenes.scene_error import SceneError
+from scenes.spec.problems import SceneError
 
 
 class UnpackableError(Exception):

@@ -6,8 +6,8 @@ from reference_data import plane_meshes, stored
 
 from cea.eigen.krylov_schur import KrylovSchur
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import load_scene
+from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.spec.reading import load_scene
 
 MESHES = {
     "fe": {"upper": [8, 2], "lower": [5, 3]},

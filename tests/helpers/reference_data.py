@@ -8,8 +8,8 @@ import numpy as np
 
 from cea.eigen.eigenvalue_matching import match_spectrum
 from exact_cea.reference import whole_spectrum
-from scenes.read import load_scene
-from scenes.run import run_scene
+from scenes import run_scene
+from scenes.spec.reading import load_scene
 
 DATA = Path(__file__).parents[1] / "data"
 DRUM_BODIES = ("outer", "inner")

@@ -4,8 +4,8 @@ import numpy as np
 from nested_scenes import paired
 from scipy.linalg import eigvals
 
-from scenes.richer import richer_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.running.enrich import richer_scene
 
 
 def dense_eigenvalues(scene):

@@ -3,8 +3,8 @@
 import numpy as np
 from damped_numbers import damped_disc
 
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import read_scene
 
 DAMPING = {
     "Rayleigh": {"alpha": 0.02, "beta": 0.05},

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from scenes.scene_files import SCENES
+from scenes.spec.files import SCENES
 
 NAMES = sorted(file.stem for file in SCENES.glob("*.toml"))
 POSITIVE = {

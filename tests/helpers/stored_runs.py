@@ -4,7 +4,7 @@ from math import inf
 
 from scene_mutations import valid
 
-from scenes.stored import record
+from scenes.results.record import record
 
 WINDOW = {
     **{"max_frequency": 1.0, "shift": 2.0, "radius": inf, "found": 1, "discs": 1, "upper": 3.0},

@@ -9,9 +9,9 @@ import numpy as np
 
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, Method, overrides
-from scenes.memory import estimated_memory
-from scenes.read import load_scene
-from scenes.run_time import estimated_seconds
+from scenes.checking.memory import estimated_memory
+from scenes.checking.run_time import estimated_seconds
+from scenes.spec.reading import load_scene
 
 STORED = Path(__file__).parents[2] / "comparisons" / "accuracy" / "results" / "result.json.gz"
 

@@ -7,8 +7,8 @@ from cea.eigen.pencil import Pencil
 from cea.material import IsotropicMaterial
 from cea.timing import StageTimer
 from meshes.placement import Placement
-from scenes.build import build_bodies
-from scenes.read import read_scene
+from scenes.building.build import build_bodies
+from scenes.spec.reading import read_scene
 
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 BOX = {"shape": "box", "size": [1.0, 0.7, 0.4]}

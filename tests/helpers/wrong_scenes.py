@@ -8,10 +8,10 @@ from time import perf_counter
 from scene_mutations import at
 
 from cea.errors import InputError
-from scenes.inspection import inspect_scene
-from scenes.read import read_scene
-from scenes.scene_error import SceneError
-from scenes.scene_files import set_fields, tables_of
+from scenes.checking.check import inspect_scene
+from scenes.spec.files import set_fields, tables_of
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 TABLE = tomllib.loads((Path(__file__).parents[1] / "data" / "bad_inputs.toml").read_text())
 PATIENCE = 10.0

@@ -9,8 +9,8 @@ from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.patches import NurbsFile
 from meshes.shapes import Annulus, Ring
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import read_scene
 
 splinepy = pytest.importorskip("splinepy", reason="splinepy, which writes the files, is missing")
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cea.eigen.eigenvalue_matching import match_spectrum
-from scenes.read import load_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import load_scene
 
 pytest.importorskip("flint")
 

@@ -13,8 +13,8 @@ from catalogue import MESHED
 import scenes
 from cea.contact.formulations import Greville
 from scenes import SceneError, load_scene, read_scene
-from scenes.scene_files import SCENES
-from scenes.validation import plain_data
+from scenes.spec.files import SCENES
+from scenes.spec.plain import plain_data
 
 MU = "contacts.pad_disc.mu"
 

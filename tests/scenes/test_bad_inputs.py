@@ -13,17 +13,14 @@ from matrix_files import scene as a_scene_of_matrices
 from scene_mutations import HOSTILE, NAMES, Bad, coarse, mutations, random_mutation, valid
 from stored_runs import PATCH, a_record
 
-from cea.eigen.formula import Formula
 from cea.errors import InputError
-from cea.fields import Expression
+from cea.expressions import Expression, Formula
 from cea.mesh import Mesh
-from scenes.describe import save_result
-from scenes.matrix_scene import load_matrices, read_matrix_scene
-from scenes.opened import open_result
-from scenes.read import load_scene, read_scene
-from scenes.run import run_scene
-from scenes.scene_error import SceneError
-from scenes.stored import write_record
+from scenes import open_result, run_scene, save_result
+from scenes.results.record import write_record
+from scenes.spec.matrices import load_matrices, read_matrix_scene
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
 
 SEED = 12
 QUICK, FULL, RUNS = 400, 10_000, 200

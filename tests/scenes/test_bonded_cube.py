@@ -14,8 +14,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import read_scene
 
 E, NU, RHO = 1.0, 0.3, 1.0
 HIGHEST = 0.65

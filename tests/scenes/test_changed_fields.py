@@ -12,10 +12,10 @@ from same_numbers import assert_same
 
 from cea.errors import InputError
 from scenes import assemble, run_modes
-from scenes.paths import parts_of
-from scenes.plain import as_data
-from scenes.scene_error import SceneError
 from scenes.spec.analysis import StaticAnalysis
+from scenes.spec.paths import parts_of
+from scenes.spec.plain import as_data
+from scenes.spec.problems import SceneError
 from scenes.spec.scene import SceneSpec
 
 UPPER, LOWER, CONTACT = "bodies.upper", "bodies.lower", "contacts.interface"

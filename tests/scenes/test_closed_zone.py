@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from scenes import read_scene, run_modes
-from scenes.build import build_body
-from scenes.closed_zone import closed_zone
-from scenes.run import run_static
+from scenes import read_scene, run_modes, run_static
+from scenes.building.build import build_body
+from scenes.checking.closed_zone import closed_zone
 
 SEGMENTS = {"method": "segments"}
 RNG = np.random.default_rng(3)

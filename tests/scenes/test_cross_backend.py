@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from scenes.read import read_scene
-from scenes.run import run_scene
+from scenes import run_scene
+from scenes.spec.reading import read_scene
 
 BLOCK = {"shape": "box", "size": [1.0, 0.7, 0.4]}
 QUARTER = {

@@ -24,10 +24,10 @@ from curved_scenes import (
 from mpi import on_ranks
 
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_interfaces
-from scenes.inspection import inspect_scene, largest_gap
-from scenes.read import load_scene, read_scene
-from scenes.run import run_static
+from scenes import run_static
+from scenes.building.build import build_bodies, build_interfaces
+from scenes.checking.check import inspect_scene, largest_gap
+from scenes.spec.reading import load_scene, read_scene
 
 GPTS = {"method": "gpts", "points": 4}
 PLACED = {"axis": [0.0, 0.0, 1.0], "angle": 37.0, "translation": [0.3, -0.2, 0.0]}

@@ -10,12 +10,10 @@ from pressed import pressed_blocks
 
 from cea.errors import InputError
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
-from scenes.assembled import AssembledScene
-from scenes.describe import save_result
-from scenes.opened import open_result
-from scenes.read import read_scene
-from scenes.run import run_modes
-from scenes.scene_error import SceneError
+from scenes import open_result, run_modes, save_result
+from scenes.running.assembled import AssembledScene
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 GPTS = {"method": "gpts", "points": 3}
 
@@ -52,7 +50,7 @@ def assembled():
 )
 def test_changes_need_no_assembly(assembled, change, monkeypatch):
     expected = run_modes(assembled.scene.change(change, CHANGES[change]))
-    monkeypatch.setattr("scenes.assembled.run_modes", None)
+    monkeypatch.setattr("scenes.running.assembled.run_modes", None)
     found = assembled.modes({change: CHANGES[change]})
     np.testing.assert_allclose(found.eigenvalues, expected.eigenvalues, rtol=1e-9, atol=1e-9)
 

@@ -5,7 +5,7 @@ from deck_scenes import P2, SLIDING, alone, body, in_contact
 
 from scenes import read_scene
 from scenes.export.decks.write import write_deck
-from scenes.scene_error import SceneError
+from scenes.spec.problems import SceneError
 
 REFUSED = {
     "NURBS": ({"bodies.pad.backend": "iga"}, "bodies.pad.backend = 'iga'"),

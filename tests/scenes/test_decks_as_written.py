@@ -5,9 +5,9 @@ import pytest
 
 from cea.errors import InputError
 from meshes.mesh_file import MeshFile
-from scenes.read import read_scene
-from scenes.run import run_modes
-from scenes.scene_error import SceneError
+from scenes import run_modes
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 FREQUENCIES = [2096.2054, 3939.5816, 6647.2061]
 """Of the plate of 4 x 2 x 1 trilinear hexahedra, held at x = 0 (Hz), found without this program."""

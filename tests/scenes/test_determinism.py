@@ -3,8 +3,8 @@
 import pytest
 from covering import covering
 
-from scenes.read import load_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import load_scene
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ import pytest
 from reference_data import BLOCK_BODIES, DRUM_BODIES, compare, exact, plane_meshes, solve
 
 from cea.timing import StageTimer
-from scenes.build import build_bodies
-from scenes.read import load_scene
-from scenes.run import run_scene
+from scenes import run_scene
+from scenes.building.build import build_bodies
+from scenes.spec.reading import load_scene
 
 MESHES = {
     "drum": (DRUM_BODIES, ([2, 20], [2, 16])),

@@ -11,12 +11,12 @@ from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
 from comparisons.kit.progress import Progress
 from comparisons.sweep.study import Sweep, run_sweep
-from scenes.doubts import doubtful_numbers
-from scenes.inspection import inspect_scene
-from scenes.read import load_scene, read_scene
-from scenes.run import run_scene
-from scenes.scene_files import scene_names
-from scenes.scene_toml import scene_text
+from scenes import run_scene
+from scenes.checking.check import inspect_scene
+from scenes.checking.doubts import doubtful_numbers
+from scenes.spec.files import scene_names
+from scenes.spec.reading import load_scene, read_scene
+from scenes.spec.toml import scene_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from cea.errors import InputError
-from scenes import assemble, factor_storage, memory
-from scenes.memory import estimated_memory
-from scenes.read import load_scene
-from scenes.run import run_modes
+from scenes import assemble, run_modes
+from scenes.checking import memory
+from scenes.checking.memory import estimated_memory
+from scenes.running import factor_storage
+from scenes.spec.reading import load_scene
 
 
 def with_memory(monkeypatch, amount: float) -> None:

@@ -7,9 +7,9 @@ import pytest
 
 from cea.errors import InputError
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_interfaces, build_system
-from scenes.read import load_scene
-from scenes.scene_error import SceneError
+from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene
 
 
 def law_and_points(scene):

@@ -8,10 +8,9 @@ from covering import covering
 from file_scenes import built, eigenvalues, from_file, on_any_number_of_ranks
 from mpi import on_ranks
 
-from scenes.describe import describe
-from scenes.read import load_scene, read_scene
-from scenes.run import run_modes
-from scenes.scene_error import SceneError
+from scenes import run_modes
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
 
 FILES = ("a.msh", "a.inp", "a.cdb", "a.bdf", "a.xdmf", "a.vtu")
 NEEDED = {"cdb": "mapdl_archive", "xdmf": "h5py", "vtu": "meshio"}
@@ -64,10 +63,10 @@ def test_elements_of_higher_degree_on_the_cells_of_a_file(tmp_path):
 
 def test_results_say_where_nodes_were_added(tmp_path):
     scene = read_scene(from_file(built("hexahedron", 2), tmp_path / "a.inp", lacking=True))
-    told = describe(run_modes(scene))["skipped"]
+    told = run_modes(scene).data["skipped"]
     assert "upper, lower" in told["serendipity"]
     whole = read_scene(from_file(built("hexahedron", 2), tmp_path / "a.msh"))
-    assert "serendipity" not in describe(run_modes(whole))["skipped"]
+    assert "serendipity" not in run_modes(whole).data["skipped"]
 
 
 SCENE = """
@@ -129,7 +128,7 @@ def test_a_degree_is_of_files_alone():
 
 
 def test_meshes_of_files_that_do_not_fit_into_memory_are_refused(scene_file, monkeypatch):
-    monkeypatch.setattr("scenes.memory.available_memory", lambda: 2e8)
+    monkeypatch.setattr("scenes.checking.memory.available_memory", lambda: 2e8)
     with pytest.raises(ValueError, match=r"bodies.cube.geometry.file.* fits into memory"):
         run_modes(load_scene(scene_file))
 

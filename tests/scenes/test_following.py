@@ -126,6 +126,6 @@ def test_thresholds_lose_no_digits_where_a_contact_becomes_stiff(backend, stiff,
         solved.append(bool(driver.pencil.forces))
         return ConfirmedThreshold(names[0], real, 1j, 0, 0)
 
-    monkeypatch.setattr("scenes.assembled.first_threshold", sought)
+    monkeypatch.setattr("scenes.running.assembled.first_threshold", sought)
     assemble(scene).threshold("contacts.interface.P", 1.0, stiff)
     assert solved == [kept]

@@ -13,7 +13,7 @@ from cea.system.uniqueness import uniqueness_at
 from cea.timing import StageTimer
 from comparisons.stability.parts.scenes import sprag
 from scenes import read_scene, run_scene
-from scenes.build import build_bodies, build_interfaces, build_system
+from scenes.building.build import build_bodies, build_interfaces, build_system
 
 FORCE, LIMIT = 1e-3, 1 / np.tan(np.radians(60.0))
 

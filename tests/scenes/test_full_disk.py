@@ -20,13 +20,13 @@ def everything(folder):
 
 
 def paraview(result, out):
-    from scenes.paraview import write_paraview
+    from scenes.export.paraview import write_paraview
 
     write_paraview(result, 2, out)
 
 
 def pictures(result, out):
-    from scenes.pictures import draw_modes
+    from scenes.export.pictures import draw_modes
 
     draw_modes(result, 1, out, animated=True)
 

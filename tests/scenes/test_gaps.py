@@ -4,8 +4,8 @@ import pytest
 
 from cea.errors import InputError
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_interfaces
-from scenes.read import load_scene
+from scenes.building.build import build_bodies, build_interfaces
+from scenes.spec.reading import load_scene
 
 LIFTED = "bodies.upper.geometry.origin=[0.0,{}]"
 METHODS = {"gpts": "{method='gpts',points=4}", "mortar": "{method='mortar'}"}

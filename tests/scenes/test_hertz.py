@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 from hertz_scenes import CYLINDER, FINE, SPHERE, closed_form, errors, radius_of, rate, refined
 
-from scenes import load_scene
-from scenes.run import run_static
+from scenes import load_scene, run_static
 
 ORDER = 1.0
 TOLERANCE = 0.35

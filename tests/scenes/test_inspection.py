@@ -6,16 +6,16 @@ from PIL import Image
 from stored_seconds import ratios
 from wrong_scenes import changed, coarse
 
-from scenes import inspection
-from scenes.doubts import doubtful_numbers
-from scenes.inspection import gaps, inspect_scene, largest_gap, told
-from scenes.memory import estimated_memory
-from scenes.read import load_scene, read_scene
-from scenes.run import run_modes, run_scene, skipped_by
-from scenes.run_time import estimated_seconds
-from scenes.scene_files import scene_names
-from scenes.scene_picture import draw_scene
-from scenes.steps import needed_by
+from scenes import run_modes, run_scene
+from scenes.checking import check as inspection
+from scenes.checking.check import gaps, inspect_scene, largest_gap, told
+from scenes.checking.doubts import doubtful_numbers
+from scenes.checking.memory import estimated_memory
+from scenes.checking.run_time import estimated_seconds
+from scenes.checking.steps import needed_by, skipped_by
+from scenes.pictures.scene import draw_scene
+from scenes.spec.files import scene_names
+from scenes.spec.reading import load_scene, read_scene
 
 
 def scene_of(base, backend, *changes):

@@ -15,11 +15,11 @@ from cea.system.sliding_newton import Iteration, SlidingNewton
 from cea.system.steady_sliding import check_steps
 from comparisons.kit.contact_pictures import draw_contacts
 from scenes import assemble, open_result, read_scene, run_scene, save_result
-from scenes.paraview_steps import write_load_steps
-from scenes.plain import as_data
-from scenes.read import load_scene
-from scenes.run import skipped_by
-from scenes.scene_error import SceneError
+from scenes.checking.steps import skipped_by
+from scenes.export.paraview_steps import write_load_steps
+from scenes.spec.plain import as_data
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene
 
 GPTS = {"method": "gpts", "points": 3}
 LAW = {"c_n": 1e2, "m_n": 2.0, "mu": 0.3, "added_gap": "0.2*(x-0.45)**2"}

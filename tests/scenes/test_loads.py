@@ -8,8 +8,8 @@ from pressed import AREA, PRESSURE, SOFT, pressed_blocks
 
 from cea.timing import StageTimer
 from scenes import read_scene, run_scene
-from scenes.build import build_bodies, build_system
-from scenes.scene_error import SceneError
+from scenes.building.build import build_bodies, build_system
+from scenes.spec.problems import SceneError
 
 GPTS = {"method": "gpts", "points": 3}
 SIZE, FORCE = [0.5, 0.6, 0.3], [0.3, -0.7, 1.1]

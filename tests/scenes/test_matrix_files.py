@@ -11,8 +11,9 @@ from scipy.sparse import coo_array, csr_array, random_array, save_npz
 
 from cea.errors import InputError
 from cea.petsc import MPI, PETSc
-from scenes.matrix_files.read import read_matrix, split_name
-from scenes.matrix_files.symmetry import equal_entries, mean_with_transpose, symmetry_of
+from scenes.matrices.reading import read_matrix
+from scenes.matrices.symmetry import equal_entries, mean_with_transpose, symmetry_of
+from scenes.spec.matrices import split_name
 
 RNG = np.random.default_rng(0)
 GOOD = csr_array(random_array((7, 7), density=0.4, rng=np.random.default_rng(3)))
@@ -194,7 +195,7 @@ def test_cut_and_changed_files_are_read_or_refused(name, tmp_path):
     file = tmp_path / name
     WRITERS[name](GOOD, file)
     whole = file.read_bytes()
-    for _ in range(60):
+    for _ in range(60 if name in ("a.npz", "a.petsc") else 4):  # others take a process each
         content = bytearray(whole)
         if RNG.random() < 0.4:
             del content[int(RNG.integers(len(content))) :]

@@ -13,9 +13,9 @@ from scipy.sparse.linalg import norm
 
 from cea.errors import InputError
 from scenes import SceneError, load_matrices, load_scene, open_result, save_result
-from scenes.matrix_run import AssembledMatrices, run_matrices
-from scenes.matrix_scene import is_of_matrices, read_matrix_scene
-from scenes.unused import unused_parameters
+from scenes.running.matrices import AssembledMatrices, run_matrices, unused_parameters
+from scenes.spec.files import is_of_matrices
+from scenes.spec.matrices import read_matrix_scene
 
 WINDOW = {"kind": "cea", "max_frequency": 0.6}
 

@@ -6,10 +6,10 @@ from scipy.io import mmwrite
 from scipy.sparse import csr_array, diags_array, save_npz, tril
 
 from cea.errors import InputError
-from scenes.matrix_files.read import read_matrix
-from scenes.matrix_run import run_matrices
-from scenes.matrix_scene import read_matrix_scene
-from scenes.scene_error import SceneError
+from scenes.matrices.reading import read_matrix
+from scenes.running.matrices import run_matrices
+from scenes.spec.matrices import read_matrix_scene
+from scenes.spec.problems import SceneError
 
 N = 6
 MASS = csr_array(np.eye(N))
@@ -110,7 +110,7 @@ def test_files_of_abaqus_with_labels(tmp_path, header):
     M = labelled(MASS, tmp_path / "job_MASS1.mtx", nodes, header)
     K = labelled(csr_array(tril(CHAIN)), tmp_path / "job_STIF1.mtx", nodes, header)
     np.testing.assert_allclose(frequencies(scene(M, K)), CLOSED_FORM, rtol=1e-9)
-    from scenes.matrix_files.read import read_labelled
+    from scenes.matrices.reading import read_labelled
 
     matrix, labels = read_labelled(K)
     order = np.argsort(nodes)

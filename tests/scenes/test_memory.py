@@ -7,10 +7,10 @@ from mpi import run
 from peak_memory import PEAK
 
 from cea.errors import InputError
-from scenes import memory
-from scenes.memory import available_memory, check_memory, estimated_memory
-from scenes.read import load_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.checking import memory
+from scenes.checking.memory import available_memory, check_memory, estimated_memory
+from scenes.spec.reading import load_scene
 
 PEAK_OF_A_RUN = (
     PEAK

@@ -11,10 +11,10 @@ from mixed_brake import Brake, calculix, calculix_of_one_body, one_body, scene
 from mpi import on_ranks
 
 from comparisons.peers import calculix as peer
-from scenes.body_meshes import body_mesh, used_surfaces
+from scenes import run_modes
+from scenes.building.body_meshes import body_mesh, used_surfaces
 from scenes.export.decks.write import write_deck
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes.spec.reading import read_scene
 
 COUNT = 20
 

@@ -11,13 +11,11 @@ from scipy.sparse.linalg import spsolve
 
 from cea.errors import InputError
 from comparisons.stability.parts.dense_damped import damped_eigenvalues
-from scenes.assembled import AssembledScene
-from scenes.describe import save_result
-from scenes.opened import open_result
-from scenes.plain import as_data
-from scenes.read import load_scene, read_scene
-from scenes.run import run_modes
-from scenes.scene_error import SceneError
+from scenes import open_result, run_modes, save_result
+from scenes.running.assembled import AssembledScene
+from scenes.spec.plain import as_data
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
 
 RATIO = "bodies.disc.damping.modal.ratio"
 
@@ -56,7 +54,7 @@ def test_changes_need_no_assembly(assembled, change, monkeypatch):
     if "bodies.pad.damping.alpha" in change:
         change |= {"bodies.pad.damping.ratios": None, "bodies.pad.damping.frequencies": None}
     expected = run_modes(assembled.scene.change(change))
-    monkeypatch.setattr("scenes.assembled.run_modes", None)
+    monkeypatch.setattr("scenes.running.assembled.run_modes", None)
     found = assembled.modes(change)
     np.testing.assert_allclose(found.eigenvalues, expected.eigenvalues, rtol=1e-9, atol=1e-9)
 

@@ -13,12 +13,13 @@ from richer_truth import apart_from_richer
 
 from cea.errors import InputError
 from exact_cea.reference import exact_eigenvalues
-from scenes import memory, nested
-from scenes.memory import estimated_memory
-from scenes.nested import estimate_errors
-from scenes.read import load_scene
-from scenes.richer import richer_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.checking import memory
+from scenes.checking.memory import estimated_memory
+from scenes.running import nested
+from scenes.running.enrich import richer_scene
+from scenes.running.nested import estimate_errors
+from scenes.spec.reading import load_scene
 
 BACKENDS = ("iga", "fe")
 HIGHEST = {"drum": 2.0, "blocks": 2.9}

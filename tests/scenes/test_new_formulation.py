@@ -10,11 +10,11 @@ from blocks import two_blocks
 from cea.contact import formulations
 from cea.contact.formulations import Formulation, GaussPointToSurface, register, registered
 from cea.errors import InputError
-from scenes.contact_checks import suits
-from scenes.read import read_scene
-from scenes.run import run_scene
-from scenes.scene_error import SceneError
-from scenes.validation import plain_data
+from scenes import run_scene
+from scenes.spec.contact_checks import suits
+from scenes.spec.plain import plain_data
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from covering import covering
 from reference_data import compare, exact, solve
 
 from exact_cea.reference import exact_eigenvalues
-from scenes.read import load_scene, read_scene
-from scenes.run import run_scene
+from scenes import run_scene
+from scenes.spec.reading import load_scene, read_scene
 
 BACKENDS = ("iga", "fe")
 SOFT = {"E": 0.1, "nu": 0.25, "rho": 0.35}

@@ -8,8 +8,8 @@ import subprocess
 import pytest
 
 from cea.errors import InputError, WriteError
-from scenes.out_folder import MANIFEST, RESULT, check_out, listed, new_folder
-from scenes.stored import record, write_record
+from scenes.results.folder import MANIFEST, RESULT, check_out, listed, new_folder
+from scenes.results.record import record, write_record
 
 
 def fill(out, files):
@@ -87,7 +87,7 @@ def test_what_fails_leaves_the_earlier_result(tmp_path):
 
 
 def test_what_ends_while_files_change_place_is_made_good(tmp_path, monkeypatch):
-    import scenes.out_folder as module
+    import scenes.results.folder as module
 
     fill(tmp_path, {"mode_1.png": "a", "mode_2.png": "b"})
     original = module._remove

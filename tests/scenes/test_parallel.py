@@ -235,10 +235,10 @@ def test_faults_of_all_ranks_are_told_once(arguments, told, tmp_path):
 
 LONE_FAULT = """
 import sys
-import scenes.run
+import scenes.running.system
 from mpi4py import MPI
 
-search = scenes.run.build_interfaces
+search = scenes.running.system.build_interfaces
 faulty = int(sys.argv.pop())
 
 
@@ -248,7 +248,7 @@ def fails_on_one_rank(*arguments):
     return search(*arguments)
 
 
-scenes.run.build_interfaces = fails_on_one_rank
+scenes.running.system.build_interfaces = fails_on_one_rank
 from comparisons.cli.app import main
 
 main()

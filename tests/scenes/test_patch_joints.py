@@ -7,11 +7,11 @@ import pytest
 from closed_patches import LINE, annulus
 
 from cea.errors import InputError
-from scenes.nested import estimate_errors
-from scenes.read import read_scene
-from scenes.richer import richer_scene
-from scenes.run import run_modes, run_scene
-from scenes.scene_error import SceneError
+from scenes import run_modes, run_scene
+from scenes.running.enrich import richer_scene
+from scenes.running.nested import estimate_errors
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 STEEL = {"E": 2e11, "nu": 0.3, "rho": 7800.0}
 HELD = {"supports": [{"surface": "inner"}]}

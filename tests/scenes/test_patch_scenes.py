@@ -2,9 +2,9 @@
 
 import pytest
 
-from scenes.read import read_scene
-from scenes.run import run_scene
-from scenes.scene_error import SceneError
+from scenes import run_scene
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 HALVES = {
     "shape": "patches",

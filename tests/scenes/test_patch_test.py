@@ -6,9 +6,9 @@ import pytest
 from covering import covering
 
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
-from scenes.read import load_scene
-from scenes.run import run_scene
-from scenes.variants import on_backend, with_contact
+from scenes import run_scene
+from scenes.spec.reading import load_scene
+from scenes.spec.variants import on_backend, with_contact
 
 
 def stresses(backend, formulation, P):

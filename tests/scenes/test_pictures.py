@@ -12,12 +12,12 @@ from PIL import Image
 from scipy.sparse import eye_array
 
 from cea.volume import VolumeSample
-from scenes.drawing import Drawing, largest_deflection
-from scenes.paraview import write_paraview
-from scenes.pictures import draw_modes
-from scenes.read import read_scene
-from scenes.run import run_scene
-from scenes.scene_error import SceneError
+from scenes import run_scene
+from scenes.export.paraview import write_paraview
+from scenes.export.pictures import draw_modes
+from scenes.pictures.drawing import Drawing, largest_deflection
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 
 def test_largest_deflection_beats_every_phase():
@@ -47,7 +47,7 @@ def with_growth(result, growth):
     conditions = np.ones_like(result.modes.conditions)
     modes = replace(result.modes, eigenvalues=eigenvalues, conditions=conditions)
     analysis = replace(result.scene.analysis, growth_threshold=0.01)
-    return replace(result, modes=modes, scene=replace(result.scene, analysis=analysis))
+    return replace(result, spectrum=modes, scene=replace(result.scene, analysis=analysis))
 
 
 def test_most_unstable_modes_are_drawn_first(result):

@@ -10,20 +10,20 @@ from cea.timing import StageTimer
 from meshes.breaks import breaks_of, fewest, layered
 from meshes.edge_layers import RATIO
 from meshes.shapes import Annulus, Hub
-from scenes.build import build_bodies, build_interfaces
-from scenes.read import load_scene, read_scene
-from scenes.refinement import (
+from scenes.building.build import build_bodies, build_interfaces
+from scenes.refinement.meshes import (
     Resolution,
     has_singular_edges,
     moved_to_mortar,
     refined,
 )
-from scenes.refinement_edges import crowding
-from scenes.scene_error import SceneError
-from scenes.scene_files import scene_names
-from scenes.scene_toml import scene_text
+from scenes.refinement.singular_edges import crowding
 from scenes.spec.body import BodySpec
+from scenes.spec.files import scene_names
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
 from scenes.spec.support import SupportSpec
+from scenes.spec.toml import scene_text
 
 
 def elements(scene, name):

@@ -12,13 +12,13 @@ from scene_mutations import HOSTILE, valid
 from stored_runs import PATCH, a_record
 
 from cea.errors import InputError
-from cea.fields import MAX_DEPTH, Expression
+from cea.expressions import MAX_DEPTH, Expression
 from cea.mesh import Mesh
 from meshes.patches import GivenPatch
-from scenes.opened import open_result
-from scenes.read import load_scene, read_scene
-from scenes.scene_error import SceneError
-from scenes.stored import read_record, write_record
+from scenes import open_result
+from scenes.results.record import read_record, write_record
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
 
 DIRECTION = "contacts.pad_disc.friction_direction_on_a"
 
@@ -178,7 +178,7 @@ def test_messages_are_one_line_whatever_they_tell():
 
 
 def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path, monkeypatch):
-    monkeypatch.setattr("scenes.stored._LARGEST", 10**6)
+    monkeypatch.setattr("scenes.results.record._LARGEST", 10**6)
     file = tmp_path / "r.json.gz"
     file.write_bytes(gzip.compress(b"[" + b"0," * 10**6 + b"0]"))
     with pytest.raises(InputError, match="more than"):

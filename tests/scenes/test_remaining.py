@@ -8,9 +8,9 @@ from nested_scenes import coarse_modes
 from reference_data import stored
 from richer_truth import apart_from_richer
 
-from scenes.nested import estimate_errors
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.running.nested import estimate_errors
+from scenes.spec.reading import read_scene
 
 BACKENDS = ("fe", "iga")
 MODAL = {"modal": {"max_frequency": 30000.0, "ratio": 0.5}}

@@ -10,16 +10,8 @@ from scipy.linalg import eigvals
 
 from cea.errors import InputError
 from cea.surface_points import SurfaceCoordinates
-from scenes import (
-    ModesResult,
-    StaticResult,
-    assemble,
-    read_scene,
-    run_modes,
-    run_scene,
-    run_static,
-)
-from scenes.paraview import write_paraview
+from scenes import assemble, read_scene, run_modes, run_scene, run_static
+from scenes.export.paraview import write_paraview
 
 GPTS = {"method": "gpts", "points": 3}
 MU = "contacts.interface.mu"
@@ -144,8 +136,8 @@ def test_a_notebook_shows_tables(result):
 
 
 def test_the_analysis_decides_what_comes_back():
-    assert isinstance(run_scene(scene_of("iga")), ModesResult)
-    assert isinstance(run_scene(static_scene("iga")), StaticResult)
+    assert run_scene(scene_of("iga")).spectrum is not None
+    assert run_scene(static_scene("iga")).spectrum is None
     with pytest.raises(InputError, match=r"analysis\.kind = 'static'"):
         run_modes(static_scene("iga"))
     with pytest.raises(InputError, match=r"analysis\.kind = 'cea'"):

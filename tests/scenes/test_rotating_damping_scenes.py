@@ -8,12 +8,12 @@ from reduced_cases import enrichment
 
 from cea.eigen.eigenvalue_matching import assign
 from cea.eigen.krylov_schur import KrylovSchur
-from scenes.assembled import AssembledScene
-from scenes.nested import estimate_errors
-from scenes.read import read_scene
-from scenes.richer import richer_scene
-from scenes.run import run_modes
-from scenes.scene_error import SceneError
+from scenes import run_modes
+from scenes.running.assembled import AssembledScene
+from scenes.running.enrich import richer_scene
+from scenes.running.nested import estimate_errors
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 
 def steel_ring(backend, rate, degree=3, **damping):

@@ -5,8 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from scenes.read import read_scene
-from scenes.run import run_modes
+from scenes import run_modes
+from scenes.spec.reading import read_scene
 
 RATE, THICKNESS = 0.004, 0.1
 SPOKES = 48

@@ -11,10 +11,11 @@ from scipy.special import jv, jvp, yv, yvp
 from cea.errors import ConvergenceError
 from cea.system.equilibrium import checked_residual
 from cea.system.sliding_problem import SlidingProblem
-from scenes.assembled import AssembledScene
-from scenes.read import read_scene
-from scenes.run import coupled, run_modes, run_static
-from scenes.scene_error import SceneError
+from scenes import run_modes, run_static
+from scenes.running.assembled import AssembledScene
+from scenes.running.system import coupled
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 
 def pinched_ring(backend, rate, kind="cea", **ring):

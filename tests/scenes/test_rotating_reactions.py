@@ -7,8 +7,8 @@ from scipy.integrate import solve_bvp
 
 from cea.matrices import gather
 from cea.system.held import balances
-from scenes.read import read_scene
-from scenes.run import run_modes, run_static
+from scenes import run_modes, run_static
+from scenes.spec.reading import read_scene
 
 E, NU, RHO, INNER, OUTER, FORCE, RATE = 1.0, 0.3, 1.5, 0.6, 1.0, 1e-3, 0.9
 CASES = [

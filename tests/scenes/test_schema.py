@@ -10,8 +10,8 @@ import pytest
 from json_schema import complaints
 from scene_mutations import removed, replaced, valid
 
-from scenes.scene_files import OF_MATRICES, SCENES
-from scenes.schema import meanings_of, scene_schema, summary_of
+from scenes.spec.files import OF_MATRICES, SCENES
+from scenes.spec.schema import meanings_of, scene_schema, summary_of
 
 DOCS = Path(__file__).parents[2] / "docs"
 KINDS = {"bodies": "scene.schema.json", "matrices": "matrix_scene.schema.json"}

@@ -6,9 +6,9 @@ from scipy.sparse.linalg import spsolve
 
 from cea.timing import StageTimer
 from scenes import load_scene
-from scenes.build import build_bodies
-from scenes.decimation import reduced
-from scenes.skin import skins
+from scenes.building.build import build_bodies
+from scenes.pictures.decimation import reduced
+from scenes.pictures.skin import skins
 
 INNER, OUTER, HEIGHT = 0.06, 0.15, 0.012
 VOLUME = np.pi * (OUTER**2 - INNER**2) * HEIGHT

@@ -8,9 +8,10 @@ from blocks import assemble, two_blocks
 from covering import covering
 
 import cea.eigen.krylov_schur
-from scenes.read import read_scene
-from scenes.run import run_scene, skipped_by
-from scenes.unused import GIVEN, unused_input
+from scenes import run_scene
+from scenes.checking.steps import skipped_by
+from scenes.checking.unused import GIVEN, unused_input
+from scenes.spec.reading import read_scene
 
 GPTS = {"method": "gpts", "points": 3}
 LOAD = {"surface": "upper.x_min", "pressure": 1.0}
@@ -137,26 +138,39 @@ def test_what_is_given_without_use_is_told_with_its_path(backend, changes, unuse
     assert found.items() <= skipped_by(scene).items()
 
 
-@pytest.mark.parametrize(
-    ("backend", "absent"),
-    [
-        ("iga", {"gmsh", "pyvista", "vtk", "dolfinx", "fe_cea"}),
-        pytest.param("fe", {"gmsh", "pyvista", "iga_cea"}, marks=pytest.mark.slow),
-    ],
+UNUSED = (
+    *("meshes.files.reading", "meshes.files.part", "scenes.matrices", "scenes.spec.matrices"),
+    *("cea.eigen.quadratic_coverage", "cea.eigen.static", "cea.system.steady_sliding"),
+    *("cea.system.sliding_newton", "cea.system.modal_damping", "cea.system.rotating_damping"),
+    *("scenes.running.static", "scenes.running.steady", "scenes.checking.steady", "scenes.export"),
+    *("scenes.pictures", "scenes.refinement", "scenes.results.opened", "gmsh", "pyvista", "pydoc"),
 )
-def test_nothing_unused_is_imported(backend, absent, tmp_path):
+"""What modes of a disc and a pad at a given stiffness have no use for."""
+MOST = {"fe": 205, "iga": 215}
+"""Modules of this program that they load, at most."""
+COARSE = {
+    f"bodies.{body}.mesh.{backend}.elements": elements
+    for backend in ("fe", "iga")
+    for body, elements in (("disc", [3, 12, 1]), ("pad", [2, 3, 1]))
+}
+
+
+@pytest.mark.parametrize("backend", ["iga", pytest.param("fe", marks=pytest.mark.slow)])
+def test_a_run_loads_what_it_needs(backend, tmp_path):
+    settings = [part for name, value in COARSE.items() for part in ("--set", f"{name}={value}")]
     code = (
-        "import sys; sys.argv = ['cea', 'run', 'patch_test', '--backend', sys.argv[1],"
-        "'--set', 'contacts.interface.formulation.points=3', '--set', 'analysis.samples=4',"
-        "'--out', sys.argv[2]]\n"
+        "import sys; sys.argv = ['cea', 'run', 'disc_pad', *sys.argv[1:]]\n"
         "from comparisons.cli.app import app\n"
         "app(standalone_mode=False)\n"
         "print('imported', *sys.modules)"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code, backend, str(tmp_path)], capture_output=True, text=True
-    )
+    command = [sys.executable, "-c", code, "--backend", backend, "--out", str(tmp_path), *settings]
+    done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     imported = set(done.stdout.split("imported", 1)[1].split())
-    assert {"petsc4py", "scenes.run"} <= imported
-    assert not absent & imported
+    packages = ("cea", "fe_cea", "iga_cea", "meshes", "scenes", "comparisons", "exact_cea")
+    own = [name for name in imported if name.partition(".")[0] in packages]
+    assert not set(UNUSED) & imported
+    assert ("fe_cea" in imported) == (backend == "fe")
+    assert ("iga_cea" in imported) == (backend == "iga")
+    assert len(own) <= MOST[backend]

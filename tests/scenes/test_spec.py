@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from catalogue import MESHED
 
-from scenes.read import load_scene, read_scene
-from scenes.scene_error import SceneError
-from scenes.validation import plain_data
+from scenes.spec.plain import plain_data
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene, read_scene
 
 MU = "contacts.pad_disc.mu"
 

@@ -9,11 +9,11 @@ from pressed import AREA, PRESSURE, SOFT, pressed_blocks
 from same_numbers import assert_same
 
 from scenes import assemble, open_result, read_scene, run_modes, run_scene, save_result
-from scenes.plain import as_data
-from scenes.read import load_scene
-from scenes.run import skipped_by
-from scenes.scene_error import SceneError
-from scenes.scene_files import scene_names
+from scenes.checking.steps import skipped_by
+from scenes.spec.files import scene_names
+from scenes.spec.plain import as_data
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene
 
 GPTS = {"method": "gpts", "points": 3}
 

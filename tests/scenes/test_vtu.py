@@ -23,11 +23,10 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.shapes import Annulus, Disc, Ring
-from scenes.paraview import write_paraview
-from scenes.read import read_scene
-from scenes.results import ModesResult
-from scenes.run import run_scene
-from scenes.vtu import cell_grid, in_space, point_grid
+from scenes import Result, run_scene
+from scenes.export.paraview import write_paraview
+from scenes.pictures.grids import cell_grid, in_space, point_grid
+from scenes.spec.reading import read_scene
 
 RNG = np.random.default_rng(11)
 ANNULUS, RING, DISC = Annulus(0.5, 1.0, 0.0, 0.3), Ring(0.5, 1.0), Disc(1.0, 0.0, 0.3)
@@ -267,7 +266,7 @@ def test_collections_list_every_mode_of_every_body(result, backend, tmp_path):
 
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_most_unstable_modes_are_written_first(result, monkeypatch, tmp_path):
-    monkeypatch.setattr(ModesResult, "most_unstable", lambda result, count: [2, 0][:count])
+    monkeypatch.setattr(Result, "most_unstable", lambda result, count: [2, 0][:count])
     for count, expected in [(1, [3]), (2, [1, 3]), (3, [1, 2, 3])]:
         modes, _ = write_paraview(result, count, tmp_path)
         assert sorted({int(time) for time, _, _ in listed(modes)}) == expected

@@ -11,10 +11,10 @@ from catalogue import MESHED
 from covering import covering
 
 from comparisons.accuracy.problems import problem
-from scenes.describe import save_result
-from scenes.read import load_scene, read_scene
-from scenes.run import coupled, run_modes, run_scene
-from scenes.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
+from scenes import run_modes, run_scene, save_result
+from scenes.checking.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
+from scenes.running.system import coupled
+from scenes.spec.reading import load_scene, read_scene
 
 STUDY = Path(__file__).parents[2] / "comparisons/accuracy/results/uses.csv"
 

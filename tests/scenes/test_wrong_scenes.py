@@ -3,8 +3,8 @@
 import pytest
 from wrong_scenes import complaint, faults_of_row, number_of_rows, rows
 
-from scenes.read import load_scene
-from scenes.scene_error import SceneError
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene
 
 GROUPS = sorted({base for base, *_ in rows("read")})
 

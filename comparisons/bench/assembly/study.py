@@ -25,7 +25,7 @@ from comparisons.bench.assembly.catalogue import (
 from comparisons.bench.assembly.programs.measured import answers
 from comparisons.kit.progress import Progress
 from comparisons.kit.worker import Worker, WorkerError
-from scenes.stored import record
+from scenes.results.record import record
 
 COMMAND = "bench assembly"
 Ask = Callable[..., dict[str, Any]]

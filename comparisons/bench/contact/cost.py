@@ -9,8 +9,8 @@ from cea.contact.assembly import assemble_contact
 from cea.contact.interface import default_reach, pair
 from cea.matrices import destroy
 from cea.timing import StageTimer
-from scenes.build import build_bodies, build_half_passes
-from scenes.read import read_scene
+from scenes.building.build import build_bodies, build_half_passes
+from scenes.spec.reading import read_scene
 
 GAUSS_POINTS = {"method": "gpts", "points": 4}
 _FEWER = 0.9

@@ -9,7 +9,7 @@ from cea.errors import InputError
 from cea.petsc import MPI
 from comparisons.bench.contact.cost import contact_cost
 from comparisons.kit.progress import Progress
-from scenes.stored import record
+from scenes.results.record import record
 
 COMMAND = "bench contact"
 BACKENDS = ("fe", "iga")

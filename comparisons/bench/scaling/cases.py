@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from cea.errors import InputError
-from scenes.read import Scene, load_scene
+from scenes.spec.reading import Scene, load_scene
 
 SCENE = "disc_pad"
 Boxes = tuple[int, int, int]

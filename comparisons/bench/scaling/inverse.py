@@ -22,7 +22,7 @@ from comparisons.bench import memory
 from comparisons.bench.launch import answer_file
 from comparisons.bench.rigid import rigid_motions
 from comparisons.bench.scaling.cases import scene_of
-from scenes.run import coupled
+from scenes.running.system import coupled
 
 _TRIALS = 3
 """Systems with random right sides that are timed."""

@@ -10,7 +10,7 @@ from cea.petsc import MPI
 from comparisons.bench import memory
 from comparisons.bench.launch import answer_file
 from comparisons.bench.scaling.cases import scene_of
-from scenes.run import run_modes
+from scenes import run_modes
 
 
 def answer(case: dict[str, Any]) -> dict[str, Any]:

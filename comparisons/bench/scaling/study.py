@@ -18,8 +18,8 @@ from cea.petsc import MPI
 from comparisons.bench.launch import asked
 from comparisons.bench.scaling.cases import SIZES, Case, boxes, cases, scene_of
 from comparisons.kit.progress import Progress
+from scenes.results.record import record
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.stored import record
 
 COMMAND = "bench scaling"
 _RUN = "comparisons.bench.scaling.process"

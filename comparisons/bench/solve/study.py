@@ -22,7 +22,7 @@ from cea.petsc import MPI
 from comparisons.bench.launch import asked
 from comparisons.bench.solve.methods.problem import SIZES, scene_of_size, write_matrices
 from comparisons.kit.progress import Progress
-from scenes.stored import record
+from scenes.results.record import record
 
 COMMAND = "bench solve"
 OURS = "this driver"

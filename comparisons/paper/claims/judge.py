@@ -11,8 +11,8 @@ from comparisons.paper.claims.claim import Claim, Evidence, JudgedClaim
 from comparisons.paper.common.families import FAMILIES
 from comparisons.paper.common.store import figure_data
 from comparisons.paper.registry import FIGURES
+from scenes.results.record import record, write_record
 from scenes.spec.body import Backend
-from scenes.stored import record, write_record
 
 
 def judge(out: Path, progress: Progress) -> list[JudgedClaim]:

@@ -15,8 +15,8 @@ from cea.petsc import MPI
 from comparisons.kit.progress import Progress
 from comparisons.kit.tables import Table
 from comparisons.paper.common.figure import Data, PaperFigure, numbers_table
+from scenes.results.record import read_record, record, write_record
 from scenes.spec.body import Backend
-from scenes.stored import read_record, record, write_record
 
 STORED = Path(__file__).parents[1] / "results"
 """Data that come with the project."""

@@ -7,7 +7,7 @@ from cea.errors import InputError
 from comparisons.paper.common.figure import Data, as_lists
 from comparisons.paper.crowned_pad.case import CONTACT, COUNTER, DISC, FACE, PAD
 from meshes.shapes import Crowned, Sector
-from scenes.results import ModesResult
+from scenes import Result
 
 RADII, ANGLES = 9, 60
 """Points across and along the pad."""
@@ -43,7 +43,7 @@ def _middles(low: float, high: float, count: int) -> Floats:
     return low + (high - low) * (np.arange(count) + 0.5) / count
 
 
-def closures(result: ModesResult, x: Floats) -> Floats:
+def closures(result: Result, x: Floats) -> Floats:
     """Closures u_n - g_n (m) that the displacements of a state of steady sliding give at points.
 
     Parameters
@@ -73,7 +73,7 @@ def closures(result: ModesResult, x: Floats) -> Floats:
     return np.einsum("ij,ij->i", normal, moved) - gap
 
 
-def kept(result: ModesResult) -> Data:
+def kept(result: Result) -> Data:
     """What is kept of a run, plain data: the equilibrium, the contact stiffness, the growth."""
     assert result.steady is not None
     law = result.scene.contacts[CONTACT].law

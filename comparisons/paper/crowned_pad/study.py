@@ -28,9 +28,9 @@ from comparisons.paper.crowned_pad.case import (
 from comparisons.paper.crowned_pad.drawing import draw_study
 from comparisons.paper.crowned_pad.measures import ANGLES, RADII, common_points, distance, kept, off
 from meshes.shapes import Crowned
-from scenes.plain import as_data
-from scenes.run import run_modes
+from scenes import run_modes
 from scenes.spec.body import Backend
+from scenes.spec.plain import as_data
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from cea.mesh import Cell
 from comparisons.kit.numbers import number
 from comparisons.paper.common.families import BACKEND_OF, Family
 from comparisons.paper.common.figure import Data
-from scenes.plain import as_data
-from scenes.read import Scene, load_scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.variants import on_backend
+from scenes.spec.plain import as_data
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import on_backend
 
 CONTACT = "pad_disc"
 """Name of the contact in the scene."""

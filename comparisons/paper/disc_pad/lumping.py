@@ -30,9 +30,9 @@ from comparisons.paper.common.style import COLOURS, drawing
 from comparisons.paper.disc_pad.case import DISC, PAD
 from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra
-from scenes.plain import as_data
-from scenes.results import ModesResult
+from scenes import Result
 from scenes.spec.body import Backend
+from scenes.spec.plain import as_data
 
 _MARKERS = "os^"
 
@@ -141,7 +141,7 @@ def _compute(family: Family) -> Data:
     }
 
 
-def false_shifts(plain: ModesResult, lumped: ModesResult) -> Floats:
+def false_shifts(plain: Result, lumped: Result) -> Floats:
     """First order relative shifts of all frequencies of a run by what lumping adds, (modes,)."""
     modes = plain.modes
     difference = _stiffness(lumped).copy()
@@ -152,12 +152,12 @@ def false_shifts(plain: ModesResult, lumped: ModesResult) -> Floats:
     return energies / (2 * np.abs(modes.eigenvalues) ** 2)
 
 
-def _stiffness(result: ModesResult) -> Any:
+def _stiffness(result: Result) -> Any:
     """K_n, PETSc AIJ (N/m)."""
     return result.system.contacts[0].stiffness
 
 
-def rotation_ratio(result: ModesResult) -> float:
+def rotation_ratio(result: Result) -> float:
     """Energy of a rotation about the x axis in K_n: of both bodies, over that of the pad alone."""
     contact = result.system.contacts[0]
     sides = {contact.half.a: contact.interface.a, contact.half.b: contact.interface.b}

@@ -24,9 +24,9 @@ from comparisons.paper.disc_pad.figures import GPTS, LUMPED
 from comparisons.paper.disc_pad.measures import motion_ratio
 from comparisons.paper.disc_pad.runs import RUNS, compare_spectra, displacements
 from comparisons.paper.disc_pad.shape_drawing import draw_lines, draw_shapes
-from scenes.plain import as_data
-from scenes.results import ModesResult
+from scenes import Result
 from scenes.spec.body import Backend
+from scenes.spec.plain import as_data
 
 P = 1e6
 """Contact stiffness of the figures (N/m)."""
@@ -207,7 +207,7 @@ def _common_mode(match: Data, reference: Data) -> tuple[int, int]:
     return max(pairs, key=lambda pair: reference["contact_motion"][pair[1]] or 0.0)
 
 
-def _mode(result: ModesResult, mode: int) -> Data:
+def _mode(result: Result, mode: int) -> Data:
     value = result.eigenvalues[mode]
     return {
         "frequency": float(value.imag / tau),
@@ -217,7 +217,7 @@ def _mode(result: ModesResult, mode: int) -> Data:
     }
 
 
-def _line(result: ModesResult, mode: int) -> Data:
+def _line(result: Result, mode: int) -> Data:
     """Normal displacements of disc and pad, the largest of the disc 1, on the disc's normal."""
     arc = np.linspace(-_HALF, _HALF, _SAMPLES)
     angle = np.radians(_MIDDLE[1])
@@ -241,9 +241,9 @@ def _slope_at_edge(line: Data) -> float:
     return float(slope[np.abs(np.abs(arc) - _EDGE) < _NEAR_EDGE].max())
 
 
-def _bodies(result: ModesResult, mode: int) -> Data:
+def _bodies(result: Result, mode: int) -> Data:
     """Points, cells and real displacements of both bodies at the phase of largest deflection."""
-    from scenes.drawing import largest_deflection  # brings pyvista
+    from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
     points, cells, shapes = {}, {}, {}
     for name, body in result.system.bodies.items():

@@ -15,10 +15,9 @@ from comparisons.paper.common.figure import Data
 from comparisons.paper.common.store import fingerprint
 from comparisons.paper.disc_pad.case import DISC, PAD, CeaCase
 from meshes.shapes import Annulus, Sector
-from scenes.describe import describe_modes
-from scenes.plain import as_data
-from scenes.results import ModesResult
-from scenes.run import run_modes
+from scenes import Result, run_modes
+from scenes.results.describe import describe_modes
+from scenes.spec.plain import as_data
 
 _SHAPE_GRID = (7, 12)
 """Points across and along the contact at which shapes are compared."""
@@ -73,7 +72,7 @@ class Runs:
             self.result(case, family)
         return self._spectra[mark]
 
-    def result(self, case: CeaCase, family: Family) -> ModesResult:
+    def result(self, case: CeaCase, family: Family) -> Result:
         """Run a case; its spectrum is kept."""
         scene = case.scene(family)
         mesh = fingerprint({name: as_data(body) for name, body in scene.bodies.items()})
@@ -92,7 +91,7 @@ _OF_A_VALUE = ("re", "im", "residual", "condition", "uncertainty", "verdict")
 """What is stored of an eigenvalue; figures refer to one by its index, from 0."""
 
 
-def _spectrum(label: str, result: ModesResult) -> Spectrum:
+def _spectrum(label: str, result: Result) -> Spectrum:
     modes = result.modes
     described = describe_modes(modes, result.analysis.growth_threshold)
     data = {
@@ -111,7 +110,7 @@ def _spectrum(label: str, result: ModesResult) -> Spectrum:
     return Spectrum(label, data, ModeSet(modes.eigenvalues, shapes))
 
 
-def _shapes(result: ModesResult) -> tuple[Complexes, Ratios, Ratios]:
+def _shapes(result: Result) -> tuple[Complexes, Ratios, Ratios]:
     """What all modes look like at points that do not depend on the mesh.
 
     Returns
@@ -182,7 +181,7 @@ def _polar(r: Floats, theta: Floats, z: float) -> Floats:
 
 
 def displacements(
-    result: ModesResult,
+    result: Result,
     body: str,
     surface: str,
     x: Floats,

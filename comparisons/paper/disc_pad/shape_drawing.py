@@ -22,7 +22,7 @@ _LINES = (("disc", BLUE, "-"), ("pad", VERMILION, "--"))
 
 def draw_shapes(title: str, families: Mapping[str, Data], stem: Path) -> Path:
     """Draw the deformed bodies of each kind of mesh, lumped on the left."""
-    from scenes.drawing import Drawing
+    from scenes.pictures.drawing import Drawing
 
     file = stem.with_suffix(".png")
     width, height = _PICTURE

@@ -19,11 +19,11 @@ from cea.system.contact_stresses import pressure_along, stress_map
 from comparisons.kit.numbers import number
 from comparisons.paper.common.families import FAMILIES, Family
 from comparisons.paper.common.figure import Data, as_lists
-from scenes.read import Scene, load_scene
-from scenes.run import run_static
+from scenes import run_static
 from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.variants import on_backend, with_contact
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.variants import on_backend, with_contact
 
 EXACT = -1000.0
 """Normal stress on the interface (N/m^2)."""

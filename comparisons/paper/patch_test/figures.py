@@ -13,8 +13,8 @@ from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.patch_test.case import PatchTestCase, run_case, worse
 from comparisons.paper.patch_test.drawing import draw_cases
-from scenes.plain import as_data
 from scenes.spec.body import Backend
+from scenes.spec.plain import as_data
 
 _OSCILLATION = "Oscillation (N/m²): largest less smallest σₙ over the interface, worse side."
 _NURBS = (

@@ -22,11 +22,11 @@ from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.common.style import SIDES, drawing
 from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
-from scenes.build import build_bodies, build_interfaces
-from scenes.plain import as_data
-from scenes.read import Scene
+from scenes.building.build import build_bodies, build_interfaces
 from scenes.spec.body import Backend
-from scenes.variants import with_contact
+from scenes.spec.plain import as_data
+from scenes.spec.reading import Scene
+from scenes.spec.variants import with_contact
 
 _SEEN = {"upper": ("x_max", "y_min", "z_max"), "lower": ("x_max", "y_min")}
 """Faces turned towards the viewer, by body."""

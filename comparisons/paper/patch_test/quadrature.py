@@ -20,11 +20,11 @@ from comparisons.kit.tables import Column, Table
 from comparisons.paper.common.figure import Data, Number
 from comparisons.paper.common.style import COLOURS, drawing
 from comparisons.paper.patch_test.case import INTERFACE, PatchTestCase
-from scenes.plain import as_data
-from scenes.read import Scene
-from scenes.run import run_static
+from scenes import run_static
 from scenes.spec.analysis import StaticAnalysis
 from scenes.spec.body import Backend
+from scenes.spec.plain import as_data
+from scenes.spec.reading import Scene
 
 _SAMPLES = 31
 """Samples across the interface: stresses are polynomials in each span."""

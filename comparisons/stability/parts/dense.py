@@ -23,8 +23,8 @@ from cea.arrays import Complexes, Floats
 from cea.contact.interface import along
 from cea.contact.operators import Contact
 from cea.system.coupled import CoupledSystem
-from scenes.read import read_scene
-from scenes.run import coupled
+from scenes.running.system import coupled
+from scenes.spec.reading import read_scene
 
 _SHIFT = 0.37
 """Shift below zero, relative to the eigenvalues looked at: next to none of them by accident."""

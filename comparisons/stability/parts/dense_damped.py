@@ -25,12 +25,12 @@ from scipy.linalg import eigh, eigvals
 
 from cea.arrays import Complexes, Floats
 from cea.contact.operators import Contact
-from cea.fields import Expression, evaluate
+from cea.expressions import Expression, evaluate
 from cea.system.coupled import CoupledSystem
 from comparisons.stability.parts.dense import array, constraint, jump
-from scenes.read import read_scene
-from scenes.run import coupled
+from scenes.running.system import coupled
 from scenes.spec.motion import DampingSpec, SlidingSpec
+from scenes.spec.reading import read_scene
 
 _RIGID = 1e-12
 """Eigenvalues of a body relative to its largest up to which motions are rigid."""

@@ -14,8 +14,8 @@ from scipy.sparse import csr_array, save_npz
 from cea.arrays import Complexes, Floats
 from cea.petsc import PETSc
 from comparisons.stability.parts.problems import Answer, answer_of
-from scenes.matrix_run import run_matrices
-from scenes.matrix_scene import read_matrix_scene
+from scenes.running.matrices import run_matrices
+from scenes.spec.matrices import read_matrix_scene
 
 Format = Literal["mat", "mtx", "npz", "petsc"]
 

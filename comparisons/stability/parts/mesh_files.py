@@ -15,7 +15,7 @@ from meshes.breaks import breaks_of
 from meshes.files.content import KINDS
 from meshes.shape_mesh import shape_mesh
 from meshes.units import METRES, Unit
-from scenes.read import read_scene
+from scenes.spec.reading import read_scene
 from scenes.spec.scene import SceneSpec
 
 _ELEMENTS = {1: ("CPE4", "quadrilateral4"), 2: ("CPE8R", "quadrilateral8")}

@@ -20,11 +20,10 @@ from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
 from cea.reduced.words import words_of
 from cea.warned import ResultWarning
-from scenes.describe import describe
-from scenes.read import Scene, read_scene
-from scenes.results import ModesResult
-from scenes.run import coupled, run_scene
-from scenes.stored import as_json
+from scenes import run_scene
+from scenes.results.record import as_json
+from scenes.running.system import coupled
+from scenes.spec.reading import Scene, read_scene
 
 UNDECIDED, NOT_COMPLETE = "undecided", "window-not-complete"
 """Kinds of what an answer leaves open."""
@@ -156,8 +155,8 @@ class OfScene:
     def solve(self, max_frequency: float | None) -> Answer:
         """Read the scene and run it; the result can be stored."""
         result = run_scene(_read(self.data, max_frequency))
-        as_json(describe(result))
-        if isinstance(result, ModesResult):
+        as_json(result.data)
+        if result.spectrum is not None:
             return _of_result(result, result.system.size)
         stresses = [side.sigma_n for sides in result.stresses.values() for side in sides.values()]
         return StressAnswer(np.concatenate(stresses), _kinds(result.warnings), result.system.size)

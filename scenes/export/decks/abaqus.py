@@ -17,8 +17,8 @@ from scenes.export.decks.contacts import DeckContact, deck_contacts
 from scenes.export.decks.lines import comments, joined, keyword, number, numbers
 from scenes.export.decks.sliding import RigidMotion, moving_bodies
 from scenes.export.decks.supports import boundary_lines, displacement_lines, local_frames
-from scenes.read import Scene
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.reading import Scene
 
 RELATIVE_CLOSURE = 1e-7
 """Closure over the size of the bodies."""

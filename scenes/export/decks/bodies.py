@@ -8,10 +8,10 @@ import numpy as np
 
 from cea.errors import InputError
 from cea.mesh import Floats, Ints, Mesh, lattice
-from scenes.body_meshes import body_mesh, used_surfaces
+from scenes.building.body_meshes import body_mesh, used_surfaces
 from scenes.export.decks.elements import ELEMENTS, element_nodes, faces_of
-from scenes.read import Scene
 from scenes.spec.body import BodySpec
+from scenes.spec.reading import Scene
 
 _POINTS = 6
 """Gauss points along each direction of a facet: its area element is smooth."""

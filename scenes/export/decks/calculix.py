@@ -18,7 +18,7 @@ from scenes.export.decks.contacts import DeckContact, deck_contacts
 from scenes.export.decks.lines import comments, joined, keyword, numbers
 from scenes.export.decks.sliding import RigidMotion, moving_bodies
 from scenes.export.decks.supports import boundary_lines, displacement_lines
-from scenes.read import Scene
+from scenes.spec.reading import Scene
 
 RELATIVE_CLOSURE = 1e-12
 """Closure over the size of the bodies: slip is small with it, rounding of coordinates smaller."""

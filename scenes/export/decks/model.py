@@ -14,7 +14,7 @@ from scenes.export.decks.lines import (
     set_lines,
 )
 from scenes.export.decks.supports import transform_lines
-from scenes.read import Scene
+from scenes.spec.reading import Scene
 
 
 def model_text(scene: Scene, bodies: Mapping[str, DeckBody]) -> str:

@@ -14,18 +14,18 @@ from cea.files import check_writable, write_whole
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from meshes.mesh_file import MeshFile
-from scenes.body_meshes import used_surfaces
+from scenes.building.body_meshes import used_surfaces
 from scenes.export.decks.abaqus import abaqus_text
 from scenes.export.decks.bodies import DeckBody, deck_bodies, set_name
 from scenes.export.decks.calculix import calculix_text
 from scenes.export.decks.elements import ELEMENTS
 from scenes.export.decks.model import model_text
-from scenes.names import file_name
-from scenes.read import Scene
-from scenes.scene_error import SceneError
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.mesh import FeMesh
+from scenes.spec.names import file_name
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import Scene
 
 _LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
 """Names that both programs take as they are; they do not tell capitals from small letters."""

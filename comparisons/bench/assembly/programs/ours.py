@@ -10,7 +10,7 @@ from cea.body import Body
 from cea.matrices import local_part
 from comparisons.bench.annulus import MATERIAL, Discretisation, ring
 from comparisons.bench.rigid import rigid_motions
-from scenes.build import build_body
+from scenes.building.build import build_body
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 

@@ -10,8 +10,8 @@ import numpy as np
 from cea.eigen.pencil import Matrices, Pencil
 from cea.errors import InputError
 from cea.petsc import PETSc
-from scenes.read import Scene, load_scene
-from scenes.run import coupled
+from scenes.running.system import coupled
+from scenes.spec.reading import Scene, load_scene
 
 SCENE = "disc_pad"
 SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {

@@ -1,0 +1,383 @@
+"""Expressions given as text: fields over an interface, and coefficients of a pencil.
+
+Nothing is run: the text becomes a syntax tree of numbers, names, operators and a few functions of
+numpy, whose values and derivatives are found by walking it. So
+
+    C(Omega) = D1 + (Omega/Omega_ref) DG + (Omega_ref/Omega - 1) DR
+
+has the coefficients ``1``, ``Omega/Omega_ref`` and ``Omega_ref/Omega - 1``.
+"""
+
+import ast
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from typing import Any
+from warnings import catch_warnings, simplefilter
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.errors import InputError
+
+_DERIVATIVES: dict[str, Callable[[Any], Any]] = {
+    "sin": np.cos,
+    "cos": lambda a: -np.sin(a),
+    "tan": lambda a: 1 + np.tan(a) ** 2,
+    "arctan": lambda a: 1 / (1 + a * a),
+    "sinh": np.cosh,
+    "cosh": np.sinh,
+    "tanh": lambda a: 1 - np.tanh(a) ** 2,
+    "exp": np.exp,
+    "log": lambda a: 1 / a,
+    "sqrt": lambda a: 0.5 / np.sqrt(a),
+    "abs": lambda a: np.copysign(1.0, a),
+}
+"""Derivatives of the functions that a coefficient may call."""
+FUNCTIONS = (*_DERIVATIVES, "arcsin", "arccos", "arctan2", "minimum", "maximum", "where", "hypot")
+"""Functions of numpy that an expression may call."""
+_SMOOTH: dict[type[ast.AST], Any] = {
+    ast.Add: np.add,
+    ast.Sub: np.subtract,
+    ast.Mult: np.multiply,
+    ast.Div: np.divide,
+    ast.Pow: np.power,
+}
+"""Operators of two numbers that a coefficient may have."""
+_OPERATORS: dict[type[ast.AST], Any] = {
+    **_SMOOTH,
+    ast.Mod: np.mod,
+    ast.FloorDiv: np.floor_divide,
+    ast.BitAnd: np.bitwise_and,
+    ast.BitOr: np.bitwise_or,
+    ast.USub: np.negative,
+    ast.UAdd: np.positive,
+    ast.Invert: np.invert,
+    ast.Lt: np.less,
+    ast.LtE: np.less_equal,
+    ast.Gt: np.greater,
+    ast.GtE: np.greater_equal,
+    ast.Eq: np.equal,
+    ast.NotEq: np.not_equal,
+}
+_CONSTANTS = {"pi": np.pi}
+
+RESERVED = frozenset(_DERIVATIVES) | frozenset(_CONSTANTS)
+"""Names that no parameter may have."""
+
+MAX_LENGTH, MAX_DEPTH = 2000, 100
+"""Characters an expression may have, and operations inside each other."""
+
+_COORDINATES = ("x", "y", "z", "r", "theta")
+_GRAMMAR = (
+    *(ast.Name, ast.Load, ast.Constant, ast.Call, ast.UnaryOp, ast.BinOp, ast.Compare),
+    *_OPERATORS,
+)
+"""What an expression is made of: no attributes, items, comprehensions, keywords, statements."""
+_TOO_DEEP = f"nested more than {MAX_DEPTH} deep"
+_FINITE = "finite everywhere"
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A field given as text, read by a safe evaluator: arithmetic and a few functions, no more.
+
+    Parameters
+    ----------
+    text
+        Expression in x, y, z (m), or r (m) and theta (rad) about the z axis, and pi.
+    """
+
+    text: str
+
+    def check(self, field: str, dim: int = 3) -> None:
+        """Refuse what is no expression, before there are points to evaluate it at.
+
+        Parameters
+        ----------
+        field
+            Name of the field.
+        dim
+            Dimension of space: the plane has no z.
+
+        Raises
+        ------
+        InputError
+            Under the name of the field.
+        """
+        try:
+            self(np.full((1, dim), 0.5))
+        except InputError as error:
+            singular_here = error.allowed.startswith(_FINITE) and self._varies
+            if not singular_here:
+                raise InputError(field, self.text, f"a number, or {error.allowed}") from None
+
+    @property
+    def constant(self) -> float | None:
+        """Its value where it names no coordinate, else None."""
+        return None if self._varies else float(self(np.full((1, 3), 0.5))[0])
+
+    @property
+    def _varies(self) -> bool:
+        """Whether it names a coordinate."""
+        return any(
+            isinstance(n, ast.Name) and n.id in _COORDINATES for n in ast.walk(parsed(self.text))
+        )
+
+    def __call__(self, x: Floats) -> Floats:
+        """Values at positions x (m), shape (n,).
+
+        Raises
+        ------
+        InputError
+            When the text is no expression of the coordinates, or not finite somewhere.
+        """
+        coordinates = dict(zip(_COORDINATES[:3], x.T, strict=False))
+        coordinates |= {"r": np.hypot(x[:, 0], x[:, 1]), "theta": np.arctan2(x[:, 1], x[:, 0])}
+        try:
+            with np.errstate(all="ignore"):
+                value = _value(parsed(self.text), coordinates)
+            values = np.broadcast_to(np.asarray(value, dtype=float), len(x)).copy()
+        except TypeError:  # of operations on what they do not know
+            allowed = f"an expression that is {_FINITE}; this one gives no number"
+            raise InputError("expression", self.text, allowed) from None
+        except ValueError as error:
+            raise self._refused(coordinates, str(error)) from None
+        if not np.isfinite(values).all():
+            where = x[np.flatnonzero(~np.isfinite(values))[0]]
+            raise InputError("expression", self.text, f"{_FINITE}; it is no number at {where}")
+        return values
+
+    def _refused(self, coordinates: dict[str, Floats], reason: str = "") -> InputError:
+        allowed = f"an expression in {', '.join(coordinates)} and pi with {', '.join(FUNCTIONS)}"
+        lines = reason.splitlines()
+        told = f"{allowed} ({lines[0]})" if lines else allowed
+        return InputError("expression", self.text, told)
+
+
+Field = float | Expression | Callable[[Floats], Floats]
+
+
+def evaluate(field: Field, x: Floats) -> Floats:
+    """Values of a field at positions x (m), shape (n,)."""
+    if callable(field):
+        return np.broadcast_to(np.asarray(field(x), dtype=float), len(x)).copy()
+    return np.full(len(x), float(field))
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A coefficient as text, a :class:`cea.eigen.parameters.Dependence`.
+
+    Parameters
+    ----------
+    text
+        Arithmetic in parameters and pi: ``+ - * / **``, brackets, and sin, cos, tan, arctan, sinh,
+        cosh, tanh, exp, log, sqrt, abs.
+    parameters
+        The parameter that each name in it stands for.
+    place
+        What refusals call it.
+
+    Raises
+    ------
+    InputError
+        When the text is something else, or names what is no parameter.
+    """
+
+    text: str
+    parameters: Mapping[str, str] = field(default_factory=dict)
+    place: str = "coefficient"
+
+    def __post_init__(self) -> None:
+        try:
+            used = self._used
+        except ValueError as error:
+            raise self._refused(f"arithmetic, for it is none: {error}") from None
+        unknown = sorted(used - set(self.parameters))
+        if unknown:
+            raise self._refused(f"arithmetic without {', '.join(unknown)}")
+
+    @cached_property
+    def _tree(self) -> ast.expr:
+        return parsed(self.text)
+
+    @cached_property
+    def _used(self) -> frozenset[str]:
+        """Names in the text that are parameters.
+
+        Raises
+        ------
+        ValueError
+            When something in it is no arithmetic of single numbers.
+        """
+        functions: set[ast.expr] = set()
+        for node in ast.walk(self._tree):
+            if isinstance(node, ast.operator) and type(node) not in _SMOOTH:
+                raise ValueError(f"{type(node).__name__} is not among + - * / **")
+            if isinstance(node, ast.Compare | ast.Invert):
+                raise ValueError(f"{type(node).__name__} is no arithmetic of single numbers")
+            if isinstance(node, ast.Call):
+                assert isinstance(node.func, ast.Name)
+                if node.func.id not in _DERIVATIVES:
+                    raise ValueError(f"{node.func.id} is not among {', '.join(_DERIVATIVES)}")
+                functions.add(node.func)
+        names = [n for n in ast.walk(self._tree) if isinstance(n, ast.Name)]
+        return frozenset({n.id for n in names if n not in functions} - set(_CONSTANTS))
+
+    def _refused(self, allowed: str) -> InputError:
+        among = ", ".join(sorted(self.parameters)) or "none"
+        return InputError(self.place, self.text, f"{allowed} (parameters: {among}; and pi)")
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters it depends on."""
+        return frozenset(self.parameters[name] for name in self._used)
+
+    def at(self, values: Mapping[str, float]) -> float:
+        """Value at given parameters.
+
+        Raises
+        ------
+        InputError
+            When it has none that is finite.
+        """
+        return self._finite("value", values)
+
+    def derivative(self, name: str, values: Mapping[str, float]) -> float:
+        """Derivative in one parameter.
+
+        Raises
+        ------
+        InputError
+            When it has none that is finite.
+        """
+        inner = [short for short in self._used if self.parameters[short] == name]
+        return sum(self._finite("derivative", values, short) for short in inner)
+
+    def _finite(self, what: str, values: Mapping[str, float], name: str = "") -> float:
+        here = {short: np.float64(values[self.parameters[short]]) for short in self._used}
+        with np.errstate(all="ignore"):
+            value, slope = _with_slope(self._tree, here, name)
+        result = float(slope if name else value)
+        if not np.isfinite(result):
+            told = ", ".join(f"{short} = {value:g}" for short, value in sorted(here.items()))
+            raise self._refused(f"of finite {what}{f', not so at {told}' if told else ''}")
+        return result
+
+
+@cache
+def parsed(text: str) -> ast.expr:
+    """Syntax tree of an expression that is nothing but arithmetic and calls of known functions.
+
+    Whole numbers become floats: powers of them would grow without bound. The tree is shared: it is
+    read and never changed.
+
+    Raises
+    ------
+    ValueError
+        With what is wrong.
+    """
+    if not isinstance(text, str):
+        raise ValueError("no text")
+    if len(text) > MAX_LENGTH:
+        raise ValueError(f"longer than {MAX_LENGTH} characters")
+    try:
+        with catch_warnings():  # "0.3if" is refused below, and says so in one line
+            simplefilter("ignore", SyntaxWarning)
+            tree = ast.parse(text.strip(), mode="eval").body
+    except SyntaxError as error:
+        raise ValueError(error.msg) from None
+    except (RecursionError, MemoryError):
+        raise ValueError(_TOO_DEEP) from None
+    level: list[ast.AST] = [tree]
+    for _ in range(MAX_DEPTH):
+        for node in level:
+            _check_node(node)
+        level = [child for node in level for child in ast.iter_child_nodes(node)]
+    if level:
+        raise ValueError(_TOO_DEEP)
+    return ast.fix_missing_locations(_Floats().visit(tree))
+
+
+def _check_node(node: ast.AST) -> None:
+    """Refuse what is no arithmetic; functions take just their operands, and nowhere to write."""
+    if isinstance(node, ast.BitXor):
+        raise ValueError("a power is written **")
+    if not isinstance(node, _GRAMMAR):
+        raise ValueError(f"{type(node).__name__} is no arithmetic")
+    if isinstance(node, ast.Constant) and type(node.value) not in (int, float):
+        raise ValueError(f"{type(node.value).__name__} is no number")
+    if isinstance(node, ast.Compare) and len(node.ops) > 1:
+        raise ValueError("one comparison at a time, joined by &")
+    if isinstance(node, ast.Call):
+        if not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS:
+            raise ValueError("what is called is no function")
+        function: Any = getattr(np, node.func.id)
+        count = getattr(function, "nin", 3)  # np.where, the one that is no ufunc, takes three
+        if len(node.args) != count:
+            raise ValueError(f"{node.func.id} takes {count}, not {len(node.args)}")
+
+
+class _Floats(ast.NodeTransformer):
+    """Whole numbers as floats."""
+
+    def visit_Constant(self, node: ast.Constant) -> ast.Constant:
+        """The number as a float."""
+        assert isinstance(node.value, int | float)
+        try:
+            return ast.Constant(float(node.value))
+        except OverflowError:
+            raise ValueError("a number is too large") from None
+
+
+def _value(node: ast.AST, names: Mapping[str, Any]) -> Any:
+    """Value of a tree at numbers, or arrays, by name."""
+    match node:
+        case ast.Constant(value=float(number)):
+            return np.float64(number)
+        case ast.Name(id=name):
+            if name not in names and name not in _CONSTANTS:
+                raise ValueError(f"{name} is not known")
+            return names[name] if name in names else _CONSTANTS[name]
+        case ast.UnaryOp(op=op, operand=inner):
+            return _OPERATORS[type(op)](_value(inner, names))
+        case ast.BinOp(left=left, op=op, right=right):
+            return _OPERATORS[type(op)](_value(left, names), _value(right, names))
+        case ast.Compare(left=left, ops=[op], comparators=[right]):
+            return _OPERATORS[type(op)](_value(left, names), _value(right, names))
+        case ast.Call(func=ast.Name(id=name), args=args):
+            return getattr(np, name)(*(_value(each, names) for each in args))
+    raise ValueError(f"{type(node).__name__} is no arithmetic")
+
+
+def _with_slope(node: ast.AST, names: Mapping[str, Any], name: str) -> tuple[Any, Any]:
+    """Value of a tree of a coefficient, and its derivative in a name."""
+    match node:
+        case ast.UnaryOp(op=op, operand=inner):
+            a, da = _with_slope(inner, names, name)
+            return _OPERATORS[type(op)](a), _OPERATORS[type(op)](da)
+        case ast.Call(func=ast.Name(id=function), args=[inner]):
+            a, da = _with_slope(inner, names, name)
+            return getattr(np, function)(a), da * _DERIVATIVES[function](a) if da else 0.0
+        case ast.BinOp(left=left, op=op, right=right):
+            a, da = _with_slope(left, names, name)
+            b, db = _with_slope(right, names, name)
+            return _OPERATORS[type(op)](a, b), _slope_of_two(op, a, b, da, db)
+    return _value(node, names), float(isinstance(node, ast.Name) and node.id == name)
+
+
+def _slope_of_two(op: ast.operator, a: Any, b: Any, da: Any, db: Any) -> Any:
+    """Derivative of an operation by the rules of sums, products, quotients and powers."""
+    match op:
+        case ast.Add():
+            return da + db
+        case ast.Sub():
+            return da - db
+        case ast.Mult():
+            return da * b + a * db
+        case ast.Div():
+            return da / b - a / b * (db / b)
+        case _:
+            base = da * b * a ** (b - 1) if da and b else 0.0
+            return base + (db * np.log(a) * a**b if db else 0.0)

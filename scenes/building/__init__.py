@@ -1,0 +1,1 @@
+"""From what a scene says to bodies, contacts and their coupled system."""

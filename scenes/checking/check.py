@@ -1,0 +1,173 @@
+"""A scene looked at before it is run: bodies meshed, contact points searched, nothing solved."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cea.body import Body
+from cea.contact.half_pass import HalfPass
+from cea.contact.operators import Contact
+from cea.errors import InputError
+from cea.timing import StageTimer
+from cea.warned import ResultWarning
+from scenes.building.build import build_bodies, build_half_passes, build_interfaces
+from scenes.checking.doubts import doubtful_numbers, overlapping_bodies
+from scenes.checking.memory import MemoryEstimate, check_memory, estimated_memory
+from scenes.checking.run_time import estimated_seconds
+from scenes.checking.steps import skipped_by
+from scenes.checking.warnings import scene_warnings
+from scenes.spec.reading import Scene
+
+_OF_STIFFNESS = ("point-rule", "over-constrained")
+"""Kinds of warnings that need a contact stiffness, which c_n gives only in steady sliding."""
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What can be said of a scene without solving anything.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    faults
+        Why it would be refused.
+    memory
+        Estimate of the memory it takes.
+    seconds
+        Estimate of its run time on one core (:mod:`scenes.checking.run_time`).
+    skipped
+        What it does not need, with the reason.
+    warnings
+        What its result would have to be read with, as far as that is known before.
+    bodies
+        Its bodies, none where they do not fit into memory or one of them is refused.
+    halves
+        Its contacts by name of the half pass, but for those that are refused.
+    """
+
+    scene: Scene
+    faults: tuple[InputError, ...]
+    memory: MemoryEstimate
+    seconds: float
+    skipped: Mapping[str, str]
+    warnings: tuple[ResultWarning, ...] = ()
+    bodies: Mapping[str, Body] = field(default_factory=dict)
+    halves: Mapping[str, HalfPass] = field(default_factory=dict)
+
+    @property
+    def dofs(self) -> int:
+        """Unknowns: of the bodies as built, else estimated."""
+        if not self.bodies:
+            return round(self.memory.dofs)
+        return sum(int(body.expansion.getSize()[1]) for body in self.bodies.values())
+
+
+def inspect_scene(scene: Scene) -> Inspection:
+    """Look at a scene without solving anything; collective.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+
+    Returns
+    -------
+    Inspection
+        With every fault of its memory, bodies and contacts; one that cannot be meshed has no
+        contact points.
+    """
+    faults: list[InputError] = []
+    bodies: Mapping[str, Body] = {}
+    halves: dict[str, HalfPass] = {}
+    try:
+        check_memory(scene)
+        bodies = build_bodies(scene, StageTimer())
+    except InputError as error:
+        faults.append(error)
+    for name in scene.contacts if bodies else ():
+        try:
+            halves |= _halves_of(scene, name, bodies)
+        except InputError as error:
+            faults.append(error)
+    memory = estimated_memory(scene)
+    return Inspection(
+        scene=scene,
+        faults=tuple(faults),
+        memory=memory,
+        seconds=estimated_seconds(scene, memory),
+        skipped=skipped_by(scene),
+        warnings=(
+            *doubtful_numbers(scene),
+            *overlapping_bodies(scene, bodies),
+            *(() if faults else _warnings(scene, halves)),
+        ),
+        bodies=bodies,
+        halves=halves,
+    )
+
+
+def _halves_of(scene: Scene, name: str, bodies: Mapping[str, Body]) -> dict[str, HalfPass]:
+    """Half passes of one contact, whose friction has a direction everywhere."""
+    alone = replace(scene, contacts={name: scene.contacts[name]})
+    halves = build_half_passes(alone, build_interfaces(alone, bodies, StageTimer()))
+    for half in halves.values():
+        if half.friction is not None:
+            points = half.interface.points
+            try:
+                half.friction.direction.at(points.x, points.normal)
+            except InputError as error:
+                raise InputError(
+                    f"contacts.{name}.{error.field}", error.value, error.allowed
+                ) from None
+    return halves
+
+
+def _warnings(scene: Scene, halves: Mapping[str, HalfPass]) -> tuple[ResultWarning, ...]:
+    """Warnings of bodies and contacts; of the latter geometry and points are all that is needed."""
+    contacts = [Contact(name, half, None, None, 1.0) for name, half in halves.items()]
+    return tuple(
+        warning
+        for warning in scene_warnings(scene, contacts)
+        if warning.kind not in _OF_STIFFNESS or scene.contacts[warning.data["contact"]].c_n is None
+    )
+
+
+def largest_gap(half: HalfPass) -> float:
+    """Largest of the distances (m) between the sides of a half pass; collective."""
+    return float(np.abs(gaps(half)).max(initial=0.0))
+
+
+def gaps(half: HalfPass) -> np.ndarray:
+    """Distances (m) between the sides at all points, apart positive; collective."""
+    interface = half.interface
+    found = np.concatenate(interface.comm.allgather(interface.initial_gap))
+    return np.asarray(found + half.added_gap)
+
+
+def told(inspection: Inspection) -> Iterator[str]:
+    """An inspection in lines; collective."""
+    scene, memory = inspection.scene, inspection.memory
+    about = "" if inspection.bodies else "about "
+    bodies = ", ".join(
+        f"{name} ({body.geometry.shape}, {body.backend})" for name, body in scene.bodies.items()
+    )
+    yield f"bodies: {bodies}"
+    for name, half in inspection.halves.items():
+        statuses = ", ".join(f"{n} {s}" for s, n in half.interface.statuses.items() if n)
+        yield (
+            f"contacts.{name}: {len(half.interface.points)} points ({statuses}), sides up to "
+            f"{largest_gap(half):.3g} m apart"
+        )
+    yield f"{about}{inspection.dofs} unknowns"
+    yield (
+        f"estimates: {memory.bytes / 1e9:.2g} GB of memory, {_time(inspection.seconds)} on one core"
+    )
+
+
+def _time(seconds: float) -> str:
+    """A time with two digits."""
+    if seconds < 100:
+        return f"{seconds:.2g} s"
+    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.2g} h"

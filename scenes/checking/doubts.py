@@ -1,0 +1,213 @@
+"""What is probably not meant: numbers of other units, motions too large, bodies inside each other.
+
+Warnings, never refusals. Numbers are doubted as those of SI units. A scene with units = "other", or
+whose every E and rho is near one as in scenes without units, is left alone: its run says so once,
+among what it left out.
+"""
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from cea.arrays import Floats
+from cea.body import Body
+from cea.ranks import made_on_first
+from cea.system.coupled import CoupledSystem
+from cea.volume import VolumeSample
+from cea.warned import ResultWarning
+from scenes.spec.node_grids import box_lengths
+from scenes.spec.scene import SceneSpec
+
+_SOFTEST = 1e3
+"""E (N/m^2) below which a solid is softer than any that brakes, clutches or tyres are made of."""
+_HEAVIEST = 1e6
+"""rho (kg/m^3) beyond that of any matter on earth, fifty times that of platinum."""
+_SOUND = (50.0, 20e3)
+"""Speeds of sound sqrt(E / rho) (m/s) of solids: 52 of soft rubber (E 3e6 N/m^2, rho 1,100 kg/m^3),
+17,700 of diamond (1.1e12, 3,515)."""
+_LENGTHS = (1e-5, 100.0)
+"""Length (m) of the longest side: from parts of micromachines to rails."""
+_STRAIN = 0.1
+"""Strain of which the quadratic terms that linear elasticity leaves out, e^2 / 2 of the
+Green-Lagrange strain e + e^2 / 2 (Wriggers, Nonlinear Finite Element Methods, 2008), are 5 %."""
+_NEAR_ONE = (1e-3, 1e2)
+"""Range of E and rho in scenes without units."""
+_ASKED = "are all numbers in SI units (m, kg, s)? A scene in others says units = 'other'"
+_FLAT = 1e-12
+"""Volume of a simplex, relative to a cube about it, below which it is one of a collapsed cell."""
+_SIMPLICES = {
+    (2, 3): [[0, 1, 2]],
+    (2, 4): [[0, 1, 2], [0, 2, 3]],
+    (3, 4): [[0, 1, 2, 3]],
+    (3, 8): [[0, 6, i, j] for i, j in ((1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1))],
+}
+"""Corners of the simplices of a cell by dimension and number of its points, in VTK order."""
+
+
+def left_alone(scene: SceneSpec) -> str:
+    """Why the numbers of a scene are none in SI units; "" where they are taken to be."""
+    if scene.units == "other":
+        return "units = 'other'"
+    low, high = _NEAR_ONE
+    materials = [body.material for body in scene.bodies.values()]
+    numbers = [n for each in materials for n in (each.E, each.rho) if n is not None]
+    near_one = all(low <= n <= high for n in numbers)
+    return "every E and rho is near one, as in scenes without units" if near_one else ""
+
+
+def doubtful_numbers(scene: SceneSpec) -> Iterator[ResultWarning]:
+    """Materials that no solid has in SI units, and bodies that are too large or too small.
+
+    Parameters
+    ----------
+    scene
+        The scene; one of other units, or without, is left alone.
+    """
+    if left_alone(scene):
+        return
+    for name, body in scene.bodies.items():
+        for field, value, bound in _doubtful_material(body.material.E, body.material.rho):
+            yield ResultWarning(
+                "doubtful-units",
+                f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}",
+                {"body": name, "field": field, "value": value},
+            )
+        length, (low, high) = max(box_lengths(body.geometry)), _LENGTHS
+        if not low <= length <= high:
+            yield ResultWarning(
+                "doubtful-size",
+                f"bodies.{name} is {length:.3g} m long, not {low:g} to {high:g} m; {_ASKED}",
+                {"body": name, "length": length},
+            )
+
+
+def _doubtful_material(E: float, rho: float | None) -> Iterator[tuple[str, float, str]]:
+    """Fields of a material, their values and what no solid has; its speed of sound comes last."""
+    soft, heavy = E < _SOFTEST, rho is not None and rho > _HEAVIEST
+    if soft:
+        yield "E", E, f"E below {_SOFTEST:g} N/m^2"
+    if heavy and rho is not None:
+        yield "rho", rho, f"rho over {_HEAVIEST:g} kg/m^3"
+    if rho is not None and not (soft or heavy):
+        speed, (low, high) = float(np.sqrt(E / rho)), _SOUND
+        if not low <= speed <= high:
+            bound = f"a speed of sound below {low:g} or over {high:g} m/s"
+            yield "sqrt(E/rho)", speed, bound
+
+
+def doubtful_motions(scene: SceneSpec, system: CoupledSystem, x: Any) -> list[ResultWarning]:
+    """Displacements larger than their body and strains that linear elasticity has no right to.
+
+    Parameters
+    ----------
+    scene
+        The scene; one of other units, or without, is left alone.
+    system
+        Its system; collective.
+    x
+        Unknowns in equilibrium, PETSc vector.
+    """
+    found: list[ResultWarning] = []
+    for name, body in system.bodies.items() if not left_alone(scene) else ():
+        sample, full = body.volume_sample(1), system.displacement(x, name, everywhere=False)
+        told = made_on_first(body.comm, partial(_motion, sample, full))
+        motion, length, strain = body.comm.bcast(told)
+        if motion > length:
+            found.append(
+                ResultWarning(
+                    "large-displacement",
+                    f"bodies.{name} is displaced by up to {motion:.3g} m and is {length:.3g} m "
+                    "long: displacements are taken to be small",
+                    {"body": name, "displacement": motion, "length": length},
+                )
+            )
+        if strain > _STRAIN:
+            found.append(
+                ResultWarning(
+                    "large-strain",
+                    f"bodies.{name} is strained by up to {strain:.3g}, which is above {_STRAIN:g}: "
+                    "strains are taken to be small",
+                    {"body": name, "strain": strain},
+                )
+            )
+    return found
+
+
+def _motion(sample: VolumeSample, full: Floats) -> tuple[float, float, float]:
+    """Largest displacement (m), length of the body (m), largest mean principal strain of a cell."""
+    u = sample.values @ full.reshape(-1, sample.points.shape[1])
+    x, moved = sample.points[sample.cells], u[sample.cells]
+    gradient = np.linalg.pinv(x - x.mean(axis=1, keepdims=True)) @ moved
+    strains = np.linalg.eigvalsh(0.5 * (gradient + gradient.transpose(0, 2, 1)))
+    lengths = np.ptp(sample.points, axis=0)
+    motion = np.linalg.norm(u, axis=1).max()
+    return float(motion), float(lengths.max()), float(np.abs(strains).max())
+
+
+def overlapping_bodies(scene: SceneSpec, bodies: Mapping[str, Body]) -> list[ResultWarning]:
+    """Pairs of bodies without a contact of which one has middles of cells inside the other.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    bodies
+        Its bodies; collective.
+    """
+    joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
+    pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
+    boxes = {name: _box(bodies[name]) for name in {name for pair in pairs for name in pair}}
+    found = []
+    for pair in pairs:
+        (low, high), (least, greatest) = (boxes[name] for name in pair)
+        if (np.maximum(low, least) >= np.minimum(high, greatest)).any():
+            continue
+        comm, samples = bodies[pair[0]].comm, [bodies[name].volume_sample(1) for name in pair]
+        cells = comm.bcast(made_on_first(comm, partial(_middles_inside, *samples)))
+        if cells:
+            found.append(
+                ResultWarning(
+                    "bodies-overlap",
+                    f"bodies.{pair[0]} and bodies.{pair[1]} overlap ({cells} elements have "
+                    "their middle in the other body), and no contact joins them",
+                    {"body": pair[0], "other": pair[1], "elements": cells},
+                )
+            )
+    return found
+
+
+def _box(body: Body) -> tuple[Floats, Floats]:
+    """Least and greatest coordinates (m) of a body's nodes or control points; collective."""
+    x = body.node_positions if body.node_positions is not None else body.dof_positions
+    assert x is not None
+    ends = x.min(axis=0, initial=np.inf), x.max(axis=0, initial=-np.inf)
+    lows, highs = zip(*body.comm.allgather(ends), strict=True)
+    return np.min(lows, axis=0), np.max(highs, axis=0)
+
+
+def _middles_inside(one: VolumeSample, other: VolumeSample) -> int:
+    """How many cells of each of two bodies have their middle in the other."""
+    return _inside(one, other) + _inside(other, one)
+
+
+def _inside(one: VolumeSample, other: VolumeSample) -> int:
+    """How many cells of one have their middle in straight cells of the other."""
+    middles = one.points[one.cells].mean(axis=1)
+    dim = middles.shape[1]
+    simplices = other.cells[:, _SIMPLICES[dim, other.cells.shape[1]]].reshape(-1, dim + 1)
+    corners = other.points[simplices]
+    centres = corners.mean(axis=1)
+    radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
+    edges = (corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
+    solid = np.abs(np.linalg.det(edges)) > _FLAT * radii**dim
+    near = KDTree(middles).query_ball_point(centres[solid], radii[solid])
+    point = np.array([i for some in near for i in some], dtype=np.int64)
+    simplex = np.flatnonzero(solid).repeat([len(some) for some in near])
+    away = (middles[point] - corners[simplex, 0])[:, :, None]
+    parts = np.linalg.solve(edges[simplex], away)[:, :, 0]
+    within = (parts > 0).all(axis=1) & (parts.sum(axis=1) < 1)
+    return len(np.unique(point[within]))

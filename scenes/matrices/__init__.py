@@ -1,0 +1,1 @@
+"""Matrices from files, and the pencil that a scene of matrices makes of them."""

@@ -1,0 +1,239 @@
+"""The pencil of a scene of matrices: files read once, on rank 0, and shared out by rows."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from cea.arrays import Ints
+from cea.eigen.mumps import Mumps
+from cea.eigen.pencil import Pencil, Term
+from cea.errors import InputError
+from cea.matrices import destroy, distributed, zeros
+from cea.petsc import MPI, Mat, PETSc
+from cea.ranks import local_rows, made_on_first
+from cea.warned import ResultWarning
+from scenes.matrices.reading import read_labelled
+from scenes.matrices.symmetry import (
+    Symmetry,
+    equal_entries,
+    half_of,
+    mean_with_transpose,
+    mirrored,
+    symmetry_of,
+)
+from scenes.spec.matrices import ROLES, MatrixScene
+
+_ROUNDING = np.finfo(float).eps
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A matrix as it was read.
+
+    Parameters
+    ----------
+    symmetry
+        How symmetric it is.
+    size, entries
+        Rows, and entries that are not zero.
+    parts
+        PETSc AIJ matrices whose sum it is, each with whether it is symmetric to the last bit.
+    """
+
+    symmetry: Symmetry
+    size: int
+    entries: int
+    parts: tuple[tuple[Mat, bool], ...]
+
+    def plain(self) -> dict[str, Any]:
+        """What is told of it, as plain data."""
+        return {
+            "size": self.size,
+            "entries": self.entries,
+            "symmetry": self.symmetry.kind,
+            "asymmetry": self.symmetry.asymmetry,
+        }
+
+
+_Parts = list[tuple[csr_array, bool]]
+_Read = dict[str, tuple[Symmetry, _Parts]]
+
+
+def read_pieces(scene: MatrixScene, comm: Any = MPI.COMM_WORLD) -> dict[str, Piece]:
+    """Every matrix of a scene, distributed; collective.
+
+    Raises
+    ------
+    InputError
+        When a file holds no such matrix or one triangle of it, their rows differ, or the mass is
+        not symmetric.
+    """
+    read = made_on_first(comm, lambda: _read(scene))
+    told = None
+    if read is not None:
+        told = {
+            name: (symmetry, parts[0][0].shape[0], [symmetric for _, symmetric in parts])
+            for name, (symmetry, parts) in read.items()
+        }
+    pieces = {}
+    for name, (symmetry, size, kinds) in comm.bcast(told).items():
+        matrices, entries = [], 0
+        for i, symmetric in enumerate(kinds):
+            whole = read[name][1][i][0] if read is not None else None
+            matrices.append((shared_out(whole, size, comm), symmetric))
+            entries += whole.nnz if whole is not None else 0
+        pieces[name] = Piece(symmetry, size, comm.bcast(entries), tuple(matrices))
+    return pieces
+
+
+def _read(scene: MatrixScene) -> _Read:
+    """Symmetry and parts of every matrix."""
+    read: _Read = {}
+    first: tuple[str, int, Ints | None] | None = None
+    for name in scene.files:
+        file, variable = scene.file(name)
+        matrix, labels = read_labelled(file, variable, field=f"files.{name}")
+        size = matrix.shape[0]
+        first = first or (name, size, labels)
+        if size != first[1]:
+            allowed = f"{first[1]} rows, as files.{first[0]} has them"
+            raise InputError(f"files.{name}", f"{size} rows in {scene.files[name]}", allowed)
+        if not np.array_equal(labels, first[2]):  # type: ignore[arg-type]  # None equals None
+            allowed = f"rows of the same nodes and degrees of freedom as files.{first[0]}"
+            raise InputError(f"files.{name}", scene.files[name], allowed)
+        if half := half_of(matrix):
+            matrix = _of_half(scene, name, matrix, half)
+        symmetry = symmetry_of(matrix)
+        if name in scene.mass and not symmetry.kind.startswith("symmetric"):
+            value = f"{symmetry.kind}, by {symmetry.asymmetry:.1e} of its entries"
+            raise InputError(f"files.{name}", value, "symmetric, for it is of the mass")
+        read[name] = (symmetry, _parts(matrix, symmetry))
+    return read
+
+
+def _of_half(scene: MatrixScene, name: str, matrix: csr_array, half: str) -> csr_array:
+    """The matrix that a file of one half stands for: only the scene can tell."""
+    symmetric = (scene.symmetric or {}).get(name)
+    if symmetric is None:
+        value = f"{scene.files[name]}: entries in its {half} alone"
+        allowed = (
+            f"both triangles; --symmetric (in a scene symmetric = {{ {name} = true }}) mirrors "
+            f"the {half}, --no-symmetric ({name} = false) takes the matrix as it is"
+        )
+        raise InputError(f"files.{name}", value, allowed)
+    return mirrored(matrix) if symmetric else matrix
+
+
+def _parts(matrix: csr_array, symmetry: Symmetry) -> _Parts:
+    """What a matrix is the sum of, with what is symmetric; the rest keeps every bit."""
+    if symmetry.kind == "symmetric":
+        return [(matrix, True)]
+    if symmetry.kind == "symmetric to rounding":
+        return [(mean_with_transpose(matrix), True)]
+    equal, rest = equal_entries(matrix)
+    return [(equal, True), (rest, False)] if equal.nnz else [(rest, False)]
+
+
+def shared_out(matrix: csr_array | None, size: int, comm: Any) -> Mat:
+    """A square matrix of rank 0 on all ranks, as PETSc AIJ; collective.
+
+    Parameters
+    ----------
+    matrix
+        The whole matrix on rank 0, None on others.
+    size
+        Its rows.
+    comm
+        Communicator (mpi4py).
+    """
+    first, last = local_rows(size, comm)
+    ends = comm.gather(last)
+    blocks = None
+    if matrix is not None:
+        blocks = [matrix[a:b] for a, b in zip([0, *ends[:-1]], ends, strict=True)]
+    rows = comm.scatter(blocks)
+    return distributed(rows, (last - first, size), comm)
+
+
+def matrix_pencil(scene: MatrixScene, pieces: Mapping[str, Piece]) -> Pencil:
+    """The pencil of a scene; coefficients that are zero are left out.
+
+    Parameters
+    ----------
+    scene
+        Coefficients and parameters.
+    pieces
+        Its matrices.
+    """
+    terms = [
+        Term(role, matrix, coefficient, symmetric)
+        for role in ROLES
+        for name, coefficient in scene.sum(role).items()
+        for matrix, symmetric in pieces[name].parts
+    ]
+    if not any(term.role == "stiffness" and term.symmetric for term in terms):
+        some: Any = terms[0].matrix
+        rows, columns = some.getSizes()
+        terms.append(Term("stiffness", zeros(rows, columns, some.comm)))
+    return Pencil(terms, scene.of_pencil())
+
+
+def check_mass(mass: Any, names: str) -> None:
+    """Refuse a mass that is not positive definite, by the inertia of M - n u diag(M).
+
+    n u diag(M), n rows of rounding u, tells a singular M from a regular one whatever the units of
+    each unknown.
+
+    Parameters
+    ----------
+    mass
+        M, PETSc AIJ; None where every coefficient is zero.
+    names
+        What it is made of, in words.
+
+    Raises
+    ------
+    InputError
+        When it is not, or massless.
+    """
+    allowed = "a mass that is positive definite: condense unknowns without mass"
+    if mass is None:
+        raise InputError("mass", f"{names}: zero", allowed)
+    diagonal = mass.getDiagonal()
+    comm = mass.comm.tompi4py()
+    without = comm.allreduce(int((diagonal.array_r <= 0).sum()))
+    if without:
+        diagonal.destroy()
+        raise InputError("mass", f"{names}: {without} unknowns without mass", allowed)
+    shifted = mass.copy()
+    diagonal.scale(-mass.getSize()[0] * _ROUNDING)
+    shifted.setDiagonal(diagonal, addv=PETSc.InsertMode.ADD_VALUES)
+    shifted.assemble()
+    shifted.setOption(shifted.Option.SYMMETRIC, True)
+    factors = Mumps(shifted, symmetric=True, inertia=True)
+    negative = factors.negative_eigenvalues() + factors.null_pivots()
+    factors.free()
+    destroy(diagonal)
+    if negative:
+        value = f"{names}: {negative} eigenvalues that are zero or negative"
+        raise InputError("mass", value, allowed)
+
+
+def symmetrised_pieces(pieces: Mapping[str, Piece]) -> tuple[ResultWarning, ...]:
+    """What matrices that are symmetric but for rounding must be read with."""
+    found = {
+        name: piece.symmetry.asymmetry
+        for name, piece in pieces.items()
+        if piece.symmetry.kind == "symmetric to rounding"
+    }
+    if not found:
+        return ()
+    worst = max(found.values())
+    message = (
+        f"{', '.join(found)}: symmetric but for rounding (by {worst:.1e} of entries), taken as the "
+        "mean with the transpose"
+    )
+    return (ResultWarning("symmetrised", message, {"asymmetry": found}),)

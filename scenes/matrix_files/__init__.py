@@ -1,1 +1,0 @@
-"""Matrices in files of other programs: reading them, and telling which are symmetric."""

@@ -1,0 +1,271 @@
+"""Drawings of modes: deformed bodies coloured by magnitude, at any phase."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pyvista
+from PIL import Image
+
+from cea.arrays import Complexes, Floats
+from cea.volume import VolumeSample
+from scenes.pictures.grids import in_space
+
+_WINDOW = (1500, 900)
+DEFLECTION = 0.05
+"""Largest deflection drawn, relative to the diagonal of the scene."""
+_MERGED = 1e-6
+"""Sample points nearer than this, relative to the diagonal, are one point."""
+_FEATURE_ANGLE = 30.0
+_STEEP = 0.999
+"""Upward part of a view from which z no longer tells what is upright."""
+_CELL_TYPES = {
+    (2, 3): pyvista.CellType.TRIANGLE,
+    (2, 4): pyvista.CellType.QUAD,
+    (3, 4): pyvista.CellType.TETRA,
+    (3, 8): pyvista.CellType.HEXAHEDRON,
+}
+
+
+@dataclass(frozen=True)
+class _Skin:
+    """Outside of a body at rest, and its sharp edges.
+
+    Their points bear where they are ``at rest``, the ``real`` and ``imaginary`` parts of their
+    displacements as drawn, and room for the ``deflection`` that gives them a colour.
+    """
+
+    surface: Any
+    edges: Any
+
+    @classmethod
+    def of(cls, sample: VolumeSample, shape: Complexes, size: float) -> "_Skin":
+        """Outside of a sample of a body, for displacements at its points."""
+        grid = _grid(sample)
+        grid.point_data["real"] = in_space(shape.real)
+        grid.point_data["imaginary"] = in_space(shape.imag)
+        grid.point_data["at rest"] = grid.points
+        grid.point_data["deflection"] = np.zeros(grid.n_points)
+        return cls(*_outside(grid, size))
+
+
+def body_skin(sample: VolumeSample, size: float) -> tuple[Any, Any]:
+    """Outside of a body at rest and its sharp edges, in a scene with a diagonal of a size (m)."""
+    return _outside(_grid(sample), size)
+
+
+def _grid(sample: VolumeSample) -> Any:
+    """Cells of a sample (pyvista ``UnstructuredGrid``)."""
+    kind = _CELL_TYPES[sample.points.shape[1], sample.cells.shape[1]]
+    return pyvista.UnstructuredGrid({kind: sample.cells}, in_space(sample.points))
+
+
+def _outside(grid: Any, size: float) -> tuple[Any, Any]:
+    """Outside of a grid, and its sharp edges."""
+    # Cells sampled one by one do not share points; without sharing each has an outside.
+    surface = grid.clean(tolerance=_MERGED * size).extract_surface(algorithm="dataset_surface")
+    edges = surface.extract_feature_edges(_FEATURE_ANGLE, manifold_edges=False)
+    return surface, edges
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A mode ready to be drawn at any phase.
+
+    Parameters
+    ----------
+    skins
+        The bodies.
+    view
+        Unit vector towards the camera.
+    title
+        Title of the pictures.
+    """
+
+    skins: Sequence[_Skin]
+    view: Floats
+    title: str
+
+    @classmethod
+    def of(
+        cls, samples: Mapping[str, VolumeSample], shapes: Mapping[str, Complexes], title: str
+    ) -> "Drawing":
+        """Scale complex displacements at the points of samples so that they can be seen."""
+        turned, largest = largest_deflection(np.concatenate(list(shapes.values())))
+        points = np.concatenate([in_space(sample.points) for sample in samples.values()])
+        size = float(np.linalg.norm(np.ptp(points, axis=0)))
+        ends = np.cumsum([len(shape) for shape in shapes.values()])[:-1]
+        drawn = np.split(DEFLECTION * size * turned / largest, ends)
+        skins = [
+            _Skin.of(sample, shape, size)
+            for sample, shape in zip(samples.values(), drawn, strict=True)
+        ]
+        return cls(skins, view_of([s.points for s in samples.values()]), title)
+
+    def images(self, phases: Sequence[float], reduction: int = 1) -> list[Image.Image]:
+        """Images at some phases, from one point of view; at phase 0 the deflection is largest.
+
+        Parameters
+        ----------
+        phases
+            The phases (rad).
+        reduction
+            Pixels of the window along each side of a pixel, which smooths images; where it is 1
+            the window is smoothed itself, at many times the cost.
+        """
+        surfaces = [skin.surface for skin in self.skins]
+        at_rest = [surface.points for surface in surfaces]
+        seen = np.concatenate(
+            [*at_rest, *(s.points + _displacement(s, phase) for s in surfaces for phase in phases)]
+        )
+        largest = max(np.linalg.norm(_displacement(s, 0.0), axis=1).max() for s in surfaces)
+        images = []
+        # Off screen, VTK looks for a display, fails, and says so before it goes on without one.
+        with pyvista.vtk_verbosity("off"):
+            plotter = pyvista.Plotter(off_screen=True, window_size=list(_WINDOW))
+            plotter.set_background("white")
+            if reduction == 1:
+                plotter.enable_anti_aliasing("ssaa")
+            else:
+                plotter.disable_anti_aliasing()
+                plotter.render_window.SetMultiSamples(0)
+            meshes = [mesh for skin in self.skins for mesh in _add_body(plotter, skin)]
+            text = plotter.add_title(self.title, font_size=15, color="#222222")
+            text.SetPosition(0.5, 0.93)
+            aim(plotter.camera, self.view, seen, _WINDOW)
+            for phase in phases:
+                for mesh in meshes:
+                    _deform(mesh, phase, largest)
+                plotter.render()
+                image = Image.fromarray(plotter.screenshot(return_img=True))
+                images.append(image.reduce(reduction))
+            plotter.close()
+        return images
+
+
+def largest_deflection(shape: Complexes) -> tuple[Complexes, float]:
+    """Displacement turned to the phase in which some point deflects most, and that deflection.
+
+    abs(Re(u e^(i phi)))^2 = (abs(u)^2 + Re(u.u e^(2 i phi))) / 2 is largest at a point where
+    phi = -arg(u.u) / 2. Of the two signs, the one that makes the largest component positive.
+
+    Parameters
+    ----------
+    shape
+        Complex displacements, shape (n, dim).
+
+    Returns
+    -------
+    turned : ndarray
+        The displacements times e^(i phi): their real part is that at the phase.
+    largest : float
+        Largest deflection (m).
+    """
+    square = np.einsum("ij,ij->i", shape, shape)
+    deflection = np.sqrt((np.einsum("ij,ij->i", shape.conj(), shape).real + np.abs(square)) / 2)
+    at = int(np.argmax(deflection))
+    turned = shape * np.exp(-0.5j * np.angle(square[at]))
+    real = turned[at].real
+    return turned * np.sign(real[np.argmax(np.abs(real))]), float(deflection[at])
+
+
+def _displacement(mesh: Any, phase: float) -> Floats:
+    """Real displacement of the points of a skin, Re(u e^(i phase)), shape (n, 3)."""
+    real, imaginary = mesh.point_data["real"], mesh.point_data["imaginary"]
+    return np.cos(phase) * np.asarray(real) - np.sin(phase) * np.asarray(imaginary)
+
+
+def _deform(mesh: Any, phase: float, largest: float) -> None:
+    """Move the points of a mesh that is drawn, and colour them."""
+    displacement = _displacement(mesh, phase)
+    mesh.points = mesh.point_data["at rest"] + displacement
+    mesh.point_data["deflection"][:] = np.linalg.norm(displacement, axis=1) / largest
+    if "Normals" in mesh.point_data:
+        turned = mesh.compute_normals(cell_normals=False, consistent_normals=False)
+        mesh.point_data["Normals"][:] = turned.point_data["Normals"]
+
+
+def _add_body(plotter: Any, skin: _Skin) -> list[Any]:
+    """Add the faint edges of a body at rest, and the meshes to be deformed, which are returned."""
+    edges = []
+    if skin.edges.n_points:
+        plotter.add_mesh(skin.edges, color="#9A9A9A", line_width=3, opacity=0.6)
+        edges.append(plotter.add_mesh(skin.edges.copy(), color="#303840", line_width=3))
+    coloured = plotter.add_mesh(
+        skin.surface.copy(),
+        scalars="deflection",
+        cmap="YlGnBu",
+        clim=(0.0, 1.0),
+        smooth_shading=True,
+        split_sharp_edges=True,
+        feature_angle=_FEATURE_ANGLE,
+        ambient=0.25,
+        scalar_bar_args={
+            "title": "displacement / largest\n",
+            "color": "#222222",
+            "vertical": False,
+            "width": 0.3,
+            "height": 0.085,
+            "position_x": 0.35,
+            "position_y": 0.02,
+            "title_font_size": 21,
+            "label_font_size": 19,
+            "n_labels": 3,
+            "fmt": "%.1f",
+        },
+    )
+    return [actor.mapper.dataset for actor in (*edges, coloured)]
+
+
+def view_of(bodies: Sequence[Floats]) -> Floats:
+    """Unit vector towards the camera: above the side of the scene where its smallest body sits.
+
+    Parameters
+    ----------
+    bodies
+        Points (m) of each body, shape (n, dim).
+    """
+    smallest = min(bodies, key=lambda points: float(np.prod(np.ptp(points, axis=0))))
+    if smallest.shape[1] == 2:
+        return np.array([0.0, 0.0, 1.0])
+    points = np.concatenate(list(bodies))
+    offset = smallest.mean(axis=0) - (points.min(axis=0) + points.max(axis=0)) / 2
+    beside = np.hypot(offset[0], offset[1]) > 0.05 * np.linalg.norm(np.ptp(points, axis=0))
+    azimuth = np.arctan2(offset[1], offset[0]) - np.pi / 6 if beside else -np.pi / 3
+    elevation = np.copysign(np.radians(38.0), offset[2])
+    flat = np.cos(elevation)
+    return np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
+
+
+def aim(camera: Any, view: Floats, points: Floats, window: tuple[int, int]) -> None:
+    """Fill the middle of a window with points, seen along a direction from far away.
+
+    Parameters
+    ----------
+    camera
+        Camera of a pyvista plotter.
+    view
+        Unit vector towards it.
+    points
+        What must be seen (m), shape (n, 3).
+    window
+        Width and height of the window (pixels).
+    """
+    upright = np.array([0.0, 1.0, 0.0]) if abs(view[2]) > _STEEP else np.array([0.0, 0.0, 1.0])
+    right = np.cross(upright, view)
+    right /= np.linalg.norm(right)
+    axes = np.stack([right, np.cross(view, right), view])
+    seen = points @ axes.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    width, height, depth = high - low
+    # Room above for the title and below for the bar of colours.
+    scale = 0.5 * max(height / 0.72, width * window[1] / window[0] / 0.9)
+    focus = axes.T @ ((low + high) / 2 - [0.0, 0.06 * scale, 0.0])
+    camera.enable_parallel_projection()
+    camera.focal_point = focus
+    far = max(depth, scale)  # flat parts have no depth
+    camera.position = focus + 2 * far * view
+    camera.up = axes[1]
+    camera.parallel_scale = scale
+    camera.clipping_range = (0.5 * far, 4 * far)

@@ -1,0 +1,1 @@
+"""Scenes on finer meshes."""

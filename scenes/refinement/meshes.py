@@ -1,0 +1,194 @@
+"""Scenes refined: more elements along every direction, layers at singular edges.
+
+Pure: a scene in, a scene out. Bodies of mesh files keep their cells and take another degree. Every
+contact becomes mortar, the error of which is that of the meshes at any stiffness.
+"""
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from cea.contact.formulations import Mortar
+from cea.errors import InputError
+from cea.mesh import SIMPLICES
+from meshes.breaks import breaks_of, fewest, layered
+from meshes.edge_layers import RATIO, fit
+from meshes.mesh_file import MeshFile
+from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
+from scenes.refinement.singular_edges import Crowding, crowding
+from scenes.spec.body import Backend, BodySpec
+from scenes.spec.consistency import cross_checks
+from scenes.spec.contact import ContactSpec
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import Scene
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How fine a scene is made.
+
+    Parameters
+    ----------
+    degree
+        Degree of the elements of every shape.
+    density
+        Factor on the elements of the scene along every direction.
+    layers
+        Geometric layers towards singular edges.
+    file_degree
+        Degree of the elements on the cells of mesh files; None takes that of the scene.
+    """
+
+    degree: int
+    density: float
+    layers: int = 0
+    file_degree: int | None = None
+
+    def __post_init__(self) -> None:
+        if not self.density > 0:
+            raise InputError("density", self.density, "greater than 0")
+
+    def plain(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
+
+
+def on_backend_of_shapes(scene: Scene, backend: Backend) -> Scene:
+    """The scene with every shape on one backend; bodies of mesh files stay Lagrange elements.
+
+    Raises
+    ------
+    SceneError
+        When a shape has no mesh on the backend.
+    """
+    bodies = {
+        name: body if from_file(body) else replace(body, backend=backend)
+        for name, body in scene.bodies.items()
+    }
+    return _without_faults(replace(scene, bodies=bodies))
+
+
+def _without_faults(scene: Scene) -> Scene:
+    if faults := list(cross_checks(scene)):
+        raise SceneError(faults)
+    return scene
+
+
+def from_file(body: BodySpec) -> bool:
+    """Whether the cells of a body are those of a mesh file."""
+    return isinstance(body.geometry, MeshFile)
+
+
+def has_singular_edges(scene: Scene) -> bool:
+    """Whether layers make any difference: a body has singular edges and a structured mesh."""
+    return any(crowding(scene, name) and structured(body) for name, body in scene.bodies.items())
+
+
+def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
+    """The scene on one backend at a resolution, contacts as mortar.
+
+    Parameters
+    ----------
+    scene
+        The scene, whose meshes are those of density 1.
+    backend
+        Backend of every shape.
+    resolution
+        How fine.
+
+    Raises
+    ------
+    SceneError
+        When the meshes cannot be made so, or a body has none of the backend.
+    """
+    given = on_backend_of_shapes(scene, backend)
+    contacts = {name: _accurate(contact) for name, contact in given.contacts.items()}
+    bodies = {name: _refined(given, name, resolution) for name in given.bodies}
+    return _without_faults(replace(given, bodies=bodies, contacts=contacts))
+
+
+def moved_to_mortar(scene: Scene) -> dict[str, str]:
+    """Contacts whose formulation refinement changes, with the one that the scene gives."""
+    return {
+        name: contact.formulation.method
+        for name, contact in scene.contacts.items()
+        if _accurate(contact) != contact
+    }
+
+
+def _accurate(contact: ContactSpec) -> ContactSpec:
+    """A contact as mortar in a half pass; one that is bonded as it is."""
+    if contact.formulation.coupling == "bonded" or isinstance(contact.formulation, Mortar):
+        return contact
+    return replace(contact, formulation=Mortar(), full_pass=False)
+
+
+def structured(body: BodySpec) -> bool:
+    """Whether the mesh of a body follows coordinates of its shape."""
+    if not hasattr(body.geometry, "extent"):
+        return False
+    return body.backend == "iga" or (body.mesh.fe is not None and body.mesh.fe.size is None)
+
+
+def layers_at_edges(body: BodySpec, edges: Crowding) -> bool:
+    """Whether layers towards the edges of a body leave the rest of its mesh as it is.
+
+    Lagrange cells need not lie on a lattice: where all edges run along one direction, or in the
+    plane, those at the edges alone are divided (:mod:`meshes.edge_layers`).
+    """
+    cell = body.mesh.fe.cell if body.backend == "fe" and body.mesh.fe is not None else None
+    boxes = cell is not None and cell not in SIMPLICES and structured(body)
+    return boxes and len({frozenset(edge) for edge in edges.edges}) == 1
+
+
+def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
+    body = scene.bodies[name]
+    if from_file(body):
+        return replace(body, mesh=replace(body.mesh, degree=resolution.file_degree))
+    mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
+    if mesh is None:
+        raise InputError(f"bodies.{name}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
+    if isinstance(mesh, FeMesh):
+        finer: FeMesh | IgaMesh = replace(mesh, degree=resolution.degree)
+    else:
+        degree = (resolution.degree,) * len(body.geometry.directions)
+        finer = replace(mesh, degree=degree, continuity=None)
+    if isinstance(finer, FeMesh) and finer.size is not None:
+        finer = replace(finer, size=finer.size / resolution.density)
+        if isinstance(body.geometry, VentilatedDisc):
+            curved = min(finer.geometry_degree or finer.degree, MAX_CURVED)
+            finer = replace(finer, geometry_degree=curved)
+    else:
+        elements = tuple(max(1, round(n * resolution.density)) for n in finer.elements or ())
+        finer = replace(finer, elements=elements)
+        if structured(body):
+            finer = _with_breaks(finer, scene, name, resolution.layers)
+    return replace(
+        body, mesh=MeshSpec(fe=finer) if isinstance(finer, FeMesh) else MeshSpec(iga=finer)
+    )
+
+
+def _with_breaks(mesh: FeMesh | IgaMesh, scene: Scene, name: str, layers: int) -> FeMesh | IgaMesh:
+    """A structured mesh through all boundaries of contacts, with layers at singular edges."""
+    body, edges = scene.bodies[name], crowding(scene, name)
+    shape, through = body.geometry, dict(mesh.through)
+    for direction, values in edges.through.items():
+        through[direction] = tuple(sorted({*through.get(direction, ()), *values}))
+    least = fewest(shape, through)
+    elements = tuple(map(max, mesh.elements or (), least))
+    if not layers or not edges:
+        return replace(mesh, elements=elements, through=through)
+    if isinstance(mesh, FeMesh) and layers_at_edges(body, edges):
+        new = replace(mesh, through=through, edges=edges.edges, layers=layers)
+        while not fit(shape, breaks_of(shape, elements, new.boundaries), edges.edges):
+            elements = tuple(
+                n + (d in edges.towards) for d, n in zip(shape.directions, elements, strict=True)
+            )
+        return replace(new, elements=elements)
+    along = zip(shape.directions, breaks_of(shape, elements, through), strict=True)
+    breaks = {d: layered(each, edges.towards.get(d, ()), layers, RATIO) for d, each in along}
+    return replace(
+        mesh,
+        elements=tuple(len(each) - 1 for each in breaks.values()),
+        through={d: tuple(each[1:-1].tolist()) for d, each in breaks.items()},
+    )

@@ -1,0 +1,235 @@
+"""Coordinates towards which the elements of a body crowd when it is refined.
+
+Stresses are singular along the edges of a clamped face whose neighbours are free, along re-entrant
+edges, and along the boundary of a contact that is stiff beside its bodies. Where a roller ends a
+face nothing is singular: the roller is a plane of symmetry, behind which the face goes on.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import prod
+
+from meshes.breaks import CLOSED
+from meshes.placement import Placement
+from meshes.shapes import Hub, Shape
+from scenes.spec.body import BodySpec
+from scenes.spec.contact import ContactSpec
+from scenes.spec.node_grids import box_lengths
+from scenes.spec.scene import SceneSpec
+
+_ENDS = {"min": 0, "max": 1}
+_NAMED = {
+    "inner": ("r", 0),
+    "outer": ("r", 1),
+    "bore": ("r", 0),
+    "start": ("theta", 0),
+    "end": ("theta", 1),
+    "bottom": ("z", 0),
+    "top": ("z", 1),
+    "hub_bottom": ("z", 0),
+    "hub_top": ("z", 1),
+}
+_COMPONENTS = {"r": ("radial",), "theta": ("circumferential",), "z": ("z", "axial")}
+"""Components along a direction that bear other names than it."""
+_STIFF = 1.0
+"""p L / E from which on a contact holds its sides together as a joint does, L the least length of
+the body of side a, E the lesser modulus."""
+_WITHIN = 1e-9
+"""Part of a range by which a coordinate lies inside it."""
+
+Place = tuple[str, float]
+"""A direction and a coordinate along it."""
+SingularEdge = tuple[Place, Place]
+"""The two places that an edge lies at."""
+
+
+@dataclass(frozen=True)
+class Crowding:
+    """Coordinates of one body.
+
+    Parameters
+    ----------
+    edges
+        The singular edges, each by its coordinates along two directions.
+    through
+        Those inside the body at which pressure ends, and elements do too.
+    re_entrant
+        Whether one of the edges is re-entrant: stresses are most singular there.
+    """
+
+    edges: tuple[dict[str, float], ...] = ()
+    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+    re_entrant: bool = False
+
+    @property
+    def towards(self) -> dict[str, tuple[float, ...]]:
+        """Those towards which elements crowd, by direction: where edges lie."""
+        return _by_direction([place for edge in self.edges for place in edge.items()])
+
+    def __bool__(self) -> bool:
+        return bool(self.edges)
+
+
+@dataclass(frozen=True)
+class _Face:
+    """A face of a shape: across which direction it lies, and at which of its ends."""
+
+    direction: str
+    end: int
+
+
+def crowding(scene: SceneSpec, name: str) -> Crowding:
+    """Coordinates towards which the elements of a body crowd.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    name
+        Name of the body.
+
+    Returns
+    -------
+    Crowding
+        Empty where nothing is singular, or the shape has no coordinates along its faces.
+    """
+    body = scene.bodies[name]
+    if not hasattr(body.geometry, "extent"):
+        return Crowding()
+    re_entrant = list(_re_entrant(body.geometry))
+    found = [
+        *_clamped(body),
+        *_contact_edges(scene, name),
+        *re_entrant,
+        *_boundaries_on(scene, name, stiff=True),
+    ]
+    inner = [place for _, place in _boundaries_on(scene, name, stiff=False)]
+    edges = tuple(dict(edge) for edge in dict.fromkeys(found))
+    return Crowding(edges, _by_direction(inner), bool(re_entrant))
+
+
+def _by_direction(places: list[Place]) -> dict[str, tuple[float, ...]]:
+    directions = dict.fromkeys(direction for direction, _ in places)
+    return {d: tuple(sorted({x for name, x in places if name == d})) for d in directions}
+
+
+def _ranges(shape: Shape) -> dict[str, tuple[float, float]]:
+    return dict(zip(shape.directions, shape.extent, strict=True))
+
+
+def _face_of(shape: Shape, surface: str) -> _Face | None:
+    """Which face a surface is; None where it is no face across a direction."""
+    name, _, end = surface.partition("_")
+    if end in _ENDS and name in shape.directions:
+        return _Face(name, _ENDS[end])
+    direction, number = _NAMED.get(surface, ("", 0))
+    return _Face(direction, number) if direction in shape.directions else None
+
+
+def _coordinate(shape: Shape, surface: str, face: _Face) -> float:
+    """Coordinate at which a face lies."""
+    if isinstance(shape, Hub) and surface in ("bottom", "top"):
+        return (shape.bottom, shape.top)[face.end]
+    return _ranges(shape)[face.direction][face.end]
+
+
+def _clamped(body: BodySpec) -> Iterator[SingularEdge]:
+    """Edges of faces that are held in every component."""
+    dim = len(body.geometry.directions)
+    for support in body.supports:
+        if len(set(support.components)) in (0, dim) and support.components != ("normal",):
+            yield from _edges(body, support.surface)
+
+
+def _contact_edges(scene: SceneSpec, name: str) -> Iterator[SingularEdge]:
+    """Edges of the sides a of contacts that this body bears."""
+    for contact in scene.contacts.values():
+        owner, _, surface = contact.a.partition(".")
+        if owner == name and _is_stiff(scene, contact):
+            yield from _edges(scene.bodies[name], surface)
+
+
+def _is_stiff(scene: SceneSpec, contact: ContactSpec) -> bool:
+    """Whether a contact is as good as a joint; one whose stiffness is no number counts as such."""
+    bodies = [scene.bodies[side.partition(".")[0]] for side in (contact.a, contact.b)]
+    lengths = sorted(box_lengths(bodies[0].geometry))
+    p = contact.p
+    if contact.P is not None:  # over about the largest of its faces
+        p = contact.P / prod(lengths[1:])
+    if not isinstance(p, int | float):
+        return True
+    return bool(p * lengths[0] > _STIFF * min(body.material.E for body in bodies))
+
+
+def _edges(body: BodySpec, surface: str) -> Iterator[SingularEdge]:
+    """Where the ends of free faces meet a face."""
+    shape = body.geometry
+    face = _face_of(shape, surface)
+    if face is None:
+        return
+    held, at = _held(body), (face.direction, _coordinate(shape, surface, face))
+    for direction, ends in _ranges(shape).items():
+        if direction == face.direction or (isinstance(shape, CLOSED) and direction == "theta"):
+            continue
+        for end in (0, 1):
+            if _Face(direction, end) not in held:
+                yield at, (direction, ends[end])
+
+
+def _held(body: BodySpec) -> set[_Face]:
+    """Faces held along their normal."""
+    held = set()
+    for support in body.supports:
+        face = _face_of(body.geometry, support.surface)
+        if face is not None:
+            along = {"normal", face.direction, *_COMPONENTS.get(face.direction, ())}
+            if not support.components or along & set(support.components):
+                held.add(face)
+    return held
+
+
+def _boundaries_on(scene: SceneSpec, name: str, *, stiff: bool) -> Iterator[SingularEdge]:
+    """Edges of sides a where they lie inside a side b that this body bears.
+
+    Of stiff contacts with the face itself, else of all. They are known where both bodies stand as
+    their shapes do and have the same directions.
+    """
+    body = scene.bodies[name]
+    for contact in scene.contacts.values():
+        owner, _, surface = contact.b.partition(".")
+        other = scene.bodies[contact.a.partition(".")[0]]
+        face = _face_of(body.geometry, surface) if owner == name else None
+        if face is not None and _aligned(body, other):
+            if stiff and not _is_stiff(scene, contact):
+                continue
+            at = face.direction, _coordinate(body.geometry, surface, face)
+            for place in _inside(body.geometry, other.geometry, face):
+                yield at, place
+
+
+def _aligned(body: BodySpec, other: BodySpec) -> bool:
+    shapes = (body.geometry, other.geometry)
+    as_shaped = all(each.placement == Placement() for each in (body, other))
+    alike = shapes[0].directions == shapes[1].directions
+    return as_shaped and alike and all(hasattr(shape, "extent") for shape in shapes)
+
+
+def _inside(shape: Shape, other: Shape, face: _Face) -> Iterator[Place]:
+    """Ends of another shape strictly inside this one, along the directions of a face."""
+    theirs = _ranges(other)
+    for direction, (low, high) in _ranges(shape).items():
+        closed = isinstance(other, CLOSED) and direction == "theta"
+        if direction == face.direction or closed:
+            continue
+        margin = _WITHIN * (high - low)
+        for coordinate in theirs[direction]:
+            if low + margin < coordinate < high - margin:
+                yield direction, coordinate
+
+
+def _re_entrant(shape: Shape) -> Iterator[SingularEdge]:
+    """The edges in which the ring of a hub meets its thicker part."""
+    if isinstance(shape, Hub):
+        for z, end in ((shape.bottom, shape.hub_bottom), (shape.top, shape.hub_top)):
+            if z != end:
+                yield ("r", shape.hub_radius), ("z", z)

@@ -1,0 +1,1 @@
+"""What running a scene gives, how it is stored, and what is compared of it."""

@@ -1,0 +1,199 @@
+"""Matching modes of two runs of one scene on points that both can locate."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.arrays import Complexes, Floats
+from cea.eigen.mode_matching import (
+    NEAR,
+    CircumferentialContent,
+    ModeMatch,
+    ModeSet,
+    circumferential_content,
+    match_modes,
+    modal_assurance,
+)
+from cea.errors import InputError
+from cea.surface import Surface
+from scenes.results.result import Result
+
+_SAMPLES = 15
+
+
+def match_runs(
+    first: Result,
+    second: Result,
+    first_modes: NDArray[np.int64] | None = None,
+    second_modes: NDArray[np.int64] | None = None,
+    *,
+    near: float = NEAR,
+) -> ModeMatch:
+    """Pair modes of two runs of one scene by shape on the contact surfaces and by eigenvalue.
+
+    Scenes without contacts are compared on all surfaces.
+
+    Parameters
+    ----------
+    first, second
+        The runs.
+    first_modes, second_modes
+        Numbers of the modes to pair; None takes all. The answer counts within them.
+    near
+        Relative distance of eigenvalues of one run that are compared as a group.
+    """
+    return match_modes(*_mode_sets(first, second, first_modes, second_modes), near)
+
+
+def match_unstable(first: Result, second: Result) -> dict[str, Any]:
+    """Pair the unstable modes of two runs of one scene.
+
+    Modes are paired so that shape and eigenvalue agree best over all pairs together; nothing is
+    left out of the answer.
+
+    Returns
+    -------
+    dict
+        ``pairs``: each with frequency and growth of both, relative differences and modal
+        assurance; ``only_first``, ``only_second``: modes without a partner.
+    """
+    unstable = (np.flatnonzero(result.unstable) for result in (first, second))
+    sets = _mode_sets(first, second, *unstable)
+    match = match_modes(*sets, near=0.0, limit=None)
+    assurance = modal_assurance(sets[0].shapes, sets[1].shapes)
+    values = [s.eigenvalues for s in sets]
+    pairs = []
+    # A group of one run is one mode here: groups are pairs, but for exact copies.
+    for i, j in ((i, j) for g in match.groups for i, j in zip(g.first, g.second, strict=True)):
+        x, y = values[0][i], values[1][j]
+        pairs.append(
+            {
+                "frequency": [float(v.imag / (2 * np.pi)) for v in (x, y)],
+                "growth": [float(x.real), float(y.real)],
+                "frequency_difference": float(x.imag / y.imag - 1),
+                "growth_difference": float(x.real / y.real - 1),
+                "modal_assurance": float(assurance[i, j]),
+            }
+        )
+    return {
+        "pairs": pairs,
+        "only_first": _alone(values[0][match.only_first]),
+        "only_second": _alone(values[1][match.only_second]),
+    }
+
+
+def circumferential_orders(
+    result: Result, surfaces: Sequence[str] = (), *, angles: int = 64, circles: int = 3
+) -> CircumferentialContent:
+    """Circumferential content of every mode of a run on surfaces of revolution about the z axis.
+
+    Parameters
+    ----------
+    result
+        A run with modes.
+    surfaces
+        Surfaces as "body.surface"; by default both sides of every contact. A mode that leaves
+        them all at rest has no order.
+    angles
+        Points around the axis; orders to (angles - 1) // 2 are told apart.
+    circles
+        Circles at most on each, through points of the surface.
+
+    Raises
+    ------
+    InputError
+        When a surface is not closed around the axis.
+    """
+    contacts = result.scene.contacts.values()
+    chosen = surfaces or [side for contact in contacts for side in (contact.a, contact.b)]
+    u = [_on_circles(result, surface, angles, circles) for surface in dict.fromkeys(chosen)]
+    return circumferential_content(np.concatenate(u))
+
+
+def _on_circles(result: Result, surface: str, angles: int, circles: int) -> Complexes:
+    """Displacements of every mode in cylindrical components, (circles, angles, dim, modes)."""
+    body, name = surface.split(".")
+    side = result.system.bodies[body].surfaces[name]
+    x, normal = _around(side, angles, circles)
+    found = side.locate(x, normal, side.mesh_size)
+    if found.missed.any():
+        raise InputError("surfaces", surface, "surfaces of revolution about the z axis")
+    u = result.mode_shapes(surface, found.at)
+    turns = _turns(2 * np.pi * np.arange(angles) / angles, side.dim)
+    # Turned back by its angle, each point's components are radial and circumferential.
+    return np.einsum("aji,cajm->caim", turns, u.reshape(-1, angles, *u.shape[1:]))
+
+
+def _around(side: Surface, angles: int, circles: int) -> tuple[Floats, Floats]:
+    """Points and normals on circles about z through Gauss points, (circles * angles, dim)."""
+    points = side.gauss_points(2)
+    radius = np.hypot(points.x[:, 0], points.x[:, 1])
+    profile = np.column_stack([radius, points.x[:, 2:]])
+    _, distinct = np.unique(np.round(profile / profile.max(), 6), axis=0, return_index=True)
+    chosen = distinct[np.linspace(0, len(distinct) - 1, circles).round().astype(int)]
+    chosen = np.unique(chosen)
+    start = -np.arctan2(points.x[chosen, 1], points.x[chosen, 0])
+    at_zero = _turns(start, side.dim)
+    turns = _turns(2 * np.pi * np.arange(angles) / angles, side.dim)
+    x, normal = (
+        np.einsum("aij,cjk,ck->cai", turns, at_zero, vectors[chosen]).reshape(-1, side.dim)
+        for vectors in (points.x, points.normal)
+    )
+    return x, normal
+
+
+def _turns(theta: Floats, dim: int) -> Floats:
+    """Rotations about the z axis, shape (n, dim, dim)."""
+    turns = np.broadcast_to(np.eye(dim), (len(theta), dim, dim)).copy()
+    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(theta)
+    turns[:, 1, 0] = np.sin(theta)
+    turns[:, 0, 1] = -turns[:, 1, 0]
+    return turns
+
+
+def _mode_sets(
+    first: Result,
+    second: Result,
+    first_modes: NDArray[np.int64] | None,
+    second_modes: NDArray[np.int64] | None,
+) -> tuple[ModeSet, ModeSet]:
+    """Eigenvalues, and displacements at points of the contact surfaces that both can locate."""
+    chosen = [
+        np.arange(len(result.modes)) if modes is None else modes
+        for result, modes in ((first, first_modes), (second, second_modes))
+    ]
+    left, right = [], []
+    for place in _places(first):
+        body, name = place.split(".")
+        surface = first.system.bodies[body].surfaces[name]
+        other = second.system.bodies[body].surfaces[name]
+        points = surface.grid(max(2, round(_SAMPLES / np.sqrt(surface.num_elements))))
+        found = other.locate(points.x, points.normal, other.mesh_size)
+        hit = ~found.missed
+        left.append(first.mode_shapes(place, points.at[hit], chosen[0]))
+        right.append(second.mode_shapes(place, found.at[hit], chosen[1]))
+    return (
+        ModeSet(first.eigenvalues[chosen[0]], _rows(left)),
+        ModeSet(second.eigenvalues[chosen[1]], _rows(right)),
+    )
+
+
+def _places(result: Result) -> list[str]:
+    """Both sides of every contact; every surface of scenes without contacts."""
+    contacts = result.scene.contacts.values()
+    sides = [side for contact in contacts for side in (contact.a, contact.b)]
+    return sides or [
+        f"{name}.{surface}" for name, body in result.bodies.items() for surface in body.surfaces
+    ]
+
+
+def _alone(values: Complexes) -> list[dict[str, float]]:
+    return [{"frequency": float(v.imag / (2 * np.pi)), "growth": float(v.real)} for v in values]
+
+
+def _rows(shapes: list[Complexes]) -> Complexes:
+    """Displacements of several surfaces, a row for each component of each point."""
+    every = np.concatenate(shapes)
+    return every.reshape(len(every) * every.shape[1], every.shape[-1])

@@ -1,0 +1,268 @@
+"""One stored form of what any command computed, and how it is opened again.
+
+A record is plain data: ``command`` and its ``inputs``, ``versions``, ``commit`` and ``machine``
+that made it, ``seconds``, ``warnings``, and beside them the data of the command. Infinity, which
+JSON has no number for, is stored as the text "inf"; a text that reads so bears a backslash before
+it, and one more where it has some.
+"""
+
+import gzip
+import json
+import os
+import platform
+import subprocess
+import zlib
+from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from math import inf, isinf, isnan
+from pathlib import Path
+from typing import Any
+
+from cea.errors import InputError
+from cea.files import regular, write_whole
+from scenes.results.result import Result
+
+PROVENANCE = ("command", "inputs", "versions", "commit", "machine", "seconds", "warnings")
+"""Fields of every record; what else it holds is data of its command."""
+
+RUN = "run"
+"""Command that a record of a run names."""
+
+_PACKAGE = "friction-cea"
+_PACKAGES = {
+    "dolfinx": "dolfinx-solver-real",
+    "gmsh": "gmsh",
+    "numpy": "numpy",
+    "scipy": "scipy",
+    "pyvista": "pyvista",
+    _PACKAGE: _PACKAGE,
+}
+_LARGEST = 2**30
+"""Bytes of JSON that are read at most: a small compressed file may hold any number of them."""
+_INFINITIES = {"inf": inf, "-inf": -inf}
+
+
+def save_result(
+    result: Result,
+    file: str | Path,
+    *,
+    inputs: Mapping[str, Any] | None = None,
+    data: Mapping[str, Any] | None = None,
+) -> Path:
+    """Write the record of a run, which :func:`scenes.open_result` opens; collective.
+
+    Parameters
+    ----------
+    result
+        The run.
+    file
+        The file; rank 0 writes it.
+    inputs
+        What the run was asked for in words; by default the name of the scene.
+    data
+        More to be kept beside it.
+    """
+    path, described = Path(file), dict(result.data)
+    seconds = described.pop("seconds")
+    if result.comm.rank == 0:
+        inputs = {"scene": result.scene.name} if inputs is None else inputs
+        described |= data or {}
+        warnings = [warning.plain() for warning in result.warnings]
+        made = record(RUN, described, inputs=inputs, seconds=seconds, warnings=warnings)
+        write_record(made, path)
+    return path
+
+
+def record(
+    command: str,
+    data: Mapping[str, Any],
+    *,
+    inputs: Mapping[str, Any],
+    seconds: float,
+    warnings: Iterable[Mapping[str, Any]] = (),
+) -> dict[str, Any]:
+    """What a command computed with all that tells where it comes from.
+
+    Parameters
+    ----------
+    command
+        Name of the command.
+    data
+        What it computed, plain data.
+    inputs
+        What it was given, plain data.
+    seconds
+        How long it took.
+    warnings
+        What a reader must know, each as plain data.
+
+    Raises
+    ------
+    InputError
+        When a field of the data has a name of the provenance.
+    """
+    taken = [name for name in data if name in PROVENANCE]
+    if taken:
+        raise InputError("data", taken, f"other names than {', '.join(PROVENANCE)}")
+    return {
+        "command": command,
+        "inputs": dict(inputs),
+        "versions": versions(),
+        "commit": commit(),
+        "machine": machine(),
+        "seconds": seconds,
+        "warnings": [dict(warning) for warning in warnings],
+        **data,
+    }
+
+
+def write_record(data: Mapping[str, Any], file: Path) -> Path:
+    """Write plain data as JSON, whole or not at all, making its folder.
+
+    Parameters
+    ----------
+    data
+        The data.
+    file
+        The file; with the ending ``.gz`` it is compressed.
+    """
+    return write_whole(f"{as_json(data, compact=file.suffix == '.gz')}\n".encode(), file)
+
+
+def as_json(data: Mapping[str, Any], *, compact: bool = False) -> str:
+    """Plain data as the text of a record.
+
+    Parameters
+    ----------
+    data
+        The data.
+    compact
+        Whether without spaces and lines.
+
+    Raises
+    ------
+    InputError
+        When something is not a number.
+    """
+    layout: dict[str, Any] = {"separators": (",", ":")} if compact else {"indent": 1}
+    return json.dumps(_in_json(data), allow_nan=False, **layout)
+
+
+def read_record(file: str | Path) -> dict[str, Any]:
+    """Read what :func:`write_record` wrote.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or no such data in it.
+    """
+    path = Path(file)
+    try:
+        with (gzip.open if path.suffix == ".gz" else open)(regular(path), "rb") as stream:
+            content = stream.read(_LARGEST + 1)
+        if len(content) > _LARGEST:
+            raise ValueError(f"more than {_LARGEST} bytes")
+        data = json.loads(content, parse_constant=_no_number)
+    except (OSError, EOFError, zlib.error, ValueError, RecursionError) as error:
+        raise InputError("file", str(file), f"a stored result: {error}") from error
+    if not isinstance(data, dict):
+        raise InputError("file", str(file), "a stored result, which is a table of fields")
+    return _from_json(data)
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the packages that matter for numbers."""
+    from cea.petsc import PETSc, SLEPc
+
+    found = {"python": platform.python_version()}
+    for name, package in _PACKAGES.items():
+        try:
+            found[name] = version(package)
+        except PackageNotFoundError:
+            found[name] = "not installed as a package"
+    for name, system in (("petsc", PETSc.Sys), ("slepc", SLEPc.Sys)):
+        found[name] = ".".join(map(str, system.getVersion()))
+    return found
+
+
+@cache
+def commit() -> str:
+    """Commit of the program where it runs from a checkout, else the version of its package.
+
+    A commit with changes that are not committed ends in ``-dirty``.
+    """
+    root = Path(__file__).parents[2]
+    if (root / ".git").exists():
+        try:
+            return commit_of(root)
+        except (OSError, subprocess.CalledProcessError):
+            pass  # no git, or a checkout of another owner: the package says what it is
+    try:
+        return f"{_PACKAGE} {version(_PACKAGE)}"
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def commit_of(root: Path) -> str:
+    """Commit of a checkout, which is not locked for it: its user may be committing meanwhile.
+
+    Raises
+    ------
+    OSError
+        When there is no git.
+    subprocess.CalledProcessError
+        When it does not read the checkout.
+    """
+    head = _git(root, "rev-parse", "HEAD")
+    changed = _git(root, "status", "--porcelain", "--untracked-files=no")
+    return f"{head}-dirty" if changed else head
+
+
+def _git(root: Path, *command: str) -> str:
+    """What git prints of a checkout that it leaves as it is."""
+    whole = ["git", "--no-optional-locks", "-C", str(root), *command]
+    return subprocess.run(whole, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def machine() -> dict[str, Any]:
+    """Processor count and kind."""
+    return {"cpus": os.cpu_count(), "machine": platform.machine(), "system": platform.system()}
+
+
+def _in_json(value: Any, place: str = "data") -> Any:
+    """Plain data in which infinity is the text "inf".
+
+    Raises
+    ------
+    InputError
+        When a number is none, which JSON has no form for either.
+    """
+    if isinstance(value, Mapping):
+        return {key: _in_json(part, f"{place}.{key}") for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_in_json(part, f"{place}.{i}") for i, part in enumerate(value)]
+    if isinstance(value, float):
+        if isnan(value):
+            raise InputError(place, value, "a number: JSON has none for it")
+        return str(value) if isinf(value) else value
+    return f"\\{value}" if isinstance(value, str) and _reads_infinite(value) else value
+
+
+def _from_json(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _from_json(part) for key, part in value.items()}
+    if isinstance(value, list):
+        return [_from_json(part) for part in value]
+    if isinstance(value, str) and _reads_infinite(value):
+        return _INFINITIES.get(value, value[1:])
+    return value
+
+
+def _reads_infinite(text: str) -> bool:
+    """Whether a text is that of an infinity, with backslashes before it or without."""
+    return text.lstrip("\\") in _INFINITIES
+
+
+def _no_number(text: str) -> float:
+    raise ValueError(f"{text} is no JSON")

@@ -1,0 +1,416 @@
+"""What running a scene gives, fresh or read back from its record."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from cea.arrays import Complexes, Floats, Ints
+from cea.body import Body
+from cea.contact.interface import Interface
+from cea.eigen.classify import RunWord
+from cea.eigen.mode_table import SIGNS, html_table
+from cea.eigen.modes import Modes
+from cea.eigen.spectrum import Spectrum
+from cea.errors import InputError
+from cea.surface_points import SurfaceCoordinates
+from cea.system.coupled import CoupledSystem
+from cea.timing import StageTimer
+from cea.warned import ResultWarning
+from scenes.results.shapes import displacements_at, summed_matrices, system_matrices
+from scenes.spec.names import backend_name
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+    from cea.system.contact_stresses import NormalStress
+    from cea.system.sliding_state import SteadySliding
+    from scenes.pictures.drawing import Drawing
+
+
+class Analysis(Protocol):
+    """A kind of analysis: a module that runs scenes, and tells what their results hold.
+
+    Its name stands in :data:`scenes.running.analysis.ANALYSES`.
+    """
+
+    def run(self, scene: Any, /, **options: Any) -> "Result":
+        """Run a scene; options are those of a run, and of this analysis."""
+
+    def describe(self, result: "Result") -> dict[str, Any]:
+        """What the record of a result holds of this analysis, plain data."""
+
+    def opened(self, record: Any) -> "Fields":
+        """Fields of :class:`Result` from a :class:`scenes.results.record.RunRecord`.
+
+        Raises
+        ------
+        InputError
+            When the data are those of another kind of analysis.
+        """
+
+    def table(self, result: "Result") -> list[dict[str, Any]]:
+        """Rows that say what was found."""
+
+    def lines(self, result: "Result") -> list[str]:
+        """The same as text."""
+
+
+Fields = dict[str, Any]
+"""Values of fields of a :class:`Result` by name."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Result:
+    """What running a scene gave.
+
+    A mode that is named by a number has one from 1, as tables, files, pictures show it; arrays of
+    modes are indexed from 0, as all arrays are. A result that was read back has no matrices and
+    no vectors: what needs them refuses.
+
+    Parameters
+    ----------
+    kind
+        The module of its analysis; None of a record that no run made.
+    scene
+        The scene as run: :class:`scenes.Scene` or :class:`scenes.MatrixScene`.
+    timer
+        Seconds by stage.
+    skipped
+        What the scene did not need, with the reason.
+    warnings
+        What the result must be read with.
+    spectrum
+        Eigenvalues with their errors and the window that was searched; None where none was sought.
+    stresses
+        Normal stresses of a static analysis by contact, then side "a" or "b".
+    reactions
+        Forces (N) of each support on its body in equilibrium with the loads, by body, shape
+        (supports, dim), in the order of the scene; empty where no equilibrium is sought.
+    interfaces
+        Contact points by name of the half pass.
+    pieces
+        Matrices as read, by name, of a scene of matrices.
+    coupled
+        The coupled matrices of bodies and contacts.
+    solution
+        Unknowns of a static analysis, PETSc vector.
+    provenance
+        What made its record, where it was read back: command, inputs, versions and so on.
+    stored
+        What else its record holds.
+    """
+
+    kind: Analysis | None
+    scene: Any
+    timer: StageTimer
+    skipped: Mapping[str, str]
+    warnings: tuple[ResultWarning, ...] = ()
+    spectrum: Spectrum | None = None
+    stresses: Mapping[str, Mapping[str, "NormalStress"]] = field(default_factory=dict)
+    reactions: Mapping[str, Floats] = field(default_factory=dict)
+    interfaces: Mapping[str, Interface] = field(default_factory=dict)
+    pieces: Mapping[str, Any] = field(default_factory=dict)
+    coupled: CoupledSystem | None = None
+    solution: Any = None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    stored: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def data(self) -> Mapping[str, Any]:
+        """What its record holds (`docs/result_json.md`), fresh or read back; collective."""
+        if self.provenance or self.kind is None:
+            return self.stored
+        return self.kind.describe(self)
+
+    @property
+    def system(self) -> CoupledSystem:
+        """Coupled matrices of bodies and contacts; refused where there are none."""
+        return _there(self.coupled, "system", "a fresh run of bodies")
+
+    @property
+    def displacement(self) -> Any:
+        """Unknowns of a static analysis, PETSc vector; refused where there are none."""
+        return _there(self.solution, "displacement", "a fresh run of a static analysis")
+
+    @property
+    def modes(self) -> Modes:
+        """Eigenvalues with their errors; without vectors where the result was read back."""
+        return cast(Modes, _there(self.spectrum, "modes", "an analysis that seeks modes"))
+
+    @property
+    def analysis(self) -> Any:
+        """The analysis of the scene."""
+        return self.scene.analysis
+
+    @property
+    def dofs(self) -> int:
+        """Free dofs."""
+        if self.provenance:
+            return int(self.stored["dofs"]["free"])
+        return int(self.modes.template.getSize() if self.coupled is None else self.coupled.size)
+
+    @property
+    def comm(self) -> Any:
+        """Communicator (mpi4py)."""
+        template = self.modes.template if self.coupled is None else self.coupled.template
+        return template.comm.tompi4py()
+
+    @property
+    def bodies(self) -> Mapping[str, Body]:
+        """Bodies by name; refused where the result was read back."""
+        return self.system.bodies
+
+    @property
+    def steady(self) -> "SteadySliding | None":
+        """The state of steady sliding; None where the stiffness of every contact is given."""
+        return self.system.steady
+
+    @property
+    def eigenvalues(self) -> Complexes:
+        """Lambda (1/s) by rising frequency, shape (n,)."""
+        return self.modes.eigenvalues
+
+    @property
+    def frequencies(self) -> Floats:
+        """Frequencies (Hz), shape (n,)."""
+        return self.modes.frequencies
+
+    @property
+    def growth_rates(self) -> Floats:
+        """Growth rates (1/s), shape (n,)."""
+        return self.modes.growth_rates
+
+    @property
+    def damping_ratios(self) -> Floats:
+        """-Re lambda / abs(lambda), shape (n,): below zero where a mode grows, NaN where rigid."""
+        return self.modes.damping_ratios
+
+    @property
+    def unstable(self) -> NDArray[np.bool_]:
+        """Modes that are called unstable with the scene's threshold, shape (n,)."""
+        return self.modes.unstable(self.analysis.growth_threshold)
+
+    @property
+    def verdict(self) -> RunWord:
+        """The word of the whole window, as :func:`cea.eigen.classify.classify_run` has it."""
+        return self.modes.verdict(self.analysis.growth_threshold)
+
+    @property
+    def summary(self) -> str:
+        """How many modes have which word, the threshold and the verdict, in a line."""
+        return f"{self.scene.name}: {self.modes.headline(self.analysis.growth_threshold)}"
+
+    @property
+    def first_lines(self) -> list[str]:
+        """The summary, and a hint where modes grow just above the window."""
+        return [self.summary, *self.modes.hints]
+
+    def most_unstable(self, count: int) -> list[int]:
+        """Indices, from 0, of the most unstable modes; of the first ones where none is."""
+        unstable = np.flatnonzero(self.unstable)
+        if not len(unstable):
+            return list(range(min(count, len(self.modes))))
+        order = np.argsort(-self.growth_rates[unstable], kind="stable")
+        return unstable[order][:count].tolist()
+
+    def index(self, mode: int | None = None) -> int:
+        """Index, from 0, of a mode in all arrays.
+
+        Parameters
+        ----------
+        mode
+            Its number, from 1; by default the most unstable one.
+
+        Raises
+        ------
+        InputError
+            When there is no such mode.
+        """
+        if mode is None and len(self.modes):
+            return self.most_unstable(1)[0]
+        if mode is None or not 1 <= mode <= len(self.modes):
+            raise InputError("mode", mode, f"the number of a mode, from 1 to {len(self.modes)}")
+        return int(mode) - 1
+
+    def title(self, index: int) -> str:
+        """A mode, by its index, in words: backend, number from 1, frequency and growth rate."""
+        begin = f"{backend_name(self.scene.backends)}, mode {index + 1}: "
+        if self.modes.rigid[index]:
+            return f"{begin}rigid motion"
+        return (
+            f"{begin}{self.frequencies[index]:.2f} Hz, "
+            f"growth rate {self.growth_rates[index]:+.2f} 1/s"
+        )
+
+    def relative_stiffness(self, contact: str) -> float:
+        """P of a contact where the modes were solved for, over that of the system's matrices.
+
+        1 where steady sliding makes it, and nothing changes it.
+        """
+        name = f"contacts.{contact}.P"
+        if name not in self.modes.values:
+            return 1.0
+        return self.modes.values[name] / self.modes.pencil.parameters[name].value
+
+    def matrices(self) -> dict[str, csr_array]:
+        """Matrices by name, at the parameters that were solved at; collective.
+
+        Their rows are the free dofs of all ranks. K and M of the bodies, K_n and K_f of the
+        contacts: K_f is zero without friction, M is left out of static analyses. C is there where
+        something damps, Y where a body rotates; convective and geometric stiffness are part of K.
+        Modal damping would be full: W is there where modes of a body are damped, a column for
+        each, and the damping is C + W W^T. Damping that rotates with its body makes K_c of
+        displacements, and what would be full: with J, N and L, which are there, K_c + L N^-1 J
+        (:mod:`cea.rotation`). A scene of matrices has M, C where there is one, and K.
+
+        Returns
+        -------
+        dict
+            scipy matrices (N/m, kg, N s/m) on rank 0; empty on other ranks.
+
+        Raises
+        ------
+        InputError
+            Where the sides of a contact are tied: K_n is infinite; and where the result was read
+            back.
+        """
+        if self.pieces:
+            return summed_matrices(self.modes.pencil, self.modes.values, self.modes.template)
+        values = self.system.pencil().values() if self.spectrum is None else self.modes.values
+        return system_matrices(self.system, values)
+
+    def mode_shapes(
+        self,
+        place: str,
+        at: SurfaceCoordinates | csr_array | None = None,
+        modes: Sequence[int] | Ints | None = None,
+        *,
+        everywhere: bool = True,
+    ) -> Complexes:
+        """Complex displacements of modes at points; collective.
+
+        Parameters
+        ----------
+        place
+            A body; or a surface, "body.surface".
+        at
+            On a surface, coordinates of the points, as locating gives them. On a body, the values
+            of its scalar basis functions at the points, shape (n, num_scalar_dofs); None takes
+            the scalar dofs themselves.
+        modes
+            Indices of the modes, from 0, as in :attr:`eigenvalues`; None takes all.
+        everywhere
+            Whether every rank gives the points and gets the answer; otherwise rank 0 does, and
+            others get an empty array.
+
+        Returns
+        -------
+        ndarray
+            Shape (n, dim, modes).
+        """
+        system, vectors = self.system, self.modes.vectors
+        chosen = vectors if modes is None else vectors[:, list(modes)]
+        return displacements_at(system, place, at, chosen, everywhere=everywhere)
+
+    def displacements(
+        self,
+        place: str,
+        at: SurfaceCoordinates | csr_array | None = None,
+        *,
+        everywhere: bool = True,
+    ) -> Floats:
+        """Displacements (m) at points, shape (n, dim), as :meth:`mode_shapes`; collective."""
+        vectors = self.displacement.array[:, None].astype(complex)
+        options: Any = {"everywhere": everywhere, "prescribed": 1.0}
+        return displacements_at(self.system, place, at, vectors, **options)[..., 0].real
+
+    def plot(self, mode: int | None = None) -> "Image | None":
+        """Draw a mode at the phase of its largest deflection.
+
+        Parameters
+        ----------
+        mode
+            Its number, from 1, as :meth:`table` has it; by default the most unstable one.
+
+        Returns
+        -------
+        PIL.Image.Image
+            On rank 0, None on other ranks. A notebook shows it; ``save`` writes it.
+
+        Raises
+        ------
+        InputError
+            When there is no such mode.
+        """
+        drawings = self.drawings([self.index(mode)])
+        return drawings[0].images([0.0])[0] if drawings else None
+
+    def drawings(self, modes: Sequence[int]) -> list["Drawing"]:
+        """Modes, by their indices, ready to be drawn at any phase; none but on rank 0."""
+        from scenes.pictures.drawing import Drawing  # brings pyvista
+
+        samples = {name: body.volume_sample(2) for name, body in self.bodies.items()}
+        shapes = {
+            name: self.mode_shapes(name, sample.values, modes, everywhere=False)
+            for name, sample in samples.items()
+        }
+        if self.comm.rank:
+            return []
+        return [
+            Drawing.of(samples, {n: u[..., i] for n, u in shapes.items()}, self.title(mode))
+            for i, mode in enumerate(modes)
+        ]
+
+    def steady_lines(self) -> list[str]:
+        """What contacts carry in steady sliding; where supports prescribe, what they bear too."""
+        from scenes.results.steady import steady_lines
+
+        data = self.data
+        lines = steady_lines(data["steady_sliding"]) if "steady_sliding" in data else []
+        if self.scene.backends == "matrices" or not self.scene.prescribes:
+            return lines
+        return lines + [
+            f"{name}, {self.scene.bodies[name].supports[number].surface}: support bears "
+            f"{', '.join(f'{part:.6g}' for part in force)} N"
+            for name, forces in data.get("reactions", {}).items()
+            for number, force in enumerate(forces)
+        ]
+
+    def table(self) -> Any:
+        """Rows that say what was found: of modes a :class:`cea.eigen.mode_table.ModeTable`.
+
+        Of a static analysis a row for each side of each contact: extremes and oscillation of the
+        normal stress (N/m^2).
+        """
+        return [] if self.kind is None else self.kind.table(self)
+
+    def __repr__(self) -> str:
+        if self.kind is None:
+            return (
+                f"{self.provenance['command']}, {self.provenance['commit']}: {', '.join(self.data)}"
+            )
+        return "\n".join(self.kind.lines(self))
+
+    def notes(self) -> list[str]:
+        """What stands below a table of modes: dofs, evidence, steady sliding, warnings."""
+        warnings = [f"warning ({warning.kind}): {warning.message}" for warning in self.warnings]
+        evidence = f"window: {self.modes.window.evidence}"
+        return [f"{self.dofs} dofs", evidence, *self.steady_lines(), *warnings]
+
+    def _repr_html_(self) -> str:
+        if self.spectrum is None:
+            return f"<pre>{escape(repr(self))}</pre>"
+        notes = "<br>".join(escape(line) for line in (SIGNS, *self.notes()))
+        first = "<br>".join(escape(line) for line in self.first_lines)
+        return f"<p><b>{first}</b></p>{html_table(self.table())}<p>{notes}</p>"
+
+
+def _there[T](value: T | None, name: str, allowed: str) -> T:
+    if value is None:
+        raise InputError(name, None, allowed)
+    return value

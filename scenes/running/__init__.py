@@ -1,0 +1,1 @@
+"""From a scene to its result, a module for each kind of analysis."""

@@ -1,0 +1,337 @@
+"""A scene assembled once and solved many times: sweeps over friction, stiffness, materials."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cea.body import Body
+from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.modes import Modes
+from cea.errors import InputError
+from cea.reduced.following import Window
+from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between
+from cea.system.coupled import CoupledSystem
+from cea.timing import StageTimer
+from cea.warned import ResultWarning
+from scenes.checking.steady import kept_state_warning
+from scenes.results.result import Result
+from scenes.running.following import FollowedState
+from scenes.running.modes import result_of_modes, run_modes, solved
+from scenes.running.parameter_changes import at_parameters, parameters_changed
+from scenes.running.swept import parameters_meant
+from scenes.running.system import RunOptions, coupled, system_warnings
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.reading import Scene
+
+
+class AssembledScene:
+    """A scene whose matrices are the pieces of a parametric pencil.
+
+    Modes of the scene with fields changed are those of a fresh run. At another E or rho, damping or
+    rate of rotation of a body, at another P or mu, pressure, speed or slope of friction of a
+    contact, that needs no assembly, as far as the state of steady sliding and the forms of contacts
+    stay. Other changes build again what they touch: bodies, contact points, the state of steady
+    sliding, or the contact matrices alone.
+
+    Parameters
+    ----------
+    scene
+        A scene whose analysis asks for modes.
+    listener
+        Called with the name of each stage as it begins.
+
+    Attributes
+    ----------
+    scene
+        The scene.
+    bodies
+        Its bodies by name.
+    interfaces
+        Its contact points by name of the half pass.
+    timer
+        Seconds that assembly took, by stage.
+
+    Raises
+    ------
+    InputError
+        When the analysis is another.
+    """
+
+    def __init__(self, scene: Scene, listener: Callable[[str], None] | None = None) -> None:
+        if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
+            raise InputError("analysis.kind", scene.analysis.kind, "'cea', which gives modes")
+        self.scene = scene
+        # Friction is kept where mu = 0: a sweep may begin there.
+        self._system, self.interfaces, self.timer = coupled(
+            scene, leave_out=False, listener=listener
+        )
+        with self.timer("assembly"):
+            self._driver = KrylovSchur(self._system.pencil())
+
+    @property
+    def bodies(self) -> Mapping[str, Body]:
+        """Its bodies by name."""
+        return self._system.bodies
+
+    @property
+    def driver(self) -> KrylovSchur:
+        """What solves its pencil."""
+        return self._driver
+
+    @property
+    def bonded(self) -> list[str]:
+        """Contacts that cannot slide."""
+        contacts = self.scene.contacts.items()
+        return [name for name, each in contacts if each.formulation.coupling == "bonded"]
+
+    def depends_on_state(self, names: Sequence[str]) -> bool:
+        """Whether parameters move a state of steady sliding that the pencil is linearised about."""
+        moving = self._driver.pencil.stiffness_parameters
+        return self.scene.slides_steadily and not moving.isdisjoint(names)
+
+    def modes(
+        self,
+        changes: Mapping[str, Any] | None = None,
+        *,
+        left: bool = False,
+        listener: Callable[[str], None] | None = None,
+        **of_every_contact: Any,
+    ) -> Result:
+        """Modes of the scene with fields changed.
+
+        Parameters
+        ----------
+        changes
+            Values by their paths, as :meth:`scenes.spec.reading.Scene.change` takes them.
+        left
+            Whether left eigenvectors are wanted too, for sensitivities.
+        listener
+            Called with the name of each stage as it begins.
+        of_every_contact
+            Fields of every contact that can slide, e.g. ``mu = 0.3``: bonded ones stay as they are.
+
+        Raises
+        ------
+        SceneError
+            When a change is refused.
+        InputError
+            When the analysis is changed to another, or no contact can slide.
+        """
+        every = {
+            f"contacts.{name}.{field}": value
+            for name in _sliding(self.scene, of_every_contact)
+            for field, value in of_every_contact.items()
+        }
+        scene = self.scene.change(every | dict(changes or {}))
+        values = parameters_changed(self._driver.pencil, self.scene, scene)
+        return self._modes(scene, values, left=left, listener=listener)
+
+    def modes_at(
+        self,
+        values: Mapping[str, float],
+        *,
+        left: bool = False,
+        listener: Callable[[str], None] | None = None,
+    ) -> Result:
+        """Modes of the scene at parameters of its pencil.
+
+        Parameters
+        ----------
+        values
+            By name, as :meth:`threshold` takes them: of a field that is an expression a factor on
+            it, where :meth:`modes` puts a number in its place.
+        left, listener
+            As of :meth:`modes`.
+
+        Raises
+        ------
+        SceneError
+            When a scene may not have a value.
+        InputError
+            When there is no such parameter.
+        """
+        scene = at_parameters(self.scene, self._driver.pencil, values)
+        return self._modes(scene, values, left=left, listener=listener)
+
+    def _modes(
+        self,
+        scene: Scene,
+        values: Mapping[str, float] | None,
+        *,
+        left: bool,
+        listener: Callable[[str], None] | None,
+    ) -> Result:
+        """Modes of another scene, that of the pencil at some parameters where these are given."""
+        if values is None or not self._holds_at(values):
+            options: RunOptions = {"listener": listener, **self._built}
+            return run_modes(scene, left=left, **options)
+        timer = StageTimer(listener)
+        known = self._system, self.interfaces, timer
+        return solved(scene, *known, self._driver, values, left=left)
+
+    def warnings(
+        self, modes: Modes, max_frequency: float, values: Mapping[str, float]
+    ) -> tuple[ResultWarning, ...]:
+        """What modes up to a frequency must be read with, solved at other parameters; collective.
+
+        Parameters
+        ----------
+        modes
+            Modes of its pencil, perhaps of a longer window.
+        max_frequency
+            Frequency (Hz) up to which they count.
+        values
+            Parameters of the pencil that differ from their own values.
+        """
+        scene = at_parameters(self.scene, self._driver.pencil, values)
+        inside = modes[np.flatnonzero(modes.frequencies <= max_frequency)]
+        known = self._system, self.interfaces, StageTimer()
+        return result_of_modes(scene, *known, inside).warnings
+
+    def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
+        """What bodies, contacts and the state must be read with at other parameters; collective."""
+        scene = at_parameters(self.scene, self._driver.pencil, values)
+        return system_warnings(scene, self._system, values)
+
+    def threshold(
+        self,
+        parameter: str,
+        real: float,
+        flutter: float,
+        *,
+        frequency: float | None = None,
+        follow_steady_state: bool = False,
+    ) -> ConfirmedThreshold:
+        """The first value of a parameter at which a pair of modes begins to flutter.
+
+        With damping or rotation it is where a growth rate passes through zero. Thresholds are
+        sought on a reduced model between both values, and confirmed by full solves.
+
+        Parameters
+        ----------
+        parameter
+            Path of a parameter of the pencil: mu or P of a contact, E or rho of a body, e.g.
+            ``contacts.pad_disc.mu``, ``bodies.disc.damping.alpha``, ``bodies.disc.rotation.rate``,
+            ``contacts.pad_disc.sliding.speed``; a factor where the field is an expression. An
+            asterisk stands for every name: ``contacts.*.mu`` of all contacts, which have one value.
+        real, flutter
+            Values between which it is sought, the first one seen from ``real``.
+        frequency
+            The threshold nearest to it (Hz) is taken; None takes the first one.
+        follow_steady_state
+            Whether the state of steady sliding is sought anew at every value on the way, where it
+            depends on the parameter; otherwise it is kept, and the threshold warns of it.
+
+        Raises
+        ------
+        InputError
+            When there is no such parameter, or nothing begins to grow between the values; when a
+            state is to be followed that does not depend on the parameter.
+        ConvergenceError
+            When spectra do not tell of thresholds, or there is no state of steady sliding.
+        """
+        names = parameters_meant(self._driver.pencil, parameter)
+        depends = self.depends_on_state(names)
+        if follow_steady_state:
+            if not depends:
+                allowed = "left out where no state of steady sliding depends on the parameter"
+                raise InputError("follow_steady_state", True, allowed)
+            return self._followed_threshold(names, real, flutter, frequency)
+        other = self.with_forms_at(*(dict.fromkeys(names, value) for value in (real, flutter)))
+        try:
+            found = first_threshold(
+                other.driver, names, real, flutter, max_frequency=self._top, frequency=frequency
+            )
+            told = other.warnings_at(dict.fromkeys(names, found.value))
+        finally:
+            if other is not self:
+                other.free()
+        kept = (kept_state_warning(parameter),) if depends else ()
+        return replace(found, warnings=(*found.warnings, *told, *kept))
+
+    @property
+    def _top(self) -> float:
+        """Upper end of the window (Hz)."""
+        assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
+        return self.scene.analysis.max_frequency
+
+    def _followed_threshold(
+        self, names: Sequence[str], real: float, flutter: float, frequency: float | None
+    ) -> ConfirmedThreshold:
+        """A threshold with the state of steady sliding sought anew at every value on the way."""
+        scale = max(abs(real), abs(flutter))
+        state = FollowedState(scale, lambda value: self._system_at(names, value)[1])
+        end = 2 * np.pi * self._top
+        window = Window(end, self._driver.pencil.damped, decay=0.1 * end)
+        found = threshold_between(FullLine(state, window), real, flutter, frequency)
+        told = tuple(system_warnings(*self._system_at(names, found.value)))
+        parameter, spent = ", ".join(names), (state.solves, state.factorisations)
+        return ConfirmedThreshold(parameter, found.value, found.eigenvalue, *spent, told)
+
+    def _system_at(self, names: Sequence[str], value: float) -> tuple[Scene, CoupledSystem]:
+        """The scene at a value of parameters, and its system about its state of steady sliding."""
+        pencil = self._driver.pencil
+        changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
+        options: RunOptions = {"leave_out": False, **self._built}
+        return changed, coupled(changed, **options)[0]
+
+    @property
+    def _built(self) -> RunOptions:
+        """Bodies and contact points, to be used again as far as another scene has the same."""
+        return {"bodies": self.bodies, "interfaces": self.interfaces}
+
+    def _holds_at(self, values: Mapping[str, float]) -> bool:
+        """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
+        if self.depends_on_state(list(values)):
+            return False
+        try:
+            self._driver.pencil.check(values)
+        except InputError:
+            return False
+        return not self._other_forms(values)
+
+    def _other_forms(self, values: Mapping[str, float]) -> list[str]:
+        """Contacts whose form is left open and would be another at some parameters."""
+        left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
+        return [name for name in left_open if not self._system.keeps_forms([name], values)]
+
+    def with_forms_at(self, *points: Mapping[str, float]) -> "AssembledScene":
+        """The scene with contacts whose forms, where left open, lose no digits at some parameters.
+
+        Parameters
+        ----------
+        points
+            Parameters of the pencil.
+
+        Returns
+        -------
+        AssembledScene
+            Itself where its contacts would have the same forms there; else another one in which
+            forces are unknowns of the contacts that would not.
+        """
+        changing = [name for values in points for name in self._other_forms(values)]
+        if not changing:
+            return self
+        return AssembledScene(
+            self.scene.change({f"contacts.{name}.form": "saddle" for name in changing})
+        )
+
+    def free(self) -> None:
+        """Free factors kept between solves."""
+        self._driver.free()
+
+
+def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:
+    """Assemble a scene to be solved many times; parameters and errors of the class."""
+    return AssembledScene(scene, listener)
+
+
+def _sliding(scene: Scene, fields_of_all: Mapping[str, Any]) -> list[str]:
+    """Contacts whose fields may be changed together: those that are not bonded."""
+    names = [name for name, c in scene.contacts.items() if c.formulation.coupling != "bonded"]
+    for field, value in fields_of_all.items():
+        if not names:
+            raise InputError(field, value, "left out: the scene has no contact that can slide")
+    return names

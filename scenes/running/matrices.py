@@ -1,0 +1,243 @@
+"""Scenes of matrices from files to modes: one run, or many at other parameters."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.modes import Modes
+from cea.eigen.run_window import run_window
+from cea.errors import InputError
+from cea.petsc import MPI
+from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
+from cea.timing import StageTimer
+from cea.warned import ResultWarning
+from scenes.checking.unused import GIVEN
+from scenes.matrices.pencil import (
+    Piece,
+    check_mass,
+    matrix_pencil,
+    read_pieces,
+    symmetrised_pieces,
+)
+from scenes.results.result import Result
+from scenes.running.analysis import analysis_of
+from scenes.running.modes import describe, lines, opened, table
+from scenes.spec.matrices import ROLES, MatrixScene
+
+__all__ = ["AssembledMatrices", "describe", "lines", "opened", "run", "run_matrices", "table"]
+
+
+class AssembledMatrices:
+    """A scene of matrices read once and solved many times, at other parameters.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    listener
+        Called with the name of each stage as it begins.
+
+    Attributes
+    ----------
+    scene
+        The scene.
+    pieces
+        Its matrices by name.
+    timer
+        Seconds that reading took.
+
+    Raises
+    ------
+    InputError
+        When a file holds no such matrix, their sizes differ, or the mass is not symmetric.
+    """
+
+    def __init__(
+        self,
+        scene: MatrixScene,
+        listener: Callable[[str], None] | None = None,
+    ) -> None:
+        self.scene = scene
+        self.timer = StageTimer(listener)
+        with self.timer("reading"):
+            self.pieces = read_pieces(scene, MPI.COMM_WORLD)
+        self._pencil = matrix_pencil(scene, self.pieces)
+        self._driver = KrylovSchur(self._pencil)
+        self._checked: tuple[float, ...] | None = None
+
+    @property
+    def driver(self) -> KrylovSchur:
+        """What solves its pencil."""
+        return self._driver
+
+    def modes(
+        self,
+        changes: Mapping[str, Any] | None = None,
+        *,
+        left: bool = False,
+        listener: Callable[[str], None] | None = None,
+    ) -> Result:
+        """Modes of the scene with parameters and the window changed.
+
+        Parameters
+        ----------
+        changes
+            Values by their paths, e.g. ``parameters.Omega`` or ``analysis.max_frequency``.
+        left
+            Whether left eigenvectors are wanted too, for sensitivities.
+        listener
+            Called with the name of each stage as it begins.
+
+        Raises
+        ------
+        SceneError
+            When a change is refused.
+        InputError
+            When a change is of files or sums, or the mass is not positive definite.
+        """
+        scene = self.scene.change(dict(changes or {}))
+        for name in ("files", "symmetric", "data", *ROLES):
+            if getattr(scene, name) != getattr(self.scene, name):
+                allowed = "as it was read: another scene where files or sums are others"
+                raise InputError(name, getattr(scene, name), allowed)
+        timer, window = StageTimer(listener), scene.window
+        self._check_mass(scene.values, timer)
+        modes = run_window(
+            self._driver,
+            window.max_frequency,
+            scene.values,
+            min_growth=window.min_growth,
+            left=left,
+            timer=timer,
+        )
+        return Result(
+            analysis_of(scene),
+            scene,
+            timer,
+            skipped_by(scene, self.pieces),
+            self.warnings(modes),
+            spectrum=modes,
+            pieces=self.pieces,
+        )
+
+    def warnings(self, modes: Modes) -> tuple[ResultWarning, ...]:
+        """What modes of its pencil must be read with."""
+        return (*modes.warnings, *symmetrised_pieces(self.pieces))
+
+    def threshold(
+        self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
+    ) -> ConfirmedThreshold:
+        """The first value of a parameter at which a mode begins to grow; undamped, to flutter.
+
+        Parameters
+        ----------
+        parameter
+            Path of a parameter, e.g. ``parameters.Omega``.
+        real, flutter
+            Values between which it is sought, the first one seen from ``real``.
+        frequency
+            The threshold nearest to it (Hz) is taken; None takes the first one.
+
+        Raises
+        ------
+        InputError
+            When there is no such parameter, or nothing begins to grow between the values.
+        ConvergenceError
+            When spectra do not tell of thresholds.
+        """
+        for value in (real, flutter):
+            scene = self.scene.change({parameter: value})
+            self._check_mass(scene.values, StageTimer())
+        name = self._driver.pencil.parameter(parameter).name
+        top = self.scene.window.max_frequency
+        found = first_threshold(
+            self._driver, name, real, flutter, max_frequency=top, frequency=frequency
+        )
+        return replace(found, warnings=(*found.warnings, *symmetrised_pieces(self.pieces)))
+
+    def _check_mass(self, values: Mapping[str, float], timer: StageTimer) -> None:
+        """Refuse a mass that is not positive definite, once for equal coefficients."""
+        mass = self.scene.sum("mass")
+        coefficients = tuple(coefficient.at(values) for coefficient in mass.values())
+        if coefficients != self._checked:
+            with timer("factorisation"):
+                check_mass(self._driver.mass(values), " + ".join(mass))
+            self._checked = coefficients
+
+    def free(self) -> None:
+        """Free factors kept between solves."""
+        self._driver.free()
+
+
+def run_matrices(
+    scene: MatrixScene,
+    *,
+    left: bool = False,
+    listener: Callable[[str], None] | None = None,
+) -> Result:
+    """Modes of a scene of matrices.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    left
+        Whether left eigenvectors are wanted too, for sensitivities.
+    listener
+        Called with the name of each stage as it begins.
+
+    Raises
+    ------
+    InputError
+        When a file or the mass is refused.
+    ConvergenceError
+        When the window cannot be filled; the modes found so far are attached.
+    """
+    assembled = AssembledMatrices(scene, listener)
+    result = assembled.modes(left=left, listener=listener)
+    for stage, seconds in assembled.timer.seconds.items():
+        result.timer.add(stage, seconds)
+    assembled.free()
+    return result
+
+
+run = run_matrices
+"""As :class:`scenes.results.result.Analysis` has it; what is told is what is told of modes."""
+
+
+def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str]:
+    """What a scene of matrices does not need, with the reason; none of it is computed."""
+    values = scene.values
+    skipped = dict.fromkeys(
+        ("meshing", "search", "contact", "gmsh", "newton"), "matrices come from files"
+    )
+    for role in ("damping", "stiffness"):
+        zero = [name for name, c in scene.sum(role).items() if c.at(values) == 0]
+        skipped |= {f"{role}.{name}": "its coefficient is zero" for name in zero}
+    acting = [name for name, c in scene.sum("damping").items() if c.at(values) != 0]
+    if not acting:
+        skipped["damping"] = "no damping matrix: the problem is linear in lambda^2"
+    stiff = [name for name, c in scene.sum("stiffness").items() if c.at(values) != 0]
+    if not acting and all(symmetric for n in stiff for _, symmetric in pieces[n].parts):
+        skipped["unsymmetric solver"] = "every matrix of the stiffness is symmetric"
+    skipped["pictures"] = "matrices have no geometry"
+    skipped["paraview"] = "matrices have no geometry"
+    return skipped | unused_parameters(scene)
+
+
+def unused_parameters(scene: MatrixScene) -> dict[str, str]:
+    """What a scene of matrices gives though its run does without it, with the reason.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    """
+    formulas = [formula for role in ROLES for formula in scene.sum(role).values()]
+    used = frozenset().union(*(formula.names for formula in formulas))
+    found = {path: "in no coefficient" for path in scene.values if path not in used}
+    acting = [c for c in scene.sum("damping").values() if c.at(scene.values) != 0]
+    if scene.window.min_growth is not None and not acting:
+        found["analysis.min_growth"] = "nothing damps, and every growth is sought"
+    return {field: f"{GIVEN}{reason}" for field, reason in found.items()}

@@ -1,0 +1,167 @@
+"""Complex eigenvalue analysis: a scene to its modes, and its modes to data and back."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Unpack
+
+from cea.contact.interface import Interface
+from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.mode_table import SIGNS, ModeTable
+from cea.eigen.modes import Modes
+from cea.eigen.run_window import run_window
+from cea.errors import InputError
+from cea.system.coupled import CoupledSystem
+from cea.timing import StageTimer
+from cea.warned import ResultWarning
+from scenes.checking.steps import skipped_by
+from scenes.checking.warnings import short_modes
+from scenes.results.describe import describe_modes, described_run
+from scenes.results.result import Fields, Result
+from scenes.running.analysis import analysis_of
+from scenes.running.factor_storage import factor_storage
+from scenes.running.system import RunOptions, coupled, system_warnings
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.reading import Scene
+
+if TYPE_CHECKING:
+    from scenes.results.opened import RunRecord
+
+
+def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]) -> Result:
+    """Modes of a scene whose analysis asks for them.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    left
+        Whether left eigenvectors are wanted too, for sensitivities and true condition numbers.
+    options
+        See :class:`RunOptions`.
+
+    Raises
+    ------
+    InputError
+        When the analysis is another, or bodies or interfaces have other names than the scene's.
+    """
+    if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
+        raise InputError("analysis.kind", scene.analysis.kind, "'cea', which gives modes")
+    system, interfaces, timer = coupled(scene, **options)
+    with timer("assembly"):
+        pencil = system.pencil(leave_out=options.get("leave_out", True))
+    with KrylovSchur(pencil) as driver:
+        return solved(scene, system, interfaces, timer, driver, left=left)
+
+
+run = run_modes
+"""As :class:`scenes.results.result.Analysis` has it."""
+
+
+def solved(
+    scene: Scene,
+    system: CoupledSystem,
+    interfaces: Mapping[str, Interface],
+    timer: StageTimer,
+    driver: KrylovSchur,
+    values: Mapping[str, float] | None = None,
+    *,
+    left: bool = False,
+) -> Result:
+    """Modes of a scene whose system is assembled; collective.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    system, interfaces
+        Its system and its contact points, or those of a scene that has other parameters.
+    timer
+        What the stages are timed with.
+    driver
+        What solves the pencil of the system.
+    values
+        Parameters at which it is that of the scene.
+    left
+        Whether left eigenvectors are wanted too.
+    """
+    analysis, storage = scene.analysis, factor_storage(scene)
+    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    with storage.kept():
+        try:
+            modes = run_window(
+                driver,
+                analysis.max_frequency,
+                values,
+                min_growth=analysis.min_growth,
+                left=left,
+                timer=timer,
+            )
+        finally:
+            if storage.place == "disk":
+                driver.free()
+    modes = replace(modes, warnings=(*modes.warnings, *storage.warnings))
+    return result_of_modes(scene, system, interfaces, timer, modes)
+
+
+def result_of_modes(
+    scene: Scene,
+    system: CoupledSystem,
+    interfaces: Mapping[str, Interface],
+    timer: StageTimer,
+    modes: Modes,
+) -> Result:
+    """Modes of a scene as a result, with all that they must be read with; collective.
+
+    The parameters are those of :func:`solved`; modes come with what the solver warns of.
+    """
+    this = analysis_of(scene)
+    result = Result(
+        this,
+        scene,
+        timer,
+        skipped_by(scene),
+        spectrum=modes,
+        reactions={} if system.steady is None else system.steady.reactions,
+        interfaces=interfaces,
+        coupled=system,
+    )
+    with timer("post-processing"):
+        found = (
+            *system_warnings(scene, system, modes.values),
+            *_kept_state(system, modes),
+            *short_modes(scene, system.bodies, result.mode_shapes, len(modes)),
+        )
+    return replace(result, warnings=(*modes.warnings, *found))
+
+
+def _kept_state(system: CoupledSystem, modes: Modes) -> tuple[ResultWarning, ...]:
+    """That sensitivities keep the state of steady sliding: left vectors were asked for them."""
+    moving = sorted(modes.pencil.stiffness_parameters)
+    if system.steady is None or modes.left is None or not moving:
+        return ()
+    from scenes.checking.steady import kept_state_warning
+
+    return (kept_state_warning(", ".join(moving)),)
+
+
+def describe(result: Result) -> dict[str, Any]:
+    """What the record of a result holds; `docs/result_json.md` says what every field is."""
+    found = describe_modes(result.modes, result.analysis.growth_threshold)
+    return {"summary": result.summary} | found | described_run(result)
+
+
+def opened(record: "RunRecord") -> Fields:
+    """Eigenvalues from a record."""
+    from scenes.results.opened import opened_modes
+
+    return {"spectrum": opened_modes(record)}
+
+
+def table(result: Result) -> ModeTable:
+    """A row for each mode, as :meth:`cea.eigen.spectrum.Spectrum.table` has them."""
+    return result.modes.table(result.analysis.growth_threshold)
+
+
+def lines(result: Result) -> list[str]:
+    """Summary, table and notes."""
+    return [*result.first_lines, repr(result.table()), SIGNS, *result.notes()]

@@ -1,0 +1,117 @@
+"""Two discretisations of one scene: prolongation, errors of eigenvalues."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+
+from cea.body import Body
+from cea.eigen.pencil import Matrices, release
+from cea.errors import InputError
+from cea.nested.estimate import ErrorEstimate, error_estimate
+from cea.nested.prolongation import Prolongation, of_body, of_system
+from cea.timing import StageTimer
+from scenes.building.build import build_bodies
+from scenes.building.made_of import body_parts
+from scenes.checking.memory import check_memory
+from scenes.results.result import Result
+from scenes.running.enrich import richer_scene
+from scenes.running.modes import run_modes
+from scenes.running.system import RunOptions, coupled
+from scenes.spec.reading import Scene
+
+
+def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Prolongation:
+    """Prolongation from the unknown displacements of a scene to those of a finer one; collective.
+
+    Parameters
+    ----------
+    coarse, fine
+        Bodies of the scenes by name, on the same backends.
+
+    Raises
+    ------
+    InputError
+        When bodies differ in name, shape or backend.
+    """
+    if list(coarse) != list(fine):
+        raise InputError("bodies", list(fine), f"those of the coarse scene: {', '.join(coarse)}")
+    return of_system([of_body(coarse[name], fine[name]) for name in fine])
+
+
+def estimate_errors(
+    result: Result,
+    richer: Scene | None = None,
+    *,
+    steps: int = 1,
+    listener: Callable[[str], None] | None = None,
+) -> ErrorEstimate:
+    """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
+
+    Where the left vectors that this takes are missing, the scene is solved once more with them:
+    ``run_modes(scene, left=True)`` saves that. One factorisation of the richer scene, and a block
+    of solves for the right vectors and one for the left ones, two each with damping or rotation;
+    no eigenproblem (:mod:`cea.nested.estimate`). What the contact rule of the richer scene does
+    better is part of the error.
+
+    Parameters
+    ----------
+    result
+        Modes of the scene.
+    richer
+        A richer scene; by default the same with a degree more (:mod:`scenes.running.enrich`).
+    steps
+        Block inverse steps; with damping or rotation there is one more.
+    listener
+        Called with the name of each stage as it begins.
+
+    Raises
+    ------
+    InputError
+        When there are no modes, or the scenes are not of the same bodies.
+    """
+    scene = richer if richer is not None else richer_scene(result.scene)
+    own = result.scene
+    one_sided = own.damped or own.rotates or any(each.mu for each in own.contacts.values())
+    if one_sided and result.modes.left is None and len(result.modes):
+        options: RunOptions = {
+            "listener": listener,
+            "bodies": result.bodies,
+            "interfaces": result.interfaces,
+        }
+        result = run_modes(own, left=True, **options)
+    with _on(scene, result, listener) as (matrices, step, timer), timer("krylov"):
+        found = error_estimate(result.modes, matrices, step, steps=steps)
+        return replace(found, growth_threshold=result.analysis.growth_threshold)
+
+
+@contextmanager
+def _on(
+    scene: Scene, result: Result, listener: Callable[[str], None] | None
+) -> Iterator[tuple[Matrices, Prolongation, StageTimer]]:
+    """The pencil of another scene, the prolongation to it, and a timer of what it takes."""
+    bodies = _with_those_of(result, scene, listener)
+    system, _, timer = coupled(scene, bodies=bodies, listener=listener)
+    with timer("assembly"):
+        matrices = system.pencil().at()
+        step = prolongation(result.bodies, system.bodies)
+    try:
+        yield matrices, step, timer
+    finally:
+        step.free()
+        release(matrices)
+
+
+def _with_those_of(
+    result: Result, scene: Scene, listener: Callable[[str], None] | None
+) -> dict[str, Body]:
+    """Bodies of a scene; those of a result that are the same, with their matrices."""
+    check_memory(scene, on_disk=False)
+    same = {name for name in scene.bodies if _same(name, scene, result.scene)}
+    others = {name: body for name, body in scene.bodies.items() if name not in same}
+    made = build_bodies(replace(scene, bodies=others), StageTimer(listener))
+    return {name: result.bodies[name] if name in same else made[name] for name in scene.bodies}
+
+
+def _same(name: str, scene: Scene, other: Scene) -> bool:
+    """Whether a body is the same in two scenes, in its loads and the surfaces it shows too."""
+    return name in other.bodies and body_parts(scene, name) == body_parts(other, name)

@@ -1,0 +1,106 @@
+"""The coupled system of a scene, linearised about steady sliding where a contact has a law."""
+
+from collections.abc import Callable, Mapping
+from typing import TypedDict
+
+from cea.body import Body
+from cea.contact.interface import Interface
+from cea.system.coupled import CoupledSystem
+from cea.timing import StageTimer
+from cea.warned import ResultWarning
+from scenes.building.build import (
+    build_bodies,
+    build_interfaces,
+    build_system,
+    reusable_bodies,
+    reusable_interfaces,
+)
+from scenes.checking.doubts import (
+    doubtful_motions,
+    doubtful_numbers,
+    overlapping_bodies,
+)
+from scenes.checking.memory import check_memory
+from scenes.checking.motion_warnings import faster_than_waves
+from scenes.checking.warnings import loads_without_effect, scene_warnings
+from scenes.spec.reading import Scene
+
+
+class RunOptions(TypedDict, total=False):
+    """Options of a run, by name.
+
+    Parameters
+    ----------
+    bodies
+        Bodies of an earlier run: those that the scene makes of the same mesh, material, supports,
+        springs and loads are used again with their matrices, others are built.
+    interfaces
+        Contact points of an earlier run: those of the same sides of these bodies, formulation,
+        reach and ``max_missed`` are used again, others are located.
+    leave_out
+        Whether friction is left out where mu = 0, as it is by default; False measures what that
+        saves.
+    listener
+        Called with the name of each stage as it begins.
+    """
+
+    bodies: Mapping[str, Body] | None
+    interfaces: Mapping[str, Interface] | None
+    leave_out: bool
+    listener: Callable[[str], None] | None
+
+
+def coupled(
+    scene: Scene,
+    *,
+    bodies: Mapping[str, Body] | None = None,
+    interfaces: Mapping[str, Interface] | None = None,
+    leave_out: bool = True,
+    listener: Callable[[str], None] | None = None,
+) -> tuple[CoupledSystem, Mapping[str, Interface], StageTimer]:
+    """Coupled matrices of a scene, its contact points and the seconds they took.
+
+    Parameters are those of :class:`RunOptions`.
+    """
+    timer = StageTimer(listener)
+    reused = reusable_bodies(scene, bodies)
+    if len(reused) < len(scene.bodies):
+        check_memory(scene)
+    bodies = build_bodies(scene, timer, reused)
+    located = reusable_interfaces(scene, bodies, interfaces)
+    interfaces = build_interfaces(scene, bodies, timer, located)
+    system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
+    if scene.slides_steadily:
+        from scenes.running.steady import linearised
+
+        system = linearised(scene, system, timer)
+    return system, interfaces, timer
+
+
+def system_warnings(
+    scene: Scene, system: CoupledSystem, values: Mapping[str, float] | None = None
+) -> tuple[ResultWarning, ...]:
+    """What bodies, contacts, their forms and steady sliding must be read with; collective.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    system
+        Its system, or that of a scene that has other parameters.
+    values
+        Parameters at which the pencil of the system is that of the scene.
+    """
+    found = (
+        *doubtful_numbers(scene),
+        *overlapping_bodies(scene, system.bodies),
+        *faster_than_waves(scene, system.bodies),
+        *scene_warnings(scene, system.contacts),
+        *system.warnings_at(values or {}),
+    )
+    if system.steady is None:
+        return (*found, *loads_without_effect(scene))
+    from scenes.checking.steady import steady_warnings
+
+    motions = doubtful_motions(scene, system, system.steady.displacement)
+    return (*found, *steady_warnings(scene, system, system.steady), *motions)

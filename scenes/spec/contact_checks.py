@@ -1,0 +1,145 @@
+"""What is wrong with contacts between their fields, and between contacts."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any
+
+from cea.checks import check_surface
+from cea.contact.formulations import Formulation, registered
+from cea.errors import InputError
+from cea.expressions import Expression
+from scenes.spec.body import Backend
+from scenes.spec.contact import ContactSpec
+from scenes.spec.scene import SceneSpec
+from scenes.spec.support import SupportSpec
+
+
+def contact_checks(scene: SceneSpec, known: Sequence[str]) -> Iterator[InputError]:
+    """Faults of contacts.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    known
+        Its surfaces as "body.surface".
+    """
+    for name, contact in scene.contacts.items():
+        place = f"contacts.{name}"
+        yield from _side_checks(scene, place, contact, known)
+        yield from _pressure_checks(f"{place}.sliding.pressure", contact)
+        yield from _formulation_checks(scene, name, contact)
+        yield from _dimension_checks(scene, place, contact)
+    yield from _same_sides(scene)
+
+
+def _side_checks(
+    scene: SceneSpec, place: str, contact: ContactSpec, known: Sequence[str]
+) -> Iterator[InputError]:
+    """Sides that are not there, on one body, or that cannot move."""
+    for side in ("a", "b"):
+        yield from unknown_surface(f"{place}.{side}", getattr(contact, side), known)
+    if contact.a.split(".")[0] == contact.b.split(".")[0]:
+        yield InputError(f"{place}.b", contact.b, f"another body than {contact.a}")
+        return
+    for side, where in (("a", contact.a), ("b", contact.b)):
+        if where in known:
+            yield from _held(scene, f"{place}.{side}", where)
+
+
+def _held(scene: SceneSpec, place: str, where: str) -> Iterator[InputError]:
+    """A side whose supports hold every displacement, or the one along its normal."""
+    body, _, surface = where.partition(".")
+    if body not in scene.bodies:  # its name, which holds a dot, is refused already
+        return
+    dim = len(scene.bodies[body].geometry.directions)
+    for i, support in enumerate(scene.bodies[body].supports):
+        if support.surface == surface and (held := _what_is_held(support, dim)):
+            allowed = f"a surface that may move: bodies.{body}.supports.{i} holds {held}"
+            yield InputError(place, where, allowed)
+
+
+def _what_is_held(support: SupportSpec, dim: int) -> str:
+    """What a support leaves no freedom of, in words; nothing where a contact can close."""
+    if len(set(support.components)) in (0, dim):
+        return "every displacement of it"
+    return "its normal displacement" if "normal" in support.components else ""
+
+
+def _same_sides(scene: SceneSpec) -> Iterator[InputError]:
+    """Contacts between sides that another contact joins already, in either order."""
+    seen: dict[frozenset[str], str] = {}
+    for name, contact in scene.contacts.items():
+        sides = frozenset((contact.a, contact.b))
+        if (first := seen.setdefault(sides, name)) != name:
+            allowed = f"other sides than contacts.{first}, which joins the same surfaces"
+            yield InputError(f"contacts.{name}.a", f"{contact.a} on {contact.b}", allowed)
+
+
+def _pressure_checks(place: str, contact: ContactSpec) -> Iterable[InputError]:
+    """Contacts that slide at an unknown pressure, or at one beside that of the loads."""
+    if contact.sliding is None:
+        return
+    pressure = contact.sliding.pressure
+    if pressure is None and contact.c_n is None:
+        yield InputError(place, None, "the contact pressure (N/m^2), or c_n, which makes it")
+    elif pressure is not None and contact.c_n is not None:
+        yield InputError(place, pressure, "left out where c_n is given: the loads make it")
+
+
+_ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}
+"""Kinds of abscissae that surfaces of each backend have."""
+
+
+def _formulation_checks(scene: SceneSpec, name: str, contact: ContactSpec) -> Iterable[InputError]:
+    """Abscissae that the side they are asked of does not have."""
+    for side in ("a", "b") if contact.full_pass else ("a",):
+        body = scene.bodies.get(getattr(contact, side).split(".")[0])
+        if body is not None and not suits(contact.formulation, body.backend):
+            allowed = ", ".join(m for m, kind in registered().items() if suits(kind, body.backend))
+            yield InputError(
+                f"contacts.{name}.formulation.method",
+                contact.formulation.method,
+                f"one of {allowed} where side {side} has backend {body.backend!r}",
+            )
+
+
+def _dimension_checks(scene: SceneSpec, place: str, contact: ContactSpec) -> Iterable[InputError]:
+    """Sides of different dimensions, and directions and fields of another one."""
+    dims = {
+        len(scene.bodies[name].geometry.directions)
+        for name in (contact.a.split(".")[0], contact.b.split(".")[0])
+        if name in scene.bodies
+    }
+    if len(dims) > 1:
+        yield InputError(f"{place}.b", contact.b, f"a body of the same dimension as {contact.a}")
+    for dim in dims if len(dims) == 1 else ():
+        if contact.friction_direction_on_a is not None:
+            direction = f"{place}.friction_direction_on_a"
+            yield from fault_of(contact.friction_direction_on_a.check, dim, direction)
+        sliding = contact.sliding.fields if contact.sliding is not None else {}
+        if dim == 2 and sliding.get("speed") is not None:
+            allowed = "left out in the plane, where the direction of sliding cannot turn"
+            yield InputError(f"{place}.sliding.speed", sliding["speed"], allowed)
+        fields = {"p": contact.p, "mu": contact.mu}
+        fields |= {f"sliding.{name}": value for name, value in sliding.items()}
+        for name, value in fields.items():
+            if isinstance(value, str):
+                yield from fault_of(Expression(value).check, f"{place}.{name}", dim)
+
+
+def suits(formulation: Formulation | type[Formulation], backend: Backend) -> bool:
+    """Whether surfaces of a backend have the abscissae that a formulation needs."""
+    return formulation.abscissae is None or formulation.abscissae in _ABSCISSAE[backend]
+
+
+def unknown_surface(place: str, name: str, known: Iterable[str]) -> Iterator[InputError]:
+    """A surface that is not there."""
+    yield from fault_of(check_surface, name, known, place)
+
+
+def fault_of(check: Callable[..., Any], *arguments: Any) -> Iterator[InputError]:
+    """Fault that a shared check finds, collected with the others rather than raised."""
+    try:
+        check(*arguments)
+    except InputError as error:
+        yield error

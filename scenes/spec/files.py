@@ -1,0 +1,113 @@
+"""Files of scenes: where those that come with the project lie, and what a file says."""
+
+import os
+import re
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from cea.errors import InputError
+from cea.files import regular
+from cea.suggestions import did_you_mean
+from scenes.spec.paths import set_by_text
+from scenes.spec.problems import SceneError
+
+SCENES = Path(__file__).parents[1] / "catalogue"
+"""Folder of the scenes that come with the project."""
+OF_MATRICES = SCENES / "matrices"
+"""Folder of those whose matrices come from files."""
+_LARGEST = 2**26
+"""Bytes of a scene file."""
+_MOST_PARTS = 100
+"""Parts of a dotted name."""
+_KEYS = re.compile(r"(?<![^\s.,=\[\]{}])(?:[^\s.,=\[\]{}]+[ \t]*\.[ \t]*){100}")
+"""A hundred tables inside each other by one dotted name, for which reading takes its time."""
+
+
+def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any]:
+    """What a scene file says, with fields set; parameters are those of :func:`load_scene`.
+
+    Raises
+    ------
+    SceneError
+        When there is no such file, or no TOML in it, or a field cannot be set.
+    """
+    data = _toml(scene)
+    set_fields(data, overrides)
+    return data
+
+
+def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
+    """Set fields of plain data, each as "path.to.field=value" with a TOML value.
+
+    Raises
+    ------
+    SceneError
+        When one cannot be set.
+    """
+    for override in overrides:
+        try:
+            set_by_text(data, override)
+        except InputError as error:
+            raise SceneError([error]) from None
+
+
+def _toml(scene: str | Path) -> dict[str, Any]:
+    """What a scene file says."""
+    file = scene_file(scene)
+    try:
+        with regular(file).open("rb") as stream:
+            content = stream.read(_LARGEST + 1)
+    except (OSError, ValueError) as error:
+        names = [*scene_names(), *matrix_scene_names()]
+        allowed = f"a TOML file, or one of {', '.join(names)}"
+        reason = f" ({error.strerror})" if isinstance(error, OSError) and error.strerror else ""
+        meant = did_you_mean(file.stem, names) or _same_name(file, names)
+        raise SceneError([InputError("scene", str(scene), allowed + reason + meant)]) from error
+    if len(content) > _LARGEST:
+        raise SceneError([InputError("scene", str(scene), f"a file of at most {_LARGEST} bytes")])
+    try:
+        text = content.decode()
+        if _KEYS.search(text):
+            raise ValueError(f"names of more than {_MOST_PARTS} parts")
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        allowed = f"valid TOML in UTF-8: {error}"
+        raise SceneError([InputError("scene", str(scene), allowed)]) from error
+
+
+def _same_name(file: Path, names: Iterable[str]) -> str:
+    """The end of a message about a file that is not there, where a scene has its name."""
+    return f"; did you mean {file.stem!r}?" if file.stem in names else ""
+
+
+def scene_names() -> list[str]:
+    """Names of the scenes of bodies that come with the project."""
+    return sorted(file.stem for file in SCENES.glob("*.toml"))
+
+
+def matrix_scene_names() -> list[str]:
+    """Names of the scenes of matrices that come with the project."""
+    return sorted(file.stem for file in OF_MATRICES.glob("*.toml"))
+
+
+def scene_file(scene: str | Path) -> Path:
+    """The file that is meant; what lies in the working directory never shadows a scene."""
+    text = os.fspath(scene)
+    if os.sep in text or "/" in text or text.endswith(".toml"):
+        return Path(scene)
+    of_matrices = OF_MATRICES / f"{text}.toml"
+    return of_matrices if text in matrix_scene_names() else SCENES / f"{text}.toml"
+
+
+def is_of_matrices(scene: str | Path) -> bool:
+    """Whether a scene file names matrices and no bodies.
+
+    Raises
+    ------
+    SceneError
+        When there is no such file, or no TOML in it.
+    """
+    tables = tables_of(scene)
+    return "files" in tables and "bodies" not in tables

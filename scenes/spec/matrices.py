@@ -1,0 +1,270 @@
+"""Scenes of matrices: files, parameters, and the sums that make M, C and K of them.
+
+    lambda^2 M(t) + lambda C(t) + K(t),    M, C, K = sum_j c_j(t) A_j
+
+The A_j are read from files, the c_j are numbers or arithmetic in the parameters t.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from sys import float_info
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import ConfigDict, Field, SkipValidation, TypeAdapter
+
+from cea.eigen.parameters import Parameter
+from cea.errors import InputError
+from cea.expressions import RESERVED, Formula
+from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
+from scenes.spec.consistency import needs_no_steady_state
+from scenes.spec.files import OF_MATRICES, scene_file, set_fields, tables_of
+from scenes.spec.limits import LARGEST, MAX_ITEMS, SMALLEST, scene_name_checks
+from scenes.spec.plain import checked
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import changed
+
+Role = Literal["mass", "damping", "stiffness"]
+ROLES: tuple[Role, ...] = ("mass", "damping", "stiffness")
+"""The sums of a scene."""
+
+PARAMETERS = "parameters"
+"""Section whose entries are the parameters of the pencil, by their paths."""
+
+Number = Annotated[float | str, SkipValidation]
+"""A number, or arithmetic as text; looked at by :func:`_checks`, under its own name."""
+
+
+@dataclass(frozen=True)
+class MatrixScene:
+    """Matrices from files and what is made of them.
+
+    Parameters
+    ----------
+    name
+        Its name.
+    files
+        File of each matrix by its name in the sums; ``file.mat:variable`` where a file holds more
+        than one.
+    mass, stiffness, damping
+        Coefficient of each matrix in M (kg), K (N/m) and C (N s/m), damping and gyroscopic parts
+        alike: a number, or arithmetic in the parameters and pi
+        (:class:`cea.expressions.Formula`).
+    analysis
+        The modes that are wanted.
+    parameters
+        Values by name: numbers, or arithmetic in pi.
+    symmetric
+        Of files that hold one triangle, by their names: true where the matrix is symmetric and the
+        triangle is to be mirrored, false where it is to be taken as it is. Other files are read as
+        they are.
+    data
+        Folder of the files; paths are relative to it.
+    description
+        In words.
+    """
+
+    name: str
+    files: dict[str, str]
+    mass: dict[str, Number]
+    stiffness: dict[str, Number]
+    analysis: Annotated[Analysis, Field(discriminator="kind")]
+    damping: dict[str, Number] = field(default_factory=dict)
+    parameters: dict[str, Number] = field(default_factory=dict)
+    symmetric: dict[str, bool] | None = None
+    data: str = ""
+    description: str = ""
+
+    left_out: ClassVar[tuple[str, ...]] = ("symmetric",)
+    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
+        extra="forbid", strict=True, allow_inf_nan=False
+    )
+
+    @property
+    def backends(self) -> str:
+        """What stands in the place of backends."""
+        return "matrices"
+
+    @property
+    def window(self) -> ComplexEigenvalueAnalysis:
+        """The modes that are wanted."""
+        assert isinstance(self.analysis, ComplexEigenvalueAnalysis)
+        return self.analysis
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values of the parameters by their paths in the scene, ``parameters.NAME``."""
+        return {_path(name): _constant(name, value) for name, value in self.parameters.items()}
+
+    def sum(self, role: Role) -> dict[str, Formula]:
+        """Coefficient of each matrix in one of the sums."""
+        names = {name: _path(name) for name in self.parameters}
+        return {
+            matrix: Formula(_text(value), names, f"{role}.{matrix}")
+            for matrix, value in self._coefficients(role).items()
+        }
+
+    def _coefficients(self, role: Role) -> Mapping[str, float | str]:
+        return {"mass": self.mass, "damping": self.damping, "stiffness": self.stiffness}[role]
+
+    def of_pencil(self) -> list[Parameter]:
+        """The parameters of the pencil; they may have either sign."""
+        return [Parameter(path, value, signed=True) for path, value in self.values.items()]
+
+    def file(self, matrix: str) -> tuple[Path, str | None]:
+        """File of a matrix, and the variable in it."""
+        name, variable = split_name(self.files[matrix])
+        return Path(self.data) / name, variable
+
+    def change(self, field: str | Mapping[str, Any], value: Any = None) -> "MatrixScene":
+        """The scene with fields changed, as :meth:`scenes.spec.reading.Scene.change`."""
+        return read_matrix_scene(changed(self, field, value))
+
+
+def load_matrices(
+    scene: str | Path, overrides: Iterable[str] = (), data: str | Path | None = None
+) -> MatrixScene:
+    """Read a scene of matrices.
+
+    Parameters
+    ----------
+    scene, overrides
+        As :func:`scenes.spec.reading.load_scene` takes them.
+    data
+        Folder of the files; by default the one that the scene names, beside the scene file.
+
+    Raises
+    ------
+    SceneError
+        With one line for each fault.
+    """
+    tables, file = tables_of(scene), scene_file(scene)
+    if "bodies" in tables and "files" not in tables:
+        allowed = "a scene of matrices; one of bodies is read by load_scene"
+        raise SceneError([InputError("scene", str(scene), allowed)])
+    comes_with_the_project = file.parent == OF_MATRICES
+    if not comes_with_the_project and isinstance(tables.get("data", ""), str):
+        tables["data"] = str(file.parent / tables.get("data", ""))
+    if data is not None:
+        tables["data"] = str(data)
+    set_fields(tables, overrides)
+    read = read_matrix_scene(tables)
+    if comes_with_the_project and not read.data:
+        allowed = f"the folder that holds {', '.join(read.files.values())}"
+        raise SceneError(
+            [InputError("data", None, f"{allowed}; it does not come with the project")]
+        )
+    return read
+
+
+def read_matrix_scene(data: Mapping[str, Any]) -> MatrixScene:
+    """Check a scene given as nested dictionaries and make it a :class:`MatrixScene`.
+
+    Raises
+    ------
+    SceneError
+        With one line for each fault.
+    """
+    scene = checked(_adapter(), data)
+    faults = list(_checks(scene))
+    if faults:
+        raise SceneError(faults)
+    return scene
+
+
+@cache
+def _adapter() -> TypeAdapter[MatrixScene]:
+    return TypeAdapter(MatrixScene)
+
+
+def _checks(scene: MatrixScene) -> Iterator[InputError]:
+    """Faults of names, numbers and sums."""
+    yield from scene_name_checks(scene.name)
+    if scene.analysis.kind != "cea":
+        yield InputError("analysis.kind", scene.analysis.kind, "'cea'")
+    elif not SMALLEST <= scene.analysis.max_frequency <= LARGEST:
+        allowed = f"{SMALLEST:g} to {LARGEST:g} (Hz)"
+        yield InputError("analysis.max_frequency", scene.analysis.max_frequency, allowed)
+    yield from needs_no_steady_state(scene.analysis, "left out: matrices have no contacts")
+    for section, names in (("files", scene.files), (PARAMETERS, scene.parameters)):
+        if len(names) > MAX_ITEMS:
+            yield InputError(section, f"{len(names)} of them", f"at most {MAX_ITEMS}")
+            return
+        for name in names:
+            if not (name.isidentifier() and name.isascii()) or name in RESERVED:
+                allowed = f"a name of letters, digits and _, none of {', '.join(sorted(RESERVED))}"
+                yield InputError(f"{section}.{name}", name, allowed)
+    wrong = list(_parameter_checks(scene))
+    yield from wrong
+    if not wrong:
+        yield from _sum_checks(scene)
+
+
+def _parameter_checks(scene: MatrixScene) -> Iterator[InputError]:
+    for name, value in scene.parameters.items():
+        try:
+            _constant(name, value)
+        except InputError as error:
+            yield error
+
+
+def _sum_checks(scene: MatrixScene) -> Iterator[InputError]:
+    used: set[str] = set()
+    for role in ROLES:
+        coefficients = scene._coefficients(role)
+        if role != "damping" and not coefficients:
+            yield InputError(role, {}, "at least one matrix with its coefficient")
+        used |= set(coefficients)
+        for matrix, value in coefficients.items():
+            if matrix not in scene.files:
+                allowed = f"one of the files: {', '.join(scene.files) or 'there are none'}"
+                yield InputError(f"{role}.{matrix}", matrix, allowed)
+            yield from _coefficient_checks(scene, role, matrix, value)
+    for name in set(scene.symmetric or ()) - set(scene.files):
+        allowed = f"one of the files: {', '.join(scene.files)}"
+        yield InputError(f"symmetric.{name}", name, allowed)
+    for name in scene.files:
+        if name not in used:
+            yield InputError(f"files.{name}", scene.files[name], "named in a sum, or left out")
+
+
+def _coefficient_checks(
+    scene: MatrixScene, role: Role, matrix: str, value: Any
+) -> Iterator[InputError]:
+    place = f"{role}.{matrix}"
+    try:
+        Formula(_text(value, place), {name: _path(name) for name in scene.parameters}, place).at(
+            scene.values
+        )
+    except InputError as error:
+        yield error
+
+
+def _path(name: str) -> str:
+    return f"{PARAMETERS}.{name}"
+
+
+def _constant(name: str, value: Any) -> float:
+    """Value of a parameter."""
+    return Formula(_text(value, _path(name)), {}, _path(name)).at({})
+
+
+def _text(value: Any, place: str = "coefficient") -> str:
+    """A number or arithmetic as text."""
+    if isinstance(value, str):
+        return value
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not (number and abs(value) <= float_info.max):  # whole numbers may be beyond all others
+        raise InputError(place, value, "a finite number, or arithmetic as text")
+    return repr(float(value))
+
+
+def split_name(text: str) -> tuple[str, str | None]:
+    """Name of a file and of a variable in it, from ``file.mat`` or ``file.mat:variable``."""
+    name, colon, variable = text.rpartition(":")
+    if colon and name.endswith(".mat") and variable.isidentifier():
+        return name, variable
+    return text, None
