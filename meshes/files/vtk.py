@@ -1,7 +1,7 @@
 """Content of VTU and XDMF files, which meshio reads.
 
-Whole-number fields on cells or on nodes stand for sets: those with the value 3 of the field ``part``
-are the set ``part 3``; those that are not 0 where it takes only 0 and 1, ``part`` too.
+Whole-number fields on cells or on nodes stand for sets: those with the value 3 of the field
+``part`` are the set ``part 3``; those that are not 0 where it takes only 0 and 1, ``part`` too.
 """
 
 from collections.abc import Mapping, Sequence
