@@ -23,7 +23,7 @@ def figure(
 ) -> None:
     """Make a figure of the paper: data, pictures, and its numbers beside those of the text."""
     from cea.petsc import MPI
-    from comparisons.cli.extras import need
+    from comparisons.cli.options import need
     from comparisons.cli.output import print_table
     from comparisons.cli.progress import working
 
@@ -58,7 +58,7 @@ def figure(
 def claims(out: _Out = Path("results/figures")) -> None:
     """Judge the paper's claims by the figures' data; what is not stored is computed."""
     from cea.petsc import MPI
-    from comparisons.cli.extras import need
+    from comparisons.cli.options import need
     from comparisons.cli.progress import working
 
     need("pictures")

@@ -6,10 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.lines import Line2D
-from scipy.sparse import csr_array
 
-from cea.arrays import Complexes
-from cea.volume import VolumeSample
 from comparisons.kit.plots import BLUE, GREY, VERMILION
 from comparisons.paper.common.figure import Data
 from comparisons.paper.common.style import drawing
@@ -32,10 +29,8 @@ def draw_shapes(title: str, families: Mapping[str, Data], stem: Path) -> Path:
         for row, (family, found) in zip(grid, families.items(), strict=True):
             for axes, (name, words) in zip(row, _COLUMNS.items(), strict=True):
                 mode = found[name]
-                bodies = {body: stored_sample(part) for body, part in mode["bodies"].items()}
-                samples = {body: sample for body, (sample, _) in bodies.items()}
-                shapes = {body: shape for body, (_, shape) in bodies.items()}
-                (image,) = Drawing.of(samples, shapes, "").images([0.0])
+                bodies = {body: stored_outside(part) for body, part in mode["bodies"].items()}
+                (image,) = Drawing.of(bodies, "").images([0.0])
                 axes.imshow(np.asarray(image))
                 axes.set_axis_off()
                 axes.set_title(
@@ -44,11 +39,18 @@ def draw_shapes(title: str, families: Mapping[str, Data], stem: Path) -> Path:
     return file
 
 
-def stored_sample(body: Mapping[str, Any]) -> tuple[VolumeSample, Complexes]:
-    """A body for pictures as it was stored, with its displacements."""
+def stored_outside(body: Mapping[str, Any]) -> Any:
+    """Outside of a body for pictures as it was stored, with its displacements."""
+    import pyvista
+
+    from scenes.pictures.grids import in_space
+
     points, cells = np.array(body["points"]), np.array(body["cells"])
-    values = csr_array((len(points), 0))
-    return VolumeSample(points, cells, values), np.array(body["displacement"], dtype=complex)
+    kind = {4: pyvista.CellType.TETRA, 8: pyvista.CellType.HEXAHEDRON}[cells.shape[1]]
+    grid = pyvista.UnstructuredGrid({kind: cells}, in_space(points))
+    grid.point_data["real"] = np.array(body["displacement"], dtype=float)
+    grid.point_data["imaginary"] = np.zeros_like(grid.point_data["real"])
+    return grid.extract_surface(algorithm="dataset_surface").triangulate()
 
 
 def draw_lines(title: str, families: Mapping[str, Data], edge: float, stem: Path) -> Path:
