@@ -49,7 +49,6 @@ DRAWING = {
         "scenes.pictures.grids",
     ),
     "scenes.pictures.scene",
-    "comparisons.paper.disc_pad.shape_drawing",
 }
 """Modules that need pyvista; all others import them in the functions that draw."""
 

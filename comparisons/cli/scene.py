@@ -83,22 +83,24 @@ def _check_bodies(scene: str, set_: list[str], backend: Backend | None, file: Pa
 @app.command(name="list")
 def list_() -> None:
     """List the scenes that come with the project."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
-    from comparisons.cli.output import console
+    from comparisons.cli.output import print_table
+    from comparisons.kit.tables import Column, Table
     from scenes.spec.files import matrix_scene_names, scene_names, tables_of
     from scenes.spec.reading import load_scene
     from scenes.spec.sizes import dofs_of
 
-    table = Table("scene", "dofs, about", "bodies", "what it is", box=SIMPLE_HEAD)
+    rows: list[tuple[str | float | None, ...]] = []
     for name in scene_names():
         chosen = load_scene(name)
-        dofs = f"{sum(map(dofs_of, chosen.bodies.values())):.0f}"
-        table.add_row(name, dofs, ", ".join(chosen.bodies), _first(chosen.description))
+        dofs = sum(map(dofs_of, chosen.bodies.values()))
+        rows.append((name, dofs, ", ".join(chosen.bodies), _first(chosen.description)))
     for name in matrix_scene_names():
-        table.add_row(name, "", "matrices", _first(tables_of(name).get("description", "")))
-    console.print(table)
+        rows.append((name, None, "matrices", _first(tables_of(name).get("description", ""))))
+    columns = (
+        *(Column("scene", "scene"), Column("dofs", "dofs, about", "{:.0f}".format)),
+        *(Column("bodies", "bodies"), Column("what", "what it is")),
+    )
+    print_table(Table("scenes", "", columns, rows))
 
 
 def _first(description: str) -> str:

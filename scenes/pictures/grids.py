@@ -103,6 +103,14 @@ def outside(cells: VolumeCells, fields: Mapping[str, Floats], subdivisions: int)
     return surface.triangulate()
 
 
+def straight_outside(points: Floats, cells: Ints, displacement: Floats) -> Any:
+    """Outside of straight cells in space with real displacements of their points."""
+    kind = {4: pyvista.CellType.TETRA, 8: pyvista.CellType.HEXAHEDRON}[cells.shape[1]]
+    grid = pyvista.UnstructuredGrid({kind: cells}, points)
+    grid.point_data["real"], grid.point_data["imaginary"] = displacement, 0 * displacement
+    return grid.extract_surface(algorithm="dataset_surface").triangulate()
+
+
 def sharp_edges(surface: Any) -> Any:
     """Edges between triangles whose normals differ, and those of one alone (pyvista)."""
     return surface.extract_feature_edges(FEATURE_ANGLE, manifold_edges=False)

@@ -41,16 +41,10 @@ def draw_shapes(title: str, families: Mapping[str, Data], stem: Path) -> Path:
 
 def stored_outside(body: Mapping[str, Any]) -> Any:
     """Outside of a body for pictures as it was stored, with its displacements."""
-    import pyvista
-
-    from scenes.pictures.grids import in_space
+    from scenes.pictures.grids import straight_outside
 
     points, cells = np.array(body["points"]), np.array(body["cells"])
-    kind = {4: pyvista.CellType.TETRA, 8: pyvista.CellType.HEXAHEDRON}[cells.shape[1]]
-    grid = pyvista.UnstructuredGrid({kind: cells}, in_space(points))
-    grid.point_data["real"] = np.array(body["displacement"], dtype=float)
-    grid.point_data["imaginary"] = np.zeros_like(grid.point_data["real"])
-    return grid.extract_surface(algorithm="dataset_surface").triangulate()
+    return straight_outside(points, cells, np.array(body["displacement"], dtype=float))
 
 
 def draw_lines(title: str, families: Mapping[str, Data], edge: float, stem: Path) -> Path:
