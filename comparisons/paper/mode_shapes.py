@@ -13,10 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-from cea.volume import VolumeSample
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
 from comparisons.paper.figure import MESHES, Mesh, Row, Tables, quoted
 from comparisons.paper.measures import case_row, tables_of
@@ -175,20 +173,20 @@ def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
 def drawn(figure: ModeShapes, mesh: Mesh, result: StudyResult) -> Figure:
     """The deformed bodies with lumping on the left, without on the right."""
     from scenes.pictures.drawing import Drawing
+    from scenes.pictures.grids import straight_outside
 
     labels = {"figure": figure.name, "mesh": mesh}
     picture = Figure(figsize=(10.0, 3.8), layout="constrained")
     picture.suptitle(f"Figure 4: a mode with and without lumping, P = 10⁶, {mesh}", fontsize=10)
     for axes, name in zip(picture.subplots(1, 2), ("lumped", "plain"), strict=True):
-        samples, shapes = {}, {}
+        bodies = {}
         for body in (PAD, DISC):
             points, cells, u = (
                 result.array(labels, f"{name}/{body}/{array}")
                 for array in ("points", "cells", "displacement")
             )
-            samples[body] = VolumeSample(points, cells, csr_array((len(points), 0)))
-            shapes[body] = u.astype(complex)
-        (image,) = Drawing.of(samples, shapes, "").images([0.0])
+            bodies[body] = straight_outside(points, cells, u)
+        (image,) = Drawing.of(bodies, "").images([0.0])
         axes.imshow(np.asarray(image))
         axes.set_axis_off()
         axes.set_title("with lumping" if name == "lumped" else "without lumping")
