@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cea.eigen.classify import GROWING
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.eigen.spectrum import Window, headline, hints
 from comparisons.converge.combine import Mode
 from comparisons.converge.follow import Followed
