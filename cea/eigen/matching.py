@@ -22,20 +22,9 @@ _RIGID = 1e-6
 
 
 def assign(cost: Floats, limit: float | None = None) -> tuple[Ints, Ints]:
-    """Pairs of rows and columns, each used once at most, of least total cost.
+    """Pairs of rows, rising, and columns, each used once at most, of least total cost.
 
-    Parameters
-    ----------
-    cost
-        Cost of each pair, shape (n, m).
-    limit
-        Cost of leaving a row alone: no pair that costs more is made. None makes min(n, m) pairs
-        at any cost.
-
-    Returns
-    -------
-    tuple
-        Rows, rising, and their columns.
+    No pair that costs more than the limit is made; without one min(n, m) pairs are.
     """
     if limit is None:
         rows, columns = linear_sum_assignment(cost)
@@ -47,21 +36,9 @@ def assign(cost: Floats, limit: float | None = None) -> tuple[Ints, Ints]:
 
 
 def group(values: Complexes, tolerance: float = DEGENERATE, least: float = 0.0) -> list[Ints]:
-    """Groups of eigenvalues that touch: chains of neighbours closer than a relative distance.
+    """Groups of eigenvalues that touch, by first members: chains of near neighbours.
 
-    Parameters
-    ----------
-    values
-        Eigenvalues, shape (n,).
-    tolerance
-        Distance relative to the larger of two.
-    least
-        Size by which smaller ones are judged: rigid motions touch.
-
-    Returns
-    -------
-    list
-        Indices of each group, by its first member.
+    The tolerance is relative to the larger of two, and to a least size: rigid motions touch.
     """
     if not tolerance >= 0:
         raise InputError("tolerance", tolerance, "zero or positive")
@@ -80,18 +57,9 @@ def connected(linked: NDArray[np.bool_]) -> list[Ints]:
 
 @dataclass(frozen=True)
 class SpectrumMatch:
-    """Computed eigenvalues beside those they stand for.
+    """Exact eigenvalues with their computed partners, NaN where there is none, and spurious ones.
 
-    Parameters
-    ----------
-    exact
-        Eigenvalues that were to be found, multiple ones as often as their multiplicity, shape (n,).
-    found
-        Computed partner of each; NaN where there is none, shape (n,).
-    spurious
-        Computed eigenvalues of the band that stand for none.
-    tolerance
-        Relative distance of exact eigenvalues that are compared by their mean.
+    Exact ones nearer to each other than a relative tolerance are compared by their mean.
     """
 
     exact: Complexes

@@ -22,22 +22,10 @@ ALONE = 2.0
 
 
 def modal_assurance(left: Complexes, right: Complexes) -> Floats:
-    """Modal assurance criterion of every pair of complex modes.
+    """Modal assurance criterion abs(x^H y)^2 / (x^H x y^H y), shape (modes_left, modes_right).
 
-    Parameters
-    ----------
-    left, right
-        Displacements at common points, shapes (n, modes_left) and (n, modes_right).
-
-    Returns
-    -------
-    ndarray
-        abs(x^H y)^2 / (x^H x y^H y) between 0 and 1, shape (modes_left, modes_right).
-
-    References
-    ----------
-    R. J. Allemang, The modal assurance criterion - twenty years of use and abuse, Sound and
-    Vibration 37 (2003).
+    Displacements are at common points, shapes (n, modes_left) and (n, modes_right) (R. J. Allemang,
+    The modal assurance criterion - twenty years of use and abuse, Sound and Vibration 37 (2003)).
     """
     left = left / np.linalg.norm(left, axis=0)
     right = right / np.linalg.norm(right, axis=0)
@@ -45,20 +33,10 @@ def modal_assurance(left: Complexes, right: Complexes) -> Floats:
 
 
 def subspace_assurance(left: Complexes, right: Complexes, groups: list[Ints]) -> Floats:
-    """Part of every mode that lies in the space of each group of the other side's modes.
+    """Part norm(P x)^2 / norm(x)^2 of left modes in the space of groups of right modes.
 
-    Parameters
-    ----------
-    left, right
-        Displacements at common points, shapes (n, modes_left) and (n, modes_right).
-    groups
-        Groups of the right modes, each of them in one.
-
-    Returns
-    -------
-    ndarray
-        norm(P x)^2 / norm(x)^2 between 0 and 1, P the projection on the group of the right mode,
-        shape (modes_left, modes_right). For groups of one, the modal assurance criterion.
+    P projects on the group of the right mode, shape (modes_left, modes_right); of groups of one it
+    is the modal assurance criterion.
     """
     left = left / np.linalg.norm(left, axis=0)
     assurance = np.empty((left.shape[1], right.shape[1]))
@@ -76,17 +54,7 @@ def _orthonormal(vectors: Complexes) -> Complexes:
 
 @dataclass(frozen=True)
 class ModeSet:
-    """Modes of one run, as far as matching looks at them.
-
-    Parameters
-    ----------
-    eigenvalues
-        lambda (1/s), shape (n,).
-    shapes
-        Displacements at common points, shape (rows, n).
-    orders
-        Circumferential orders, shape (n,), of bodies of revolution.
-    """
+    """Modes of one run: lambda (1/s), displacements at common points, circumferential orders."""
 
     eigenvalues: Complexes
     shapes: Complexes
@@ -196,13 +164,9 @@ def _group_match(first: ModeSet, second: ModeSet, rows: Ints, columns: Ints) -> 
 
 @dataclass(frozen=True)
 class CircumferentialContent:
-    """Fourier content in theta of complex modes on a body of revolution.
+    """Part of ``e^{i m theta}`` in complex modes of a body of revolution, m from -top to top.
 
-    Parameters
-    ----------
-    energy
-        Part of ``e^{i m theta}`` in each mode, shape (2 top + 1, modes), m from -top to top;
-        columns add up to 1.
+    The energy has shape (2 top + 1, modes); columns add up to 1.
     """
 
     energy: Floats
@@ -241,11 +205,8 @@ class CircumferentialContent:
 def circumferential_content(u: Complexes) -> CircumferentialContent:
     """Fourier analysis in theta of displacements in cylindrical components.
 
-    Parameters
-    ----------
-    u
-        Radial, circumferential and, in 3D, axial components at equally spaced angles from 0 on
-        circles about the axis, shape (circles, angles, dim, modes).
+    They are given at equally spaced angles from 0 on circles about the axis, shape (circles,
+    angles, dim, modes).
     """
     angles = u.shape[1]
     if angles < 3:

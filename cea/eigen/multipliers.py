@@ -127,13 +127,7 @@ class Multipliers:
 
 
 class AllForces:
-    """Contact forces of every contact whose forces are unknowns.
-
-    Parameters
-    ----------
-    parts
-        Those of each contact, at least one.
-    """
+    """Contact forces of every contact whose forces are unknowns, at least one."""
 
     def __init__(self, parts: Sequence[ForcesOfContact]) -> None:
         self.parts = tuple(parts)
@@ -194,13 +188,6 @@ def with_circulatory(contacts: Multipliers | None, circulatory: CirculatorySum) 
     """Contact forces and below them, as new matrices, the unknowns of circulatory pieces.
 
     L and J of a piece share its factor so that both are of one size.
-
-    Parameters
-    ----------
-    contacts
-        The contact forces; None without.
-    circulatory
-        The pieces.
     """
     closures, reactions, compliances = [], [], []
     if contacts is not None:

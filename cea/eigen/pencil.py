@@ -44,7 +44,7 @@ class Term:
     symmetric
         Whether A is symmetric, to the last bit.
     contact
-        Whether A is the stiffness of a contact: K_n, normal to it, or what friction makes.
+        Whether A is the stiffness K_n of a contact, or what friction makes.
     """
 
     role: Role
@@ -198,10 +198,10 @@ class Pencil:
 
     @cached_property
     def near_contact(self) -> "Pencil | None":
-        """Pencil of some of the displacements, whose field of values tells of that of this one.
+        """Pencil of some of the displacements whose bounds hold for all; collective.
 
         What the rest adds to M and to the symmetric part of K is positive semidefinite, and all of
-        friction is near. Collective.
+        friction is near.
         """
         return None if self._near_contact is None else self._near_contact()
 
@@ -213,18 +213,9 @@ class Pencil:
         friction: Mat | None = None,
         near_contact: "Pencil | None" = None,
     ) -> "Pencil":
-        """Pencil of given matrices: lambda^2 M + S - s F with one parameter, the factor s.
+        """Pencil of given PETSc AIJ matrices: lambda^2 M + S - s F, s the parameter ``friction``.
 
-        Parameters
-        ----------
-        stiffness
-            Symmetric part S, PETSc AIJ (N/m).
-        mass
-            Symmetric positive definite M, PETSc AIJ (kg); None in statics.
-        friction
-            Unsymmetric part F, PETSc AIJ (N/m); None without, and then there is no parameter.
-        near_contact
-            The same of what lies near the contacts.
+        S is symmetric (N/m), M symmetric positive definite (kg), F of any kind (N/m).
         """
         terms = [Term("stiffness", stiffness)]
         if mass is not None:
@@ -286,13 +277,12 @@ class Pencil:
         return self.at_rest().names
 
     def check(self, changes: Mapping[str, float]) -> None:
-        """Refuse parameters at which the pieces would be others.
+        """Refuse parameters at which a piece is not known, as modal damping of modes that move.
 
         Raises
         ------
         InputError
-            When there is no such parameter, it may not have the value, or a piece holds at its own
-            values alone: modal damping of modes that move.
+            When that is so, or there is no such parameter, or it may not have the value.
         """
         values = self.values(changes)
         for piece in self.low_rank:
@@ -312,14 +302,9 @@ class Pencil:
     def moved(
         self, matrices: Matrices, before: Mapping[str, float], after: Mapping[str, float]
     ) -> Matrices:
-        """Matrices at other parameters; what is symmetric stays as it is where it is the same.
+        """Matrices at other values of all parameters; symmetric sums that stay are taken over.
 
-        Parameters
-        ----------
-        matrices
-            Those before; what is not taken over is freed.
-        before, after
-            Values of all parameters.
+        What is not taken over is freed.
         """
         if self.symmetric_values(before) != self.symmetric_values(after):
             release(matrices)
