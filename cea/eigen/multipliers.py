@@ -9,7 +9,7 @@ to mu and c_c = 1/P. Multipliers carry no mass. Where closures depend on each ot
 from those that only their friction would feel (:mod:`cea.eigen.dependence`); e is then zero.
 
 Circulatory pieces of the stiffness, c L N^-1 J, may follow as unknowns of the same form,
-w = N^-1 J x (:mod:`cea.eigen.circulatory`).
+w = N^-1 J x (:mod:`cea.eigen.unformed`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Any
 
-from cea.eigen.circulatory import CirculatorySum
 from cea.eigen.dependence import Dependence
 from cea.eigen.parameters import Coefficient
+from cea.eigen.unformed import CirculatorySum
 from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total, zeros
 from cea.petsc import Mat, PETSc
 

@@ -5,7 +5,7 @@
 with coefficients c_j in named parameters t. K of a body scales with its E, M with its rho, K_n and
 K_f of a contact with P and mu P; C holds damping and gyroscopic pieces alike. Contact
 forces may be unknowns beside the displacements (:mod:`cea.eigen.multipliers`); circulatory pieces
-of K are never formed (:mod:`cea.eigen.circulatory`). One object serves a single run, a sweep, a
+of K are never formed (:mod:`cea.eigen.unformed`). One object serves a single run, a sweep, a
 threshold, a derivative.
 """
 
@@ -14,10 +14,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
-from cea.eigen.circulatory import CirculatorySum, CirculatoryTerm, circulatory_sum
-from cea.eigen.low_rank import LowRankSum, LowRankTerm, sum_of
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Parameter
+from cea.eigen.unformed import (
+    CirculatorySum,
+    CirculatoryTerm,
+    LowRankSum,
+    LowRankTerm,
+    circulatory_sum,
+    sum_of,
+)
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
 from cea.nodes import Nodes
@@ -294,34 +300,11 @@ class Pencil:
         stiffness = self._sum("stiffness", values, symmetric=True)
         if stiffness is None:
             raise InputError("terms", len(self.terms), "a symmetric piece of the stiffness")
-        mass = self._sum("mass", values, symmetric=True)
-        return self._with_sums(
-            values, stiffness, mass, self._sum("damping", values, symmetric=True)
-        )
-
-    def moved(
-        self, matrices: Matrices, before: Mapping[str, float], after: Mapping[str, float]
-    ) -> Matrices:
-        """Matrices at other values of all parameters; symmetric sums that stay are taken over.
-
-        What is not taken over is freed.
-        """
-        if self.symmetric_values(before) != self.symmetric_values(after):
-            release(matrices)
-            return self.at(after)
-        destroy(*(m for m in (matrices.unsymmetric, matrices.gyroscopic) if m))
-        if matrices.multipliers is not None:
-            matrices.multipliers.free()
-        return self._with_sums(after, matrices.stiffness, matrices.mass, matrices.damping)
-
-    def _with_sums(
-        self, values: Mapping[str, float], S: Mat, M: Mat | None, C: Mat | None
-    ) -> Matrices:
         return Matrices(
-            stiffness=S,
+            stiffness=stiffness,
             unsymmetric=self._sum("stiffness", values, symmetric=False),
-            mass=M,
-            damping=C,
+            mass=self._sum("mass", values, symmetric=True),
+            damping=self._sum("damping", values, symmetric=True),
             gyroscopic=self._sum("damping", values, symmetric=False),
             low_rank=self.low_rank_at(values),
             circulatory=self.circulatory_at(values),
@@ -344,11 +327,6 @@ class Pencil:
         """Pieces of low rank at given values of all parameters; None where all vanish."""
         parts = [(term.coefficient.at(values), term.piece) for term in self.low_rank]
         return sum_of(parts, self.terms[0].matrix.getLocalSize()[0], self.comm)
-
-    def symmetric_values(self, values: Mapping[str, float]) -> tuple[float, ...]:
-        """Coefficients of the symmetric parts: equal ones make equal S, M and constraints."""
-        parts = [t.coefficient.at(values) for t in self.terms if t.symmetric]
-        return (*parts, *(f.inverse_stiffness.at(values) for f in self.forces))
 
     def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Mat | None:
         # What is damped by nothing is linear in kappa: that is never kept.

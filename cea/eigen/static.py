@@ -21,7 +21,7 @@ _PROBES = 4
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """Free displacements (m), contact forces that are unknowns (N), error relative to the largest."""
+    """Free displacements (m), contact forces that are unknowns (N), and the relative error."""
 
     displacement: Vec
     forces: Floats

@@ -120,7 +120,7 @@ def _say_left_out(skipped: Mapping[str, str], to: Console) -> None:
 
 def _print_modes(result: "Result", to: Console) -> None:
     """Print the verdict, the unstable modes, all modes, and why they are all."""
-    from cea.eigen.mode_table import MARKS, SIGNS, TITLES, shown_cells
+    from cea.mode_table import MARKS, SIGNS, TITLES, shown_cells
 
     rows = result.table()
     texts = shown_cells(rows)

@@ -4,7 +4,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from cea.eigen.factors_on_disk import factors_on_disk
+from cea.eigen.mumps import factors_on_disk
 from cea.petsc import MPI
 from cea.warned import ResultWarning
 from scenes.checking.memory import (

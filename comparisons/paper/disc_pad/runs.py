@@ -8,7 +8,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.body import Body
-from cea.eigen.mode_matching import NEAR, GroupMatch, ModeSet, match_modes
+from cea.eigen.matching import NEAR, GroupMatch, ModeSet, match_modes
 from cea.errors import InputError
 from comparisons.paper.common.families import Family
 from comparisons.paper.common.figure import Data
