@@ -143,7 +143,7 @@ UNUSED = (
     *("cea.eigen.static", "cea.system.steady_sliding"),
     *("cea.system.sliding_newton", "cea.system.modal_damping", "cea.system.rotating_damping"),
     *("scenes.running.static", "scenes.running.steady", "scenes.checking.steady", "scenes.export"),
-    *("scenes.pictures", "scenes.refinement", "scenes.results.opened", "gmsh", "pyvista", "pydoc"),
+    *("scenes.pictures", "scenes.refinement", "scenes.results.opened", "gmsh", "pyvista"),
 )
 """What modes of a disc and a pad at a given stiffness have no use for."""
 MOST = {"fe": 205, "iga": 215}
