@@ -2,9 +2,9 @@
 
 Where few rows are, the inverted operator is applied to the identity and none can be missing:
 relative to the shift its eigenvalues near the window are large, and stiff penalties, which are
-small in it, leave them their digits. Where entries of the matrix are far apart, LAPACK balances it by
-powers of two first. Eigenvectors are then orthogonal in units of their own, and only left vectors
-tell the errors.
+small in it, leave them their digits. Where entries of the matrix are far apart, LAPACK balances it
+by powers of two first. Eigenvectors are then orthogonal in units of their own, and only left
+vectors tell the errors.
 """
 
 from collections.abc import Callable
