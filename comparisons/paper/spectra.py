@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.mode_matching import NEAR, GroupMatch, ModeSet, match_modes
+from cea.eigen.matching import NEAR, GroupMatch, ModeSet, match_modes
 from cea.errors import InputError
 from comparisons.paper.disc_pad import DISC, PAD
 from meshes.shapes import Annulus, Sector
