@@ -5,6 +5,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from mesh_writers import abaqus_deck
 from mpi4py import MPI
 
 from meshes.files.elements import KINDS
@@ -13,8 +14,6 @@ from scenes.spec.reading import read_scene
 
 RADII, HIGH, PAD = (0.03, 0.045, 0.075, 0.08), 0.015, 0.01
 """Bore, rim of the hub and range of the pad, outer radius; thickness of disc and of pad (m)."""
-TYPES = {("hexahedron", 1): "C3D8I", ("wedge", 1): "C3D6"}
-TYPES |= {("hexahedron", 2): "C3D20", ("wedge", 2): "C3D15"}
 COUNTS = {("hexahedron", 1): 8, ("wedge", 1): 6, ("hexahedron", 2): 20, ("wedge", 2): 15}
 MATERIALS = {"DISC": (1.2e11, 0.3, 7200.0), "PAD": (2e10, 0.3, 2500.0)}
 
@@ -73,10 +72,12 @@ class Brake:
         return self.numbers.setdefault(at, len(self.numbers) + 1)
 
     def points(self):
-        """Positions (m), in the order of their numbers."""
+        """Positions (m), in the order of their numbers; CalculiX reads twenty characters."""
         i, j, k = np.array(list(self.numbers)).T
         angle, r = j * np.pi / (6 * self.around), self.radii[i]
-        return np.stack([r * np.cos(angle), r * np.sin(angle), self.heights[k]], axis=1)
+        return np.round(
+            np.stack([r * np.cos(angle), r * np.sin(angle), self.heights[k]], axis=1), 13
+        )
 
     def sets(self):
         """Numbers of nodes at the bore, on the back of the pad, on both sides of the contact."""
@@ -86,26 +87,17 @@ class Brake:
             found["FACE"] = k == self.face + 1
         return {name: np.flatnonzero(on) + 1 for name, on in found.items()}
 
-    def deck(self):
-        """Nodes, elements and sets."""
-        lines = ["*NODE, NSET=ALL"]
-        lines += [
-            f"{n}, {x:.14f}, {y:.14f}, {z:.14f}"
-            for n, (x, y, z) in enumerate(self.points().tolist(), 1)
-        ]
-        count = 0
-        for part, elements in self.elements.items():
-            for cell in ("hexahedron", "wedge"):
-                own = [nodes for kind, nodes in elements if kind == cell]
-                lines += [f"*ELEMENT, TYPE={TYPES[cell, self.order]}, ELSET={part}"] if own else []
-                for nodes in own:
-                    count += 1
-                    fields = [str(n) for n in (count, *nodes)]
-                    lines.append(", ".join(fields[:11]) + ("," if fields[11:] else ""))
-                    lines += [", ".join(fields[11:])] if fields[11:] else []
-        for name, numbers in self.sets().items():
-            lines += [f"*NSET, NSET={name}", *map(str, numbers.tolist())]
-        return "\n".join(lines) + "\n"
+    def write(self, file, more=""):
+        """A deck of nodes, elements and sets, with more text behind them."""
+        solids = {}
+        for part, cell in product(self.elements, ("hexahedron", "wedge")):
+            own = [nodes for kind, nodes in self.elements[part] if kind == cell]
+            if own:
+                kind = f"{cell}{COUNTS[cell, self.order]}"
+                solids[part, kind] = np.array(own) - 1
+        sets = {name: numbers - 1 for name, numbers in self.sets().items()}
+        abaqus_deck(file, self.points(), [(n, k, x) for (n, k), x in solids.items()], sets)
+        file.write_text(file.read_text() + more)
 
 
 def scene(file, *, friction, top=26000.0):
@@ -138,24 +130,6 @@ def scene(file, *, friction, top=26000.0):
     }
 
 
-def calculix(brake, modes=20):
-    """The deck of a bonded brake for CalculiX."""
-    lines = [brake.deck()]
-    for part, (E, nu, rho) in MATERIALS.items():
-        lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E}, {nu}", "*DENSITY", f"{rho}"]
-        lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
-    lines += [
-        "*BOUNDARY",
-        "BORE, 1, 3",
-        "BACK, 1, 3",
-        "*STEP",
-        "*FREQUENCY",
-        f"{modes}",
-        "*END STEP",
-    ]
-    return "\n".join(lines) + "\n"
-
-
 STEEL = (1.2e11, 0.3, 7200.0)
 
 
@@ -172,13 +146,15 @@ def one_body(file, degree=2, top=30000.0):
     return read_scene({"name": "brake", "bodies": {"brake": body}, "analysis": analysis})
 
 
-def calculix_of_one_body(brake, modes):
-    """The deck of :func:`one_body` with the brake's own elements, for CalculiX."""
-    material, supports = "*MATERIAL, NAME=STEEL\n*ELASTIC\n{}, {}\n*DENSITY\n{}\n", ["BORE", "BACK"]
-    sections = "".join(f"*SOLID SECTION, ELSET={p}, MATERIAL=STEEL\n" for p in MATERIALS)
-    held = "*BOUNDARY\n" + "".join(f"{name}, 1, 3\n" for name in supports)
-    step = f"*STEP\n*FREQUENCY, STORAGE=YES\n{modes}\n*END STEP\n"
-    return brake.deck() + material.format(*STEEL) + sections + held + step
+def for_calculix(materials, modes):
+    """What a deck says of materials and analysis, for the brake held at the bore and behind."""
+    lines = []
+    for part, (E, nu, rho) in materials.items():
+        lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E}, {nu}", "*DENSITY", f"{rho}"]
+        lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
+    lines += ["*BOUNDARY", "BORE, 1, 3", "BACK, 1, 3"]
+    lines += ["*STEP", "*FREQUENCY, STORAGE=YES", f"{modes}", "*END STEP"]
+    return "\n".join(lines) + "\n"
 
 
 def on_any_number_of_ranks():
@@ -187,7 +163,7 @@ def on_any_number_of_ranks():
     folder = TemporaryDirectory() if comm.rank == 0 else None
     file = Path(comm.bcast(folder.name if folder else None, root=0)) / "brake.inp"
     if comm.rank == 0:
-        file.write_text(Brake(0.03, 2, wedges=True).deck())
+        Brake(0.03, 2, wedges=True).write(file)
     comm.barrier()
     found = run_modes(read_scene(scene(file, friction=0.6, top=9000.0))).modes.eigenvalues
     found = found[np.lexsort((found.real.round(3), found.imag.round(3)))]

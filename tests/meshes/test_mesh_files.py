@@ -3,9 +3,8 @@
 import gmsh
 import numpy as np
 import pytest
-from boxes_in_files import by_place, file_of, made, two_boxes
 from covering import covering
-from mesh_writers import listed, write
+from mesh_writers import by_place, file_of, listed, made, two_boxes, write
 
 from cea.errors import InputError
 from cea.mesh import facet_nodes

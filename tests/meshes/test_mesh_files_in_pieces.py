@@ -5,10 +5,9 @@ import re
 import gmsh
 import numpy as np
 import pytest
-from boxes_in_files import file_of, made, two_boxes
 from dolfinx import io
 from dolfinx import mesh as dolfinx_mesh
-from mesh_writers import write
+from mesh_writers import file_of, made, two_boxes, write
 from mpi4py import MPI
 
 from meshes.mesh_file import MeshFile

@@ -4,8 +4,7 @@ import time
 
 import numpy as np
 import pytest
-from mixed_blocks import mixed_blocks
-from mixed_files import listed
+from mesh_writers import mixed_blocks
 
 from cea.errors import InputError
 from meshes.files.elements import KINDS
@@ -170,7 +169,7 @@ def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, order):
     points, blocks = mixed_blocks(order)
     cards, number_of = [["GRID", i, "", *x] for i, x in enumerate(points.tolist(), 1)], 0
     for each in blocks:
-        nodes = listed(each)[1] + 1
+        nodes = each.nodes + 1
         for row in nodes[:, LISTED.get(nodes.shape[1], range(nodes.shape[1]))].tolist():
             number_of += 1
             cards.append([NAMES[each.cell], number_of, 1, *row])

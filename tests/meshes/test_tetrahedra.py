@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from basix import CellType, LagrangeVariant, make_quadrature
 from basix.ufl import element as lagrange
-from mixed_blocks import mixed_blocks
+from mesh_writers import mixed_blocks
 
 from cea.errors import InputError
 from cea.mesh import Mesh, facet_nodes, node_order
