@@ -101,6 +101,11 @@ def closed_form(scene):
     return Hertz(force, a, 3 * force / (2 * np.pi * a**2)), parts
 
 
+def radius_of(hertz):
+    """Half width or radius of a contact (m)."""
+    return hertz.radius
+
+
 def errors(result):
     """How far a result is from the closed form."""
     hertz, parts = closed_form(result.scene)

@@ -50,7 +50,7 @@ def rows_of(fields, most):
     return ",\n".join(", ".join(map(str, part)) for part in parts)
 
 
-def abaqus_deck(file, points, solids, node_sets):
+def abaqus_deck(points, solids, node_sets):
     """A deck of element sets, (name, kind, nodes from 0), a name once or more, and node sets."""
     lines = ["*NODE, NSET=ALL"]
     lines += [rows_of([i, *x], 4) for i, x in enumerate(points.tolist(), 1)]
@@ -61,10 +61,10 @@ def abaqus_deck(file, points, solids, node_sets):
         count += len(nodes)
     for name, nodes in node_sets.items():
         lines += [f"*NSET, NSET={name}", *map(str, (np.unique(nodes) + 1).tolist())]
-    file.write_text("\n".join(lines) + "\n")
+    return "\n".join(lines) + "\n"
 
 
-def ansys_archive(file, points, solids, node_sets):
+def ansys_archive(points, solids, node_sets):
     """An archive as CDWRITE makes it; what is not tetrahedra alone has bricks of one type."""
     kinds = sorted({kind for _, kind, _ in solids})
     alone = ANSYS.get(kinds[0]) if len(kinds) == 1 else None
@@ -84,15 +84,14 @@ def ansys_archive(file, points, solids, node_sets):
         lines += ["".join(f"{k:9d}" for k in part) for part in (numbers[:19], numbers[19:]) if part]
     for name, nodes in node_sets.items():
         sets += _component(name, "NODE", np.unique(nodes) + 1)
-    file.write_text("\n".join([*lines, f"{-1:9d}", *sets, "FINISH"]) + "\n")
+    return "\n".join([*lines, f"{-1:9d}", *sets, "FINISH"]) + "\n"
 
 
 def write_sets(file, points, solids, node_sets):
     """A deck or an archive."""
-    listed_solids = [(name, kind, nodes) for name, (kind, nodes) in solids.items()]
-    {".inp": abaqus_deck, ".cdb": ansys_archive}[file.suffix](
-        file, points, listed_solids, node_sets
-    )
+    writer = {".inp": abaqus_deck, ".cdb": ansys_archive}[file.suffix]
+    every = [(name, kind, nodes) for name, (kind, nodes) in solids.items()]
+    file.write_text(writer(points, every, node_sets))
 
 
 def _fortran(value):

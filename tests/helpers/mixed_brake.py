@@ -87,17 +87,15 @@ class Brake:
             found["FACE"] = k == self.face + 1
         return {name: np.flatnonzero(on) + 1 for name, on in found.items()}
 
-    def write(self, file, more=""):
-        """A deck of nodes, elements and sets, with more text behind them."""
-        solids = {}
+    def deck(self):
+        """Nodes, elements and sets."""
+        solids = []
         for part, cell in product(self.elements, ("hexahedron", "wedge")):
             own = [nodes for kind, nodes in self.elements[part] if kind == cell]
             if own:
-                kind = f"{cell}{COUNTS[cell, self.order]}"
-                solids[part, kind] = np.array(own) - 1
+                solids.append((part, f"{cell}{COUNTS[cell, self.order]}", np.array(own) - 1))
         sets = {name: numbers - 1 for name, numbers in self.sets().items()}
-        abaqus_deck(file, self.points(), [(n, k, x) for (n, k), x in solids.items()], sets)
-        file.write_text(file.read_text() + more)
+        return abaqus_deck(self.points(), solids, sets)
 
 
 def scene(file, *, friction, top=26000.0):
@@ -146,15 +144,20 @@ def one_body(file, degree=2, top=30000.0):
     return read_scene({"name": "brake", "bodies": {"brake": body}, "analysis": analysis})
 
 
-def for_calculix(materials, modes):
-    """What a deck says of materials and analysis, for the brake held at the bore and behind."""
+def calculix(brake, modes=20, materials=MATERIALS):
+    """The deck of a bonded brake for CalculiX, held at the bore and behind."""
     lines = []
     for part, (E, nu, rho) in materials.items():
         lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E}, {nu}", "*DENSITY", f"{rho}"]
         lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
     lines += ["*BOUNDARY", "BORE, 1, 3", "BACK, 1, 3"]
     lines += ["*STEP", "*FREQUENCY, STORAGE=YES", f"{modes}", "*END STEP"]
-    return "\n".join(lines) + "\n"
+    return brake.deck() + "\n".join(lines) + "\n"
+
+
+def calculix_of_one_body(brake, modes):
+    """The deck of :func:`one_body` with the brake's own elements, for CalculiX."""
+    return calculix(brake, modes, dict.fromkeys(MATERIALS, STEEL))
 
 
 def on_any_number_of_ranks():
@@ -163,7 +166,7 @@ def on_any_number_of_ranks():
     folder = TemporaryDirectory() if comm.rank == 0 else None
     file = Path(comm.bcast(folder.name if folder else None, root=0)) / "brake.inp"
     if comm.rank == 0:
-        Brake(0.03, 2, wedges=True).write(file)
+        file.write_text(Brake(0.03, 2, wedges=True).deck())
     comm.barrier()
     found = run_modes(read_scene(scene(file, friction=0.6, top=9000.0))).modes.eigenvalues
     found = found[np.lexsort((found.real.round(3), found.imag.round(3)))]

@@ -10,7 +10,7 @@ there, far from the rim, falls faster than what the law yields.
 
 import numpy as np
 import pytest
-from hertz_scenes import CYLINDER, FINE, SPHERE, closed_form, errors, rate, refined
+from hertz_scenes import CYLINDER, FINE, SPHERE, closed_form, errors, radius_of, rate, refined
 
 from scenes import load_scene, run_static
 
@@ -22,7 +22,7 @@ TOLERANCE = 0.35
 def element(name, row):
     """Size of an element in the contact, relative to its radius, on a row of meshes."""
     hertz, _ = closed_form(load_scene(name))
-    return FINE / np.array(row) / hertz.radius
+    return FINE / np.array(row) / radius_of(hertz)
 
 
 def check_orders(found, row, name):
@@ -88,9 +88,8 @@ def test_scenes_of_the_catalogue(name, backend):
     allowed = {CYLINDER: 0.005, SPHERE: 0.02}[name]
     assert abs(found.radius) < allowed
     assert abs(found.peak) < allowed
-    assert (
-        abs(found.closed)
-        < {CYLINDER: 0.0025, SPHERE: 0.0055}[name] / closed_form(of_catalogue)[0].radius
+    assert abs(found.closed) < {CYLINDER: 0.0025, SPHERE: 0.0055}[name] / radius_of(
+        closed_form(of_catalogue)[0]
     )
     assert abs(found.load) < 1e-9
     assert result.warnings == ()

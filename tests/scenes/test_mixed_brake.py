@@ -7,7 +7,7 @@ import decks
 import numpy as np
 import pytest
 from bodies import lagrange_body
-from mixed_brake import MATERIALS, STEEL, Brake, for_calculix, one_body, scene
+from mixed_brake import Brake, calculix, calculix_of_one_body, one_body, scene
 from mpi import on_ranks
 
 from comparisons.peers import calculix as peer
@@ -21,7 +21,7 @@ COUNT = 20
 
 def modes(folder, size, order, *, wedges, friction):
     file = folder / f"brake{size}{order}{wedges}.inp"
-    Brake(size, order, wedges=wedges).write(file)
+    file.write_text(Brake(size, order, wedges=wedges).deck())
     result = run_modes(read_scene(scene(file, friction=friction)))
     assert ("mixed elements" in result.skipped) == wedges
     return np.sort(result.modes.frequencies)[:COUNT], sum(
@@ -57,8 +57,7 @@ def test_wedges_at_the_hub_change_little_and_less_on_finer_meshes(tmp_path, orde
 def test_a_bonded_brake_has_the_frequencies_of_calculix(tmp_path, size):
     if shutil.which("ccx") is None:
         pytest.skip("ccx is not installed")
-    brake = Brake(size, 2, wedges=True, bonded=True)
-    brake.write(tmp_path / "job.inp", for_calculix(MATERIALS, COUNT))
+    (tmp_path / "job.inp").write_text(calculix(Brake(size, 2, wedges=True, bonded=True), COUNT))
     subprocess.run(["ccx", "-i", "job"], cwd=tmp_path, capture_output=True, check=True)
     rows = [line.split() for line in (tmp_path / "job.dat").read_text().splitlines()]
     theirs = np.array([float(row[3]) for row in rows if len(row) == 5 and row[0].isdecimal()])
@@ -85,7 +84,7 @@ def own_frequencies(scene, quadrature=None):
 
 def one_deck(folder, size):
     brake = Brake(size, 1, wedges=True, bonded=True)
-    brake.write(folder / "mixed.inp")
+    (folder / "mixed.inp").write_text(brake.deck())
     return brake, folder / "mixed.inp"
 
 
@@ -107,7 +106,7 @@ def test_linear_elements_of_calculix_are_farther_from_the_truth(tmp_path, size):
     decks.with_calculix()
     brake, file = one_deck(tmp_path, size)
     job = tmp_path / "linear.inp"
-    brake.write(job, for_calculix(dict.fromkeys(MATERIALS, STEEL), COUNT + 4))
+    job.write_text(calculix_of_one_body(brake, COUNT + 4))
     theirs = peer.run(job).eigenvalues.imag[:COUNT]
     truth = own_frequencies(one_body(file, 4 if size > 0.01 else 3))
     errors = [values / truth - 1 for values in (theirs, own_frequencies(one_body(file)))]
