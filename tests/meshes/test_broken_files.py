@@ -57,7 +57,8 @@ def originals(folder):
         for name in (f"m{order}.inp", f"m{order}.cdb"):
             mixed_file(file_of(folder, name), order)
             files.append(folder / name)
-        for name in (f"a{order}.inp", f"a{order}.cdb", f"a{order}22.msh", f"binary{order}.msh"):
+        endings = (".inp", ".cdb", "22.msh", "binary.msh", ".bdf", ".vtu", ".xdmf")
+        for name in (f"a{order}{ending}" for ending in endings):
             write(two_boxes("hexahedron", order), file_of(folder, name), lacking=True)
             files.append(folder / name)
     (folder / "parts.inp").write_text(TWO_PARTS)
