@@ -24,7 +24,16 @@ from scenes.running.analysis import analysis_of
 from scenes.running.modes import describe, lines, opened, table
 from scenes.spec.matrices import ROLES, MatrixScene
 
-__all__ = ["AssembledMatrices", "describe", "lines", "opened", "run", "run_matrices", "table"]
+__all__ = [
+    "AssembledMatrices",
+    "describe",
+    "lines",
+    "opened",
+    "run",
+    "run_matrices",
+    "steps",
+    "table",
+]
 
 
 class AssembledMatrices:
@@ -203,6 +212,14 @@ def run_matrices(
 
 run = run_matrices
 """As :class:`scenes.results.result.Analysis` has it; what is told is what is told of modes."""
+
+
+def steps(scene: MatrixScene) -> tuple[dict[str, str], dict[str, str]]:
+    """What a run needs and what it leaves out; the matrices are read: their entries decide."""
+    sums = [(str(role), scene.sum(role)) for role in ROLES]
+    needed = {role: " + ".join(names) for role, names in sums if names}
+    needed["eigenvalues"] = f"to {scene.window.max_frequency:g} Hz"
+    return needed, skipped_by(scene, read_pieces(scene))
 
 
 def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str]:

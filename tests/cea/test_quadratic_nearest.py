@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from covering import covering
+from dense_reference import dense_quadratic
 from petsc_matrices import to_petsc
-from quadratic_judge import dense_quadratic
 from random_quadratic import pencil_of
 
 from cea.eigen.driver import EigenSolver
