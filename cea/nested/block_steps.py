@@ -20,7 +20,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigvals
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, beside, column_blocks, columns_inner, combined, times
@@ -28,7 +27,6 @@ from cea.eigen.pencil import Matrices
 from cea.eigen.residuals import Damping
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
-from cea.nested.remaining import left_of_errors
 from cea.nested.ritz import (
     DEPENDENT,
     Approximation,
@@ -38,17 +36,6 @@ from cea.nested.ritz import (
     quadratic_ritz,
     ritz,
 )
-
-
-@dataclass(frozen=True)
-class Step:
-    """What steps make of an approximation, and bounds on what it still errs by (1/s).
-
-    They are infinite after one step (:mod:`cea.nested.remaining`).
-    """
-
-    approximation: Approximation
-    remaining: Floats
 
 
 @dataclass(frozen=True)
@@ -78,32 +65,21 @@ class BlockSteps:
         self.factors.free()
         self._damping.free()
 
-    def improved(self, old: Approximation, steps: int) -> Step:
-        """Right and left vectors after some steps, eigenvalues of the problem projected on all."""
+    def improved(self, old: Approximation, steps: int) -> tuple[Approximation, list[Floats]]:
+        """Vectors and eigenvalues after some steps, and what each changed eigenvalues by (1/s)."""
         none = np.empty((len(old.right), 0), order="F")
         right = left = _Spanned(none, none)
-        sequence = [old.eigenvalues]
         alike = self.matrices.symmetric and self.matrices.gyroscopic is None
+        changes = []
         for _ in range(steps):
-            fresh = self._outside(right, old.eigenvalues, old.right)
-            right, before = right.beside(fresh), left
-            left = right
+            before = old.eigenvalues
+            right = right.beside(self._outside(right, before, old.right))
             if not alike:
-                conjugate = old.eigenvalues.conj()
-                left = before.beside(self._outside(before, conjugate, old.left, transposed=True))
-            old = self._projected(old.eigenvalues, right, left)
-            sequence.append(old.eigenvalues)
-        if steps < 2:
-            return Step(old, np.full(len(old.eigenvalues), np.inf))
-        slowest = np.zeros(len(old.eigenvalues))
-        if self.matrices.quadratic and fresh.own.size:
-            work = self._inner(fresh.own, self._internal(fresh))
-            drag = self._inner(fresh.own, self._damping.times(fresh.own))
-            slowest = (np.abs(old.eigenvalues) * np.abs(eigvals(drag, work)).max()) ** 2
-        earlier = sequence[-2], sequence[-3]
-        shift = self.factors.kappa
-        left_over = left_of_errors(old, earlier, slowest, self.matrices, self._damping, shift)
-        return Step(old, left_over)
+                fresh = self._outside(left, before.conj(), old.left, transposed=True)
+            left = right if alike else left.beside(fresh)
+            old = self._projected(before, right, left)
+            changes.append(np.abs(old.eigenvalues - before))
+        return old, changes
 
     def _projected(self, wanted: Complexes, right: _Spanned, left: _Spanned) -> Approximation:
         """Eigenvalues of the projected problem that belong to those wanted."""

@@ -38,9 +38,9 @@ class ErrorEstimate:
     corrected
         lambda in the richer space (1/s), in the same order.
     remaining
-        Bounds on how far those are from the eigenvalues of the richer space (1/s), shape (n,), by
-        what the last solves changed (:mod:`cea.nested.remaining`); infinite where solves do not
-        converge, as with damping beta K beyond abs(lambda) = 1 / beta.
+        What the last step changed those by (1/s), shape (n,), more than is left where steps
+        converge; infinite where it is more than the step before changed. With damping beta K beyond
+        abs(lambda) = 1 / beta steps do not converge.
     uncertainties
         Errors of the coarse ones by rounding and iteration (1/s), shape (n,).
     clusters
@@ -111,7 +111,7 @@ def error_estimate(
 ) -> ErrorEstimate:
     """Errors of the eigenvalues of a coarse mesh, as the richer pencil tells them; collective.
 
-    One block inverse step gives them to a few per cent where they are small scale, the next bound
+    One block inverse step gives them to a few per cent where they are small scale, the next tells
     what remains. Modes without left vectors, or none, are refused.
     """
     start = prolonged(coarse, matrices, prolongation)
@@ -119,15 +119,16 @@ def error_estimate(
         raise InputError("steps", steps, "1 or more")
     work = BlockSteps(matrices, middle_shift(start.eigenvalues))
     try:
-        step = work.improved(start, steps)
+        improved, changes = work.improved(start, steps)
     finally:
         work.free()
-    corrected = step.approximation.eigenvalues
+    corrected, rounding = improved.eigenvalues, coarse.growth_uncertainties
+    falls = steps < 2 or changes[-1] <= np.maximum(changes[-2], rounding)
     return ErrorEstimate(
         coarse.eigenvalues,
         corrected,
-        step.remaining,
-        coarse.growth_uncertainties,
+        np.where(falls, changes[-1], np.inf),
+        rounding,
         _clusters(coarse.eigenvalues, corrected, damped=matrices.quadratic),
         damped=matrices.quadratic,
         symmetric=matrices.symmetric and not matrices.quadratic,

@@ -10,7 +10,7 @@ import numpy as np
 from cea.arrays import Complexes, Ints
 from cea.eigen.matching import assign, connected
 from comparisons.converge.bars import Estimated, bar_of, opened, pair, single
-from comparisons.converge.ladder import Mesh
+from comparisons.converge.ladder import Ladder, Mesh
 from scenes.results.matching import match_runs
 
 
@@ -55,20 +55,17 @@ def matched(first: Mesh, second: Mesh) -> list[tuple[Ints, Ints]]:
     return [(at_rest[0], at_rest[1]), *groups] if at_rest and len(at_rest[0]) else groups
 
 
-def estimated(
-    followed: Followed, degree: int, *, damped: bool, grows: bool, by_degree: bool
-) -> list[Estimated]:
-    """Every mode of the finest mesh with its error bars, in the order of its eigenvalues.
-
-    Something may damp or rotate, or grow at all; meshes by degree have no ratio.
-    """
-    mesh = followed.meshes[-1]
+def estimated(followed: Followed, ladder: Ladder) -> list[Estimated]:
+    """Every mode of the finest mesh with its error bars, in the order of its eigenvalues."""
+    mesh, degree, scene = followed.meshes[-1], ladder.degree, ladder.scene
+    damped = scene.damped or scene.rotates
+    grows = damped or any(contact.mu for contact in scene.contacts.values())
     found: dict[int, Estimated] = {}
     histories: dict[int, Complexes] = {}
     for members in _clusters(followed):
         newest = members[-1]
         assert newest is not None
-        values = _values(members[-1:] if by_degree else members, followed)
+        values = _values(members[-1:] if ladder.by_degree else members, followed)  # no ratio
         corrected = None if mesh.corrected is None else mesh.corrected[newest]
         rounding = mesh.uncertainties[newest]
         if len(newest) == 2 and grows and not mesh.rigid[newest].any():
@@ -83,13 +80,11 @@ def estimated(
             histories[number] = values[:, i]
     if grows and not damped:
         _open_where_bars_meet(found, histories, mesh, degree)
-    return [_rigid(mesh, i) if mesh.rigid[i] else found[i] for i in range(len(mesh.eigenvalues))]
-
-
-def _rigid(mesh: Mesh, number: int) -> Estimated:
-    value = complex(mesh.eigenvalues[number])
-    bar = abs(value) + float(mesh.uncertainties[number])
-    return Estimated(value, bar, bar)
+    for i in np.flatnonzero(mesh.rigid).tolist():
+        value = complex(mesh.eigenvalues[i])
+        bar = abs(value) + float(mesh.uncertainties[i])
+        found[i] = Estimated(value, bar, bar)
+    return [found[i] for i in range(len(mesh.eigenvalues))]
 
 
 def _open_where_bars_meet(

@@ -69,7 +69,9 @@ class Ladder:
         self.by_degree = any(map(from_file, on.bodies.values()))
         self._layered = has_singular_edges(on)
         self._slower = 1.0
-        degrees = [int(np.max(each.degree)) for each in _meshes_of_shapes(on)]
+        shapes = [body.mesh for body in on.bodies.values() if not from_file(body)]
+        meshes = [shape.fe if backend == "fe" else shape.iga for shape in shapes]
+        degrees = [int(np.max(mesh.degree)) for mesh in meshes if mesh is not None]
         self.degree = max([LEAST_DEGREE, *degrees])
         # Lagrange elements have as many nodes along a direction as elements times their degree.
         least = min(degrees, default=self.degree) if backend == "fe" else self.degree
@@ -145,11 +147,6 @@ def elements_of(scene: Scene) -> dict[str, Any]:
         else:
             found[name] = list(mesh.elements) if mesh.elements else getattr(mesh, "size", None)
     return found
-
-
-def _meshes_of_shapes(scene: Scene) -> list[Any]:
-    bodies = [body for body in scene.bodies.values() if not from_file(body)]
-    return [body.mesh.fe if body.backend == "fe" else body.mesh.iga for body in bodies]
 
 
 def window_of(scene: Scene) -> ComplexEigenvalueAnalysis:

@@ -8,7 +8,7 @@ from typing import Any
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from comparisons.converge.bars import Estimated
-from comparisons.converge.combine import Mode, combine, word_of
+from comparisons.converge.combine import combine
 from comparisons.converge.follow import Followed, estimated
 from comparisons.converge.ladder import MESHES, Ladder, window_of
 from comparisons.converge.request import Request
@@ -71,29 +71,18 @@ class Course:
     @property
     def bars(self) -> list[Estimated]:
         """Modes of the finest mesh with their error bars."""
-        damped = self.scene.damped or self.scene.rotates
-        has_friction = any(contact.mu for contact in self.scene.contacts.values())
-        ladder = self.ladder
-        return estimated(
-            self.followed,
-            ladder.degree,
-            damped=damped,
-            grows=damped or has_friction,
-            by_degree=ladder.by_degree,
-        )
+        return estimated(self.followed, self.ladder)
 
     @property
     def holds(self) -> bool:
         """Whether every mode of the window holds its digits."""
         window = window_of(self.scene)
         threshold, top = window.growth_threshold, window.max_frequency
-        last = self.followed.meshes[-1]
-        for own, rigid in zip(self.bars, last.rigid.tolist(), strict=True):
-            word = word_of(own, threshold, rigid=rigid)
-            mode = Mode(self.backend, own, None, rigid, word)
-            if mode.frequency <= top and max(mode.shortfalls(self.request, threshold)) > 1:
-                return False
-        return True
+        modes = combine({self.backend: self.followed}, {self.backend: self.bars}, threshold)
+        asked = [
+            mode.shortfalls(self.request, threshold) for mode in modes if mode.frequency <= top
+        ]
+        return all(max(both) <= 1 for both in asked)
 
     def advance(self, clock: _Clock, progress: Progress) -> None:
         """One more mesh, the correction of the last one, or the end."""
