@@ -23,7 +23,7 @@ COMMANDS = {
     "study": ("study:app", "Run a study: both backends, formulations, accuracy, damping, ..."),
     "figure": ("paper:figure", "Make a figure of the paper."),
     "claims": ("paper:claims", "Judge the paper's claims by the figures' data."),
-    "bench": ("bench:app", "Time and memory beside other programs and methods."),
+    "bench": ("study:bench", "Time and memory beside other programs and methods."),
     "scene": ("scene:app", "Look at scenes without running them."),
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
     "doctor": ("doctor:doctor", "Tell whether this installation works, and what mends it."),

@@ -15,10 +15,10 @@ from comparisons.accuracy.exact_lists import exact
 from comparisons.accuracy.measure import Measurer
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, Method
+from comparisons.bench import ccx
 from comparisons.formulations import locking, patch_tests
 from comparisons.formulations.pairings import PAIRINGS
 from comparisons.formulations.study import STUDY, Options
-from comparisons.peers import calculix
 from comparisons.study.run import run
 from scenes.export.decks.write import write_deck
 
@@ -166,7 +166,7 @@ def test_a_deck_is_as_frozen(tmp_path):
 
 def test_calculix_finds_the_frozen_eigenvalues(tmp_path):
     with_calculix()
-    found = calculix.run(write_deck(in_contact(), tmp_path, 20)[1]).eigenvalues
+    found = ccx.run(write_deck(in_contact(), tmp_path, 20)[1]).eigenvalues
     expected = np.array([complex(*pair) for pair in stored("decks")["eigenvalues"]])
     kept = min(len(found), len(expected)) - 2  # the last have not always converged
     np.testing.assert_allclose(found[:kept], expected[:kept], rtol=1e-5)
