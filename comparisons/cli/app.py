@@ -27,10 +27,10 @@ COMMANDS = {
     "scene": ("scene:app", "Look at scenes without running them."),
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
     "doctor": ("doctor:doctor", "Tell whether this installation works, and what mends it."),
-    "accuracy": ("studies:accuracy", "Error of every method against run time."),
 }
 """Place of each command below this package, and its help."""
 RENAMED = {
+    "accuracy": "study accuracy",
     "brake": "study brake",
     "damping": "study damping",
     "stability": "study stability",

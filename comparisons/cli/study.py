@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "agreement": ("agreement:STUDY", "Both backends on the same scenes, every formulation.", ()),
+    "accuracy": ("accuracy.study:STUDY", "Error of every method against run time.", ("exact",)),
     "formulations": (
         *("formulations.study:STUDY", "Which formulations pass patch tests, lock, keep momentum."),
         ("exact",),

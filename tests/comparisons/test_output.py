@@ -196,8 +196,8 @@ def test_time_left_is_that_of_last_time(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "field"),
     [
-        (["accuracy", "drum", "--redraw"], "problems"),
-        (["accuracy", "--quick", "--redraw"], "quick"),
+        (["study", "accuracy", "--problems", "drum", "--redraw"], "problems"),
+        (["study", "accuracy", "--quick", "--redraw"], "quick"),
         (["study", "stability", "--cases", "tied", "--redraw"], "cases"),
     ],
 )

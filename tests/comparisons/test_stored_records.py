@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from comparisons.accuracy import page as accuracy_page
-from comparisons.accuracy.runner import COMMAND as ACCURACY
+from comparisons.accuracy.study import STUDY as ACCURACY
 from comparisons.bench.calculix import STUDY as CALCULIX
 from comparisons.brake.study import STUDY as BRAKE
 from comparisons.paper.common.store import COMMAND as FIGURE
@@ -16,10 +15,9 @@ from comparisons.sweep import page as sweep_page
 from comparisons.sweep.study import COMMAND as SWEEP
 from scenes.results.record import PROVENANCE, read_record
 
-MEASURED = Path(accuracy_page.__file__).with_name("results") / "result.json.gz"
 RECORDS = [
     *((FIGURE, file) for file in sorted(STORED.glob("*.json.gz"))),
-    (ACCURACY, MEASURED),
+    (ACCURACY.name, ACCURACY.shipped / "result.json.gz"),
     (REFERENCE.name, REFERENCE.shipped / "result.json.gz"),
     (BRAKE.name, BRAKE.shipped / "result.json.gz"),
     (CALCULIX.name, CALCULIX.shipped / "result.json.gz"),

@@ -12,9 +12,10 @@ from comparisons.study.result import read
 from comparisons.study.run import run
 
 # `make stability ARGS=--quick` is a step of its own; test_stability.py runs one of its cases.
+LONG = ("stability", "accuracy")
 QUICK = [
     *(
-        pytest.param(name, place, marks=pytest.mark.slow if name == "stability" else ())
+        pytest.param(name, place, marks=pytest.mark.slow if name in LONG else ())
         for name, (place, _, _) in STUDIES.items()
     ),
     *((f"bench {name}", BENCHMARKS[name][0]) for name in ("contact", "solve", "scaling")),
