@@ -35,6 +35,7 @@ STUDY = Study(
     evaluate=evaluate,
     sections=SECTIONS,
     quick={
+        "parts": ("errors",),
         "problems": ("drum", "blocks"),
         "thorough": False,
         "most_dofs_2d": 4_500,
