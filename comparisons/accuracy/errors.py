@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.eigenvalue_matching import match_spectrum
+from cea.eigen.matching import match_spectrum
 from cea.errors import ConvergenceError, InputError
 from comparisons.accuracy.cases import Method, method_of, refinements, scene_of
 from comparisons.accuracy.exact_lists import exact

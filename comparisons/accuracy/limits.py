@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.eigenvalue_matching import match_spectrum
+from cea.eigen.matching import match_spectrum
 from comparisons.accuracy.cases import Method, method_of, methods, scene_of
 from comparisons.accuracy.problems import PROBLEMS, BodyMesh, Problem
 from comparisons.study.session import Session

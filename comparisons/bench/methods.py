@@ -16,7 +16,7 @@ from scipy.sparse.linalg import eigs
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import image_of
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from cea.matrices import dense, destroy, local_part

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from reference_data import eigenvalues, stored
 
-from cea.eigen.eigenvalue_matching import match_spectrum
+from cea.eigen.matching import match_spectrum
 from cea.errors import ConvergenceError, InputError
 from comparisons.accuracy import errors, page
 from comparisons.accuracy.cases import (

@@ -8,15 +8,14 @@ import pytest
 from comparisons.accuracy.study import STUDY as ACCURACY
 from comparisons.bench.calculix import STUDY as CALCULIX
 from comparisons.brake.study import STUDY as BRAKE
-from comparisons.paper.common.store import COMMAND as FIGURE
-from comparisons.paper.common.store import STORED
+from comparisons.paper.study import STUDY as PAPER
 from comparisons.reference.study import STUDY as REFERENCE
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.study import COMMAND as SWEEP
 from scenes.results.record import PROVENANCE, read_record
 
 RECORDS = [
-    *((FIGURE, file) for file in sorted(STORED.glob("*.json.gz"))),
+    (PAPER.name, PAPER.shipped / "result.json.gz"),
     (ACCURACY.name, ACCURACY.shipped / "result.json.gz"),
     (REFERENCE.name, REFERENCE.shipped / "result.json.gz"),
     (BRAKE.name, BRAKE.shipped / "result.json.gz"),
