@@ -11,7 +11,7 @@ from random_matrices import random_pencil
 from random_quadratic import random_low_rank, random_quadratic
 from random_scenes import random_scene
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import release
 from cea.errors import ConvergenceError, InputError
 from scenes import run_modes
