@@ -131,6 +131,20 @@ class Sample:
     clusters: Ints
     vectors: Complexes
 
+    def with_mirror_image(self) -> "Sample":
+        """It with the conjugates of lambda below the real axis."""
+        above = np.flatnonzero(self.z.imag > 0)
+        numbers = self.clusters, self.clusters.max(initial=0) + 1 + self.clusters[above]
+        return Sample(
+            self.value,
+            np.concatenate([self.z, self.z[above].conj()]),
+            np.concatenate([self.slopes, self.slopes[above].conj()]),
+            np.concatenate([self.errors, self.errors[above]]),
+            np.concatenate([self.means, self.means[above]]),
+            np.concatenate(numbers),
+            np.hstack([self.vectors, self.vectors[:, above].conj()]),
+        )
+
 
 @dataclass(frozen=True)
 class Hermite:

@@ -21,8 +21,8 @@ from scipy.linalg import block_diag, lu_factor, lu_solve
 
 from cea.arrays import Floats
 from cea.eigen.parameters import Dependence
+from cea.reduced.certificate import Residuals
 from cea.reduced.pieces import Values
-from cea.reduced.residuals import Residuals
 
 
 @dataclass(frozen=True)

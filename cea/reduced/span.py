@@ -86,10 +86,6 @@ class Span:
         fresh = self.norm.inner(self.vectors[:, before:], image)
         return np.vstack([known, fresh]), size
 
-    def restore(self, vectors: Floats) -> None:
-        """Take over vectors that are X-orthonormal to those that are there."""
-        self._grow(vectors)
-
     def _outside(self, block: Floats) -> tuple[Floats, Floats]:
         """A block less its part in the span, and W^T X W of what is left.
 

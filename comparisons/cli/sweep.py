@@ -1,13 +1,9 @@
 """The commands ``cea sweep`` and ``cea threshold``: one scene along its fields."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import typer
-
-if TYPE_CHECKING:
-    from comparisons.sweep.axes import Axis
-
 
 IN_PART = 3
 """Exit code of a command that answered in part."""
@@ -34,21 +30,16 @@ def sweep(
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
     samples: Annotated[
-        int | None, typer.Option(help="Samples of fields that are spread; 10,000 by default.")
+        int | None, typer.Option(help="Samples of fields that are spread; 2,000 by default.")
     ] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the samples; 0 by default.")] = None,
     full: Annotated[
-        bool | None,
-        typer.Option(
-            "--full/--basis",
-            help="Solve each value of one field in full, or use a basis at any price. By default "
-            "what is cheaper along one field, and a basis else.",
-        ),
-    ] = None,
+        bool, typer.Option("--full", help="Solve each value in full, on no basis.")
+    ] = False,
     tolerance: Annotated[
         float, typer.Option(help="Error of lambda, relative, up to which a value is certified.")
     ] = 1e-8,
-    solves: Annotated[int, typer.Option(help="Most full solves of a map.")] = 150,
+    solves: Annotated[int, typer.Option(help="Most full solves of a basis.")] = 150,
     checks: Annotated[int, typer.Option(help="Full solves at random values that test a map.")] = 2,
     confirm: Annotated[
         int, typer.Option(help="Thresholds of a map that full solves confirm.")
@@ -68,148 +59,97 @@ def sweep(
     from comparisons.cli.backend import with_backend
     from comparisons.cli.extras import need
     from comparisons.cli.redraw import refuse_with_redraw
-    from comparisons.cli.samples import are_distributions, sample
-    from comparisons.sweep.axes import read_axis
+    from comparisons.sweep.points import Axis, read_fields
+    from comparisons.sweep.study import Asked
     from scenes.results.folder import check_out
 
-    need("pictures")
+    need("pictures", "maps")
     refuse_with_redraw(redraw, {"set": set_, "backend": backend, "data": data})
-    overrides = with_backend(scene, set_ or (), backend)
-    if are_distributions(axes):
-        _refuse_beside_samples(full=bool(full), confirm=confirm)
-        need_maps()
-        options = {
-            "count": samples,
-            "seed": seed,
-            "overrides": overrides,
-            "data": data,
-            "tolerance": tolerance,
-            "most": solves,
-            "checks": checks,
-        }
-        sample(scene, axes, options, out, redraw=redraw)
-        return
-    for name, value in (("samples", samples), ("seed", seed)):
-        if value is not None:
-            raise InputError(name, value, "left out but for distributions: mu~normal:0.4:0.05")
-    asked = [read_axis(axis) for axis in axes]
+    overrides, fields = with_backend(scene, set_ or (), backend), read_fields(axes)
+    if isinstance(fields[0], Axis):
+        for name, value in (("samples", samples), ("seed", seed)):
+            if value is not None:
+                raise InputError(name, value, "left out but for distributions: mu~normal:0.4:0.05")
+    elif full:
+        raise InputError("full", True, "left out for samples: they are solved on a basis")
+    elif confirm != _CONFIRM:
+        raise InputError("confirm", confirm, "left out for samples: they have no thresholds")
+    asked = Asked(
+        scene,
+        fields,
+        overrides,
+        data,
+        samples=2000 if samples is None else samples,
+        seed=seed or 0,
+        tolerance=tolerance,
+        most=solves,
+        checks=checks,
+        confirm=confirm,
+        why_in_full="--full" if full else "",
+    )
     if redraw:
-        _draw_anew(scene, asked, out)
+        _draw_anew(asked, out)
         return
     check_out(out)
-    if full:
-        _each_in_full(scene, asked, overrides, data, "--full", out)
-        return
-    need_maps()
-    from comparisons.sweep.map_study import AskedMap
-    from comparisons.sweep.mapped import NoMapError
-    from comparisons.sweep.thrift import BasisTooDearError
-
-    open_ = full is None and len(asked) == 1 and not asked[0].logarithmic and confirm == _CONFIRM
-    map_ = AskedMap(
-        scene, tuple(asked), overrides, data, tolerance, solves, checks, confirm, thrifty=open_
-    )
-    try:
-        _map(map_, out)
-    except (NoMapError, BasisTooDearError) as error:
-        if len(asked) > 1:
-            raise
-        _each_in_full(scene, asked, overrides, data, str(error), out)
+    _sweep(asked, out)
 
 
-def _refuse_beside_samples(*, full: bool, confirm: int) -> None:
-    """Refuse options that samples have no use for."""
-    from cea.errors import InputError
+def _sweep(asked: Any, out: Path) -> None:
+    """Make a sweep and tell of it; one field without a map is solved in full."""
+    from dataclasses import replace
 
-    if full:
-        raise InputError("full", True, "left out for samples: they are solved on a basis")
-    if confirm != _CONFIRM:
-        raise InputError("confirm", confirm, "left out for samples: they have no thresholds")
-
-
-def _map(asked: Any, out: Path) -> None:
-    """Make a map and tell of it."""
     from cea.petsc import MPI
     from comparisons.cli.output import print_table, print_warnings
     from comparisons.cli.progress import working
-    from comparisons.sweep.map_page import write_result
-    from comparisons.sweep.map_study import run_map
-    from comparisons.sweep.map_tables import headline, summary_table, thresholds_table
+    from comparisons.sweep.page import FILE, write_sweep
+    from comparisons.sweep.scene import NoMapError
+    from comparisons.sweep.study import run
+    from comparisons.sweep.tables import (
+        headline,
+        probability_table,
+        summary_table,
+        thresholds_table,
+        words_where_most_grows,
+    )
     from scenes.results.folder import new_folder
 
-    with working("map") as work:
-        found, rows, store = run_map(asked, out, work.stage)
+    with working("sweep") as work:
+        try:
+            made = run(asked, out, work.stage)
+        except NoMapError as error:
+            if len(asked.fields) > 1 or not asked.grid:
+                raise
+            made = run(replace(asked, why_in_full=str(error)), out, work.stage)
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        page = new.final(write_result(found, rows, new.part))
-    store.discard()
-    typer.echo(headline(found))
-    typer.echo(found["words"])
-    print_table(summary_table(found))
-    print_table(thresholds_table(found))
-    print_warnings(found["warnings"])
-    typer.echo(f"Every value: {out / 'sweep.nc'}")
+        page = new.final(write_sweep(made, new.part))
+    if made.store is not None:
+        made.store.discard()
+    data = made.record
+    typer.echo(headline(data))
+    typer.echo(words_where_most_grows(data, made.points, made.spectra))
+    print_table(summary_table(data))
+    print_table(thresholds_table(data) if made.points.counts else probability_table(data))
+    print_warnings(data["warnings"])
+    if "why" in data:
+        typer.echo(f"Solved in full at each value: {data['why']}")
+    typer.echo(f"Every value: {out / FILE}")
     typer.echo(f"The page to open: {page}")
-    if found["unresolved"]:
+    if data["unresolved"]:
         raise typer.Exit(IN_PART)
 
 
-def _each_in_full(
-    scene: str,
-    axes: "list[Axis]",
-    overrides: tuple[str, ...],
-    data: str | None,
-    why: str,
-    out: Path,
-) -> None:
-    """Solve at each value of one field, and tell of it."""
-    from cea.errors import InputError
-    from cea.petsc import MPI
-    from comparisons.cli.output import print_table, print_warnings
-    from comparisons.cli.progress import working
-    from comparisons.sweep.page import write_sweep
-    from comparisons.sweep.study import Sweep, run_sweep
-    from comparisons.sweep.tables import unstable_table, values_table
-    from scenes.results.folder import new_folder
-
-    if len(axes) > 1:
-        raise InputError("axis", axes[1].name, "one field only with --full")
-    axis = axes[0]
-    if axis.logarithmic:
-        raise InputError("axis", axis.name, "evenly spaced where each value is solved in full")
-    asked = Sweep(scene, axis.name, axis.first, axis.last, axis.count, overrides, data)
-    with working("sweep", steps=axis.count) as work:
-        found = run_sweep(asked, work.step, why)
-    with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        picture = new.final(write_sweep(found, new.part))
-    print_table(values_table(found))
-    print_table(unstable_table(found))
-    print_warnings(found["warnings"])
-    typer.echo(f"Solved in full at each value: {why}")
-    typer.echo(f"The picture to open: {picture}")
-
-
-def _draw_anew(scene: str, axes: "list[Axis]", out: Path) -> None:
+def _draw_anew(asked: Any, out: Path) -> None:
     """Draw a sweep from its record."""
     from cea.petsc import MPI
     from comparisons.cli.redraw import refuse_another
-    from comparisons.sweep.map_page import write_result
-    from comparisons.sweep.netcdf import read_map
     from comparisons.sweep.page import read_sweep, write_sweep
     from scenes.results.folder import new_folder
 
-    found, rows = read_sweep(out), None
-    asked: dict[str, Any] = {"scene": scene, "axes": [dict(axis.plain()) for axis in axes]}
-    if "axes" in found:
-        need_maps()
-        rows = read_map(found, out / "sweep.nc")
-    else:
-        axis = axes[0]
-        asked = {"scene": scene, "field": axis.name, "start": axis.first, "stop": axis.last}
-    refuse_another(asked, found["inputs"])
+    made, given = read_sweep(out), asked.plain()
+    refuse_another({name: given[name] for name in ("scene", "fields")}, made.record["inputs"])
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        written = write_sweep(found, new.part) if rows is None else None
-        made = new.final(written or write_result(found, rows or [], new.part))
-    typer.echo(f"The {'picture' if rows is None else 'page'} to open: {made}")
+        page = new.final(write_sweep(made, new.part))
+    typer.echo(f"The page to open: {page}")
 
 
 def threshold(
@@ -235,24 +175,17 @@ def threshold(
     reported as unresolved: the exit code is 3 then.
     """
     from comparisons.cli.backend import with_backend
-    from comparisons.sweep.axes import read_axis
+    from comparisons.cli.extras import need
+    from comparisons.sweep.points import read_axis
+    from comparisons.sweep.study import Asked
     from scenes.results.folder import check_out
 
-    need_maps()
-    asked = tuple(read_axis(axis) for axis in axes)
+    need("pictures", "maps")
+    fields = tuple(read_axis(axis) for axis in axes)
     check_out(out)
-    from comparisons.sweep.map_study import AskedMap
-
     overrides = with_backend(scene, set_ or (), backend)
-    _map(AskedMap(scene, asked, overrides, data, confirm=_EVERY), out)
+    _sweep(Asked(scene, fields, overrides, data, confirm=_EVERY), out)
 
 
 _EVERY = 10_000
 """More thresholds than a map has."""
-
-
-def need_maps() -> None:
-    """Refuse to begin without what maps need."""
-    from comparisons.cli.extras import need
-
-    need("pictures", "maps")

@@ -11,10 +11,10 @@ from scipy.sparse import csr_array, save_npz
 
 from comparisons.cli.app import main
 from comparisons.cli.sweep import IN_PART
-from comparisons.sweep.axes import read_axis
-from comparisons.sweep.map_study import AskedMap, run_map
-from comparisons.sweep.map_tables import headline, thresholds_table
-from comparisons.sweep.mapped import mapped
+from comparisons.sweep.points import read_axis
+from comparisons.sweep.scene import mapped
+from comparisons.sweep.study import Asked, run
+from comparisons.sweep.tables import headline, thresholds_table
 
 DATA = Path(__file__).parent.parent / "data" / "thresholds"
 BLOCKS = """
@@ -73,10 +73,10 @@ max_frequency = 5000.0
 
 def found_in(scene, axis, out, data=None):
     """The record of a map of one axis."""
-    asked = AskedMap(scene, (read_axis(axis),), data=data, checks=1, confirm=9)
-    record, _, store = run_map(asked, out / "out")
-    store.discard()
-    return record
+    asked = Asked(scene, (read_axis(axis),), data=data, checks=1, confirm=9)
+    made = run(asked, out / "out")
+    made.store.discard()
+    return made.record
 
 
 def values_of(record):
@@ -171,11 +171,10 @@ def test_bodies_with_many_doublets_have_the_thresholds_of_full_solves(tmp_path, 
         "analysis.growth_threshold=0.0",
         *(f"bodies.{name}.backend='{backend}'" for name in bodies),
     )
-    asked = AskedMap(scene, (read_axis("mu=0:1:21"),), overrides, checks=1, confirm=0)
-    record, _, store = run_map(asked, tmp_path / "out")
-    store.discard()
+    asked = Asked(scene, (read_axis("mu=0:1:21"),), overrides, checks=1, confirm=0)
+    record = run(asked, tmp_path / "out").record
     full = mapped(scene, (read_axis("mu=0:1:201"),), overrides, None)
-    values, numbers = np.array(full.axes[0].values), []
+    values, numbers = full.points.axis(0), []
     for value in values:
         modes = full.driver.solve(full.max_frequency, full.point((float(value),)))
         grows = modes.growth_rates > modes.growth_uncertainties
