@@ -93,17 +93,8 @@ def _of_sums(terms: int) -> float:
 class Pairs:
     """Eigenpairs of a linearised problem T q = q / (z - shift).
 
-    Parameters
-    ----------
-    values
-        z, shape (n,).
-    right, left
-        Coordinates of x and y of M-norm one, with those of their contact forces below, shape
-        (k + m, n).
-    states, duals
-        Right and left vectors of T whose displacements have M-norm one, shape (k or 2 k, n).
-    operator, shift
-        T and the shift.
+    z; x and y of M-norm one with their contact forces below, shape (k + m, n); right and left
+    vectors of T whose displacements have M-norm one, shape (k or 2 k, n); T and the shift.
     """
 
     values: Complexes
@@ -121,20 +112,10 @@ class Pairs:
 
 @dataclass(frozen=True)
 class Certificate:
-    """Bounds on errors of eigenvalues z.
+    """Bounds on errors of eigenvalues z, each of shape (n,).
 
-    Parameters
-    ----------
-    errors
-        Of each, shape (n,).
-    means
-        Of the mean of the cluster that it belongs to, shape (n,): of itself where it is alone.
-    reduction
-        What the basis makes of the latter, without rounding, shape (n,).
-    clusters
-        Number of that cluster, shape (n,).
-    slopes
-        1 / abs(y^H P'(z) x), shape (n,).
+    Of each; of the mean of its cluster, or of itself where it is alone; what the basis makes of the
+    latter, without rounding; number of the cluster; 1 / abs(y^H P'(z) x).
     """
 
     errors: Floats
@@ -146,16 +127,9 @@ class Certificate:
 
 @dataclass(frozen=True)
 class Certifier:
-    """What bounds are made of.
+    """What bounds are made of: reduced matrices with contact forces as unknowns, and rounding.
 
-    Parameters
-    ----------
-    stiffness, damping, mass
-        The reduced matrices with contact forces as unknowns; ``damping`` is None without.
-    rounding
-        What rounding does.
-    scale
-        Of a damped pencil, by which the speeds in states are divided (1/s).
+    Speeds in states of a damped pencil are divided by ``scale`` (1/s).
     """
 
     stiffness: Residuals

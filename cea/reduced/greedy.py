@@ -25,11 +25,8 @@ TOLERANCE = 1e-8
 """Error of lambda relative to its speed up to which a value counts as certified."""
 _MEANINGFUL = 1e-3
 """The same up to which a reduced model is tested by a full solve."""
-_LOOKS = 12
-"""Bounds above the tolerance that are computed anew before the largest is taken."""
-_NEARLY = 0.5
-"""Part of what all others may have that makes a bound the worst: a look costs as much as a tenth of
-a solve, and a solve takes bounds down by decades."""
+_GOLDEN = 0.5 * (np.sqrt(5) - 1)
+"""Multiples of it modulo 1 spread any beginning of a sequence over all of it."""
 _REACH = 0.5
 """Distance of a partner, relative to a speed, beyond which a mode is missing."""
 
@@ -93,10 +90,10 @@ class Enrichment:
         return self.model.small.at(self.model.pencil.values(point))
 
     def cover(self, points: Sequence[Point], tolerance: float | None = None) -> float:
-        """Solve where bounds are worst until all are small, there are solves enough, or none helps.
+        """Solve where bounds are worst until all are small, or there are solves enough.
 
         Bounds hardly rise as a basis grows: those that were small stay, and of the others the
-        largest is computed anew until one is known to be nearly the largest, or that of a dozen.
+        largest is computed anew until it is known to be the largest.
 
         Parameters
         ----------
@@ -111,42 +108,27 @@ class Enrichment:
             The worst bound left.
         """
         tolerance = self.tolerance if tolerance is None else tolerance
-        solved = [dict(each.point) for each in self.solves]
-        order = [i for i in _spread_out(len(points)) if dict(points[i]) not in solved]
-        known = dict.fromkeys(order, np.inf)
+        solved = [each.point for each in self.solves]
+        order = sorted(range(len(points)), key=lambda i: i * _GOLDEN % 1)
+        known = {i: np.inf for i in order if dict(points[i]) not in solved}
         if not self.solves and known:
             known.pop(len(points) // 2)
             self.solve(points[len(points) // 2])
-        while known:
-            worst, fresh = self._worst_of(points, known, tolerance)
-            if worst < 0:
-                break
-            if len(self.solves) >= self.most:
-                return fresh
-            self.solve(points[worst])
-            del known[worst]
-        return 0.0
-
-    def _worst_of(
-        self, points: Sequence[Point], known: dict[int, float], tolerance: float
-    ) -> tuple[int, float]:
-        """Number of the point with nearly the largest bound, and that; -1 where all are small.
-
-        Points whose bounds are small are taken out of those known.
-        """
-        looked: dict[int, float] = {}
+        fresh: set[int] = set()
         while known:
             number = max(known, key=lambda each: known[each])
-            if looked:
-                worst = max(looked.items(), key=lambda each: each[1])
-                if worst[1] >= _NEARLY * known[number] or len(looked) == _LOOKS:
-                    return worst
-            bound = known[number] = self.worst(points[number])
-            if bound <= tolerance:
-                del known[number]
+            if number not in fresh:
+                known[number] = self.worst(points[number])
+                fresh.add(number)
+                if known[number] <= tolerance:
+                    del known[number]
+            elif len(self.solves) >= self.most:
+                return known[number]
             else:
-                looked[number] = bound
-        return -1, 0.0
+                self.solve(points[number])
+                del known[number]
+                fresh.clear()
+        return 0.0
 
     def solve(self, point: Point) -> float | None:
         """Solve in full, test the reduced model, take the modes in; the test (:class:`Tested`)."""
@@ -200,13 +182,6 @@ def full_solve(
     top = MARGIN * settings.max_frequency
     modes = driver.solve(top, point, min_growth=least, left=True)
     return Snapshot.of(point, modes, None if warnings is None else warnings(modes, point))
-
-
-def _spread_out(count: int) -> list[int]:
-    """Numbers up to a count in an order whose beginnings are spread over all of them."""
-    golden = 0.5 * (np.sqrt(5) - 1)
-    order: list[int] = np.argsort(np.arange(count) * golden % 1).tolist()
-    return order
 
 
 def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:

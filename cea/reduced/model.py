@@ -116,7 +116,6 @@ class ReducedModel:
             tuple(
                 SmallPiece(
                     *(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0),
-                    stiff=piece in self._stiff,
                 )
                 for piece in self._pieces.all
             ),
@@ -163,8 +162,8 @@ class ReducedModel:
             self._basis.add(np.hstack(blocks), np.hstack(images))
         self._extend(before)
         self._extend_contacts(forces_before)
-        seen = taken.rounding, tuple(piece.coefficient.at(values) for piece in self._stiff)
-        self.small = replace(self.small, roundings=(*self.small.roundings, seen))
+        rounding = max(self.small.rounding, taken.rounding)
+        self.small = replace(self.small, rounding=rounding)
 
     def raise_safety(self, safety: float) -> None:
         """Make all bounds with another factor on the inverse outside of the basis."""

@@ -16,26 +16,13 @@ from cea.reduced.products import real_times
 from cea.reduced.saddle import Saddle, SmallContact
 from cea.reduced.spectrum import ReducedSpectrum, Settings, reduced_spectrum
 
-Seen = tuple[float, tuple[float, ...]]
-"""What rounding does to eigenvalues of condition one (1/s^2), and the stiff coefficients there."""
-
 
 @dataclass(frozen=True)
 class SmallPiece:
     """One piece of a pencil on a basis V, with X^-1-coordinates Q of its images.
 
-    Parameters
-    ----------
-    role, coefficient
-        Those of the piece (:class:`cea.reduced.pieces.Piece`).
-    square
-        V^T A V, shape (k, k).
-    right, left
-        Q^T A V and Q^T A^T V, shape (q, k); the same object where A is symmetric.
-    lost
-        Norm of what Q does not hold of X^-1 A V, either side.
-    stiff
-        Whether it is a stiffness that varies over decades.
+    V^T A V; Q^T A V and Q^T A^T V, the same object where A is symmetric; norm of what Q does not
+    hold of either.
     """
 
     role: Role
@@ -44,7 +31,6 @@ class SmallPiece:
     right: Floats
     left: Floats
     lost: float
-    stiff: bool = False
 
     @property
     def symmetric(self) -> bool:
@@ -59,22 +45,16 @@ class SmallPiece:
 
 @dataclass(frozen=True)
 class SmallPencil:
-    """All pieces on one basis.
+    """All pieces on one basis, with contacts whose forces are unknowns.
 
-    Parameters
-    ----------
-    pieces, contacts
-        The pieces, and the contacts whose forces are unknowns.
-    settings
-        What bounds are made with.
-    roundings
-        What rounding does where it was seen.
+    Bounds are made with ``settings``; full solves have errors of ``rounding``, for eigenvalues of
+    condition one (1/s^2).
     """
 
     pieces: tuple[SmallPiece, ...]
     contacts: tuple[SmallContact, ...]
     settings: Settings
-    roundings: tuple[Seen, ...] = ()
+    rounding: float = 0.0
 
     @property
     def size(self) -> int:
@@ -93,10 +73,7 @@ class SmallPencil:
     def derivatives(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
     ) -> Complexes:
-        """Derivatives of eigenvalues lambda in parameters that change together, shape (n,).
-
-        Infinite at a coalescence; parameters as of :meth:`slopes`.
-        """
+        """Derivatives of eigenvalues lambda, as :meth:`slopes`; infinite at a coalescence."""
         slopes = self.slopes(found, values, rates)
         if self.settings.damped:
             return slopes
@@ -106,19 +83,10 @@ class SmallPencil:
     def slopes(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
     ) -> Complexes:
-        """Derivatives of kappa, with damping of lambda, shape (n,); infinite at a coalescence.
+        """Derivatives of kappa, with damping of lambda, where parameters change at given rates.
 
-        y^H (dK - kappa dM) x / y^H M x, with damping
-        - y^H (lambda^2 dM + lambda dD + dK) x / y^H (2 lambda M + D) x.
-
-        Parameters
-        ----------
-        found
-            Eigenvalues on this basis.
-        values
-            Values of all parameters there.
-        rates
-            How fast each of the parameters changes.
+        y^H (dK - kappa dM) x / y^H M x, with damping - y^H (lambda^2 dM + lambda dD + dK) x / y^H
+        (2 lambda M + D) x; infinite at a coalescence.
         """
         x, y = found.right, found.left.conj()
         eigenvalues, damped = found.eigenvalues, self.settings.damped
@@ -166,22 +134,8 @@ class SmallPencil:
                 change -= compliance * np.einsum("ij,ij->j", g, b)
         return change
 
-    def stiffness(self, values: Values) -> list[float]:
-        """Coefficients of the pieces that are stiff."""
-        return [piece.coefficient.at(values) for piece in self.pieces if piece.stiff]
-
     def _rounding(self, values: Values, saddle: Saddle | None) -> Rounding:
-        """What rounding does to eigenvalues.
-
-        That of full solves is less in proportion where it was seen at greater stiffness, but no
-        less than anywhere.
-        """
-        stiff = self.stiffness(values)
-        sizes = [
-            size * max((min(1.0, a / b) for a, b in zip(stiff, at, strict=True)), default=1.0)
-            for size, at in self.roundings
-        ]
-        least = min((size for size, _ in self.roundings), default=0.0)
+        """What rounding does to eigenvalues."""
         entries: dict[Role, Floats] = {}
         for role in POWERS:
             parts = [
@@ -195,7 +149,7 @@ class SmallPencil:
                 role: saddle.rounded(each) if role == "stiffness" else saddle.padded(each)
                 for role, each in entries.items()
             }
-        return Rounding(max([least, *sizes]), entries)
+        return Rounding(self.rounding, entries)
 
     def _sum(self, role: Role, values: Values) -> Residuals:
         parts = [
@@ -230,20 +184,9 @@ def padded(rows_of: Floats, rows: int) -> Floats:
 class ModelLine:
     """Spectra of a reduced model along a line, a :class:`cea.reduced.thresholds.Line`.
 
-    Parameters
-    ----------
-    small
-        The reduced model.
-    parameters
-        Values of all parameters at a value of the line.
-    rates
-        How fast each parameter changes along it.
-    level
-        Growth rate (1/s) from which on a mode counts as growing.
-    logarithmic
-        Whether places on the line are logarithms of values.
-    known
-        Spectra by their places.
+    ``parameters`` gives those at a value of the line, which change at ``rates``; modes that grow by
+    more than ``level`` (1/s) count; places on the line may be logarithms of values; spectra that
+    are known serve again.
     """
 
     small: SmallPencil

@@ -19,23 +19,9 @@ _ALONE = 10.0
 class Snapshot:
     """Modes of a full solve with left vectors, the rows of this rank.
 
-    Parameters
-    ----------
-    point
-        Values of the parameters that vary.
-    eigenvalues, speeds, uncertainties, conditions
-        lambda (1/s), what its errors are relative to (1/s), errors (1/s) and condition numbers,
-        shape (n,).
-    right, left
-        Eigenvectors, shape (n_local, n).
-    forces, left_forces
-        Their contact forces, shape (multipliers of this rank, n).
-    complete
-        Whether its window was shown to be complete.
-    max_growth
-        Growth rate (1/s) up to which every mode of the window was found.
-    warnings
-        What it must be read with.
+    lambda, what its errors are relative to, errors (1/s) and condition numbers, shape (n,);
+    eigenvectors and contact forces of both sides, shape (rows, n); whether its window was shown to
+    be complete, and up to which growth (1/s) it is; what it must be read with.
     """
 
     point: Mapping[str, float]

@@ -225,19 +225,7 @@ def reduced_spectrum(
     rounding: Rounding,
     saddle: Saddle | None,
 ) -> ReducedSpectrum:
-    """Eigenvalues of a window and its margin.
-
-    Parameters
-    ----------
-    stiffness, damping, mass
-        The reduced matrices; ``damping`` is None without damping or rotation.
-    settings
-        What bounds are made with.
-    rounding
-        What rounding does to eigenvalues.
-    saddle
-        Contacts whose forces are unknowns.
-    """
+    """Eigenvalues of a window and its margin; ``damping`` is None without it."""
     K, M, k = stiffness.square, mass.square, len(mass.square)
     root = np.linalg.cholesky(M)
     if damping is None:

@@ -99,18 +99,13 @@ def _sweep(asked: Any, out: Path) -> None:
     from dataclasses import replace
 
     from cea.petsc import MPI
-    from comparisons.cli.output import print_table, print_warnings
+    from comparisons.cli.output import print_frame, print_warnings
     from comparisons.cli.progress import working
+    from comparisons.study.sections import Table
+    from comparisons.sweep import tables
     from comparisons.sweep.page import FILE, write_sweep
     from comparisons.sweep.scene import NoMapError
     from comparisons.sweep.study import run
-    from comparisons.sweep.tables import (
-        headline,
-        probability_table,
-        summary_table,
-        thresholds_table,
-        words_where_most_grows,
-    )
     from scenes.results.folder import new_folder
 
     with working("sweep") as work:
@@ -125,10 +120,11 @@ def _sweep(asked: Any, out: Path) -> None:
     if made.store is not None:
         made.store.discard()
     data = made.record
-    typer.echo(headline(data))
-    typer.echo(words_where_most_grows(data, made.points, made.spectra))
-    print_table(summary_table(data))
-    print_table(thresholds_table(data) if made.points.counts else probability_table(data))
+    typer.echo(tables.headline(data))
+    typer.echo(tables.words(made))
+    print_frame(Table("summary", "The sweep.", tables.summary), made)
+    of_points = tables.thresholds_table if made.points.counts else tables.probability_table
+    print_frame(of_points(made), made)
     print_warnings(data["warnings"])
     if "why" in data:
         typer.echo(f"Solved in full at each value: {data['why']}")

@@ -23,15 +23,9 @@ _TOGETHER = 64
 class Box:
     """Points that share a basis.
 
-    Parameters
-    ----------
-    ends
-        Least and greatest value of each field, those of a neighbour included.
-    parts
-        Numbers of the points that are solved and stored together: along the first axis, or some
-        samples.
-    training
-        Numbers of the points at which bounds are looked at first.
+    Least and greatest value of each field, those of a neighbour included; numbers of the points
+    that are solved and stored together, along the first axis, or some samples; numbers of those at
+    which bounds are looked at first.
     """
 
     ends: tuple[tuple[float, float], ...]

@@ -1,31 +1,33 @@
 """Pictures of a sweep: modes along a line, growth over two axes, samples."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cea.arrays import Ints
 from comparisons.kit.plots import AXIS, BLUE, GREY, VERMILION, styled
 from comparisons.kit.tables import Data
 from comparisons.sweep.points import Points
-from comparisons.sweep.spectra import HINT, UNSTABLE, Spectra
+from comparisons.sweep.spectra import HINT, UNSTABLE
+
+if TYPE_CHECKING:
+    from comparisons.sweep.study import Swept
 
 _MODES = 25
 """Modes whose probability is drawn: the most probable ones."""
 
 
-@styled
-def line_figure(drawn: Data) -> Figure:
-    """Growth and frequency of all modes along the first axis.
+def line_figure(made: "Swept", line: Ints) -> Figure:
+    """Growth and frequency of all modes along the first axis, unstable ones in colour."""
+    return _line({"made": made, "line": line})
 
-    Parameters
-    ----------
-    drawn
-        ``data`` of the sweep, its ``points`` and ``spectra``, numbers ``line`` of the points drawn
-        and the words ``at`` of where these are.
-    """
-    data, line = drawn["data"], drawn["line"]
-    points: Points = drawn["points"]
-    spectra: Spectra = drawn["spectra"]
+
+@styled
+def _line(drawn: Data) -> Figure:
+    made, line = drawn["made"], drawn["line"]
+    data, points, spectra = made.record, made.points, made.spectra
     figure = Figure(figsize=(7.2, 6.4), layout="constrained")
     growth, frequency = figure.subplots(2, 1, sharex=True)
     values = np.broadcast_to(points.values[line, :1], spectra.growth[line].shape)
@@ -50,7 +52,9 @@ def line_figure(drawn: Data) -> Figure:
     if (end := data["max_frequency"]) is not None:
         frequency.axhline(end, color=AXIS, linewidth=0.8, linestyle="--")
         frequency.axhspan(end, HINT * end, color=GREY, alpha=0.2)
-    growth.set_title(f"Modes along {points.names[0]}{drawn['at']}: unstable ones in colour")
+    others = zip(points.names[1:], points.values[line[0], 1:], strict=True)
+    at = ", ".join(f"{name} = {value:.4g}" for name, value in others)
+    growth.set_title(f"Modes along {points.names[0]}{' at ' if at else ''}{at}")
     return figure
 
 
@@ -60,17 +64,22 @@ def _of(points: Points, line: np.ndarray, told: Data) -> bool:
     return all(told[name] == value for name, value in zip(points.names[1:], at, strict=True))
 
 
-@styled
-def map_figure(drawn: Data) -> Figure:
-    """Largest growth over the first two axes, thresholds as dots.
+def map_figure(made: "Swept") -> Figure:
+    """Largest growth over the first two axes.
 
-    Parameters
-    ----------
-    drawn
-        ``data`` of the sweep, its ``points`` and ``spectra``; those at the first values of further
-        axes are drawn.
+    White: no growth above the threshold. Dots: growth begins; crosses: it ends. Hatched: a mode
+    grows just above the window. Grey crosses: not certified.
     """
-    data, points, spectra = drawn["data"], drawn["points"], drawn["spectra"]
+    return _map({"made": made})
+
+
+map_figure.__name__ = "map"
+
+
+@styled
+def _map(drawn: Data) -> Figure:
+    made = drawn["made"]
+    data, points, spectra = made.record, made.points, made.spectra
     x, y = points.axis(0), points.axis(1)
 
     def shown(values: np.ndarray) -> np.ndarray:
@@ -101,23 +110,21 @@ def map_figure(drawn: Data) -> Figure:
     if above.any():
         hatched = np.ma.masked_where(~above, np.ones(above.shape))
         space.pcolor(x, y, hatched, shading="nearest", hatch="///", alpha=0.0)
-    told = ". Hatched: a mode grows just above the window" if above.any() else ""
-    space.set_title(
-        f"White: no growth above the threshold. Dots: growth begins; crosses: it ends{told}"
-    )
     return figure
 
 
-@styled
-def samples_figure(drawn: Data) -> Figure:
-    """Probabilities with their intervals, and where samples grow over each field.
+def samples_figure(made: "Swept") -> Figure:
+    """Probabilities with their intervals, and where samples grow over each field."""
+    return _samples({"made": made})
 
-    Parameters
-    ----------
-    drawn
-        ``data`` of the sweep, its ``points``, and the ``largest`` growth of samples that grow.
-    """
-    data, points, largest = drawn["data"], drawn["points"], drawn["largest"]
+
+samples_figure.__name__ = "sweep"
+
+
+@styled
+def _samples(drawn: Data) -> Figure:
+    data, points = drawn["made"].record, drawn["made"].points
+    largest = drawn["made"].spectra.largest
     count = len(points.names) + 1
     figure = Figure(figsize=(9.4, 3.2 * ((count + 1) // 2)), layout="constrained")
     spaces = figure.subplots((count + 1) // 2, 2, squeeze=False).ravel()

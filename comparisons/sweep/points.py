@@ -22,21 +22,7 @@ _DISTRIBUTION = (
 
 @dataclass(frozen=True)
 class Axis:
-    """Values of one field.
-
-    Parameters
-    ----------
-    name
-        The field as it was given: a path such as ``contacts.pad_disc.mu``, with asterisks for any
-        name, or ``mu``, ``P`` and ``p`` of every contact that can slide, ``E`` and ``rho`` of every
-        body.
-    first, last
-        The ends.
-    count
-        Number of values.
-    logarithmic
-        Whether they are evenly spaced in their logarithm.
-    """
+    """Values of one field, named as it was given: evenly spaced, or in their logarithm."""
 
     name: str
     first: float
@@ -66,19 +52,10 @@ class Axis:
 
 @dataclass(frozen=True)
 class Distribution:
-    """How a field is spread.
+    """How a field is spread, cut off at ``low`` and ``high``.
 
-    Parameters
-    ----------
-    name
-        The field, as of :class:`Axis`.
-    kind
-        ``"normal"``, ``"uniform"`` or ``"lognormal"``.
-    first, second
-        Mean and standard deviation; least and greatest value; median, and standard deviation of
-        the logarithm.
-    low, high
-        Values at which it is cut off.
+    ``first`` and ``second`` are mean and standard deviation; least and greatest value of a uniform
+    one; median, and standard deviation of the logarithm.
     """
 
     name: str
@@ -143,20 +120,11 @@ Field = Axis | Distribution
 
 @dataclass(frozen=True)
 class Points:
-    """A table of points.
+    """A table of points, of shape (points, fields).
 
-    Parameters
-    ----------
-    names
-        The fields.
-    values
-        A row for each point, shape (points, fields).
-    counts
-        Numbers of values of the axes, whose last is the fastest; empty of samples.
-    logarithmic
-        Whether the first axis is evenly spaced in its logarithm.
-    cut
-        Share of each distribution that no field may have.
+    ``counts`` are numbers of values of the axes, whose last is the fastest, empty of samples;
+    whether the first axis is evenly spaced in its logarithm; the share of each distribution that
+    was cut off.
     """
 
     names: tuple[str, ...]
@@ -180,14 +148,7 @@ class Points:
 def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: int) -> Points:
     """All points of a grid of axes, or samples drawn independently of each other.
 
-    Parameters
-    ----------
-    fields
-        Axes, or distributions.
-    least
-        Least value that each field may have.
-    count, seed
-        Number of samples, and the seed of their generator (PCG64): equal seeds draw equal samples.
+    ``least`` is the least value that each field may have; equal seeds (PCG64) draw equal samples.
     """
     names = tuple(each.name for each in fields)
     axes = [each for each in fields if isinstance(each, Axis)]
@@ -203,13 +164,7 @@ def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: 
 
 
 def read_axis(text: str) -> Axis:
-    """An axis from its text.
-
-    Raises
-    ------
-    InputError
-        When it is no axis.
-    """
+    """An axis from its text; InputError when it is none."""
     name, equals, rest = text.partition("=")
     parts = rest.split(":")
     logarithmic = len(parts) == 4 and parts[2] == "log"
@@ -223,13 +178,7 @@ def read_axis(text: str) -> Axis:
 
 
 def read_distribution(text: str) -> Distribution:
-    """A distribution from its text.
-
-    Raises
-    ------
-    InputError
-        When it is none.
-    """
+    """A distribution from its text; InputError when it is none."""
     name, tilde, rest = text.partition("~")
     kind, *parts = rest.split(":")
     counts = (2,) if kind == "uniform" else (2, 4)
@@ -243,13 +192,7 @@ def read_distribution(text: str) -> Distribution:
 
 
 def read_fields(texts: Sequence[str]) -> tuple[Field, ...]:
-    """Axes or distributions from their texts.
-
-    Raises
-    ------
-    InputError
-        When some are of the one kind and some of the other.
-    """
+    """Axes or distributions from their texts; InputError when there are both."""
     spread = ["~" in text and "=" not in text.partition("~")[0] for text in texts]
     if any(spread) and not all(spread):
         other = texts[spread.index(False)]

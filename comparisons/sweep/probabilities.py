@@ -78,15 +78,7 @@ def wilson(count: int, total: int) -> tuple[float, float]:
 
 
 def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]:
-    """What samples say of growth.
-
-    Parameters
-    ----------
-    grows, may_grow
-        Whether there is growth in each sample, surely or perhaps, shape (n,).
-    growth
-        Its rate (1/s), shape (n,).
-    """
+    """What samples say of growth, sure or perhaps, with rates (1/s), each of shape (n,)."""
     n, sure = len(grows), int(grows.sum())
     undecided = int((may_grow & ~grows).sum())
     share, rates = sure / n, growth[grows]
@@ -104,17 +96,7 @@ def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]
 
 
 def probabilities(spectra: Spectra, threshold: float | None, *, damped: bool) -> dict[str, Any]:
-    """What all samples say of growth, and of that of each mode where nearly all are followed.
-
-    Parameters
-    ----------
-    spectra
-        Modes of the samples.
-    threshold
-        Growth rate (1/s) above which a mode grows; None where it is relative.
-    damped
-        Whether anything acts on velocities.
-    """
+    """What all samples say of growth, and of that of each mode where nearly all are followed."""
     grows, may_grow = growing(spectra, threshold, damped=damped)
     rates = np.abs(np.where(grows, spectra.growth, 0.0))
     unknown = int((may_grow & (spectra.number < 0)).any(axis=1).sum())

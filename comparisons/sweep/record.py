@@ -26,21 +26,7 @@ def record_of(
     bases: Sequence[Mapping[str, Any]],
     tolerance: float,
 ) -> dict[str, Any]:
-    """Record of a sweep on bases, its thresholds not yet confirmed.
-
-    Parameters
-    ----------
-    scene
-        What was swept.
-    spectra
-        Its modes.
-    parts
-        What is known of thresholds, part by part.
-    bases
-        The bases it rests on.
-    tolerance
-        Error of lambda, relative to its speed, up to which a point is certified.
-    """
+    """Record of a sweep on bases, its thresholds not yet confirmed."""
     bound, solves = spectra.bound, [each for basis in bases for each in basis["solves"]]
     left = np.flatnonzero(bound > tolerance)
     growths = [each["max_growth"] for each in solves if each["max_growth"] is not None]

@@ -47,25 +47,9 @@ class NoMapError(InputError):
 class Mapped:
     """A scene whose pencil is solved at points.
 
-    Parameters
-    ----------
-    driver
-        What solves the pencil.
-    points
-        The points.
-    names
-        Parameters of the pencil that each field means, and the factor of each on its values: P of
-        a contact has one where the field is p.
-    scene
-        The scene as plain data, on which warnings depend too.
-    max_frequency
-        Upper end of the window (Hz).
-    growth_threshold
-        Growth rate (1/s) above which a mode is unstable; None where it is relative.
-    min_growth
-        Growth rate (1/s) down to which modes are sought where there is damping or rotation.
-    warnings
-        What modes must be read with at some parameters.
+    ``names`` are the parameters of the pencil that each field means, and the factor of each on its
+    values: P of a contact has one where the field is p. The scene as plain data, its window (Hz,
+    1/s) and limit of growth (1/s); what modes must be read with at some parameters.
     """
 
     driver: KrylovSchur
@@ -99,26 +83,9 @@ def mapped(
 ) -> Mapped:
     """Assemble a scene; where a contact becomes too stiff for a penalty its forces are unknowns.
 
-    Parameters
-    ----------
-    scene
-        Name of a scene, or its file.
-    fields
-        What varies.
-    overrides
-        Other fields, as ``--set`` takes them.
-    data
-        Folder of the files of a scene of matrices.
-    samples
-        Number of samples of distributions, and the seed that draws them.
-
-    Raises
-    ------
-    NoMapError
-        When a field is no parameter of the pencil, or the pencil is not that of all points; when
-        it has no reduced model.
-    InputError
-        When the scene is refused, or a value of a parameter.
+    ``samples`` are the number of samples of distributions and their seed. NoMapError is raised when
+    a field is no parameter of the pencil, or the pencil is not that of all points, or has no
+    reduced model; InputError when the scene is refused, or a value.
     """
     if is_of_matrices(scene):
         matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
@@ -254,18 +221,7 @@ def _no_map(error: InputError) -> NoMapError:
 
 
 class InFull:
-    """A scene that is run at each point, its state of steady sliding sought anew.
-
-    Parameters
-    ----------
-    scene, fields, overrides, data
-        As of :func:`mapped`; the fields are axes.
-
-    Attributes
-    ----------
-    points
-        The points.
-    """
+    """A scene that is run at each point of some axes, its state of steady sliding sought anew."""
 
     def __init__(
         self, scene: str | Path, fields: Sequence[Field], overrides: Sequence[str], data: str | None

@@ -41,28 +41,13 @@ _ABOUT = {
 class Spectra:
     """Modes at points, by rising frequency; NaN and -1 where there are fewer.
 
-    Parameters
-    ----------
-    growth, frequency
-        Growth rates (1/s) and frequencies (Hz), shape (points, modes).
-    uncertainty
-        Bounds on the errors of lambda (1/s), of each mode by itself, shape (points, modes).
-    mean_error
-        Bounds on the errors of lambda relative to its speed, where modes coalesce of their mean,
-        shape (points, modes).
-    verdict
-        0 stable, 1 unstable, 2 undecided, 3 grows slowly, 4 rigid, shape (points, modes).
-    worst
-        What the basis makes of the worst mean, relative to its speed, shape (points,); zero where
-        the pencil itself was solved, NaN where that gave no answer.
-    growth_slope, frequency_slope
-        Derivatives of growth rates (1/s) and frequencies (Hz) in the fields, in their units, shape
-        (points, modes, fields).
-    above_growth, above_frequency
-        Growth (1/s) and frequency (Hz) of the fastest mode that surely grows just above the
-        window's end, shape (points,); NaN where none does.
-    number
-        Of samples, modes of one number continue each other, shape (points, modes).
+    Of each mode, shape (points, modes): growth rate (1/s), frequency (Hz), bound on the error of
+    lambda (1/s), that of the mean where modes coalesce relative to its speed, verdict (0 stable, 1
+    unstable, 2 undecided, 3 grows slowly, 4 rigid); of samples, modes of one number continue each
+    other. Derivatives have one more axis, of the fields. Of each point: what the basis makes of the
+    worst mean, zero where the pencil itself was solved and NaN where that gave no answer; growth
+    and frequency of the fastest mode that surely grows just above the window's end, NaN where none
+    does.
     """
 
     growth: Floats
@@ -227,6 +212,14 @@ def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
     part = file.with_suffix(f".{os.getpid()}.part")
     xarray.Dataset(data, coordinates).to_netcdf(part, engine=ENGINE)
     part.replace(file)
+
+
+def read_samples(names: Sequence[str], file: Path) -> Floats:
+    """What was drawn of fields, shape (samples, fields)."""
+    import xarray
+
+    with xarray.open_dataset(file, engine=ENGINE) as opened:
+        return np.stack([np.array(opened[name]) for name in names], axis=1)
 
 
 def read_netcdf(points: Points, file: Path) -> Spectra:

@@ -38,17 +38,7 @@ _PLACES = (0.0, 0.381966, 1.0)
 
 
 class Store:
-    """The folder of an unfinished sweep.
-
-    Parameters
-    ----------
-    out
-        Folder of the result.
-    about
-        What the sweep is, as plain data; a folder of another one is emptied.
-    comm
-        Communicator (mpi4py).
-    """
+    """The folder of an unfinished sweep; that of another one than ``about`` says is emptied."""
 
     def __init__(self, out: Path, about: Mapping[str, Any], comm: Any) -> None:
         self.folder = out.with_name(out.name + ".unfinished")

@@ -46,28 +46,10 @@ _MOST_SAMPLES = 1_000_000
 class Asked:
     """What is swept, and how well.
 
-    Parameters
-    ----------
-    scene
-        Name of a scene, or its file.
-    fields
-        Axes, along whose first one thresholds are sought, or distributions.
-    overrides
-        Other fields, as ``--set`` takes them.
-    data
-        Folder of the files of a scene of matrices.
-    samples, seed
-        Number of samples of distributions, and the seed that draws them.
-    tolerance
-        Error of lambda, relative to its speed, up to which a point is certified.
-    most
-        Most full solves of a basis.
-    checks
-        Full solves at random points that test the bases in the end.
-    confirm
-        Thresholds that full solves confirm.
-    why_in_full
-        Why each point is solved in full; empty where bases are made.
+    Axes, along whose first one thresholds are sought, or distributions with their number of samples
+    and seed; a point is certified up to ``tolerance``, an error of lambda relative to its speed; at
+    most so many full solves make a basis, ``checks`` at random points test them, and ``confirm``
+    thresholds are solved in full. Where there is a reason, each point is.
     """
 
     scene: str | Path
@@ -113,19 +95,7 @@ class Asked:
 
 @dataclass(frozen=True)
 class Swept:
-    """A sweep that was made.
-
-    Parameters
-    ----------
-    record
-        What it came to and how sure it is, plain data.
-    points
-        Where.
-    spectra
-        Modes at all points.
-    store
-        What is to be discarded once the result is written; None where nothing was stored.
-    """
+    """A sweep: its record, points, modes, and the store, to be discarded once it is written."""
 
     record: dict[str, Any]
     points: Points
@@ -136,21 +106,8 @@ class Swept:
 def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: None) -> Swept:
     """Make a sweep; what an interrupted one left beside ``out`` is used again.
 
-    Parameters
-    ----------
-    asked
-        What is swept.
-    out
-        Folder of the result.
-    progress
-        Called with what begins.
-
-    Raises
-    ------
-    InputError
-        When the scene has no reduced model over these fields, or refuses a value.
-    ConvergenceError
-        When full solves keep passing the bounds.
+    Raises InputError when the scene has no reduced model over these fields or refuses a value, and
+    ConvergenceError when full solves keep passing the bounds.
     """
     begun = perf_counter()
     if asked.why_in_full:
@@ -259,12 +216,9 @@ class _Run:
         return points[order[worst[order] > self._asked.tolerance]][:_AT_ONCE].tolist()
 
     def _basis(self, box: Box) -> Enrichment:
-        """A basis for a box: bounds are small at its training points, and full solves agree.
+        """A basis whose bounds are small at the training points of a box, and full solves agree.
 
-        Raises
-        ------
-        ConvergenceError
-            When full solves keep passing the bounds.
+        Raises ConvergenceError when full solves keep passing the bounds.
         """
         scene, asked = self._scene, self._asked
         ends = {

@@ -1,17 +1,23 @@
-"""What a sweep says: its first lines, and its tables."""
+"""What a sweep says: its first lines, its tables, the sections of its page."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 
-from cea.eigen.classify import WORDS, counted_words, threshold_text
-from comparisons.kit.numbers import counted, shown
+from cea.eigen.classify import GROWING, WORDS, counted_words
+from comparisons.kit.numbers import counted, plain, shown
 from comparisons.kit.run_warnings import kinds_at
-from comparisons.kit.tables import Column, Data, Table
-from comparisons.sweep.points import Points
-from comparisons.sweep.probabilities import growing
-from comparisons.sweep.spectra import UNSTABLE, Spectra
+from comparisons.kit.tables import Data
+from comparisons.study.columns import Column
+from comparisons.study.sections import Drawing, Section, Table
+from comparisons.sweep.spectra import UNSTABLE
 
+if TYPE_CHECKING:
+    from comparisons.sweep.study import Swept
+
+_ON_PAGE = 500
+"""Rows of a table up to which the page holds it; its file holds all."""
 _MODES = 200_000
 """Modes up to which they are written as a table too."""
 _WHAT = {
@@ -30,288 +36,238 @@ def headline(data: Data) -> str:
         undecided = data["any"]["undecided"]
         return told + (f", {undecided} are undecided." if undecided else ".")
     first, *others = data["axes"]
-    name, (low, high) = first["name"], first["ends"]
+    along = f"{first['name']} = {first['ends'][0]:g} to {first['ends'][1]:g}"
     begun = [each for each in data["thresholds"] if each["change"] > 0]
     level = f"growth_threshold {data['growth_threshold'] or 0:g} 1/s"
-    unresolved = len(data["unresolved"])
+    count, unresolved = len(data["thresholds"]), len(data["unresolved"])
     if others:
-        told = f"{len(data['thresholds'])} thresholds along {name} ({level})."
+        told = f"{count} thresholds along {first['name']} ({level})."
     elif begun:
         one = min(begun, key=lambda each: each["value"])
         told = (
-            f"Growth from {name} = {one['value']:.4g} at {one['im'] / (2 * np.pi):.6g} Hz (first "
-            f"of {len(data['thresholds'])} thresholds for {name} = {low:g} to {high:g}; {level})."
+            f"Growth from {first['name']} = {one['value']:.4g} at {one['im'] / (2 * np.pi):.6g} Hz "
+            f"(first of {count} thresholds for {along}; {level})."
         )
     else:
         grows = "Nothing begins to grow" if data["growing_at_first"] else "No flutter"
         sure = "" if unresolved or "why" in data else ", every interval resolved"
-        told = f"{grows} for {name} = {low:g} to {high:g}{sure} ({level})."
+        told = f"{grows} for {along}{sure} ({level})."
     return told + (f" {unresolved} intervals unresolved." if unresolved else "")
 
 
-def words_where_most_grows(data: Data, points: Points, spectra: Spectra) -> str:
+def words(made: "Swept") -> str:
     """How many modes have which word at the point where a mode grows fastest."""
+    data, points, spectra = made.record, made.points, made.spectra
     if not spectra.there.any():
         lowest = data.get("lowest")
         near = "" if lowest is None else f"; the lowest is near {lowest:.5g} Hz"
         return f"No modes below {data['max_frequency']:g} Hz at any value{near}."
     point = int(np.unravel_index(np.nanargmax(spectra.growth), spectra.growth.shape)[0])
     there = spectra.there[point]
-    growth, words = spectra.growth[point][there], spectra.verdict[point][there]
+    growth, verdicts = spectra.growth[point][there], spectra.verdict[point][there]
     at = zip(points.names, points.values[point], strict=True)
     told = ", ".join(f"{name} = {value:.6g}" for name, value in at)
-    counts = counted_words([WORDS[i] for i in words], growth.tolist(), data["growth_threshold"])
+    counts = counted_words([WORDS[i] for i in verdicts], growth.tolist(), data["growth_threshold"])
     return f"Most grows at {told}: {counted(len(growth), 'mode')}: {counts}."
 
 
-def tables_of(data: Data, points: Points, spectra: Spectra) -> list[Table]:
-    """All tables of a sweep, in their order on its page."""
-    made = [summary_table(data), values_table(data, points, spectra)]
-    if points.counts:
-        made[:0] = [thresholds_table(data)]
-    else:
-        made[:0] = [probability_table(data), fields_table(data)]
+def sections_of(made: "Swept", drawings: list[Drawing]) -> list[Section]:
+    """The page of a sweep."""
+    data, few = made.record, len(made.points.values) <= _ON_PAGE
+    own = OWN | {name: Column(name, show=shown(6)) for name in made.points.names}
+    tables = [Table("summary", "The sweep.", summary, own)]
+    tables.append(Table("sweep", "All values.", values, own, shown=few))
+    if made.spectra.growth.size <= _MODES:
+        tables.append(Table("modes", "Every mode.", modes, own, shown=False))
+    basis = []
     if "why" not in data:
-        made += [solves_table(data), sensitivities_table(points, spectra)]
-    if spectra.growth.size <= _MODES:
-        made.append(modes_table(points, spectra))
-    return made
+        caption = "What moves the growth rate of the fastest mode: its derivatives."
+        tables.append(Table("sensitivities", caption, sensitivities, own, shown=few))
+        caption = "Full solves that bases rest on; errors of the reduced model there before."
+        basis.append(Table("full_solves", caption, full_solves, own))
+    why = f"Solved in full at each value: {data['why']}" if "why" in data else ""
+    return [
+        Section("What grows where", why, lambda _: f"{headline(data)} {words(made)}", [], drawings),
+        Section("Warnings", tables=[Table("warnings", "", warnings)]),
+        Section(*_of_points(made, own)),
+        Section("Values", tables=tables),
+        Section("Full solves", tables=basis),
+    ]
 
 
-def thresholds_table(data: Data) -> Table:
+def _of_points(made: "Swept", own: dict[Any, Column]) -> tuple[Any, ...]:
+    """Title, text, headline and tables of what a grid has and what samples have."""
+    if made.points.counts:
+        return "Thresholds", "", None, [thresholds_table(made, own)]
+    drawn = f"Fields that are spread, seed {made.record['inputs']['seed']}."
+    tables = [probability_table(made), Table("fields", drawn, fields, own)]
+    return "Probability of growth", "", None, tables
+
+
+def thresholds_table(made: "Swept", own: dict[Any, Column] | None = None) -> Table:
+    """Where the number of growing modes changes."""
+    data = made.record
+    told = f"{data['resolution']:.1e}" if data["resolution"] else "no interval by count alone"
+    if "why" in data:
+        told = "the step between values, each of which is solved in full"
+    caption = f"Where the number of growing modes changes along {made.points.names[0]}. "
+    shown_as = (own or OWN) | {made.points.names[0]: Column(made.points.names[0], show=shown(10))}
+    return Table("thresholds", f"{caption}Resolution: {told}.", thresholds, shown_as)
+
+
+def probability_table(made: "Swept") -> Table:
+    """How many samples grow."""
+    caption = f"Samples that grow, of {made.record['values']}; intervals of 95 per cent."
+    return Table("probability", caption, probability, OWN)
+
+
+def thresholds(made: "Swept") -> pd.DataFrame:
     """A row for each threshold, and one for each interval that is unresolved."""
-    first, *others = [axis["name"] for axis in data["axes"]]
-    found = [
-        (
-            *(each[name] for name in others),
-            each["value"],
-            each["error"],
-            each["im"] / (2 * np.pi),
-            _WHAT[each["kind"]][each["change"] < 0],
-            each.get("full_solve_differs"),
-        )
-        for each in data["thresholds"]
-    ]
-    found += [
-        (
-            *(each[name] for name in others),
-            (each["low"] + each["high"]) / 2,
-            (each["high"] - each["low"]) / 2,
-            None if each["im"] is None else each["im"] / (2 * np.pi),
-            f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after",
-            None,
-        )
-        for each in data["unresolved"]
-    ]
-    resolution = f"{data['resolution']:.1e}" if data["resolution"] else "no interval by count alone"
-    if "why" in data:
-        resolution = "the step between values, each of which is solved in full"
-    return Table(
-        "thresholds",
-        f"Where the number of growing modes changes along {first}. Resolution: {resolution}.",
-        (
-            *(Column(name, name, shown(4)) for name in others),
-            Column("value", first, shown(10)),
-            Column("error", "bound on its error", shown(2)),
-            Column("frequency", "frequency", shown(7), "Hz"),
-            Column("flutter", "what"),
-            Column("full", "full solve differs by", shown(2, sign=True)),
-        ),
-        found,
-    )
-
-
-def solves_table(data: Data) -> Table:
-    """A row for each full solve."""
-    names = [group[0] for group in data["parameters"]]
-    return Table(
-        "full_solves",
-        "Full solves that bases rest on, and how far the reduced model was off there before.",
-        (
-            *(Column(name, name, shown(5)) for name in names),
-            Column("tested", "error over its bound", shown(2)),
-            Column("complete", "window complete"),
-        ),
-        [
-            (
-                *(each["point"][name] for name in names),
-                each["tested"],
-                "yes" if each["complete"] else "not shown",
-            )
-            for each in data["snapshots"]
-        ],
-    )
-
-
-def summary_table(data: Data) -> Table:
-    """What the sweep rests on, and how sure it is."""
-    rows: list[tuple[Any, ...]] = [("values", data["values"])]
-    if "why" in data:
-        rows.append(("values solved in full", data["certified"]))
-    else:
-        rows += [
-            ("unknowns", data["unknowns"]),
-            ("bases", len(data["vectors"])),
-            ("vectors of the largest basis", max(data["vectors"])),
-            ("full solves", len(data["snapshots"])),
-            ("values certified", data["certified"]),
-            ("worst bound, relative", data["worst"]),
-        ]
-    rows.append(("complete up to a growth of, 1/s", data["complete_to"]))
-    columns = (Column("what", "what"), Column("value", "value", shown(4)))
-    return Table("summary", "The sweep.", columns, rows)
-
-
-def values_table(data: Data, points: Points, spectra: Spectra) -> Table:
-    """A row for each point: how many modes have which word, the fastest, the bound."""
-    rows: list[tuple[Any, ...]] = []
-    reasons = [(each["point"], each["reason"]) for each in data["failed"]]
-    for i, values in enumerate(points.values.tolist()):
-        there, at = spectra.there[i], dict(zip(points.names, values, strict=True))
-        fastest: list[float | None] = [None, None]
-        if there.any():
-            top = int(np.nanargmax(spectra.growth[i]))
-            fastest = [float(spectra.growth[i, top]), float(spectra.frequency[i, top])]
+    names, rows = made.points.names, list[dict[str, Any]]()
+    for each in made.record["thresholds"]:
         rows.append(
-            (
-                *values,
-                int(there.sum()),
-                *(int((spectra.verdict[i] == WORDS.index(w)).sum()) for w in _GROWING),
-                *fastest,
-                float(spectra.bound[i]) if "why" not in data else None,
-                ", ".join(kinds_at(data.get("warnings", ()), at)),
-                next((why for point, why in reasons if point == at), ""),
-            )
+            {name: each[name] for name in names[1:]}
+            | {"value": each["value"], "bound": each["error"]}
+            | {"frequency": each["im"] / (2 * np.pi)}
+            | {"what": _WHAT[each["kind"]][each["change"] < 0]}
+            | {"full": each.get("full_solve_differs")}
         )
-    return Table(
-        "sweep",
-        f"All values; {threshold_text(data['growth_threshold'])}.",
-        (
-            *(Column(name, name, shown(6)) for name in points.names),
-            Column("modes", "modes", shown(3)),
-            Column("unstable", "unstable", shown(3)),
-            Column("grows_slowly", "grow slowly", shown(3)),
-            Column("growth", "fastest growth", shown(5, sign=True), "1/s"),
-            Column("frequency", "its frequency", shown(6), "Hz"),
-            Column("worst", "worst bound", shown(2)),
-            Column("warnings", "warnings"),
-            Column("failed", "no answer"),
-        ),
-        rows,
+    for each in made.record["unresolved"]:
+        told = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
+        rows.append(
+            {name: each[name] for name in names[1:]}
+            | {"value": (each["low"] + each["high"]) / 2}
+            | {"bound": (each["high"] - each["low"]) / 2}
+            | {"frequency": None if each["im"] is None else each["im"] / (2 * np.pi)}
+            | {"what": told, "full": None}
+        )
+    columns = [*names[1:], "value", "bound", "frequency", "what", "full"]
+    return pd.DataFrame(rows, columns=columns).rename(columns={"value": names[0]})
+
+
+def full_solves(made: "Swept") -> pd.DataFrame:
+    """A row for each full solve."""
+    solves = made.record["snapshots"]
+    firsts = [group[0] for group in made.record["parameters"]]
+    return pd.DataFrame(
+        [
+            {name: each["point"][name] for name in firsts}
+            | {"error over its bound": each["tested"], "window complete": each["complete"]}
+            for each in solves
+        ]
     )
 
 
-_GROWING = ("unstable", "grows slowly")
+def summary(made: "Swept") -> pd.DataFrame:
+    """What the sweep rests on, and how sure it is."""
+    data = made.record
+    told = {"values": data["values"]}
+    if "why" in data:
+        told |= {"values solved in full": data["certified"]}
+    else:
+        told |= {
+            "unknowns": data["unknowns"],
+            "bases": len(data["vectors"]),
+            "vectors of the largest basis": max(data["vectors"]),
+            "full solves": len(data["snapshots"]),
+            "values certified": data["certified"],
+            "worst bound, relative": float(f"{data['worst']:.3g}"),
+        }
+    told |= {"complete up to a growth of, 1/s": data["complete_to"]}
+    return pd.DataFrame(
+        {"what": list(told), "value": ["–" if v is None else plain(v) for v in told.values()]}
+    )
 
 
-def modes_table(points: Points, spectra: Spectra) -> Table:
+def values(made: "Swept") -> pd.DataFrame:
+    """A row for each point: how many modes grow, the fastest, the bound, what it warns of."""
+    data, points, spectra = made.record, made.points, made.spectra
+    frame = pd.DataFrame(points.values, columns=[*points.names])
+    reasons = {tuple(each["point"].values()): each["reason"] for each in data["failed"]}
+    rates = np.where(spectra.there, spectra.growth, -np.inf)
+    rows = np.arange(len(rates))
+    top = rates.argmax(axis=1) if rates.shape[1] else None
+    nothing = np.full(len(rates), np.nan)
+    places = [dict(zip(points.names, each, strict=True)) for each in points.values.tolist()]
+    return frame.assign(
+        modes=spectra.there.sum(axis=1),
+        **{
+            word.replace(" ", "_"): (spectra.verdict == WORDS.index(word)).sum(axis=1)
+            for word in GROWING
+        },
+        growth=nothing if top is None else spectra.growth[rows, top],
+        frequency=nothing if top is None else spectra.frequency[rows, top],
+        bound=nothing if "why" in data else spectra.bound,
+        warnings=[", ".join(kinds_at(data.get("warnings", ()), at)) for at in places],
+        no_answer=[reasons.get(tuple(at.values()), "") for at in places],
+    )
+
+
+def modes(made: "Swept") -> pd.DataFrame:
     """A row for each mode at each point."""
+    points, spectra = made.points, made.spectra
+    point, mode = np.nonzero(spectra.there)
     names = ("frequency", "growth", "uncertainty", "mean_error")
-    return Table(
-        "modes",
-        "Every mode.",
-        (
-            *(Column(name, name, shown(6)) for name in points.names),
-            *(Column(name, name.replace("_", " "), shown(7)) for name in names),
-            Column("verdict", "verdict"),
-        ),
-        [
-            (
-                *points.values[i].tolist(),
-                *(float(getattr(spectra, name)[i, mode]) for name in names),
-                WORDS[spectra.verdict[i, mode]],
-            )
-            for i, mode in np.argwhere(spectra.there)
-        ],
+    return pd.DataFrame(points.values[point], columns=[*points.names]).assign(
+        **{name: getattr(spectra, name)[point, mode] for name in names},
+        verdict=np.array(WORDS)[spectra.verdict[point, mode]],
     )
 
 
-def sensitivities_table(points: Points, spectra: Spectra) -> Table:
+def sensitivities(made: "Swept") -> pd.DataFrame:
     """A row for the fastest growing mode of each point, where one grows."""
-    names, made = points.names, list[tuple[Any, ...]]()
-    for i in np.flatnonzero(np.isfinite(spectra.largest)):
-        unstable = spectra.verdict[i] == UNSTABLE
-        top = int(np.argmax(np.where(unstable, spectra.growth[i], -np.inf)))
-        slopes, at = spectra.growth_slope[i, top], points.values[i]
-        shifts = spectra.frequency_slope[i, top]
-        rate, frequency = float(spectra.growth[i, top]), float(spectra.frequency[i, top])
-        numbers = [*slopes.tolist(), *(slopes * at).tolist(), *shifts.tolist()]
-        made.append((*at.tolist(), frequency, rate, *numbers))
-    return Table(
-        "sensitivities",
-        "What moves the growth rate of the fastest mode: its derivatives; times the value of the "
-        "field, what a change by its whole would make; derivatives of the frequency.",
-        (
-            *(Column(name, name, shown(6)) for name in names),
-            Column("frequency", "frequency", shown(6), "Hz"),
-            Column("growth", "growth", shown(5, sign=True), "1/s"),
-            *(Column(f"slope {n}", f"d growth / d {n}", shown(4, sign=True)) for n in names),
-            *(Column(f"whole {n}", f"times {n}", shown(4, sign=True), "1/s") for n in names),
-            *(Column(f"shift {n}", f"d frequency / d {n}", shown(4, sign=True)) for n in names),
-        ),
-        made,
+    points, spectra = made.points, made.spectra
+    rows = np.flatnonzero(np.isfinite(spectra.largest))
+    unstable = np.where(spectra.verdict[rows] == UNSTABLE, spectra.growth[rows], -np.inf)
+    top = unstable.argmax(axis=1) if len(rows) else rows
+    frame = pd.DataFrame(points.values[rows], columns=[*points.names]).assign(
+        frequency=spectra.frequency[rows, top], growth=spectra.growth[rows, top]
     )
+    for i, name in enumerate(points.names):
+        frame[f"d growth / d {name}"] = spectra.growth_slope[rows, top, i]
+        frame[f"d frequency / d {name}"] = spectra.frequency_slope[rows, top, i]
+    return frame
 
 
-def probability_table(data: Data) -> Table:
+def probability(made: "Swept") -> pd.DataFrame:
     """A row for all modes together, and for each mode that may grow."""
+    data = made.record
     together = {"mode": "any", "frequency": None, "seen": data["values"]} | data["any"]
-    numbers = ("seen", "grows", "undecided", "probability", "standard_error", "low", "high")
-    return Table(
-        "probability",
-        f"Samples that grow, of {data['values']}; intervals of 95 per cent.",
-        (
-            Column("mode", "mode"),
-            Column("frequency", "median frequency", shown(6), "Hz"),
-            Column("seen", "in the window", shown(7)),
-            Column("grows", "grows", shown(7)),
-            Column("undecided", "undecided", shown(7)),
-            Column("probability", "probability", shown(4)),
-            Column("standard_error", "standard error", shown(2)),
-            Column("low", "from", shown(4)),
-            Column("high", "to", shown(4)),
-            Column("growth_low", "growth, 5 %", shown(4), "1/s"),
-            Column("growth_median", "median", shown(4), "1/s"),
-            Column("growth_high", "95 %", shown(4), "1/s"),
-            Column("fastest", "fastest", shown(4), "1/s"),
-        ),
+    return pd.DataFrame(
         [
-            (
-                str(each["mode"]),
-                each["frequency"],
-                *(each[name] for name in numbers),
-                *(each["growth"][name] for name in ("low", "median", "high")),
-                each["fastest"],
-            )
+            {"mode": str(each["mode"])}
+            | {name: value for name, value in each.items() if name not in ("mode", "growth")}
+            | {f"growth_{name}": value for name, value in each["growth"].items()}
             for each in (together, *data["modes"])
-        ],
+        ]
     )
 
 
-def fields_table(data: Data) -> Table:
+def fields(made: "Swept") -> pd.DataFrame:
     """A row for each field that is spread."""
-    return Table(
-        "fields",
-        f"Fields that are spread, seed {data['inputs']['seed']}.",
-        (
-            Column("field", "field"),
-            Column("distribution", "distribution"),
-            Column("first", "mean, median or least", shown(6)),
-            Column("second", "deviation or greatest", shown(6)),
-            Column("least", "least drawn", shown(6)),
-            Column("greatest", "greatest drawn", shown(6)),
-            Column("cut", "share cut off", shown(3)),
-        ),
-        [
-            (each["name"], each["kind"], each["first"], each["second"], *f["ends"], f["cut"])
-            for each, f in zip(data["inputs"]["fields"], data["fields"], strict=True)
-        ],
-    )
+    both = zip(made.record["inputs"]["fields"], made.record["fields"], strict=True)
+    return pd.DataFrame([asked | {"ends": str(f["ends"]), "cut": f["cut"]} for asked, f in both])
 
 
-def growing_samples(data: Data, spectra: Spectra) -> Any:
-    """Largest growth rate of each sample that surely grows (1/s); NaN of others."""
-    damped = bool(data.get("damped"))
-    grows, _ = growing(spectra, data["growth_threshold"], damped=damped)
-    largest = np.where(grows, spectra.growth, -np.inf).max(axis=1, initial=-np.inf)
-    return np.where(np.isfinite(largest), largest, np.nan)
+def warnings(made: "Swept") -> pd.DataFrame:
+    """A row for each warning."""
+    told = made.record["warnings"]
+    return pd.DataFrame([{"kind": each["kind"], "message": each["message"]} for each in told])
+
+
+OWN = {
+    "mode": Column("mode"),
+    "growth": Column("fastest growth", "1/s", shown(5, sign=True)),
+    "bound": Column("bound", show=shown(2)),
+    "full": Column("full solve differs by", show=shown(2, sign=True)),
+    "frequency": Column("frequency", "Hz", shown(7)),
+    "what": Column("what"),
+    "seen": Column("in the window", show=shown(7)),
+    "low": Column("from", show=shown(4)),
+    "high": Column("to", show=shown(4)),
+    "fastest": Column("fastest", "1/s", shown(4)),
+    "growth_low": Column("growth, 5 %", "1/s", shown(4)),
+    "growth_median": Column("median", "1/s", shown(4)),
+    "growth_high": Column("95 %", "1/s", shown(4)),
+}
+"""How columns of sweeps are shown."""

@@ -25,7 +25,7 @@ from comparisons.sweep.points import Axis, read_axis, read_fields, table_of
 from comparisons.sweep.scene import NoMapError, mapped
 from comparisons.sweep.store import fingerprint
 from comparisons.sweep.study import Asked, run
-from comparisons.sweep.tables import sensitivities_table, tables_of, thresholds_table
+from comparisons.sweep.tables import modes, sensitivities, thresholds, values
 from scenes.spec.files import scene_file
 
 MESHES = {
@@ -100,8 +100,7 @@ def test_values_and_slopes_are_those_of_full_solves(made, backend):
             off = np.abs(slope[rows] - expected[columns])
             bound = 1e-4 * np.abs(expected[columns]) + 1e-7 * np.abs(expected).max()
             assert (off < bound).all()
-    table = sensitivities_table(points, spectra)
-    assert len(table.rows) == np.isfinite(spectra.largest).sum() > 0
+    assert len(sensitivities(swept)) == np.isfinite(spectra.largest).sum() > 0
 
 
 @pytest.mark.grid(quick=1)
@@ -109,7 +108,7 @@ def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     swept, scene, _ = made(backend)
     data = swept.record
     begun = [e for e in data["thresholds"] if e["kind"] == "flutter" and e["change"] > 0]
-    assert len(thresholds_table(data).rows) == len(data["thresholds"])
+    assert len(thresholds(swept)) == len(data["thresholds"])
     assert not data["unresolved"]
     differ = [e["full_solve_differs"] for e in data["thresholds"] if "full_solve_differs" in e]
     assert differ
@@ -166,9 +165,8 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, mon
     np.testing.assert_array_equal(again.spectra.growth, swept.spectra.growth)
     np.testing.assert_array_equal(again.points.values, swept.points.values)
     assert again.record["thresholds"] == swept.record["thresholds"]
-    tables = {each.name: each for each in tables_of(*_parts(again))}
-    assert len(tables["sweep"].rows) == 84
-    assert len(tables["modes"].rows) == swept.spectra.there.sum()
+    assert len(values(again)) == 84
+    assert len(modes(again)) == swept.spectra.there.sum()
     (folder / "map.png").unlink()
     axes = ["mu=0:2:21", "P=0.5:500:log:4"]
     command = ["cea", "sweep", "blocks", *axes, "--redraw", "--out", str(folder)]
@@ -177,10 +175,6 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, mon
         main()
     assert not end.value.code, capsys.readouterr().err
     assert (folder / "map.png").exists()
-
-
-def _parts(swept):
-    return swept.record, swept.points, swept.spectra
 
 
 @pytest.mark.slow

@@ -11,10 +11,11 @@ from scipy.sparse import csr_array, save_npz
 
 from comparisons.cli.app import main
 from comparisons.cli.sweep import IN_PART
+from comparisons.sweep.page import read_sweep
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import mapped
 from comparisons.sweep.study import Asked, run
-from comparisons.sweep.tables import headline, thresholds_table
+from comparisons.sweep.tables import headline, thresholds
 
 DATA = Path(__file__).parent.parent / "data" / "thresholds"
 BLOCKS = """
@@ -148,7 +149,7 @@ def test_what_is_not_resolved_is_told_and_ends_in_part(tmp_path, single, monkeyp
     assert end.value.code == IN_PART
     record = json.loads((tmp_path / "out" / "result.json").read_text())
     assert record["unresolved"]
-    assert len(thresholds_table(record).rows) == len(record["unresolved"])
+    assert len(thresholds(read_sweep(tmp_path / "out"))) == len(record["unresolved"])
     assert f"{len(record['unresolved'])} intervals unresolved" in capsys.readouterr().out
     assert "unresolved" in [each["kind"] for each in record["warnings"]]
 
