@@ -34,8 +34,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import connected
 from cea.eigen.left_vectors import POWERS
+from cea.eigen.matching import connected
 from cea.eigen.pencil import Role
 from cea.reduced.products import real_times
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
+from cea.eigen.matching import assign
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError
 from cea.reduced.model import ReducedModel
@@ -78,7 +78,7 @@ class Enrichment:
     def of(
         cls,
         model: ReducedModel,
-        driver: KrylovSchur,
+        driver: EigenSolver,
         tolerance: float = TOLERANCE,
         most: int = 100,
     ) -> "Enrichment":
@@ -166,7 +166,7 @@ class Enrichment:
 
 def full_solve(
     model: ReducedModel,
-    driver: KrylovSchur,
+    driver: EigenSolver,
     point: Point,
     warnings: Callable[[Modes, Point], tuple[ResultWarning, ...]] | None = None,
 ) -> Snapshot:

@@ -1,18 +1,37 @@
 """The commands ``cea sweep`` and ``cea threshold``: one scene along its fields."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
+
+from comparisons.cli.options import (
+    Backend,
+    deliver,
+    need,
+    refuse,
+    refuse_another,
+    refuse_with_redraw,
+    with_backend,
+)
 
 IN_PART = 3
 """Exit code of a command that answered in part."""
 _CONFIRM = 3
 """Thresholds of a map that are confirmed where no number is given."""
+_EVERY = 10_000
+"""More thresholds than a map has."""
+
+_Scene = Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")]
+_Set = Annotated[list[str] | None, typer.Option("--set", help="Override of another field.")]
+_Backend = Annotated[Backend | None, typer.Option(help="Backend for every body.")]
+_Data = Annotated[
+    str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
+]
 
 
 def sweep(
-    scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
+    scene: _Scene,
     axes: Annotated[
         list[str],
         typer.Argument(
@@ -20,15 +39,9 @@ def sweep(
             "field~normal:mean:deviation, ~lognormal:median:deviation, ~uniform:low:high."
         ),
     ],
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", help="Override of another field.")
-    ] = None,
-    backend: Annotated[
-        Literal["fe", "iga"] | None, typer.Option(help="Backend for every body.")
-    ] = None,
-    data: Annotated[
-        str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
-    ] = None,
+    set_: _Set = None,
+    backend: _Backend = None,
+    data: _Data = None,
     samples: Annotated[
         int | None, typer.Option(help="Samples of fields that are spread; 2,000 by default.")
     ] = None,
@@ -52,13 +65,9 @@ def sweep(
     """Follow the modes of a scene along its fields: what grows where, and from where on.
 
     Parameters of a scene (mu and P of contacts, E, rho, damping and rotation of bodies) are swept
-    by a basis of a few full solves with a bound for every value, one other field by a full solve
+    by bases of a few full solves with a bound for every value, one other field by a full solve
     at each value. Of fields that are spread samples tell how probable it is that each mode grows.
     """
-    from cea.errors import InputError
-    from comparisons.cli.backend import with_backend
-    from comparisons.cli.extras import need
-    from comparisons.cli.redraw import refuse_with_redraw
     from comparisons.sweep.points import Axis, read_fields
     from comparisons.sweep.study import Asked
     from scenes.results.folder import check_out
@@ -67,13 +76,10 @@ def sweep(
     refuse_with_redraw(redraw, {"set": set_, "backend": backend, "data": data})
     overrides, fields = with_backend(scene, set_ or (), backend), read_fields(axes)
     if isinstance(fields[0], Axis):
-        for name, value in (("samples", samples), ("seed", seed)):
-            if value is not None:
-                raise InputError(name, value, "left out but for distributions: mu~normal:0.4:0.05")
-    elif full:
-        raise InputError("full", True, "left out for samples: they are solved on a basis")
-    elif confirm != _CONFIRM:
-        raise InputError("confirm", confirm, "left out for samples: they have no thresholds")
+        refuse({"samples": samples, "seed": seed}, "but for distributions: mu~normal:0.4:0.05")
+    else:
+        more = None if confirm == _CONFIRM else confirm
+        refuse({"full": full, "confirm": more}, "for samples: they are solved on a basis")
     asked = Asked(
         scene,
         fields,
@@ -94,11 +100,37 @@ def sweep(
     _sweep(asked, out)
 
 
+def threshold(
+    scene: _Scene,
+    axes: Annotated[
+        list[str],
+        typer.Argument(help="What varies, the field of the thresholds first, as in cea sweep."),
+    ],
+    set_: _Set = None,
+    backend: _Backend = None,
+    data: _Data = None,
+    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/threshold"),
+) -> None:
+    """Find where modes begin and cease to grow along a field, each confirmed by a full solve.
+
+    Every change of the number of growing modes is explained by a threshold, or its interval is
+    reported as unresolved: the exit code is 3 then.
+    """
+    from comparisons.sweep.points import read_axis
+    from comparisons.sweep.study import Asked
+    from scenes.results.folder import check_out
+
+    need("pictures", "maps")
+    fields = tuple(read_axis(axis) for axis in axes)
+    check_out(out)
+    overrides = with_backend(scene, set_ or (), backend)
+    _sweep(Asked(scene, fields, overrides, data, confirm=_EVERY), out)
+
+
 def _sweep(asked: Any, out: Path) -> None:
     """Make a sweep and tell of it; one field without a map is solved in full."""
     from dataclasses import replace
 
-    from cea.petsc import MPI
     from comparisons.cli.output import print_frame, print_warnings
     from comparisons.cli.progress import working
     from comparisons.study.sections import Table
@@ -106,7 +138,6 @@ def _sweep(asked: Any, out: Path) -> None:
     from comparisons.sweep.page import FILE, write_sweep
     from comparisons.sweep.scene import NoMapError
     from comparisons.sweep.study import run
-    from scenes.results.folder import new_folder
 
     with working("sweep") as work:
         try:
@@ -115,8 +146,7 @@ def _sweep(asked: Any, out: Path) -> None:
             if len(asked.fields) > 1 or not asked.grid:
                 raise
             made = run(replace(asked, why_in_full=str(error)), out, work.stage)
-    with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        page = new.final(write_sweep(made, new.part))
+    page = deliver(lambda folder: write_sweep(made, folder), out)
     if made.store is not None:
         made.store.discard()
     data = made.record
@@ -136,52 +166,8 @@ def _sweep(asked: Any, out: Path) -> None:
 
 def _draw_anew(asked: Any, out: Path) -> None:
     """Draw a sweep from its record."""
-    from cea.petsc import MPI
-    from comparisons.cli.redraw import refuse_another
     from comparisons.sweep.page import read_sweep, write_sweep
-    from scenes.results.folder import new_folder
 
     made, given = read_sweep(out), asked.plain()
     refuse_another({name: given[name] for name in ("scene", "fields")}, made.record["inputs"])
-    with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        page = new.final(write_sweep(made, new.part))
-    typer.echo(f"The page to open: {page}")
-
-
-def threshold(
-    scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
-    axes: Annotated[
-        list[str],
-        typer.Argument(help="What varies, the field of the thresholds first, as in cea sweep."),
-    ],
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", help="Override of another field.")
-    ] = None,
-    backend: Annotated[
-        Literal["fe", "iga"] | None, typer.Option(help="Backend for every body.")
-    ] = None,
-    data: Annotated[
-        str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/threshold"),
-) -> None:
-    """Find where modes begin and cease to grow along a field, each confirmed by a full solve.
-
-    Every change of the number of growing modes is explained by a threshold, or its interval is
-    reported as unresolved: the exit code is 3 then.
-    """
-    from comparisons.cli.backend import with_backend
-    from comparisons.cli.extras import need
-    from comparisons.sweep.points import read_axis
-    from comparisons.sweep.study import Asked
-    from scenes.results.folder import check_out
-
-    need("pictures", "maps")
-    fields = tuple(read_axis(axis) for axis in axes)
-    check_out(out)
-    overrides = with_backend(scene, set_ or (), backend)
-    _sweep(Asked(scene, fields, overrides, data, confirm=_EVERY), out)
-
-
-_EVERY = 10_000
-"""More thresholds than a map has."""
+    typer.echo(f"The page to open: {deliver(lambda folder: write_sweep(made, folder), out)}")

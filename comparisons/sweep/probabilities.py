@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
 from cea.eigen.classify import thresholds
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.reduced.spectrum import ReducedSpectrum
 from comparisons.sweep.spectra import UNSTABLE, Spectra
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil, release
 from cea.eigen.shifted import count_below
@@ -52,7 +52,7 @@ class Mapped:
     1/s) and limit of growth (1/s); what modes must be read with at some parameters.
     """
 
-    driver: KrylovSchur
+    driver: EigenSolver
     points: Points
     names: tuple[Mapping[str, float], ...]
     scene: Mapping[str, Any]

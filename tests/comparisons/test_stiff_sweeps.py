@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.study import Asked, run
 from scenes import run_modes
