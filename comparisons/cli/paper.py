@@ -43,6 +43,6 @@ _STUDY = "comparisons.paper.study:STUDY"
 
 
 def _need_pictures() -> None:
-    from comparisons.cli.extras import need
+    from comparisons.cli.options import need
 
     need("pictures")

@@ -12,11 +12,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure as Picture
-from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.eigen.mode_matching import ModeMatch
-from cea.volume import VolumeSample
 from comparisons.paper.diagram import case_row
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
 from comparisons.paper.figure import Figure, Mesh, Tables, quoted, rows_of
@@ -148,20 +146,20 @@ def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
 def drawn(figure: ModeShapes, mesh: Mesh, result: StudyResult) -> Picture:
     """The deformed bodies with lumping on the left, without on the right."""
     from scenes.pictures.drawing import Drawing
+    from scenes.pictures.grids import straight_outside
 
     labels = {"figure": figure.name, "mesh": mesh}
     picture = Picture(figsize=(10.0, 3.8), layout="constrained")
     picture.suptitle(f"Figure 4: a mode with and without lumping, P = 10⁶, {mesh}", fontsize=10)
     for axes, name in zip(picture.subplots(1, 2), ("lumped", "plain"), strict=True):
-        samples, shapes = {}, {}
+        bodies = {}
         for body in (PAD, DISC):
             points, cells, u = (
                 result.array(labels, f"{name}/{body}/{array}")
                 for array in ("points", "cells", "displacement")
             )
-            samples[body] = VolumeSample(points, cells, csr_array((len(points), 0)))
-            shapes[body] = u.astype(complex)
-        (image,) = Drawing.of(samples, shapes, "").images([0.0])
+            bodies[body] = straight_outside(points, cells, u)
+        (image,) = Drawing.of(bodies, "").images([0.0])
         axes.imshow(np.asarray(image))
         axes.set_axis_off()
         axes.set_title("with lumping" if name == "lumped" else "without lumping")

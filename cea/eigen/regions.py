@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.field_of_values import FieldOfValues
 
 _MARGIN = 1.05
 """Radius of the disc about the middle of the window relative to half the window."""
@@ -30,13 +29,7 @@ beyond it."""
 
 @dataclass(frozen=True)
 class Disc:
-    """A disc about a real shift in which every eigenvalue of a window was found.
-
-    Parameters
-    ----------
-    centre, radius
-        Of kappa (1/s^2), or with damping or rotation of lambda (1/s).
-    """
+    """A disc about a real shift: of kappa (1/s^2), or with damping or rotation of lambda (1/s)."""
 
     centre: float
     radius: float
@@ -48,28 +41,12 @@ def upper_end(top: float) -> float:
 
 
 def touching_disc(top: float, depth: float) -> float:
-    """Centre of the disc that covers the window to Re kappa = -depth (1/s^2).
-
-    Parameters
-    ----------
-    top
-        omega^2 (1/s^2).
-    depth
-        X, zero or more (1/s^2).
-    """
+    """Centre of the disc that covers the window, to omega^2, to Re kappa = -depth (1/s^2)."""
     return -0.5 * (depth + 3 * TIP * top)
 
 
 def outside_of_window(upper: float, kappa: Complexes, errors: Floats) -> NDArray[np.bool_]:
-    """Which kappa lie in no window that ends there, whatever their growth, shape (n,).
-
-    Parameters
-    ----------
-    upper
-        omega^2 (1/s^2).
-    kappa, errors
-        Eigenvalues and by how much they may be in error (1/s^2), shape (n,).
-    """
+    """Which kappa lie outside of the parabola by more than their errors (1/s^2), shape (n,)."""
     return np.abs(kappa) + kappa.real - 2 * errors > 2 * upper
 
 
@@ -84,23 +61,14 @@ def distance_within(top: float, centre: float, left: float, right: float) -> flo
     return float(np.sqrt((ends - centre) ** 2 + heights).max())
 
 
-def distance_of_cone(top: float, centre: float, field: FieldOfValues) -> float:
-    """Largest distance from a centre of points of the parabola inside the field of values.
+def distance_of_cone(top: float, centre: float, depth: float, slope: float) -> float:
+    """The same of points with abs(Im kappa) <= slope (Re kappa + depth).
 
-    It is at the tip of the cone, where cone and parabola meet, or at the tip of the parabola.
-
-    Parameters
-    ----------
-    top
-        omega^2 (1/s^2).
-    centre
-        On the real axis (1/s^2).
-    field
-        What contains the field of values.
+    It is largest at the tip of the cone, where cone and parabola meet, or at the parabola's tip.
     """
-    if not field.bounded or np.isinf(field.slope):
+    if np.isinf(slope):
         return np.inf
-    tip, depth, square = TIP * top, field.depth, field.slope**2
+    tip, square = TIP * top, slope**2
     linear, constant = 2 * square * depth + 4 * tip, 4 * tip**2 - square * depth**2
     meet = 2 * constant / (linear + np.sqrt(linear**2 + 4 * square * constant))
     height = 2 * np.sqrt(tip * max(tip - meet, 0.0))

@@ -1,11 +1,11 @@
-"""Wedges by turned test functions: numbers on any ranks."""
+"""Wedges by corrected test functions: numbers on any ranks."""
 
 from blocks import assemble, two_blocks
 
-from cea.eigen.turned_field import TurnedField
+from cea.eigen.corrected_tests import CorrectedTests
 
 
-def turned_numbers(backend):
+def corrected_numbers(backend):
     """Sizes, and what holds at which X, of penalties and of ties."""
     result = {}
     for name, method, P, form in (
@@ -15,9 +15,8 @@ def turned_numbers(backend):
         data = two_blocks(backend, method, held=True, mu=0.7, P=P)
         if form is not None:
             data["contacts"]["interface"]["form"] = form
-        field = TurnedField.of(assemble(data).pencil().at())
-        depths = [-50.0, 10.0]
-        result[name] = [field.tests.constraints, *(field.holds(X) for X in depths)]
-        result[f"{name} norms"] = [field.tests.turn.matrix.norm(), field.tests.turn.normals.norm()]
-        field.free()
+        tests = CorrectedTests.of(assemble(data).pencil().at())
+        result[name] = [tests.inner.getSize()[0], *(tests.holds(X) for X in (-50.0, 10.0))]
+        result[f"{name} norm"] = tests.normals.norm()
+        tests.free()
     return result
