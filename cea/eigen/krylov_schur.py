@@ -196,7 +196,6 @@ def krylov_schur(
             room = op.rows - locked.size - space.size - space.next
             if (columns := min(options.random_columns, room)) > 0:
                 space.append_random(_random_block(op, random, columns))
-                worst = None
             last_random = check = space.size + options.random_steps * space.next
         elif last_random:
             check = min(check, last_random)

@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
-from cea.eigen.circulatory import CirculatorySum
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
+from cea.eigen.unformed import CirculatorySum
 from cea.eigen.updated_factors import UpdatedFactors
 from cea.errors import ConvergenceError
 from cea.matrices import destroy, distributed, identity, largest_row, local_part

@@ -17,8 +17,8 @@ from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 
 from cea.arrays import Floats
 from cea.eigen.blocks import column_blocks, image_of, norms, transposed_times
-from cea.eigen.circulatory import CirculatorySum
 from cea.eigen.mumps import Mumps
+from cea.eigen.unformed import CirculatorySum
 from cea.errors import ConvergenceError
 
 _MOST_STEPS = 8

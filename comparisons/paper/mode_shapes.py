@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure as Picture
 
 from cea.arrays import Floats
-from cea.eigen.mode_matching import ModeMatch
+from cea.eigen.matching import ModeMatch
 from comparisons.paper.diagram import case_row
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
 from comparisons.paper.figure import Figure, Mesh, Tables, quoted, rows_of

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.mode_matching import NEAR, GroupMatch, ModeMatch, ModeSet, match_modes
+from cea.eigen.matching import NEAR, GroupMatch, ModeMatch, ModeSet, match_modes
 from cea.errors import InputError
 from comparisons.paper.disc_pad import DISC, PAD
 from comparisons.paper.figure import Row, polar_points, sector_points

@@ -199,7 +199,7 @@ def test_an_interrupted_change_leaves_a_driver_that_works(monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(Pencil, "_with_sums", interrupted)
+        patched.setattr(Pencil, "at", interrupted)
         with pytest.raises(KeyboardInterrupt):
             driver.solve(0.3, {FRICTION: 0.5})
     assert driver.solve(0.3).eigenvalues == pytest.approx(before)

@@ -11,15 +11,14 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array, diags_array, kronsum
 
-from cea.eigen.factors_on_disk import factors_on_disk, folder_of_factors
-from cea.eigen.mumps import Mumps
+from cea.eigen.mumps import Mumps, factors_on_disk, folder_of_factors
 from cea.errors import ConvergenceError
 from cea.matrices import distributed
 from cea.petsc import MPI, PETSc
 
 HOLDS = """
 from time import sleep
-from cea.eigen.factors_on_disk import factors_on_disk
+from cea.eigen.mumps import factors_on_disk
 with factors_on_disk() as folder:
     (folder / "factors").write_bytes(b"0" * 1000)
     print(folder, flush=True)

@@ -9,11 +9,11 @@ from quadratic_cases import damped
 from scipy.linalg import eig
 
 from cea.eigen.driver import EigenSolver, solve_modes
-from cea.eigen.low_rank import LowRank, LowRankTerm, sum_of
 from cea.eigen.mumps import Mumps
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.eigen.shifted import Shifted
+from cea.eigen.unformed import LowRank, LowRankTerm, sum_of
 from cea.eigen.updated_factors import UpdatedFactors
 from cea.errors import ConvergenceError
 from cea.petsc import PETSc

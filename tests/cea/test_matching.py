@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from blocks import two_blocks
 
-from cea.eigen.matching import assign, group, match_spectrum
-from cea.eigen.mode_matching import (
+from cea.eigen.matching import (
     ModeSet,
+    assign,
     circumferential_content,
+    group,
     match_modes,
+    match_spectrum,
     modal_assurance,
     subspace_assurance,
 )

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
+from dense_reference import dense_quadratic
+from judge import judge_quadratic
 from mpi import on_ranks
 from petsc_matrices import to_numpy, to_petsc
 from quadratic_cases import damped, lumped_modes, numbers
-from quadratic_judge import dense_quadratic, judge_quadratic
 from random_quadratic import pencil_of, random_quadratic
 from reference_data import eigenvalues, stored
 from scipy.sparse import diags_array, eye_array

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
+from dense_reference import dense_quadratic
 from petsc_matrices import to_petsc
 from quadratic_cases import damped
-from quadratic_judge import dense_quadratic
 from random_quadratic import pencil_of
 
 from cea.eigen.driver import EigenSolver, solve_modes

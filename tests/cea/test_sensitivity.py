@@ -219,15 +219,6 @@ def assert_nearest(modes, dense, kappa):
     assert distance.min(axis=1).max() < 1e-9
 
 
-def test_the_symmetric_part_is_counted_once(random_pencil):
-    pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
-    with EigenSolver(pencil) as driver:
-        for top, made in ((0.6, 2), (0.6, 3), (0.5, 5), (0.6, 6)):  # a count once, a shift each
-            driver.solve(top, {FRICTION: 0.0})
-            assert driver.factorisations == made
-    assert to_numpy(pencil.terms[0].matrix) == pytest.approx(random_pencil[0])  # not freed
-
-
 @pytest.mark.parametrize("top", [0.05, 1.0])
 def test_left_vectors_of_rigid_motions_are_a_dual_basis(top):
     """Alone in the window, and beside modes: their kappa is rounding, which is no measure."""

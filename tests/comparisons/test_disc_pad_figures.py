@@ -10,7 +10,7 @@ from dolfinx.mesh import exterior_facet_indices
 from paper_figures import made
 
 from cea.contact.formulations import Greville, Grid, NodeToSurface
-from cea.eigen.mode_matching import ModeSet
+from cea.eigen.matching import ModeSet
 from cea.timing import StageTimer
 from comparisons.paper.diagram import Diagram
 from comparisons.paper.disc_pad import COLLOCATION, GPTS, GRID, LUMPED, DiscPad
