@@ -100,6 +100,7 @@ def answer_of(
     modes: Spectrum, warnings: Iterable[ResultWarning], threshold: float | None, dofs: int
 ) -> ModesAnswer:
     """What a spectrum says; the threshold (1/s) of growth is relative where it is None."""
+    decays = modes.window.min_growth
     return ModesAnswer(
         eigenvalues=modes.eigenvalues,
         verdicts=tuple(modes.verdicts(threshold)),
@@ -108,7 +109,7 @@ def answer_of(
         uncertainties=modes.growth_uncertainties,
         complete=modes.window.complete,
         max_frequency=modes.window.max_frequency,
-        min_growth=getattr(modes.window, "min_growth", -np.inf),
+        min_growth=-np.inf if decays is None else decays,
         residual=float(modes.residuals.max(initial=0.0)),
         condition=float(modes.conditions.max(initial=1.0)),
         warnings=_kinds(warnings),
