@@ -260,13 +260,6 @@ class EigenSolver:
             shift=op.shift,
             radius=float(np.abs(pairs.values - place).max(initial=0.0)),
             found=len(pairs.values),
-            discs=1,
-            max_growth=0.0,
-            bounded=False,
-            odd=False,
-            upper=np.inf,
-            found_below=len(pairs.values),
-            symmetric_count=None,
             neighbours=True,
         )
         modes = modes_of(self.pencil, values, matrices, pairs, None, window)
