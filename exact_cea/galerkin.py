@@ -154,15 +154,6 @@ class GalerkinContact:
 def lowest(contact: GalerkinContact, count: int, scale: float) -> NDArray[np.complex128]:
     """Lowest eigenvalues lambda with Im >= 0 by inverse iteration about a negative shift.
 
-    Parameters
-    ----------
-    contact
-        The discrete problem.
-    count
-        Number of eigenvalues; the nearest to the shift of ``omega^2`` are found, more than asked.
-    scale
-        A frequency near the lowest; the shift ``-scale^2 / 4`` stays off rigid motions.
-
     Returns
     -------
     ndarray
@@ -214,15 +205,6 @@ def converged(
     max_frequency: float | None = None,
 ) -> tuple[NDArray[np.complex128], list[int]]:
     """Lowest eigenvalues and the digits on which two discretisations agree.
-
-    Parameters
-    ----------
-    contact
-        The discrete problem, fine or (False) coarser.
-    scale
-        A frequency near the lowest.
-    count, max_frequency
-        Number of eigenvalues, or upper end of Im lambda: exactly one of both.
 
     Returns
     -------

@@ -20,11 +20,6 @@ def bezier_cells(multipatch: Multipatch) -> VolumeCells:
     Knots inserted until each is as frequent as the degree turn a patch into Bezier elements
     (Borden, Scott, Evans & Hughes, Isogeometric finite element data structures based on Bezier
     extraction of NURBS, 2011). Their degree is then raised to the highest one of any direction.
-
-    Parameters
-    ----------
-    multipatch
-        The joined patches.
     """
     degree = max(max(patch.degrees) for patch in multipatch.patches)
     cells, values, weights, count = [], [], [], 0

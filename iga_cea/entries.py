@@ -28,19 +28,6 @@ def entries(
 ) -> Floats:
     """Entries of the rows of this rank, flat.
 
-    Parameters
-    ----------
-    multipatch
-        The joined patches.
-    pattern
-        Pattern of this rank.
-    form
-        The form.
-    comm
-        MPI communicator.
-    sign
-        1 of a symmetric form, -1 of a skew one.
-
     Raises
     ------
     InputError

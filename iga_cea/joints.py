@@ -41,13 +41,6 @@ def joined_dofs(faces: Sequence[PatchFace], field: str) -> Ints:
     flipped, their control points coincide, their knots are the same and their weights equal up to a
     factor.
 
-    Parameters
-    ----------
-    faces
-        All faces of all patches, their dofs not joined yet.
-    field
-        Name of the patches in messages.
-
     Raises
     ------
     InputError

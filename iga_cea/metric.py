@@ -116,13 +116,6 @@ class Map:
     def at(self, values: Floats, slopes: Floats, functions: slice = slice(None)) -> Metric:
         """Metric at points of the first parameter.
 
-        Parameters
-        ----------
-        values, slopes
-            Functions of the first parameter and their slopes there, (points, functions).
-        functions
-            Which functions these are.
-
         Raises
         ------
         InputError

@@ -71,15 +71,6 @@ class Multipatch:
 def join(patches: Sequence[Patch], ranks: int, field: str) -> Multipatch:
     """Join patches where their faces coincide.
 
-    Parameters
-    ----------
-    patches
-        The refined patches.
-    ranks
-        Number of ranks that share the work.
-    field
-        Name of the patches in messages.
-
     Raises
     ------
     InputError

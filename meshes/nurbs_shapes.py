@@ -81,16 +81,6 @@ def nurbs_shape(
 
     A hub has four quarters for each of its layers.
 
-    Parameters
-    ----------
-    shape
-        The shape.
-    breaks
-        Coordinates of the element boundaries along its directions (m, degrees), as
-        :func:`meshes.breaks.breaks_of` returns them.
-    placement
-        Where to put it.
-
     Raises
     ------
     InputError

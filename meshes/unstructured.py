@@ -57,12 +57,6 @@ def gmsh_session() -> Iterator[None]:
 def read_gmsh(model: Any) -> Mesh:
     """Mesh of a gmsh model whose cells are all of one kind.
 
-    Parameters
-    ----------
-    model
-        Meshed gmsh model of order 1 to 4; its named physical groups of one dimension less than its
-        cells are the surfaces.
-
     Raises
     ------
     InputError

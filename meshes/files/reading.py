@@ -34,14 +34,6 @@ _WORDLESS = (TypeError, LookupError, AttributeError, AssertionError)
 def read_mesh_file(file: Path, merge: float | None = None) -> FileContent:
     """Content of a mesh file.
 
-    Parameters
-    ----------
-    file
-        The file; its ending tells the format: .msh (gmsh), .inp (Abaqus, CalculiX), .cdb (Ansys),
-        .bdf, .nas (Nastran), .xdmf, .vtu.
-    merge
-        Distance, in the unit of the file, within which nodes are made one.
-
     Raises
     ------
     InputError
