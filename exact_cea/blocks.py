@@ -63,13 +63,7 @@ class Blocks(Characteristic):
         height_b: str | float = "1",
         length: str | float = "2",
     ) -> "Blocks":
-        """Blocks of numbers or their texts.
-
-        Raises
-        ------
-        InputError
-            For a number out of range.
-        """
+        """Blocks of numbers or their texts."""
         return cls(
             positive("p", p, infinite=True),
             not_negative("mu0", mu0),

@@ -64,13 +64,7 @@ class Drum(Characteristic):
         interface: str | float = "1",
         outer: str | float = "1.5",
     ) -> "Drum":
-        """Drum of numbers or their texts.
-
-        Raises
-        ------
-        InputError
-            For a number out of range.
-        """
+        """Drum of numbers or their texts."""
         radii = positive("inner", inner), positive("interface", interface), positive("outer", outer)
         if not float(radii[0]) < float(radii[1]) < float(radii[2]):
             raise InputError(

@@ -158,11 +158,6 @@ def lowest(contact: GalerkinContact, count: int, scale: float) -> NDArray[np.com
     -------
     ndarray
         Sorted by frequency, shape (count,). A rigid motion has zero, not its round-off.
-
-    Raises
-    ------
-    ConvergenceError
-        If the discrete problem has too few eigenvalues.
     """
     A, B = contact.pencil()
     shift = -(scale**2) / 4
@@ -210,11 +205,6 @@ def converged(
     -------
     tuple
         Eigenvalues of the fine problem, and digits of each.
-
-    Raises
-    ------
-    InputError
-        Unless exactly one of ``count`` and ``max_frequency`` is given, positive.
     """
     check_window(max_frequency, count)
     fine, coarse = contact(True), contact(False)

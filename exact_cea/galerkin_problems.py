@@ -171,13 +171,7 @@ class Ring:
         height_a: str | float = "0.01",
         height_b: str | float = "0.02",
     ) -> "Ring":
-        """Ring of numbers or their texts.
-
-        Raises
-        ------
-        InputError
-            For a number out of range.
-        """
+        """Ring of numbers or their texts."""
         radii = positive("inner", inner), positive("outer", outer)
         if not float(radii[0]) < float(radii[1]):
             raise InputError("inner, outer", f"{inner}, {outer}", "increasing")

@@ -147,13 +147,7 @@ class _Window:
 
     @classmethod
     def open(cls, problem: Characteristic, frequency: float, max_growth: float | None) -> "_Window":
-        """Count the roots, widening the box by fractions of a per cent where its edge is near one.
-
-        Raises
-        ------
-        ConvergenceError
-            If every box tried has a root at its edge.
-        """
+        """Count the roots, widening the box by parts of a per cent where its edge is near one."""
         growth = max_growth or frequency / 2
         finder = RootFinder(problem, problem.turning(frequency), problem.real)
         for widening in (1.0, 1.0017, 1.0041, 1.0073):

@@ -48,11 +48,6 @@ def sample_volume(multipatch: Multipatch, subdivisions: int) -> VolumeSample:
     """Sample of all patches, each knot span divided so many times a direction.
 
     Points on joints of patches appear once for each patch.
-
-    Raises
-    ------
-    InputError
-        When subdivisions is less than 1.
     """
     if subdivisions < 1:
         raise InputError("subdivisions", subdivisions, "at least 1")

@@ -26,13 +26,7 @@ def entries(
     *,
     sign: int = 1,
 ) -> Floats:
-    """Entries of the rows of this rank, flat.
-
-    Raises
-    ------
-    InputError
-        When a patch is folded.
-    """
+    """Entries of the rows of this rank, flat."""
     n = form.components
     # One more place takes the entries of partners that do not exist.
     data = np.zeros((n * len(pattern.columns) + 1, n))

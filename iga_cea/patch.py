@@ -121,13 +121,7 @@ class Patch:
 
 
 def check_geometry(geometry: PatchGeometry, field: str) -> None:
-    """Refuse a patch whose data do not fit together.
-
-    Raises
-    ------
-    InputError
-        Naming the part at fault.
-    """
+    """Refuse a patch whose data do not fit together."""
     dim = len(geometry.degrees)
     counts = np.shape(geometry.weights)
     if np.shape(geometry.control_points) != (*counts, dim) or len(counts) != dim:
