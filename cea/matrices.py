@@ -74,6 +74,11 @@ def one_below_the_other(blocks: Sequence[Any]) -> Any:
     return PETSc.Mat().createNest([[block] for block in blocks]).convert("aij")
 
 
+def side_by_side(blocks: Sequence[Any]) -> Any:
+    """Matrices of equal rows as one, PETSc AIJ: on each rank its columns of each in turn."""
+    return PETSc.Mat().createNest([list(blocks)]).convert("aij")
+
+
 def product(left: Any, right: Any, factor: Any) -> Any:
     """L^T diag(factor) R."""
     scaled = right.copy()

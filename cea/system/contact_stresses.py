@@ -12,7 +12,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.errors import InputError
 from cea.stress import normal_stress
 from cea.surface import Surface
@@ -193,8 +193,8 @@ def _sides(
 ) -> Iterator[tuple[str, Surface, Body, Floats]]:
     """Name, surface, body and full displacement of both sides."""
     for side, name, surface in (
-        ("a", contact.half.a, contact.interface.a),
-        ("b", contact.half.b, contact.interface.b),
+        ("a", contact.a, contact.interface.a),
+        ("b", contact.b, contact.interface.b),
     ):
         yield side, surface, system.bodies[name], system.displacement(x, name)
 

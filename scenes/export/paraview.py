@@ -10,10 +10,10 @@ from urllib.parse import quote
 import numpy as np
 
 from cea.arrays import Complexes, Floats
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.files import folder_whole
 from cea.matrices import destroy
-from cea.system.sliding_state import ContactState
+from cea.system.steady_state import ContactState
 from scenes.pictures.grids import (
     Entry,
     cell_grid,
@@ -198,8 +198,8 @@ def _gaps(result: Result, contact: Contact, modes: list[int]) -> Complexes:
     jump, opposite = (
         displacements(result.system, body, trace, vectors, prescribed=prescribed)
         for body, trace in (
-            (contact.half.a, interface.trace_a),
-            (contact.half.b, interface.trace_b),
+            (contact.a, interface.trace_a),
+            (contact.b, interface.trace_b),
         )
     )
     jump -= opposite
@@ -212,11 +212,11 @@ def _pressure(result: Result, contact: Contact, solution: Solution) -> dict[str,
     if not contact.has_pressure:
         return {}
     if result.spectrum is None:
-        if not contact.half.law.linear:
+        if not contact.law.linear:
             return {}  # the contact pressure of the state stands there
         pressure = contact.pressure(result.displacement)
         if contact.prescribed is not None:
-            pressure = pressure + contact.half.stiffness * contact.prescribed
+            pressure = pressure + contact.slope * contact.prescribed
         return {"pressure": pressure}
     if not np.isfinite(result.relative_stiffness(contact.pair)):
         return {}

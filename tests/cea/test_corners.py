@@ -37,9 +37,7 @@ def test_rigid_block_in_a_corner_has_the_closed_form(kind, dim, name):
     coupled = system(kind, dim, rules(kind)[name])
     contact = coupled.contacts[0]
     motions = [unknowns(coupled, {"block": motion}) for motion in corners.rigid_motions(dim)]
-    for matrix, true in zip(
-        (contact.stiffness, contact.friction), corners.rigid_stiffness(dim), strict=True
-    ):
+    for matrix, true in zip((contact.K_n, contact.K_f), corners.rigid_stiffness(dim), strict=True):
         forces = [product(matrix, x) for x in motions]
         found = np.array([[x.dot(force) for force in forces] for x in motions])
         assert np.abs(found - true).max() <= 1e-12 * np.abs(true).max()
@@ -161,7 +159,7 @@ def test_different_uniform_pressures_on_two_faces_of_a_corner(kind, dim, name):
         "seat": seat(kind, dim, 3, supports=held),
     }
     coupled = corners.coupled(bodies, rules(kind)[name], mu=0.0, with_load=True)
-    K = dense(coupled.stiffness) + dense(coupled.contacts[0].stiffness)
+    K = dense(coupled.stiffness) + dense(coupled.contacts[0].K_n)
     x = coupled.vector()
     x.array[:] = np.linalg.solve(K, gather(coupled.load))
     pressure = coupled.contacts[0].pressure(x)
@@ -325,7 +323,7 @@ def test_a_face_of_one_patch_is_split_at_its_kink(kink):
     assert np.sort(tip.normal, axis=0) == pytest.approx(np.array([[0.0, 0.0], [1.0, 1.0]]))
     coupled = corners.coupled(bodies, Mortar(), a="seat", b="block")
     motions = [unknowns(coupled, {"seat": motion}) for motion in corners.rigid_motions(2)]
-    forces = [product(coupled.contacts[0].stiffness, x) for x in motions]
+    forces = [product(coupled.contacts[0].K_n, x) for x in motions]
     found = np.array([[x.dot(force) for force in forces] for x in motions])
     true = corners.rigid_stiffness(2)[0]
     assert np.abs(found - true).max() <= 1e-12 * np.abs(true).max()

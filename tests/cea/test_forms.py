@@ -24,7 +24,7 @@ def contact_of(backend, P, formulation=GPTS, **fields):
 
 
 def forms(system):
-    return {contact.half.form for contact in system.contacts}
+    return {contact.form for contact in system.contacts}
 
 
 @pytest.mark.parametrize(

@@ -35,10 +35,10 @@ def test_lumped_matrices_are_sums_over_columns_of_a_loop(backend, placement):
     contact = assemble(coarse(two_blocks(backend, LUMPED, placement, mu=MU, P=P))).contacts[0]
     interface = contact.interface
     normal, p = interface.points.normal, P / 0.3
-    k = contact.half.friction.direction.at(interface.points.x, normal)
+    k = contact.friction.direction.at(interface.points.x, normal)
     traces = [interface.trace_a.toarray(), interface.trace_b.toarray()]
     sizes = [t.shape[1] for t in traces]
-    for matrix, left, factor in ((contact.stiffness, normal, 1.0), (contact.friction, k, MU)):
+    for matrix, left, factor in ((contact.K_n, normal, 1.0), (contact.K_f, k, MU)):
         blocks = [[np.zeros((3 * m, 3 * n)) for n in sizes] for m in sizes]
         for i, weight in enumerate(interface.points.weight):
             direction = factor * weight * p * np.outer(left[i], normal[i])
@@ -60,7 +60,7 @@ def test_lumped_contact_conserves_linear_momentum_and_not_angular(backend):
     constant = unknowns(system, dict.fromkeys(system.bodies, lambda X: np.ones(X.shape)))
     turn = np.array([[0, -0.3, 0.2], [0.3, 0, -0.7], [-0.2, 0.7, 0]])
     turned = unknowns(system, dict.fromkeys(system.bodies, lambda X: X @ turn.T))
-    for matrix in (contact.stiffness, contact.friction):
+    for matrix in (contact.K_n, contact.K_f):
         force = product(matrix, x)
         (total_a, scale), (total_b, _) = (resultant(system, force, b) for b in system.bodies)
         assert np.abs(total_a + total_b).max() <= 1e-13 * scale
@@ -70,7 +70,7 @@ def test_lumped_contact_conserves_linear_momentum_and_not_angular(backend):
 
 
 def test_lumped_stiffness_is_exactly_symmetric(backend, placement):
-    stiffness = dense(assemble(two_blocks(backend, LUMPED, placement)).contacts[0].stiffness)
+    stiffness = dense(assemble(two_blocks(backend, LUMPED, placement)).contacts[0].K_n)
     assert (stiffness == stiffness.T).all()
 
 
@@ -104,9 +104,9 @@ def test_friction_of_a_full_pass_pushes_a_along_k_and_b_against_it(backend, meth
     for contact in (first, second):
         half = 0.5 * P * CLOSURE
         for body, sign in (("upper", 1), ("lower", -1)):
-            friction, scale = resultant(system, product(contact.friction, x), body)
+            friction, scale = resultant(system, product(contact.K_f, x), body)
             assert friction == pytest.approx(sign * MU * half * k, abs=1e-13 * scale)
-            pressure, scale = resultant(system, product(contact.stiffness, x), body)
+            pressure, scale = resultant(system, product(contact.K_n, x), body)
             assert -pressure == pytest.approx(-sign * half * normal, abs=1e-13 * scale)
 
 

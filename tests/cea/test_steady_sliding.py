@@ -9,8 +9,8 @@ from pressed import AREA, PRESSURE, SOFT, coupled_blocks
 
 from cea.contact.laws import NormalCompliance
 from cea.errors import ConvergenceError, InputError
-from cea.system.sliding_problem import SlidingProblem
-from cea.system.steady_sliding import steady_sliding
+from cea.system.steady_equations import SteadyEquations
+from cea.system.steady_path import steady_sliding
 
 GPTS = {"method": "gpts", "points": 3}
 MORTAR = {"method": "mortar"}
@@ -50,7 +50,7 @@ def test_a_linear_law_closed_everywhere_takes_one_step(backend):
 )
 def test_the_tangent_is_the_derivative_of_the_forces(backend, formulation, m):
     """Where some points are open and others closed; a law of m = 1 has a kink that is kept off."""
-    problem = SlidingProblem(coupled_blocks(backend, formulation, c_n=SOFT, m_n=m, mu=0.4))
+    problem = SteadyEquations(coupled_blocks(backend, formulation, c_n=SOFT, m_n=m, mu=0.4))
     x, f = problem.zero()
     x = 1e-3 * RNG.standard_normal(x.shape)
     direction = RNG.standard_normal(x.shape)
@@ -67,7 +67,7 @@ def test_the_tangent_is_the_derivative_of_the_forces(backend, formulation, m):
 
 def test_forces_equal_a_loop_over_points(backend):
     system = coupled_blocks(backend, GPTS, c_n=SOFT, m_n=2.5, mu=0.4)
-    problem = SlidingProblem(system)
+    problem = SteadyEquations(system)
     x = 1e-3 * RNG.standard_normal(problem.rows)
     state = problem.state(x, problem.zero()[1], 0.7)
     contact = system.contacts[0]
@@ -106,9 +106,8 @@ def test_forces_on_both_sides_cancel(backend, formulation):
     del contact["P"]
     contact |= {"c_n": 3.0, "m_n": 2.0}
     system = assemble(data | {"loads": [{"surface": "upper.z_max", "pressure": 0.0}]})
-    reactions = system.contacts[0].reactions
     points = len(system.contacts[0].interface.points)
-    force = reactions.forces(np.maximum(RNG.standard_normal(points), 0.0), friction=True)
+    force = system.contacts[0].force(np.maximum(RNG.standard_normal(points), 0.0), friction=True)
     (on_a, scale), (on_b, _) = (resultant(system, force, body) for body in system.bodies)
     assert np.abs(on_a + on_b).max() <= 1e-13 * scale
 

@@ -70,7 +70,7 @@ def outside(scene):
         rounding += EPS * stiffness.norm() * np.linalg.norm(u) * np.sqrt(len(u))
         destroy(load, stiffness)
     for contact in system.contacts:
-        if contact.lumped is None and np.isfinite(contact.P) and not contact.keeps_forces:
+        if contact.lumped is None and np.isfinite(contact.P) and not contact.has_multipliers:
             u = max(np.abs(system.displacement(x, name)).max() for name in system.bodies)
             rounding += EPS * contact.P * u
     return np.array(forces), rounding

@@ -2,8 +2,8 @@
 
 from bodies import lagrange_body
 
+from cea.contact.contact import Contact
 from cea.contact.friction import AlongVector
-from cea.contact.half_pass import HalfPass
 from cea.contact.interface import pair
 from cea.contact.laws import Friction, LinearLaw
 from cea.eigen.krylov_schur import solve_modes
@@ -14,7 +14,7 @@ from cea.matrices import gather, largest_row
 from cea.petsc import MPI, PETSc
 from cea.ranks import made_on_first
 from cea.supports.boundary import Pressure, Spring, Support
-from cea.system.coupling import couple
+from cea.system.coupled import couple
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Disc, Rectangle, Ring
@@ -94,8 +94,8 @@ def contact():
     a, b = bodies["a"].surfaces["y_min"], bodies["b"].surfaces["y_max"]
     interface = pair(a, b, a.gauss_points(3))
     friction = Friction(0.4, AlongVector((1.0, 0.0)))
-    half = HalfPass("a", "b", interface, LinearLaw(50.0), friction)
-    system = couple(bodies, {"c": half})
+    contact = Contact("c", "c", "a", "b", interface, LinearLaw(50.0), friction)
+    system = couple(bodies, [contact])
     modes = solve_modes(system.pencil(), 0.3)
     return {"frequencies": sorted(modes.frequencies.tolist())}
 

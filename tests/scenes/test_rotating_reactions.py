@@ -6,7 +6,7 @@ from rotating_numbers import pressed_disc
 from scipy.integrate import solve_bvp
 
 from cea.matrices import gather
-from cea.system.held import balances
+from cea.system.support_forces import balances
 from scenes import run_modes, run_static
 from scenes.spec.reading import read_scene
 

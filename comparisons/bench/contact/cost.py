@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from time import process_time
 from typing import Any
 
-from cea.contact.assembly import assemble_contact
+from cea.contact.contact import assembled
 from cea.contact.interface import default_reach, pair
 from cea.matrices import destroy
 from cea.timing import StageTimer
-from scenes.building.build import build_bodies, build_half_passes
+from scenes.building.build import build_bodies, build_contacts
 from scenes.spec.reading import read_scene
 
 GAUSS_POINTS = {"method": "gpts", "points": 4}
@@ -67,13 +67,13 @@ def contact_cost(
     interface, search = _timed(lambda: pair(a, b, points))
     at, opposite = interface.points.at, interface.opposite.at
     _, basis = _timed(lambda: (a.trace(at), b.trace(opposite)))
-    half = build_half_passes(scene, {"contact": interface})["contact"]
-    contact, operators = _timed(lambda: assemble_contact(bodies, "contact", half))
+    (half,) = build_contacts(scene, {"contact": interface})
+    contact, operators = _timed(lambda: assembled(bodies, half))
     if contact.projection is None:
-        made, matrices = _timed(lambda: (contact.stiffness, contact.friction))
+        made, matrices = _timed(lambda: (contact.K_n, contact.K_f))
         destroy(*made)
     else:
-        made, matrices = _timed(lambda: contact.compliance(contact.half.stiffness))
+        made, matrices = _timed(lambda: contact.compliance(contact.slope))
         destroy(made)
     return ContactCost(len(points), basis, of_rule, search, operators + matrices)
 

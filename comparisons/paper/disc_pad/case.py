@@ -6,8 +6,7 @@ Sections 3 and 4 of the paper: mu = 0.7, the knots of the disc trace the boundar
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from cea.contact.coupling import Form
-from cea.contact.formulations import Formulation, Greville, Grid, NodeToSurface
+from cea.contact.formulations import Form, Formulation, Greville, Grid, NodeToSurface
 from cea.mesh import Cell
 from comparisons.kit.numbers import number
 from comparisons.paper.common.families import BACKEND_OF, Family
