@@ -18,11 +18,6 @@ def lagrange_cells(V: Any) -> VolumeCells:
     """Cells of a Lagrange space on equally spaced nodes, shared nodes once; on every rank whole.
 
     Their degree is the higher one of space and geometry, so that both are held exactly.
-
-    Parameters
-    ----------
-    V
-        Scalar Lagrange space (dolfinx).
     """
     mesh, dim = V.mesh, V.mesh.geometry.dim
     degree = max(V.ufl_element().degree, geometry_element(mesh).degree)

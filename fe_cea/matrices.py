@@ -22,7 +22,7 @@ from dolfinx.fem import Constant, Form, Function, form
 from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from scipy.sparse import bsr_array, csr_array
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats
 from cea.matrices import destroy, distributed, local_part
 from cea.petsc import PETSc
 from cea.rotation import Rotation
@@ -39,29 +39,17 @@ class LagrangeMatrices:
         Scalar Lagrange space (dolfinx).
     comm
         Communicator of the matrices, of the same ranks as that of the mesh.
-    cells
-        Cells of this rank that are integrated over; by default all of them.
     """
 
-    def __init__(self, V: Any, comm: Any, cells: Ints | None = None) -> None:
+    def __init__(self, V: Any, comm: Any) -> None:
         self._space, self._mesh, self._comm = V, V.mesh, comm
         self._dim = V.mesh.geometry.dim
-        if cells is None:
-            cells = np.arange(V.mesh.topology.index_map(V.mesh.topology.dim).size_local)
-        domains: Any = [(1, cells.astype(np.int32))]
-        self._cells = ufl.Measure("dx", domain=V.mesh, subdomain_data=domains)(1)
         self._trial, self._test = ufl.TrialFunction(V), ufl.TestFunction(V)
         self._order = max(V.ufl_element().degree, V.mesh.geometry.cmaps[0].degree)
         self._is_simplex = V.mesh.basix_cell().name in ("triangle", "tetrahedron")
 
     def stiffness(self, lame: tuple[float, float]) -> Any:
-        """Elastic stiffness (N/m), symmetric.
-
-        Parameters
-        ----------
-        lame
-            Lame parameters (lambda, mu) (N/m^2).
-        """
+        """Elastic stiffness (N/m), symmetric."""
         lam, mu = lame
         every = range(self._dim)
         tensor = Constant(self._mesh, np.zeros((self._dim, self._dim)))
@@ -85,28 +73,12 @@ class LagrangeMatrices:
         return self._matrix(_coupled(rows, blocks))
 
     def mass(self, rho: float, degree: int | None = None) -> Any:
-        """Consistent mass (kg), symmetric; components are not coupled.
-
-        Parameters
-        ----------
-        rho
-            Density (kg/m^3).
-        degree
-            Degree of the quadrature, by default that which is exact on affine cells.
-        """
+        """Consistent mass (kg), symmetric; components are not coupled."""
         rows, transposed = self._products(degree)
         return self._of_each_component(rows, 0.5 * rho * (rows.data + transposed))
 
     def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
-        """Stiffness int sigma_ij d_i u . d_j v that stresses of a displacement make (N/m).
-
-        Parameters
-        ----------
-        lame
-            Lame parameters (lambda, mu) (N/m^2).
-        displacement
-            Displacement of all dofs (m), (dim * num_scalar_dofs,).
-        """
+        """Stiffness int sigma_ij d_i u . d_j v that stresses of a displacement make (N/m)."""
         lam, mu = (Constant(self._mesh, value) for value in lame)
         strain = ufl.sym(ufl.as_tensor([ufl.grad(u) for u in self._functions(displacement)]))
         stress = lam * ufl.tr(strain) * ufl.Identity(self._dim) + 2 * mu * strain
@@ -162,7 +134,7 @@ class LagrangeMatrices:
         return _scalar(self._form(along * self._test, degree))
 
     def _form(self, integrand: Any, degree: int) -> Form:
-        measure = self._cells(metadata={"quadrature_degree": degree})
+        measure = ufl.dx(self._mesh, metadata={"quadrature_degree": degree})
         return form(integrand * measure, jit_options=dict(_JIT_OPTIONS))
 
     def _velocity(self, rotation: Rotation) -> Any:

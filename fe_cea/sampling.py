@@ -20,18 +20,6 @@ def sample_volume(V: Any, subdivisions: int) -> VolumeSample:
 
     The points are the nodes of an equispaced Lagrange space of degree ``subdivisions``, which
     numbers them over all ranks.
-
-    Parameters
-    ----------
-    V
-        Scalar Lagrange space (dolfinx).
-    subdivisions
-        Parts each edge is divided into.
-
-    Raises
-    ------
-    InputError
-        When subdivisions is less than 1.
     """
     if subdivisions < 1:
         raise InputError("subdivisions", subdivisions, "at least 1")

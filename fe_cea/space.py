@@ -1,19 +1,15 @@
 """Displacements on Lagrange elements of dolfinx."""
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
-from dolfinx import la
 from dolfinx.fem import functionspace
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
-from cea.checks import check_jacobians
 from cea.errors import InputError
 from cea.mesh import Mesh
 from cea.petsc import MPI
@@ -32,6 +28,8 @@ from fe_cea.sampling import cell_jacobians, sample_volume
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
 
+_FLAT = 1e-10
+"""Smallest Jacobian of a cell, relative to its largest, that is not called inverted."""
 _UNKNOWN: Mapping[str, TrueSurface] = MappingProxyType({})
 
 
@@ -86,7 +84,7 @@ class LagrangeSpace:
             if self.comm.allreduce(len(facet_tags.find(tag))) == 0:
                 raise InputError(f"{field}.surfaces.{surface}", tag, "the tag of some facets")
         with agreed(self.comm):
-            check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
+            _check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
         self._field, self._mass_quadrature = field, mass_quadrature
         self.scalar = functionspace(mesh, ("Lagrange", degree))
         """Lagrange space of one component (dolfinx)."""
@@ -194,18 +192,6 @@ class LagrangeSpace:
         first, last = self.scalar.dofmap.index_map.local_range
         return np.asarray(self.scalar.tabulate_dof_coordinates()[: last - first, : self.dim])
 
-    def part(self, nodes: NDArray[np.bool_]) -> "LagrangeSpace":
-        """The space integrated over those cells alone whose nodes are all among some."""
-        among = la.vector(self.scalar.dofmap.index_map, dtype=np.int8)
-        among.array[: len(nodes)] = nodes
-        among.scatter_forward()
-        topology = self.scalar.mesh.topology
-        count = topology.index_map(topology.dim).size_local
-        cells = np.flatnonzero(among.array[self.scalar.dofmap.list[:count]].all(axis=1))
-        part = copy(self)
-        part._matrices = LagrangeMatrices(self.scalar, self.comm, cells)
-        return part
-
     def prolongation(self, coarse: "LagrangeSpace") -> tuple[csr_array, float]:
         """Functions of the space of a coarser mesh (:mod:`fe_cea.prolongation`)."""
         return prolongation(coarse.scalar, self.scalar, self.comm, f"{self._field}.mesh")
@@ -226,3 +212,14 @@ class LagrangeSpace:
         Complete on every rank.
         """
         return lagrange_cells(self.scalar)
+
+
+def _check_jacobians(jacobians: Floats, field: str) -> None:
+    """Refuse cells whose Jacobian, at points of each, (cells, points), changes sign or vanishes."""
+    largest = np.abs(jacobians).max(axis=1)
+    turned = np.sign(jacobians[:, :1]) * jacobians
+    inverted = ~(turned.min(axis=1) > _FLAT * largest)
+    if inverted.any():
+        allowed = "cells whose Jacobian keeps its sign: some are inverted or flat"
+        value = f"{inverted.sum()} of {len(jacobians)} cells"
+        raise InputError(field, value, allowed)

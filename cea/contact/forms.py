@@ -24,13 +24,6 @@ def penalty_digits(contacts: Sequence[Contact], stiffness: Any) -> dict[str, flo
     """Digits that the penalty form costs, by contact; none where gaps are projected.
 
     log10 of the largest diagonal entry of K_n relative to that of K; infinite where sides are tied.
-
-    Parameters
-    ----------
-    contacts
-        All contacts.
-    stiffness
-        Diagonal of K of all bodies (N/m), PETSc vector.
     """
     digits: dict[str, float] = {}
     for contact in contacts:

@@ -17,26 +17,7 @@ _SAME = 1e-9
 def held_displacement(
     held: Directions, owner: Ints, taken: Floats, slot: Ints, field: str
 ) -> Floats:
-    """Displacement of dofs that are held at values along directions, shape (dofs, dim).
-
-    Parameters
-    ----------
-    held
-        Directions at dofs, and the values.
-    owner
-        Number of the dof of each, shape (n,).
-    taken
-        Orthonormal rows that they were made, zero beyond their number, shape (dofs, dim, dim).
-    slot
-        Row that each became, -1 where it depends on those before it.
-    field
-        Name of the supports in messages.
-
-    Raises
-    ------
-    InputError
-        When supports hold one component at different values.
-    """
+    """Displacement of dofs that are held at values along directions, shape (dofs, dim)."""
     along = np.einsum("nki,ni->nk", taken[owner], held.direction)
     amount = np.zeros(taken.shape[:2])
     for k in range(taken.shape[1]):

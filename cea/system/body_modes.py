@@ -44,26 +44,7 @@ class ElasticModes:
 
 
 def elastic_modes(body: Body, end: float | None, *, wanted: int, most: int) -> ElasticModes:
-    """Every elastic mode of a body up to a frequency, and perhaps some beyond.
-
-    Parameters
-    ----------
-    body
-        The body.
-    end
-        The frequency (Hz); None takes as many modes as are wanted, and the next one.
-    wanted
-        How many these are.
-    most
-        Number of modes, rigid ones included, beyond which it is refused.
-
-    Raises
-    ------
-    InputError
-        When there are more.
-    ConvergenceError
-        When modes are not found, or are lost to rounding.
-    """
+    """Every elastic mode of a body up to a frequency, and perhaps some beyond."""
     pencil = Pencil.of(body.stiffness(), body.mass())
     matrices = pencil.at()
     try:

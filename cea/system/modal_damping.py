@@ -85,25 +85,7 @@ class DampedModes:
 
 
 def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
-    """Modes of a body that modal damping damps; rigid motions are none of them.
-
-    Parameters
-    ----------
-    path
-        Path of the body in a scene.
-    body
-        The body.
-    damping
-        What damps it.
-
-    Raises
-    ------
-    InputError
-        When more ratios are given than the body has modes, modes of one frequency are given
-        different ones, or modes are too many to be damped one by one.
-    ConvergenceError
-        When the modes of the body are not found.
-    """
+    """Modes of a body that modal damping damps; rigid motions are none of them."""
     counted = damping.ratios if damping.end is None and damping.ratios is not None else ()
     modes = _modes(path, body, damping, len(counted))
     if len(counted) > len(modes.frequencies):
@@ -119,17 +101,7 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
 def modal_term(
     path: str, body: Body, damping: ModalDamping, modes: DampedModes, first: int
 ) -> LowRankTerm:
-    """Modal damping of a body, sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T.
-
-    Parameters
-    ----------
-    path, body, damping
-        As for :func:`damped_modes`, whose result the modes are.
-    modes
-        The modes.
-    first
-        Number of its first row among the unknowns of this rank.
-    """
+    """Modal damping of a body, sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T."""
     piece = LowRank(modes.images, modes.weights, first)
     return LowRankTerm(piece, modal_coefficient(path, body, damping))
 

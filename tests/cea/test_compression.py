@@ -9,7 +9,6 @@ from scipy.linalg import qr
 from scipy.sparse import csr_array, diags_array, hstack, kron
 
 from cea.contact.compression import compressed
-from cea.contact.saddle import contact_forces
 from cea.petsc import MPI
 
 
@@ -120,7 +119,7 @@ def test_operators_of_an_interface_do_not_fill_as_it_grows(backend, method):
         data["contacts"]["interface"]["form"] = "saddle"
         for body, elements in (("upper", [n, 2, 1]), ("lower", [2 * n + 1, 5, 1])):
             data["bodies"][body]["mesh"][backend]["elements"] = elements
-        forces = contact_forces(assemble(data).contacts)["interface"]
+        forces = assemble(data).pencil().forces[0]
         compliance = np.count_nonzero(dense(forces.compliance))
         closure = np.count_nonzero(np.abs(dense(forces.closure)) > 1e-16)
         entries.append((closure + compliance) / forces.closure.getSize()[0])

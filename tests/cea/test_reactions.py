@@ -228,7 +228,7 @@ def test_forces_that_do_not_balance_end_the_run(backend, contact, monkeypatch):
         yield body_forces.SideForces(first.contact, first.body, 1.0001 * first.forces, first.sizes)
         yield from others
 
-    monkeypatch.setattr("cea.system.held.forces_on_bodies", wrong)
+    monkeypatch.setattr("cea.system.support_forces.forces_on_bodies", wrong)
     with pytest.raises(ConvergenceError, match="do not add up to zero") as raised:
         run_scene(read_scene(pressed(backend, contact)))
     assert set(raised.value.best) == {"upper", "lower"}
@@ -245,7 +245,7 @@ def test_moments_that_do_not_balance_end_the_run(backend, monkeypatch):
             forces[loaded] = forces[loaded].mean(axis=0)
             yield body_forces.SideForces(each.contact, each.body, forces, each.sizes)
 
-    monkeypatch.setattr("cea.system.held.forces_on_bodies", wrong)
+    monkeypatch.setattr("cea.system.support_forces.forces_on_bodies", wrong)
     with pytest.raises(ConvergenceError, match="do not add up to zero"):
         run_scene(read_scene(pressed(backend, "mortar")))
 
