@@ -7,8 +7,8 @@ free directions B, directions T solved for, and held ones, so that u = B v + T s
 
     C T s + C B v = 0,    u = (B - T (C T)^-1 C B) v = Z v.
 
-Where supports prescribe values, d . u_i = g and C u = c, a displacement u_D is added to that
-(:mod:`cea.supports.prescribed`).
+Where supports prescribe values, d . u_i = g and C u = c, a displacement u_D is added to that, zero
+but at held dofs, and the equilibrium of the free dofs is Z^T K Z v = Z^T F - Z^T K u_D.
 
 They are eliminated in :mod:`cea.supports.elimination`. Every rank holds all constraints: there are
 as many as a surface has dofs.
@@ -83,18 +83,6 @@ class Constraints:
     def first_free(self, dofs: Ints) -> Ints:
         """Number of the first free unknown at each scalar dof, or of the next one."""
         return first_free_at(self.dim, self.dofs, self.removed, dofs)
-
-    def numbers(self, dofs: Ints) -> Ints:
-        """Free unknown of each component of scalar dofs, -1 where held; supports must select."""
-        found = self.first_free(dofs)[:, None] + np.arange(self.dim)
-        if not self.any:
-            return found
-        at_held = np.full(len(self.dofs) * self.dim, -1, dtype=np.int64)
-        at_held[np.diff(self.rows.indptr) > 0] = self.rows.indices
-        place = np.minimum(np.searchsorted(self.dofs, dofs), len(self.dofs) - 1)
-        held = self.dofs[place] == dofs
-        found[held] = at_held.reshape(-1, self.dim)[place[held]]
-        return found
 
     def expansion(self, first: int, last: int, comm: Any) -> Any:
         """Z, PETSc AIJ (full x free)."""

@@ -14,8 +14,9 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact
 from cea.errors import InputError
-from cea.stress import normal_stress
+from cea.material import IsotropicMaterial
 from cea.surface import Surface
+from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 
 _TIED = 1e-9
@@ -182,6 +183,17 @@ def pressure_along(
         gap[~hit] = np.nan
         gap[hit] += (1 if side == "a" else -1) * np.einsum("ij,ij->i", u, direction[hit])
     return stiffness * gap
+
+
+def normal_stress(
+    surface: Surface, at: SurfaceCoordinates, displacement: Floats, material: IsotropicMaterial
+) -> Floats:
+    """Stress n.sigma.n (N/m^2) with n the outward normal, shape (n,); tension is positive."""
+    normal = surface.normal(at)
+    u = displacement.reshape(-1, surface.dim)
+    gradient = np.stack([derivative @ u for derivative in surface.gradient(at)], axis=2)
+    stress = material.stress(gradient)
+    return np.einsum("ni,nij,nj->n", normal, stress, normal)
 
 
 def _contact(system: CoupledSystem, name: str) -> Contact:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from blocks import PLACEMENTS, ROTATED, assemble, block, coarse, two_blocks
 from covering import covering
-from motions import control_points, dense, product, resultant, rotation_of, unknowns
+from motions import dense, product, resultant, rotation_of, unknowns
 
 from cea.eigen.krylov_schur import solve_modes
 from cea.matrices import gather
@@ -69,11 +69,6 @@ def test_lumped_contact_conserves_linear_momentum_and_not_angular(backend):
         assert np.abs(gather(product(matrix, turned))).max() > 1e-3 * largest
 
 
-def test_lumped_stiffness_is_exactly_symmetric(backend, placement):
-    stiffness = dense(assemble(two_blocks(backend, LUMPED, placement)).contacts[0].K_n)
-    assert (stiffness == stiffness.T).all()
-
-
 @pytest.mark.parametrize("points", [15, 25])
 def test_lumped_nurbs_pass_the_patch_test_at_high_stiffness(points):
     formulation = f"contacts.interface.formulation={{method='gpts', points={points}, lumped=true}}"
@@ -126,16 +121,6 @@ def test_a_full_pass_is_the_mean_of_its_halves(backend):
         assert np.abs(found - mean).max() <= 1e-13 * np.abs(mean).max()
 
 
-def test_abscissae_of_a_full_pass_are_asked_of_both_sides():
-    overrides = [
-        "contacts.interface.formulation={method='greville'}",
-        "contacts.interface.full_pass=true",
-        "bodies.lower.backend='fe'",
-    ]
-    with pytest.raises(SceneError, match="side b has backend 'fe'"):
-        load_scene(Path("patch_test"), overrides)
-
-
 def split_beam(upper, lower, P, form):
     """A bar of 1 x 0.6 x 0.8, split at half its height into meshes that do not match."""
     bodies = {
@@ -183,13 +168,6 @@ def test_a_bonded_joint_makes_one_body_of_two(upper, lower):
     assert joined == pytest.approx(whole, rel=4e-3)
 
 
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_a_stiff_bonded_joint_is_near_the_tied_one(backend):
-    tied = frequencies(split_beam(backend, backend, P=float("inf"), form="saddle"))
-    stiff = frequencies(split_beam(backend, backend, P=1e5, form="penalty"))
-    assert stiff == pytest.approx(tied, rel=1e-4)
-
-
 def test_a_bonded_joint_closes_no_gap_under_common_rigid_motion(backend):
     for placement in ({}, ROTATED):
         data = split_beam(backend, backend, P=3.0, form="penalty")
@@ -207,11 +185,3 @@ def test_a_bonded_joint_has_no_friction():
     data["contacts"]["joint"] |= {"mu": 0.1, "friction_direction_on_a": {"vector": [1.0, 0, 0]}}
     with pytest.raises(SceneError, match="half pass with mu = 0"):
         assemble(data)
-
-
-def test_control_points_reproduce_positions(backend):
-    """What the motions above rest on."""
-    system = assemble(two_blocks(backend, GPTS))
-    for body in system.bodies.values():
-        sample = body.volume_sample(2)
-        assert sample.values @ control_points(body) == pytest.approx(sample.points, abs=1e-12)
