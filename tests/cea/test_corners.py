@@ -23,7 +23,7 @@ OF = {"fe": "triangle", "iga": "nurbs"}
 
 def matrices(coupled):
     """K_n and K_f of all contacts together, dense."""
-    normal, friction = zip(*((c.stiffness, c.friction) for c in coupled.contacts), strict=True)
+    normal, friction = zip(*((c.K_n, c.K_f) for c in coupled.contacts), strict=True)
     return [sum(map(dense, parts)) for parts in (normal, friction)]
 
 

@@ -61,9 +61,9 @@ def test_at_its_own_parameters_nothing_is_rounded(backend):
     system = scene(backend)
     matrices = system.pencil().at()
     contact = system.contacts[0]
-    whole = to_numpy(system.stiffness) + to_numpy(contact.stiffness)
+    whole = to_numpy(system.stiffness) + to_numpy(contact.K_n)
     assert (to_numpy(matrices.stiffness) == whole).all()
-    assert (to_numpy(matrices.unsymmetric) == -to_numpy(contact.friction)).all()
+    assert (to_numpy(matrices.unsymmetric) == -to_numpy(contact.K_f)).all()
 
 
 def test_two_contacts_have_their_own_friction(backend):
@@ -93,7 +93,7 @@ def test_friction_that_varies_is_changed_by_a_factor(backend):
     parameter = system.pencil().parameter("contacts.interface.mu")
     assert parameter.value == 1.0
     twice = system.pencil().at({"contacts.interface.mu": 2.0}).unsymmetric
-    assert (to_numpy(twice) == -2 * to_numpy(system.contacts[0].friction)).all()
+    assert (to_numpy(twice) == -2 * to_numpy(system.contacts[0].K_f)).all()
 
 
 @pytest.mark.parametrize(
