@@ -44,12 +44,11 @@ BESIDE_US = {"comparisons.bench.assembly.programs.plain_dolfinx"}
 DRAWING = {
     *(
         "scenes.pictures.drawing",
-        "scenes.pictures.decimation",
         "scenes.export.pictures",
         "scenes.export.paraview",
         "scenes.pictures.grids",
     ),
-    *("scenes.pictures.scene", "scenes.export.paraview_steps"),
+    "scenes.pictures.scene",
 }
 """Modules that need pyvista; all others import them in the functions that draw."""
 

@@ -126,6 +126,7 @@ class SteadyNewton:
 
     def _step(self, state: State, factor: float, run: Iteration) -> tuple[State, float] | None:
         """The next state and the part of the step that was taken; None where none helps."""
+        run.parity = None
         for part in _HELP:
             pairs = zip(self._equations.slopes(state.closures), self._springs, strict=True)
             slopes = [slope + part * spring for slope, spring in pairs]
@@ -137,8 +138,9 @@ class SteadyNewton:
             except ConvergenceError:
                 free_tangent(tangent)
                 continue
-            unstable = self._equations.unstable
-            run.parity = None if part else parity_of(tangent, factors, unstable=unstable)
+            if part == 0:
+                unstable = self._equations.unstable
+                run.parity = parity_of(tangent, factors, unstable=unstable)
             with self._timer("factorisation"):
                 found = self._searched(factors, state, factor)
             factors.free()

@@ -17,7 +17,7 @@ from comparisons.cli.ranks import launched_together, one_voice
 COMMANDS = {
     "run": ("run:run", "Run one scene and write its result.json."),
     "converge": ("converge:converge", "Refine a scene until its modes hold the digits asked for."),
-    "solve": ("solve:solve", "Solve (lambda^2 M + lambda C + K) x = 0 for matrices from files."),
+    "solve": ("run:solve", "Solve (lambda^2 M + lambda C + K) x = 0 for matrices from files."),
     "sweep": ("sweep:sweep", "Follow the modes of a scene along its fields: what grows where."),
     "threshold": ("sweep:threshold", "Find where flutter begins and ends along a field."),
     "study": ("study:app", "Run a study: both backends, formulations, accuracy, damping, ..."),

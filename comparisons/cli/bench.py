@@ -47,7 +47,7 @@ def assembly(
     out: Annotated[Path, typer.Option(help=_OUT)] = Path("results/bench/assembly"),
 ) -> None:
     """Assemble a quarter ring by this program, by dolfinx alone and by those of the extra bench."""
-    from comparisons.cli.extras import need
+    from comparisons.cli.options import need
 
     need("pictures")
     from comparisons.bench.assembly.page import REPORT
@@ -73,7 +73,7 @@ def solve(
     out: Annotated[Path, typer.Option(help=_OUT)] = Path("results/bench/solve"),
 ) -> None:
     """Solve disc_pad by this driver, SLEPc alone, scipy, and projection on real modes."""
-    from comparisons.cli.extras import need
+    from comparisons.cli.options import need
 
     need("pictures")
     from comparisons.bench.solve.page import REPORT
@@ -99,7 +99,7 @@ def scaling(
     out: Annotated[Path, typer.Option(help=_OUT)] = Path("results/bench/scaling"),
 ) -> None:
     """Run disc_pad on 1 and 2 ranks, or those of --ranks, on finer meshes, of higher degrees."""
-    from comparisons.cli.extras import need
+    from comparisons.cli.options import need
 
     need("pictures")
     from comparisons.bench.scaling.page import REPORT

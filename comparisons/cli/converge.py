@@ -2,12 +2,9 @@
 
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
-
-if TYPE_CHECKING:
-    from comparisons.converge.request import Request
 
 NOT_REACHED = 3
 """Exit code of a command that did not reach the digits asked for."""
@@ -38,60 +35,39 @@ def converge(
 ) -> None:
     """Refine a scene until its modes hold the digits asked for, and tell their error bars."""
     begun = perf_counter()
-    from comparisons.cli.extras import need
-    from comparisons.cli.redraw import refuse_another, refuse_with_redraw
+    from comparisons.cli.options import deliver, need, refuse_another, refuse_with_redraw
+    from comparisons.cli.output import console, print_table, print_warnings
+    from comparisons.cli.progress import working
+    from comparisons.converge import tables
+    from comparisons.converge.page import read_converge, write_converge
     from comparisons.converge.request import Request
+    from comparisons.converge.study import run_converge
+    from comparisons.kit.progress import Progress
     from scenes.results.folder import check_out
 
     need("pictures")
     refuse_with_redraw(redraw, {"set": set_, "unstable": unstable})
+    backends = None if backend == "both" else (backend,)
     request = Request(
-        scene,
-        digits,
-        growth_digits,
-        None if backend == "both" else (backend,),
-        budget,
-        unstable,
-        sweep_digits,
+        *(scene, digits, growth_digits, backends, budget, unstable, sweep_digits),
         tuple(set_ or ()),
     )
     if redraw:
-        from cea.petsc import MPI
-        from comparisons.converge.page import read_converge, write_converge
-        from scenes.results.folder import new_folder
-
         data = read_converge(out)
         refuse_another({"scene": scene}, data["inputs"])
-        with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-            page = new.final(write_converge(data, new.part))
+        page = deliver(lambda folder: write_converge(data, folder), out)
         typer.echo(f"The page to open: {page}")
         return
     check_out(out)
-    _run(request, out, begun)
-
-
-def _run(request: "Request", out: Path, begun: float) -> None:
-    """Refine, print the modes and what they cost, write the page."""
-    from cea.petsc import MPI
-    from comparisons.cli.output import console, print_table, print_warnings
-    from comparisons.cli.progress import working
-    from comparisons.converge import tables
-    from comparisons.converge.page import write_converge
-    from comparisons.converge.study import run_converge
-    from comparisons.kit.progress import Progress
-    from scenes.results.folder import new_folder
-
-    with working("converge", expected=request.budget) as work:
+    with working("converge") as work:
 
         def begin(name: str) -> None:
             console.print(f"· {name}", markup=False)
             work.step(name)
 
         data = run_converge(request, Progress(step=begin, stage=work.stage), begun)
-        with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-            page = new.final(write_converge(data, new.part))
-    typer.echo(data["first"])
-    for line in (data["words"], *data["hints"]):
+        page = deliver(lambda folder: write_converge(data, folder), out)
+    for line in (data["first"], data["words"], *data["hints"]):
         typer.echo(line)
     print_table(tables.modes_table(data))
     print_table(tables.levels_table(data))

@@ -7,7 +7,7 @@ import typer
 
 from cea.errors import InputError
 from cea.files import check_writable
-from comparisons.cli.extras import need
+from comparisons.cli.options import need
 
 if TYPE_CHECKING:
     from exact_cea.entries import Entry

@@ -8,21 +8,18 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
-    ProgressColumn,
     SpinnerColumn,
-    Task,
     TaskID,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
-from rich.text import Text
 
 from comparisons.cli.output import console
 
 
 class Working:
-    """Work that goes on.
+    """Work that goes on, a line of what is shown.
 
     Parameters
     ----------
@@ -30,13 +27,10 @@ class Working:
         Where it is shown.
     task
         Its line there.
-    title
-        What is done.
     """
 
-    def __init__(self, shown: Progress, task: TaskID, title: str) -> None:
-        self._shown, self._task, self._step = shown, task, title
-        self._begun = False
+    def __init__(self, shown: Progress, task: TaskID) -> None:
+        self._shown, self._task, self._step = shown, task, ""
 
     def stage(self, name: str) -> None:
         """Name what is being done within a step."""
@@ -45,36 +39,15 @@ class Working:
 
     def step(self, name: str) -> None:
         """Begin a step; the one before it, if any, is done."""
-        if self._begun:
+        if self._step:
             self._shown.advance(self._task)
-        self._begun, self._step = True, name
+        self._step = name
         self._shown.update(self._task, description=name)
 
 
-class _SinceLastTime(ProgressColumn):
-    """Time left if the work takes as long as it did last time."""
-
-    def __init__(self, seconds: float) -> None:
-        super().__init__()
-        self._seconds = seconds
-
-    def render(self, task: Task) -> Text:
-        """Minutes and seconds."""
-        left = round(self._seconds - (task.elapsed or 0.0))
-        if left < 0:
-            return Text("longer than last time")
-        return Text(f"about {left // 60}:{left % 60:02d} left")
-
-
 @contextmanager
-def working(
-    title: str,
-    *,
-    steps: int | None = None,
-    expected: float | None = None,
-    to: Console = console,
-) -> Iterator[Working]:
-    """Show how far a block of work is: time gone and, where something is known of it, time left.
+def working(title: str, *, steps: int | None = None, to: Console = console) -> Iterator[Working]:
+    """Show how far a block of work is: time gone and, where its steps are known, time left.
 
     Parameters
     ----------
@@ -82,16 +55,10 @@ def working(
         What is done.
     steps
         How many steps it has, which ``step`` begins; None where nobody knows.
-    expected
-        Seconds that it took last time, where steps are not known; None where nobody knows.
     to
         Where it is shown; nothing is where that is no terminal.
     """
-    known: list[ProgressColumn] = []
-    if steps is not None:
-        known = [BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()]
-    elif expected is not None:
-        known = [_SinceLastTime(expected)]
+    known = [] if steps is None else [BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()]
     with Progress(
         SpinnerColumn(),
         TextColumn("{task.description}", markup=False),
@@ -101,4 +68,4 @@ def working(
         transient=True,
         disable=not to.is_terminal,
     ) as shown:
-        yield Working(shown, shown.add_task(title, total=steps), "")
+        yield Working(shown, shown.add_task(title, total=steps))

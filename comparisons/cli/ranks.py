@@ -10,7 +10,7 @@ from traceback import format_exception
 from typing import Any
 
 from cea.errors import ConvergenceError, InputError, WriteError
-from comparisons.cli.extras import MissingExtraError
+from comparisons.cli.options import MissingExtraError
 
 _EXPECTED = (InputError, ConvergenceError, WriteError, MissingExtraError)
 """Faults told in a line each, as those of scenes are; any other is told with its traceback."""

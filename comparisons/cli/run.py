@@ -1,15 +1,26 @@
-"""The command ``cea run``: one scene."""
+"""The commands ``cea run`` and ``cea solve``: one scene."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from comparisons.cli.options import Backend, need, refuse
+
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from comparisons.cli.progress import Working
     from scenes import Result
     from scenes.spec.matrices import MatrixScene
     from scenes.spec.reading import Scene
+
+_Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Let go of another scene's result there.")
+]
+_Report = Annotated[
+    bool, typer.Option("--report", help="Write report.html too: one file, to be played with.")
+]
 
 
 def run(
@@ -17,9 +28,7 @@ def run(
     set_: Annotated[
         list[str] | None, typer.Option("--set", help="Override, e.g. contacts.pad_disc.mu=0.3")
     ] = None,
-    backend: Annotated[
-        Literal["fe", "iga"] | None, typer.Option(help="Backend for every body.")
-    ] = None,
+    backend: Annotated[Backend | None, typer.Option(help="Backend for every body.")] = None,
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
@@ -27,138 +36,133 @@ def run(
         Path | None,
         typer.Option(help="Folder for result.json and all else; results/NAME by default."),
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Let go of another scene's result there.")
-    ] = False,
+    overwrite: _Overwrite = False,
     explain: Annotated[
         bool, typer.Option("--explain", help="Tell its steps and what is left out; run nothing.")
     ] = False,
-    report: Annotated[
-        bool, typer.Option("--report", help="Write report.html too: one file, to be played with.")
-    ] = False,
+    report: _Report = False,
 ) -> None:
     """Run one scene and write its result.json."""
-    from comparisons.cli.explain import explain_bodies, explain_matrices
+    from comparisons.cli.progress import working
     from scenes.spec.files import is_of_matrices
+    from scenes.spec.names import file_name
 
-    inputs = {"scene": scene, "set": set_ or [], "backend": backend}
+    inputs: dict[str, Any] = {"scene": scene, "set": set_ or [], "backend": backend}
+    chosen: Scene | MatrixScene
     if is_of_matrices(scene):
         from scenes.spec.matrices import load_matrices
 
-        _refuse("backend", backend, "left out: a scene of matrices has no bodies")
-        if explain:
-            explain_matrices(scene, set_ or [], data)
-            return
+        refuse({"backend": backend}, "of a scene of matrices, which has no bodies")
         chosen = load_matrices(scene, set_ or (), data)
-        inputs |= {"data": data}
-        out = out or _results_of(chosen)
-        report_matrices(chosen, out, inputs, overwrite, report=report)
-        return
-    _refuse("data", data, "left out: a scene of bodies reads no matrices")
+        inputs["data"] = data
+    else:
+        from scenes.spec.reading import load_scene
+
+        refuse({"data": data}, "of a scene of bodies, which reads no matrices")
+        with working("reading the scene"):
+            chosen = load_scene(scene, set_ or (), backend)
     if explain:
-        explain_bodies(scene, set_ or [], backend)
-        return
-    _run_bodies(inputs, out, overwrite, report=report)
+        _explain(chosen)
+    else:
+        out = out or Path("results") / file_name(chosen.name)
+        _run(chosen, out, inputs, overwrite=overwrite, report=report)
 
 
-def _results_of(scene: "Scene | MatrixScene") -> Path:
-    """Folder of the results of a scene where none is given."""
-    from scenes.spec.names import file_name
-
-    return Path("results") / file_name(scene.name)
-
-
-def _refuse(option: str, value: str | None, allowed: str) -> None:
-    from cea.errors import InputError
-
-    if value is not None:
-        raise InputError(option, value, allowed)
-
-
-def report_matrices(
-    scene: "MatrixScene",
-    out: Path,
-    inputs: dict[str, Any],
-    overwrite: bool,
-    *,
-    report: bool = False,
+def solve(
+    mass: Annotated[str, typer.Option(help="File of M: .mat, .mtx, .mtx.gz, .npz, PETSc binary.")],
+    stiffness: Annotated[str, typer.Option(help="File of K, FILE.mat:NAME where it holds more.")],
+    max_frequency: Annotated[float, typer.Option(help="Upper end of the window (Hz).")],
+    damping: Annotated[
+        str | None, typer.Option(help="File of C, damping and gyroscopic parts alike.")
+    ] = None,
+    symmetric: Annotated[
+        bool | None,
+        typer.Option(help="Mirror files of one triangle, or take them as they are."),
+    ] = None,
+    growth_threshold: Annotated[
+        float | None,
+        typer.Option(help="Growth rate (1/s) above which a mode is unstable; 1e-4 of |lambda|."),
+    ] = None,
+    min_growth: Annotated[
+        float | None,
+        typer.Option(help="Growth rate (1/s), zero or less, down to which damped modes count."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for result.json.")] = Path("results/solve"),
+    overwrite: _Overwrite = False,
+    report: _Report = False,
 ) -> None:
-    """Run a scene of matrices, print its modes and write its result.json."""
-    from comparisons.cli.extras import need
-    from comparisons.cli.progress import working
-    from comparisons.kit.records import last_seconds
-    from scenes.results.folder import check_run_out
-    from scenes.results.record import RUN
-    from scenes.running.matrices import run_matrices
+    """Solve (lambda^2 M + lambda C + K) x = 0 for matrices from files."""
+    from scenes.spec.matrices import read_matrix_scene
 
-    expected = last_seconds(out, RUN, inputs)
-    with working("reading matrices", expected=expected) as work:
-        check_run_out(out, inputs, overwrite=overwrite)
-        if report:
-            need("pictures")
-        result = run_matrices(scene, listener=work.stage)
-    _write(result, out, inputs, report=report)
+    files = {"M": mass, "K": stiffness} | ({"C": damping} if damping is not None else {})
+    analysis = {
+        "kind": "cea",
+        "max_frequency": max_frequency,
+        "growth_threshold": growth_threshold,
+        "min_growth": min_growth,
+    }
+    scene = read_matrix_scene(
+        {
+            "name": "solve",
+            "files": files,
+            "symmetric": None if symmetric is None else dict.fromkeys(files, symmetric),
+            "mass": {"M": 1.0},
+            "damping": {"C": 1.0} if damping is not None else {},
+            "stiffness": {"K": 1.0},
+            "analysis": analysis,
+        }
+    )
+    inputs: dict[str, Any] = {"mass": mass, "damping": damping, "stiffness": stiffness}
+    if symmetric is not None:
+        inputs["symmetric"] = symmetric
+    _run(scene, out, {**inputs, **analysis}, overwrite=overwrite, report=report)
 
 
-def _run_bodies(
-    inputs: dict[str, Any],
-    out: Path | None,
-    overwrite: bool,
+def _explain(scene: "Scene | MatrixScene") -> None:
+    """Tell the steps of a scene; nothing is built, but matrices are read: their entries decide."""
+    from scenes.running.analysis import analysis_of
+
+    for title, steps in zip(("steps", "left out"), analysis_of(scene).steps(scene), strict=True):
+        typer.echo(f"{title}:")
+        for name, reason in steps.items():
+            typer.echo(f"  {name}: {reason}")
+
+
+def _run(
+    scene: "Scene | MatrixScene",
+    out: Path,
+    inputs: "Mapping[str, Any]",
     *,
+    overwrite: bool,
     report: bool,
 ) -> None:
-    """Run a scene of bodies and write its result.json, pictures and files for ParaView."""
-    from comparisons.cli.extras import need
-    from comparisons.cli.progress import working
-    from comparisons.kit.records import last_seconds
-    from scenes import run_scene
-    from scenes.results.folder import check_run_out
-    from scenes.results.record import RUN
-    from scenes.spec.reading import load_scene
-
-    with working("reading the scene"):
-        chosen = load_scene(inputs["scene"], inputs["set"], inputs["backend"])
-    out = out or _results_of(chosen)
-    with working("", expected=last_seconds(out, RUN, inputs)) as work:
-        check_run_out(out, inputs, overwrite=overwrite)
-        if chosen.output.pictures or chosen.output.paraview or report:
-            need("pictures")
-        result = run_scene(chosen, listener=work.stage)
-    _write(result, out, inputs, report=report)
-
-
-def _write(
-    result: "Result",
-    out: Path,
-    inputs: dict[str, Any],
-    *,
-    report: bool,
-) -> None:
-    """Print a result, then put it in the place of an earlier one."""
+    """Run a scene, print its result, then put it in the place of an earlier one."""
     from comparisons.cli.output import console, print_result, say
     from comparisons.cli.progress import working
-    from scenes import save_result
-    from scenes.results.folder import RESULT, new_folder
+    from scenes.results.folder import RESULT, check_run_out, new_folder
+    from scenes.results.record import save_result
+    from scenes.running.analysis import run_scene
 
-    page = None
+    output = getattr(scene, "output", None)
+    with working("") as work:
+        check_run_out(out, inputs, overwrite=overwrite)
+        if report or (output is not None and (output.pictures or output.paraview)):
+            need("pictures")
+        result = run_scene(scene, listener=work.stage)
     print_result(result)
+    page = None
     with working("writing") as work, new_folder(out, root=result.comm.rank == 0) as new:
-        drawn = {} if result.coupled is None else _draw(result, new.part, work)
+        drawn = {} if output is None else _draw(result, new.part, work)
         record = save_result(result, new.part / RESULT, inputs=inputs, data=drawn)
         if report:
-            page = new.final(_report(result, record))
+            from comparisons.run_report.page import write_run_report
+
+            page = new.final(write_run_report(result, record))
     if new.kept:
         say(console, f"not of this program, and kept: {', '.join(new.kept)}")
     typer.echo(f"{result.dofs} dofs, {result.timer.total:.2f} s; {out / RESULT}")
     if page:
         typer.echo(f"The report to open: {page}")
-
-
-def _report(result: "Result", record: Path) -> Path:
-    """Write the page of a run beside its record."""
-    from comparisons.run_report.page import write_run_report
-
-    return write_run_report(result, record)
 
 
 def _draw(result: "Result", folder: Path, work: "Working") -> dict[str, list[str]]:
@@ -176,8 +180,7 @@ def _draw(result: "Result", folder: Path, work: "Working") -> dict[str, list[str
             pictures += draw_modes(result, output.pictures, folder, animated=True)
         files["pictures"] = [file.name for file in pictures]
     if output.paraview:
-        from scenes.export.paraview import write_paraview
-        from scenes.export.paraview_steps import write_load_steps
+        from scenes.export.paraview import write_load_steps, write_paraview
 
         work.stage("files for ParaView")
         collections = write_paraview(result, output.paraview, folder)

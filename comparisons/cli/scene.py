@@ -1,13 +1,11 @@
-"""Commands of scenes: check, list, reference, schema."""
+"""Commands of scenes: check, list, export, reference, schema."""
 
-import sys
 from pathlib import Path
-from shutil import get_terminal_size
 from typing import Annotated, Literal
 
 import typer
 
-from comparisons.cli.export import export
+from comparisons.cli.options import Backend, need
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -15,11 +13,12 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-app.command("export")(export)
 
+_Scene = Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")]
 _Set = Annotated[
     list[str] | None, typer.Option("--set", help="Override, e.g. loads[0].pressure=1e5")
 ]
+_Out = Annotated[Path | None, typer.Option(help="File to write instead.")]
 
 
 @app.callback()
@@ -29,11 +28,9 @@ def scene() -> None:
 
 @app.command()
 def check(
-    scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
+    scene: _Scene,
     set_: _Set = None,
-    backend: Annotated[
-        Literal["fe", "iga"] | None, typer.Option(help="Backend for every body.")
-    ] = None,
+    backend: Annotated[Backend | None, typer.Option(help="Backend for every body.")] = None,
     data: Annotated[
         str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
     ] = None,
@@ -46,94 +43,97 @@ def check(
     from scenes.spec.files import is_of_matrices
 
     if is_of_matrices(scene):
-        _check_matrices(scene, set_ or [], data)
+        from scenes.matrices.pencil import matrix_pencil, read_pieces
+        from scenes.spec.matrices import load_matrices
+
+        chosen = load_matrices(scene, set_ or [], data)
+        pieces = read_pieces(chosen)
+        matrix_pencil(chosen, pieces)
+        typer.echo(f"matrices: {', '.join(pieces)}")
     else:
-        _check_bodies(scene, set_ or [], backend, out if picture else None)
-
-
-def _check_matrices(scene: str, set_: list[str], data: str | None) -> None:
-    """Read a scene of matrices and the matrices it names."""
-    from scenes.matrices.pencil import matrix_pencil, read_pieces
-    from scenes.spec.matrices import load_matrices
-
-    chosen = load_matrices(scene, set_, data)
-    pieces = read_pieces(chosen)
-    matrix_pencil(chosen, pieces)
-    typer.echo(f"matrices: {', '.join(pieces)}")
+        file = out / f"{Path(scene).stem}.png" if picture else None
+        _check_bodies(scene, set_ or [], backend, file)
     typer.echo("no faults")
 
 
-def _check_bodies(
-    scene: str, set_: list[str], backend: Literal["fe", "iga"] | None, out: Path | None
-) -> None:
+def _check_bodies(scene: str, set_: list[str], backend: Backend | None, file: Path | None) -> None:
     """Look at a scene of bodies; faults end the command with their lines."""
     from cea.files import check_writable
-    from comparisons.cli.extras import need
     from comparisons.cli.output import console, print_warnings
     from scenes.checking.check import inspect_scene, told
     from scenes.spec.problems import SceneError
     from scenes.spec.reading import load_scene
 
-    if out is not None:
+    if file is not None:
         need("pictures")
-        check_writable(out / f"{Path(scene).stem}.png", "out")
-    with console.status("reading the scene") as status:
-        chosen = load_scene(scene, set_, backend)
-        status.update("bodies and contact points")
-        inspection = inspect_scene(chosen)
-        if out is not None and inspection.bodies:
-            from scenes.pictures.scene import draw_scene
-
-            status.update("picture")
-            file = draw_scene(inspection, out / f"{Path(scene).stem}.png")
+        check_writable(file, "out")
+    with console.status("bodies and contact points"):
+        inspection = inspect_scene(load_scene(scene, set_, backend))
     for line in told(inspection):
         typer.echo(line)
     print_warnings(warning.plain() for warning in inspection.warnings)
-    if out is not None and inspection.bodies:
-        typer.echo(f"The picture to open: {file}")
+    if file is not None and inspection.bodies:
+        from scenes.pictures.scene import draw_scene
+
+        typer.echo(f"The picture to open: {draw_scene(inspection, file)}")
     if inspection.faults:
         raise SceneError(inspection.faults)
-    typer.echo("no faults")
 
 
 @app.command(name="list")
 def list_() -> None:
     """List the scenes that come with the project."""
-    from scenes.spec.consistency import dofs_of
+    from comparisons.cli.output import print_table
+    from comparisons.kit.tables import Column, Table
     from scenes.spec.files import matrix_scene_names, scene_names, tables_of
     from scenes.spec.reading import load_scene
+    from scenes.spec.sizes import dofs_of
 
-    rows = [("scene", "dofs, about", "bodies", "what it is")]
+    rows: list[tuple[str | float | None, ...]] = []
     for name in scene_names():
         chosen = load_scene(name)
         dofs = sum(map(dofs_of, chosen.bodies.values()))
-        rows.append((name, f"{dofs:.0f}", ", ".join(chosen.bodies), _first(chosen.description)))
+        rows.append((name, dofs, ", ".join(chosen.bodies), _first(chosen.description)))
     for name in matrix_scene_names():
-        rows.append((name, "", "matrices", _first(tables_of(name).get("description", ""))))
-    widths = [max(len(row[i]) for row in rows) for i in range(3)]
-    for name, dofs_told, bodies, what in rows:
-        line = f"{name:{widths[0]}}  {dofs_told:>{widths[1]}}  {bodies:{widths[2]}}  {what}"
-        typer.echo(_clipped(line))
-
-
-def _clipped(line: str) -> str:
-    """A line as long as the terminal is wide; whole where it goes elsewhere."""
-    if not sys.stdout.isatty():
-        return line
-    width = get_terminal_size().columns
-    return line if len(line) <= width else f"{line[: width - 3]}..."
+        rows.append((name, None, "matrices", _first(tables_of(name).get("description", ""))))
+    columns = (
+        *(Column("scene", "scene"), Column("dofs", "dofs, about", "{:.0f}".format)),
+        *(Column("bodies", "bodies"), Column("what", "what it is")),
+    )
+    print_table(Table("scenes", "", columns, rows))
 
 
 def _first(description: str) -> str:
     """First sentence of a description, in one line."""
-    words = " ".join(description.split())
-    return words.partition(". ")[0].rstrip(".")
+    return " ".join(description.split()).partition(". ")[0].rstrip(".")
 
 
 @app.command()
-def reference(
-    out: Annotated[Path | None, typer.Option(help="File to write instead.")] = None,
+def export(
+    scene: _Scene,
+    to: Annotated[
+        Literal["inp"], typer.Option(help="Form: inp, decks of CalculiX and Abaqus.")
+    ] = "inp",
+    set_: _Set = None,
+    backend: Annotated[
+        Literal["fe"] | None, typer.Option(help="Backend for every body; decks need fe.")
+    ] = None,
+    modes: Annotated[int, typer.Option(help="Modes that the decks ask for.")] = 20,
+    out: Annotated[Path, typer.Option(help="Folder of the decks.")] = Path("results/export"),
 ) -> None:
+    """Write a scene of Lagrange elements as input decks of CalculiX and Abaqus."""
+    from comparisons.cli.output import console
+    from scenes.export.decks.write import write_deck
+    from scenes.spec.reading import load_scene
+
+    with console.status("export"):
+        files = write_deck(load_scene(scene, set_ or [], backend), out, modes)
+    for file in files:
+        typer.echo(f"{file}")
+
+
+@app.command()
+def reference(out: _Out = None) -> None:
     """Every field of a scene, its type, default and meaning, as Markdown."""
     from scenes.spec.reference import reference_text
 
@@ -145,7 +145,7 @@ def schema(
     matrices: Annotated[
         bool, typer.Option("--matrices", help="That of scenes of matrices.")
     ] = False,
-    out: Annotated[Path | None, typer.Option(help="File to write instead.")] = None,
+    out: _Out = None,
 ) -> None:
     """JSON Schema of scenes, with which editors complete and check them."""
     from scenes.spec.schema import schema_text

@@ -24,9 +24,8 @@ def accuracy(
     out: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("results/accuracy"),
 ) -> None:
     """Measure the error of every method against run time, on problems with exact eigenvalues."""
-    from comparisons.cli.extras import need
+    from comparisons.cli.options import need, refuse_with_redraw
     from comparisons.cli.progress import working
-    from comparisons.cli.redraw import refuse_with_redraw
 
     need("pictures", "exact")
     from comparisons.accuracy import page
@@ -35,12 +34,11 @@ def accuracy(
     from comparisons.accuracy.problems import PROBLEMS, problem
     from comparisons.accuracy.runner import run_study
     from comparisons.accuracy.study import FULL, QUICK
-    from comparisons.kit.records import last_seconds
     from scenes.results.folder import check_out
 
     refuse_with_redraw(redraw, {"problems": problems, "quick": quick})
     check_out(out)
-    with working("accuracy", expected=last_seconds(out, "accuracy")) as work:
+    with working("accuracy") as work:
         if redraw:
             data = page.read(out)
         else:

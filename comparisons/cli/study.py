@@ -59,7 +59,7 @@ class Studies(TyperGroup):
 
     def get_command(self, ctx: Any, name: str) -> Any:
         """Command of a study."""
-        from comparisons.cli.extras import need
+        from comparisons.cli.options import need
 
         if name not in self.table:
             return None
@@ -139,13 +139,14 @@ def run_study(
 ) -> None:
     """Run a study, or draw it anew; print its tables and name the report to open."""
     from cea.petsc import MPI
+    from comparisons.cli.options import refuse_with_redraw
     from comparisons.study.page import write_study
     from comparisons.study.result import read
     from comparisons.study.run import finished
     from scenes.results.folder import check_out, new_folder
 
     if redraw:
-        _refuse({"quick": quick, "only": only, "anew": anew, **given})
+        refuse_with_redraw(True, {"quick": quick, "only": only, "anew": anew, **given})
         result = read(study.name, out)
     else:
         check_out(out)
@@ -192,13 +193,6 @@ def _print(study: "Study", result: "StudyResult") -> None:
     failed = len(result.failed())
     if failed:
         typer.echo(f"{failed} of {len(result.cases)} cases failed: see the report")
-
-
-def _refuse(given: dict[str, Any]) -> None:
-    """Refuse options that only a run could use."""
-    for name, value in given.items():
-        if value:
-            raise InputError(name, value, "left out with --redraw, which runs nothing")
 
 
 def _labels(only: list[str]) -> dict[str, str]:

@@ -1,22 +1,41 @@
 """The commands ``cea sweep`` and ``cea threshold``: one scene along its fields."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from comparisons.cli.options import (
+    Backend,
+    deliver,
+    need,
+    refuse,
+    refuse_another,
+    refuse_with_redraw,
+    with_backend,
+)
+
 if TYPE_CHECKING:
     from comparisons.sweep.axes import Axis
-
 
 IN_PART = 3
 """Exit code of a command that answered in part."""
 _CONFIRM = 3
 """Thresholds of a map that are confirmed where no number is given."""
+_EVERY = 10_000
+"""More thresholds than a map has, and samples where no number is given."""
+
+_Scene = Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")]
+_Set = Annotated[list[str] | None, typer.Option("--set", help="Override of another field.")]
+_Backend = Annotated[Backend | None, typer.Option(help="Backend for every body.")]
+_Data = Annotated[
+    str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
+]
 
 
 def sweep(
-    scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
+    scene: _Scene,
     axes: Annotated[
         list[str],
         typer.Argument(
@@ -24,15 +43,9 @@ def sweep(
             "field~normal:mean:deviation, ~lognormal:median:deviation, ~uniform:low:high."
         ),
     ],
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", help="Override of another field.")
-    ] = None,
-    backend: Annotated[
-        Literal["fe", "iga"] | None, typer.Option(help="Backend for every body.")
-    ] = None,
-    data: Annotated[
-        str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
-    ] = None,
+    set_: _Set = None,
+    backend: _Backend = None,
+    data: _Data = None,
     samples: Annotated[
         int | None, typer.Option(help="Samples of fields that are spread; 10,000 by default.")
     ] = None,
@@ -64,11 +77,6 @@ def sweep(
     by a basis of a few full solves with a bound for every value, one other field by a full solve
     at each value. Of fields that are spread samples tell how probable it is that each mode grows.
     """
-    from cea.errors import InputError
-    from comparisons.cli.backend import with_backend
-    from comparisons.cli.extras import need
-    from comparisons.cli.redraw import refuse_with_redraw
-    from comparisons.cli.samples import are_distributions, sample
     from comparisons.sweep.axes import read_axis
     from scenes.results.folder import check_out
 
@@ -76,71 +84,110 @@ def sweep(
     refuse_with_redraw(redraw, {"set": set_, "backend": backend, "data": data})
     overrides = with_backend(scene, set_ or (), backend)
     if are_distributions(axes):
-        _refuse_beside_samples(full=bool(full), confirm=confirm)
-        need_maps()
-        options = {
-            "count": samples,
-            "seed": seed,
-            "overrides": overrides,
-            "data": data,
-            "tolerance": tolerance,
-            "most": solves,
-            "checks": checks,
-        }
-        sample(scene, axes, options, out, redraw=redraw)
+        from comparisons.sweep.distributions import read_distribution
+        from comparisons.sweep.sample_study import AskedSamples
+
+        more = None if confirm == _CONFIRM else confirm
+        refuse({"full": full, "confirm": more}, "for samples: they are solved on a basis")
+        need("maps")
+        asked = AskedSamples(
+            scene,
+            tuple(map(read_distribution, axes)),
+            count=samples or _EVERY,
+            seed=seed or 0,
+            overrides=overrides,
+            data=data,
+            tolerance=tolerance,
+            most=solves,
+            checks=checks,
+        )
+        (_draw_samples_anew if redraw else _sample)(asked, out)
         return
-    for name, value in (("samples", samples), ("seed", seed)):
-        if value is not None:
-            raise InputError(name, value, "left out but for distributions: mu~normal:0.4:0.05")
-    asked = [read_axis(axis) for axis in axes]
+    refuse({"samples": samples, "seed": seed}, "but for distributions: mu~normal:0.4:0.05")
+    along = [read_axis(axis) for axis in axes]
     if redraw:
-        _draw_anew(scene, asked, out)
+        _draw_anew(scene, along, out)
         return
     check_out(out)
     if full:
-        _each_in_full(scene, asked, overrides, data, "--full", out)
+        _each_in_full(scene, along, overrides, data, "--full", out)
         return
-    need_maps()
+    need("maps")
     from comparisons.sweep.map_study import AskedMap
     from comparisons.sweep.mapped import NoMapError
     from comparisons.sweep.thrift import BasisTooDearError
 
-    open_ = full is None and len(asked) == 1 and not asked[0].logarithmic and confirm == _CONFIRM
-    map_ = AskedMap(
-        scene, tuple(asked), overrides, data, tolerance, solves, checks, confirm, thrifty=open_
-    )
+    open_ = full is None and len(along) == 1 and not along[0].logarithmic and confirm == _CONFIRM
     try:
-        _map(map_, out)
+        _map(
+            AskedMap(
+                *(scene, tuple(along), overrides, data, tolerance, solves, checks, confirm),
+                thrifty=open_,
+            ),
+            out,
+        )
     except (NoMapError, BasisTooDearError) as error:
-        if len(asked) > 1:
+        if len(along) > 1:
             raise
-        _each_in_full(scene, asked, overrides, data, str(error), out)
+        _each_in_full(scene, along, overrides, data, str(error), out)
 
 
-def _refuse_beside_samples(*, full: bool, confirm: int) -> None:
-    """Refuse options that samples have no use for."""
+def threshold(
+    scene: _Scene,
+    axes: Annotated[
+        list[str],
+        typer.Argument(help="What varies, the field of the thresholds first, as in cea sweep."),
+    ],
+    set_: _Set = None,
+    backend: _Backend = None,
+    data: _Data = None,
+    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/threshold"),
+) -> None:
+    """Find where modes begin and cease to grow along a field, each confirmed by a full solve.
+
+    Every change of the number of growing modes is explained by a threshold, or its interval is
+    reported as unresolved: the exit code is 3 then.
+    """
+    from comparisons.sweep.axes import read_axis
+    from scenes.results.folder import check_out
+
+    need("pictures", "maps")
+    along = tuple(read_axis(axis) for axis in axes)
+    check_out(out)
+    from comparisons.sweep.map_study import AskedMap
+
+    overrides = with_backend(scene, set_ or (), backend)
+    _map(AskedMap(scene, along, overrides, data, confirm=_EVERY), out)
+
+
+def are_distributions(axes: Sequence[str]) -> bool:
+    """Whether what varies are distributions, ``mu~normal:0.4:0.05``.
+
+    Raises
+    ------
+    InputError
+        When some are and some are not.
+    """
     from cea.errors import InputError
 
-    if full:
-        raise InputError("full", True, "left out for samples: they are solved on a basis")
-    if confirm != _CONFIRM:
-        raise InputError("confirm", confirm, "left out for samples: they have no thresholds")
+    spread = ["~" in axis and "=" not in axis.partition("~")[0] for axis in axes]
+    if any(spread) and not all(spread):
+        other = axes[spread.index(False)]
+        raise InputError("axis", other, "a distribution, as the others are: name~normal:0.4:0.05")
+    return any(spread)
 
 
 def _map(asked: Any, out: Path) -> None:
     """Make a map and tell of it."""
-    from cea.petsc import MPI
     from comparisons.cli.output import print_table, print_warnings
     from comparisons.cli.progress import working
     from comparisons.sweep.map_page import write_result
     from comparisons.sweep.map_study import run_map
     from comparisons.sweep.map_tables import headline, summary_table, thresholds_table
-    from scenes.results.folder import new_folder
 
     with working("map") as work:
         found, rows, store = run_map(asked, out, work.stage)
-    with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        page = new.final(write_result(found, rows, new.part))
+    page = deliver(lambda folder: write_result(found, rows, folder), out)
     store.discard()
     typer.echo(headline(found))
     typer.echo(found["words"])
@@ -163,13 +210,11 @@ def _each_in_full(
 ) -> None:
     """Solve at each value of one field, and tell of it."""
     from cea.errors import InputError
-    from cea.petsc import MPI
     from comparisons.cli.output import print_table, print_warnings
     from comparisons.cli.progress import working
     from comparisons.sweep.page import write_sweep
     from comparisons.sweep.study import Sweep, run_sweep
     from comparisons.sweep.tables import unstable_table, values_table
-    from scenes.results.folder import new_folder
 
     if len(axes) > 1:
         raise InputError("axis", axes[1].name, "one field only with --full")
@@ -179,8 +224,7 @@ def _each_in_full(
     asked = Sweep(scene, axis.name, axis.first, axis.last, axis.count, overrides, data)
     with working("sweep", steps=axis.count) as work:
         found = run_sweep(asked, work.step, why)
-    with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        picture = new.final(write_sweep(found, new.part))
+    picture = deliver(lambda folder: write_sweep(found, folder), out)
     print_table(values_table(found))
     print_table(unstable_table(found))
     print_warnings(found["warnings"])
@@ -188,71 +232,56 @@ def _each_in_full(
     typer.echo(f"The picture to open: {picture}")
 
 
+def _sample(asked: Any, out: Path) -> None:
+    """Solve samples of a scene and tell of them."""
+    from comparisons.cli.output import print_table, print_warnings
+    from comparisons.cli.progress import working
+    from comparisons.sweep.sample_page import FILE, write_samples
+    from comparisons.sweep.sample_study import run_samples
+    from comparisons.sweep.sample_tables import probability_table, samples_summary
+    from scenes.results.folder import check_out
+
+    check_out(out)
+    with working("samples") as work:
+        data, drawn, found, store = run_samples(asked, out, work.stage)
+    page = deliver(lambda folder: write_samples(data, drawn, found, folder), out)
+    store.discard()
+    print_table(samples_summary(data))
+    print_table(probability_table(data))
+    print_warnings(data["warnings"])
+    typer.echo(f"Every sample: {out / FILE}")
+    typer.echo(f"The page to open: {page}")
+
+
+def _draw_samples_anew(asked: Any, out: Path) -> None:
+    from comparisons.sweep.page import read_sweep
+    from comparisons.sweep.sample_page import FILE, read_samples, write_samples
+
+    data = read_sweep(out)
+    wanted = asked.plain()
+    refuse_another({key: wanted[key] for key in ("scene", "distributions")}, data["inputs"])
+    drawn, found = read_samples(data, out / FILE)
+    page = deliver(lambda folder: write_samples(data, drawn, found, folder), out)
+    typer.echo(f"The page to open: {page}")
+
+
 def _draw_anew(scene: str, axes: "list[Axis]", out: Path) -> None:
     """Draw a sweep from its record."""
-    from cea.petsc import MPI
-    from comparisons.cli.redraw import refuse_another
     from comparisons.sweep.map_page import write_result
-    from comparisons.sweep.netcdf import read_map
     from comparisons.sweep.page import read_sweep, write_sweep
-    from scenes.results.folder import new_folder
 
-    found, rows = read_sweep(out), None
-    asked: dict[str, Any] = {"scene": scene, "axes": [dict(axis.plain()) for axis in axes]}
+    found = read_sweep(out)
     if "axes" in found:
-        need_maps()
+        from comparisons.sweep.netcdf import read_map
+
+        need("maps")
+        refuse_another({"scene": scene, "axes": [dict(a.plain()) for a in axes]}, found["inputs"])
         rows = read_map(found, out / "sweep.nc")
+        page = deliver(lambda folder: write_result(found, rows, folder), out)
+        typer.echo(f"The page to open: {page}")
     else:
         axis = axes[0]
         asked = {"scene": scene, "field": axis.name, "start": axis.first, "stop": axis.last}
-    refuse_another(asked, found["inputs"])
-    with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        written = write_sweep(found, new.part) if rows is None else None
-        made = new.final(written or write_result(found, rows or [], new.part))
-    typer.echo(f"The {'picture' if rows is None else 'page'} to open: {made}")
-
-
-def threshold(
-    scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
-    axes: Annotated[
-        list[str],
-        typer.Argument(help="What varies, the field of the thresholds first, as in cea sweep."),
-    ],
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", help="Override of another field.")
-    ] = None,
-    backend: Annotated[
-        Literal["fe", "iga"] | None, typer.Option(help="Backend for every body.")
-    ] = None,
-    data: Annotated[
-        str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/threshold"),
-) -> None:
-    """Find where modes begin and cease to grow along a field, each confirmed by a full solve.
-
-    Every change of the number of growing modes is explained by a threshold, or its interval is
-    reported as unresolved: the exit code is 3 then.
-    """
-    from comparisons.cli.backend import with_backend
-    from comparisons.sweep.axes import read_axis
-    from scenes.results.folder import check_out
-
-    need_maps()
-    asked = tuple(read_axis(axis) for axis in axes)
-    check_out(out)
-    from comparisons.sweep.map_study import AskedMap
-
-    overrides = with_backend(scene, set_ or (), backend)
-    _map(AskedMap(scene, asked, overrides, data, confirm=_EVERY), out)
-
-
-_EVERY = 10_000
-"""More thresholds than a map has."""
-
-
-def need_maps() -> None:
-    """Refuse to begin without what maps need."""
-    from comparisons.cli.extras import need
-
-    need("pictures", "maps")
+        refuse_another(asked, found["inputs"])
+        picture = deliver(lambda folder: write_sweep(found, folder), out)
+        typer.echo(f"The picture to open: {picture}")

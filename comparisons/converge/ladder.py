@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.run_window import ABOVE
+from cea.eigen.driver import ABOVE
 from cea.eigen.spectrum import Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
 from comparisons.kit.progress import Progress
 from scenes import Result, run_modes
 from scenes.checking.memory import estimated_memory
-from scenes.checking.run_time import estimated_seconds
 from scenes.refinement.meshes import (
     Resolution,
     from_file,
@@ -226,4 +225,5 @@ def _widened(scene: Scene) -> Scene:
 
 
 def _estimated_seconds(scene: Scene) -> float:
-    return estimated_seconds(scene, estimated_memory(scene))
+    entries = estimated_memory(scene).factor_entries
+    return 1e-7 * entries + 4e-11 * entries**1.5

@@ -17,7 +17,6 @@ from comparisons.kit.binary import STEPS, Binary, quantised
 from comparisons.kit.interactive import literal
 from comparisons.kit.numbers import growth, number
 from scenes import Result
-from scenes.pictures.skin import Skin, skins
 
 _POINTS = 4000
 """Points of the outsides of a scene, about: more are not seen on a screen."""
@@ -61,9 +60,9 @@ class Shapes:
 
     def add_bodies(self, key: str, result: Result) -> None:
         """Keep the bodies of a result at rest, and its contact points; collective."""
-        outside = _outside(result)
+        cells = _cells(result)
         if result.comm.rank == 0:
-            self._add_scene(key, result, outside)
+            self._add_scene(key, result, _outsides(cells, {}))
 
     def add(
         self,
@@ -90,18 +89,20 @@ class Shapes:
         """
         from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
-        outside = _outside(result)
+        cells = _cells(result)
         shapes = {
-            name: result.mode_shapes(name, skin.values, modes, everywhere=False)
-            for name, skin in outside.items()
+            name: result.mode_shapes(name, each.values, modes, everywhere=False)
+            for name, each in cells.items()
         }
         if result.comm.rank:
             return
+        outsides = _outsides(cells, shapes)
         if like is None:
-            self._add_scene(key, result, outside)
+            self._add_scene(key, result, outsides)
         kept = self.modes.setdefault(key, {})
         for i, mode in enumerate(modes):
-            u = np.concatenate([shape[..., i] for shape in shapes.values()])
+            parts = [s.point_data for s in outsides.values()]
+            u = np.concatenate([data[f"real {i}"] + 1j * data[f"imaginary {i}"] for data in parts])
             if self._size + 4 * u.size > _MOST and kept:
                 break
             turned, largest = largest_deflection(u)
@@ -109,15 +110,15 @@ class Shapes:
             kept[str(mode + 1)]["scene"] = like or key
             self._size += 4 * u.size
 
-    def _add_scene(self, key: str, result: Result, outside: Mapping[str, Skin]) -> None:
+    def _add_scene(self, key: str, result: Result, outsides: Mapping[str, Any]) -> None:
         from scenes.pictures.drawing import view_of  # brings pyvista
 
-        points = [skin.points for skin in outside.values()]
-        scene = self._scene(outside)
+        points = [surface.points for surface in outsides.values()]
+        scene = self._scene(outsides)
         self.scenes[key] = scene | {
             "view": view_of(points).tolist(),
-            "flat": points[0].shape[1] == 2,
-            "reduced": any(len(skin.edges) == 0 for skin in outside.values()),
+            "flat": not np.ptp(np.concatenate(points)[:, 2]),
+            "reduced": any("element" not in s.cell_data for s in outsides.values()),
             "contacts": [self._contact(contact, scene) for contact in result.system.contacts],
         }
 
@@ -131,7 +132,7 @@ class Shapes:
             "a": literal(contact.a),
             "points": self.binary.add(np.round(places).T, "uint16"),
         }
-        friction = contact.friction
+        friction = contact.K_f
         if friction is None or not friction.acts or len(points) == 0:
             return told
         some = points[_spread(len(points), _ARROWS)]
@@ -139,20 +140,20 @@ class Shapes:
         arrows = {"from": _in_space(some.x).tolist(), "along": _in_space(along).tolist()}
         return told | {"arrows": arrows}
 
-    def _scene(self, outside: Mapping[str, Skin]) -> dict[str, Any]:
+    def _scene(self, outsides: Mapping[str, Any]) -> dict[str, Any]:
         """Bodies of a scene: positions in a box, triangles, lines."""
-        every = np.concatenate([_in_space(skin.points) for skin in outside.values()])
+        every = np.concatenate([surface.points for surface in outsides.values()])
         low, extent = every.min(axis=0), float(np.ptp(every, axis=0).max())
         bodies = []
-        for name, skin in outside.items():
-            places = (_in_space(skin.points) - low) * (_POSITIONS / extent)
+        for name, surface in outsides.items():
+            places = (surface.points - low) * (_POSITIONS / extent)
             bodies.append(
                 {
                     "name": literal(name),
                     "points": self.binary.add(np.round(places).T, "uint16"),
-                    "triangles": self.binary.add_numbers(skin.triangles.T),
-                    "edges": self.binary.add_numbers(skin.edges.T),
-                    "sharp": self.binary.add_numbers(skin.sharp.T),
+                    "triangles": self.binary.add_numbers(surface.regular_faces.T),
+                    "edges": self.binary.add_numbers(_element_edges(surface).T),
+                    "sharp": self.binary.add_numbers(_sharp_edges(surface).T),
                 }
             )
         return {
@@ -171,11 +172,64 @@ class Shapes:
         return {"real": real, "imaginary": imaginary}
 
 
-def _outside(result: Result) -> dict[str, Skin]:
-    """Outsides of the bodies with no more points than a page has room for; collective."""
-    from scenes.pictures.decimation import reduced  # brings pyvista
+def _cells(result: Result) -> dict[str, Any]:
+    """Cells of the bodies; collective."""
+    from scenes.pictures.grids import merged  # brings pyvista
 
-    return reduced(skins(result.bodies, _POINTS), _MOST_POINTS)
+    return {name: merged(body.volume_cells()) for name, body in result.bodies.items()}
+
+
+def _outsides(cells: Mapping[str, Any], shapes: Mapping[str, Complexes]) -> dict[str, Any]:
+    """Outsides of the bodies with no more points than a page has room for, and their modes.
+
+    Their points bear ``real`` and ``imaginary`` displacements by the number of the mode, from 0;
+    their triangles, where none was left out, the ``element`` that they are of.
+    """
+    from scenes.pictures.grids import outside
+
+    fields = {
+        name: {
+            f"{part} {i}": values
+            for i in range(u.shape[2])
+            for part, values in (("real", u[..., i].real), ("imaginary", u[..., i].imag))
+        }
+        for name, u in shapes.items()
+    }
+    for finer in (2, 1, 0):
+        made = {name: outside(each, fields.get(name, {}), finer) for name, each in cells.items()}
+        total = sum(surface.n_points for surface in made.values())
+        if total <= _POINTS:
+            break
+    for surface in made.values():
+        surface.cell_data["element"] = surface.cell_data["vtkOriginalCellIds"]
+    if total <= _MOST_POINTS:
+        return made
+    share = 1 - _MOST_POINTS / total
+    keep: dict[str, Any] = {"preserve_topology": True, "boundary_vertex_deletion": False}
+    return {name: s.decimate_pro(share, feature_angle=15.0, **keep) for name, s in made.items()}
+
+
+def _element_edges(surface: Any) -> Ints:
+    """Pairs of points along edges of elements, shape (n, 2); none of what was reduced."""
+    if "element" not in surface.cell_data:
+        return np.empty((0, 2), dtype=np.int64)
+    triangles, element = surface.regular_faces, np.asarray(surface.cell_data["element"])
+    pairs = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    of_elements = np.unique(np.column_stack([pairs, np.repeat(element, 3)]), axis=0)[:, :2]
+    edges, count = np.unique(of_elements, axis=0, return_counts=True)
+    return edges[count > 1]
+
+
+def _sharp_edges(surface: Any) -> Ints:
+    """Pairs of points along sharp edges, shape (n, 2)."""
+    from scenes.pictures.grids import sharp_edges
+
+    numbered = surface.copy(deep=False)
+    numbered.point_data["number"] = np.arange(surface.n_points)
+    edges = sharp_edges(numbered)
+    if not edges.n_points:
+        return np.empty((0, 2), dtype=np.int64)
+    return np.asarray(edges.point_data["number"])[edges.lines.reshape(-1, 3)[:, 1:]]
 
 
 def _told(result: Result, mode: int, title: str) -> dict[str, Any]:

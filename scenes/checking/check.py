@@ -12,8 +12,7 @@ from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from scenes.building.build import build_bodies, build_contacts, build_interfaces
 from scenes.checking.doubts import doubtful_numbers, overlapping_bodies
-from scenes.checking.memory import MemoryEstimate, check_memory, estimated_memory
-from scenes.checking.run_time import estimated_seconds
+from scenes.checking.memory import check_memory, estimated_memory
 from scenes.checking.steps import skipped_by
 from scenes.checking.warnings import scene_warnings
 from scenes.spec.reading import Scene
@@ -32,10 +31,6 @@ class Inspection:
         The scene.
     faults
         Why it would be refused.
-    memory
-        Estimate of the memory it takes.
-    seconds
-        Estimate of its run time on one core (:mod:`scenes.checking.run_time`).
     skipped
         What it does not need, with the reason.
     warnings
@@ -48,8 +43,6 @@ class Inspection:
 
     scene: Scene
     faults: tuple[InputError, ...]
-    memory: MemoryEstimate
-    seconds: float
     skipped: Mapping[str, str]
     warnings: tuple[ResultWarning, ...] = ()
     bodies: Mapping[str, Body] = field(default_factory=dict)
@@ -59,17 +52,12 @@ class Inspection:
     def dofs(self) -> int:
         """Unknowns: of the bodies as built, else estimated."""
         if not self.bodies:
-            return round(self.memory.dofs)
+            return round(estimated_memory(self.scene).dofs)
         return sum(int(body.expansion.getSize()[1]) for body in self.bodies.values())
 
 
 def inspect_scene(scene: Scene) -> Inspection:
     """Look at a scene without solving anything; collective.
-
-    Parameters
-    ----------
-    scene
-        The scene.
 
     Returns
     -------
@@ -90,21 +78,10 @@ def inspect_scene(scene: Scene) -> Inspection:
             halves |= _halves_of(scene, name, bodies)
         except InputError as error:
             faults.append(error)
-    memory = estimated_memory(scene)
-    return Inspection(
-        scene=scene,
-        faults=tuple(faults),
-        memory=memory,
-        seconds=estimated_seconds(scene, memory),
-        skipped=skipped_by(scene),
-        warnings=(
-            *doubtful_numbers(scene),
-            *overlapping_bodies(scene, bodies),
-            *(() if faults else _warnings(scene, halves)),
-        ),
-        bodies=bodies,
-        halves=halves,
-    )
+    warnings = (*doubtful_numbers(scene), *overlapping_bodies(scene, bodies))
+    if not faults:
+        warnings += _warnings(scene, halves)
+    return Inspection(scene, tuple(faults), skipped_by(scene), warnings, bodies, halves)
 
 
 def _halves_of(scene: Scene, name: str, bodies: Mapping[str, Body]) -> dict[str, Contact]:
@@ -133,11 +110,6 @@ def _warnings(scene: Scene, halves: Mapping[str, Contact]) -> tuple[ResultWarnin
     )
 
 
-def largest_gap(half: Contact) -> float:
-    """Largest of the distances (m) between the sides of a half pass; collective."""
-    return float(np.abs(gaps(half)).max(initial=0.0))
-
-
 def gaps(half: Contact) -> np.ndarray:
     """Distances (m) between the sides at all points, apart positive; collective."""
     interface = half.interface
@@ -147,8 +119,7 @@ def gaps(half: Contact) -> np.ndarray:
 
 def told(inspection: Inspection) -> Iterator[str]:
     """An inspection in lines; collective."""
-    scene, memory = inspection.scene, inspection.memory
-    about = "" if inspection.bodies else "about "
+    scene, about = inspection.scene, "" if inspection.bodies else "about "
     bodies = ", ".join(
         f"{name} ({body.geometry.shape}, {body.backend})" for name, body in scene.bodies.items()
     )
@@ -157,16 +128,7 @@ def told(inspection: Inspection) -> Iterator[str]:
         statuses = ", ".join(f"{n} {s}" for s, n in half.interface.statuses.items() if n)
         yield (
             f"contacts.{name}: {len(half.interface.points)} points ({statuses}), sides up to "
-            f"{largest_gap(half):.3g} m apart"
+            f"{np.abs(gaps(half)).max(initial=0.0):.3g} m apart"
         )
-    yield f"{about}{inspection.dofs} unknowns"
-    yield (
-        f"estimates: {memory.bytes / 1e9:.2g} GB of memory, {_time(inspection.seconds)} on one core"
-    )
-
-
-def _time(seconds: float) -> str:
-    """A time with two digits."""
-    if seconds < 100:
-        return f"{seconds:.2g} s"
-    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.2g} h"
+    memory = estimated_memory(scene).bytes / 1e9
+    yield f"{about}{inspection.dofs} unknowns, about {memory:.2g} GB of memory"

@@ -19,8 +19,8 @@ from cea.ranks import made_on_first
 from cea.system.coupled import CoupledSystem
 from cea.volume import VolumeSample
 from cea.warned import ResultWarning
-from scenes.spec.node_grids import box_lengths
 from scenes.spec.scene import SceneSpec
+from scenes.spec.sizes import box_lengths
 
 _SOFTEST = 1e3
 """E (N/m^2) below which a solid is softer than any that brakes, clutches or tyres are made of."""

@@ -7,149 +7,125 @@ front of its own nodes beside those around its box that were cut before.
 
 import os
 import resource
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from math import inf, pi, prod, sqrt
+from math import inf, prod
 from pathlib import Path
 from shutil import disk_usage
 from tempfile import gettempdir
 from typing import Any
 
+from cea.eigen.factors_on_disk import factors_on_disk
 from cea.errors import InputError
 from cea.heap import give_back, kept
+from cea.mesh import SIMPLICES
 from cea.petsc import MPI
-from meshes.mesh_file import MeshFile
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from cea.warned import ResultWarning
 from scenes.spec.body import BodySpec
-from scenes.spec.mesh import FeMesh
-from scenes.spec.node_grids import TINY, NodeGrid, box_lengths, node_grids
 from scenes.spec.reading import Scene
+from scenes.spec.sizes import dofs_of, node_counts
 
 _NUMBER, _ENTRY = 8, 12
 """Bytes of a number, and of an entry of a sparse matrix with its column."""
-_MATRICES = {"static": 4.0, "cea": 6.0}
+_MATRICES = 7.0
 """Matrices alive at once, in stiffness matrices: of the bodies, of the system, their copies."""
-_FACTORS = 1.6
-"""Memory of the factors with the room they are made in, relative to their entries."""
-_SYMMETRIC = 0.6
-"""The same of a symmetric matrix, of which one factor is kept, relative to that of both."""
+_FACTORS, _SYMMETRIC = 1.6, 0.6
+"""Memory of the factors with the room they are made in, relative to their entries; and the part of
+it that those of a symmetric matrix take."""
 _ON_DISK = 0.35
 """Part of the factors that is in memory at once where the rest is on disk: the largest fronts."""
-_FILES = 1.0
-"""Bytes of factors on disk relative to those in memory: two sets of them for a while."""
-_QUADRATIC = 4.0
-"""Entries of the vectors of a damped or rotating system relative to those of a linear one: of
-displacements and velocities, for each mode and its conjugate."""
-_VELOCITIES = 2.0
-"""Matrices of such a system that are alive beside those of a linear one, in stiffness matrices."""
-_VECTORS = 6.0
-"""Vectors held for each mode sought: a Krylov basis of twice the number, its restart, the modes."""
-_MODAL, _UPDATE = 8.0, 48.0
-"""Bytes for each mode that modal damping damps: for each dof of its body, M phi; for each dof of
-all bodies, that once more, twice while it is solved for, and the complex solutions twice."""
+_VECTORS, _QUADRATIC = 600.0, 4.0
+"""Vectors in Krylov spaces, and their entries in a damped or rotating system relative to those."""
 _PROGRAM = 3e8
 """Bytes of the program itself."""
-_FEWEST = 50
-"""Modes that are made room for, at least."""
 _SMALL = 4.0
 """Nodes along the longest side of a box that is not cut any more."""
-_BISECTIONS = 40
 _PART = 0.9
 """Part of the memory of a machine that a run may have."""
-
-
 _LARGE = 0.25
 """Part of what a run may have from which on what the program has freed is given back before it."""
 
 
 @dataclass(frozen=True)
 class MemoryEstimate:
-    """Memory that a scene needs, in its parts.
-
-    Parameters
-    ----------
-    dofs
-        Unknowns.
-    nonzeros
-        Entries of the stiffness matrix.
-    factor_entries
-        Entries of its factors.
-    modes
-        Modes that are made room for.
-    matrices, factors, vectors, modal
-        Bytes of each; the last are those of modal damping.
-    """
-
-    dofs: float
-    nonzeros: float
-    factor_entries: float
-    modes: float
-    matrices: float
-    factors: float
-    vectors: float
-    modal: float = 0.0
-
-    @property
-    def bytes(self) -> float:
-        """All of it, the program itself too (bytes)."""
-        return _PROGRAM + self.matrices + self.factors + self.vectors + self.modal
-
-    @property
-    def bytes_with_files(self) -> float:
-        """All of it with the factors on disk (bytes)."""
-        return self.bytes - (1 - _ON_DISK) * self.factors
-
-    @property
-    def files(self) -> float:
-        """The factors on disk (bytes)."""
-        return _FILES * self.factors
-
-
-def estimated_memory(scene: Scene, scale: float = 1.0) -> MemoryEstimate:
     """Memory that a scene needs on all ranks together.
 
     Parameters
     ----------
-    scene
-        The scene.
-    scale
-        Factor on the elements along each direction of every body.
-
-    Notes
-    -----
-    Measured on both backends, in the plane and in space, with and without friction, from 9,000 to
-    390,000 dofs: 0.8 to 1.7 of the peak of runs that take more than 500 MB. What contact adds is
-    not counted: it is large only where mortar or saddle meet a fine interface in space.
+    dofs, factor_entries
+        Unknowns, and entries of the factors of the stiffness.
+    factors, others
+        Bytes of the factors, and of all else.
     """
-    dofs = nonzeros = entries = modes = damped = modal = 0.0
+
+    dofs: float
+    factor_entries: float
+    factors: float
+    others: float
+
+    @property
+    def bytes(self) -> float:
+        """All of it (bytes)."""
+        return self.factors + self.others
+
+    @property
+    def bytes_with_files(self) -> float:
+        """All of it with the factors on disk (bytes)."""
+        return _ON_DISK * self.factors + self.others
+
+
+def estimated_memory(scene: Scene) -> MemoryEstimate:
+    """Memory that a scene needs: 0.6 to 2 of the peak of runs that take more than 500 MB.
+
+    What contact adds is not counted: it is large only where mortar or saddle meet a fine interface
+    in space.
+    """
+    dofs = nonzeros = entries = 0.0
     for body in scene.bodies.values():
-        dim, before = len(body.geometry.directions), dofs
-        beside = 2 if _circulates(body) else 1  # matrices of what damping makes of displacements
-        for grid in node_grids(body, scale):
-            n = prod(grid.counts)
-            dofs += dim * n
-            nonzeros += beside * dim**2 * n * prod(grid.couplings)
-            entries += dim**2 * _dissected(grid)
-        if isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-            modes += _modes_below(scene.analysis.max_frequency, body)
-            own = min(_damped_modes(body), dofs - before)
-            damped, modal = damped + own, modal + _MODAL * own * (dofs - before)
+        dim, (near, width) = len(body.geometry.directions), _couplings(body)
+        dofs += dofs_of(body)
+        nonzeros += dim * dofs_of(body) * near**dim
+        entries += dim**2 * sum(_dissected(counts, width) for counts in node_counts(body))
     static = scene.analysis.kind == "static"
-    modes = 1.0 if static else min(max(modes, _FEWEST), dofs)
-    unsymmetric = any(contact.mu for contact in scene.contacts.values())
     quadratic = not static and (scene.damped or scene.rotates)
-    kept = 1.0 if unsymmetric or quadratic else _SYMMETRIC
-    alive = _MATRICES[scene.analysis.kind] + (_VELOCITIES if quadratic else 0.0)
+    unsymmetric = quadratic or any(contact.mu for contact in scene.contacts.values())
+    vectors = 0.0 if static else min(_VECTORS, dofs) * (_QUADRATIC if quadratic else 1.0)
     return MemoryEstimate(
         dofs,
-        nonzeros,
         entries,
-        modes,
-        matrices=alive * _ENTRY * nonzeros,
-        factors=_FACTORS * kept * _NUMBER * entries,
-        vectors=_VECTORS * (_QUADRATIC if quadratic else 1.0) * _NUMBER * modes * dofs,
-        modal=modal + _UPDATE * damped * dofs,
+        _FACTORS * (1.0 if unsymmetric else _SYMMETRIC) * _NUMBER * entries,
+        _PROGRAM + _MATRICES * _ENTRY * nonzeros + _NUMBER * vectors * dofs,
     )
+
+
+def _couplings(body: BodySpec) -> tuple[float, float]:
+    """Nodes along a direction that one is coupled to, and layers of them that part a body."""
+    iga, degree = body.mesh.iga, body.fe_degree
+    if body.backend == "iga" and iga is not None:
+        p = max(iga.degree)
+        c = min(iga.continuity) if iga.continuity is not None else p - 1
+        return 2.0 * (p + 1) - (p - c), c + 1.0
+    fe = body.mesh.fe
+    simplices = fe is not None and fe.cell in SIMPLICES
+    return ((degree or 1) + 2.0) * (0.82 if simplices else 1.0), 1.0
+
+
+def _dissected(box: tuple[float, ...], width: float) -> float:
+    """Entries of the factors, L and U, of one unknown at each node of a box."""
+    counts, entries, boxes = list(box), 0.0, 1.0
+    cut = [0.0] * len(counts)
+    while max(counts) > max(_SMALL, 2 * width):
+        axis = counts.index(max(counts))
+        faces = [width * prod(counts) / count for count in counts]
+        around = sum(min(c, 2.0) * face for c, face in zip(cut, faces, strict=True))
+        entries += boxes * faces[axis] * (faces[axis] + 2 * around)
+        counts[axis] = 0.5 * (counts[axis] - width)
+        cut[axis] += 1.0
+        boxes *= 2
+    rest = prod(counts)
+    around = sum(min(c, 2.0) * width * rest / n for c, n in zip(cut, counts, strict=True))
+    return entries + boxes * rest * (rest + 2 * around)
 
 
 def available_memory() -> float:
@@ -159,26 +135,18 @@ def available_memory() -> float:
     """
     machine = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     soft = resource.getrlimit(resource.RLIMIT_AS)[0]
-    limits = [machine, _free() + _PROGRAM, inf if soft == resource.RLIM_INFINITY else float(soft)]
+    limits = [machine, inf if soft == resource.RLIM_INFINITY else float(soft)]
     for file in ("memory.max", "memory/memory.limit_in_bytes"):
         try:
             limits.append(float((Path("/sys/fs/cgroup") / file).read_text()))
         except (OSError, ValueError):
             continue  # no such group, or no limit
-    return min(limits)
-
-
-def _free() -> float:
-    """Memory (bytes) that no program holds now; infinite where the system does not tell.
-
-    What this one has freed and kept counts as free.
-    """
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:
-        return inf
-    told = [float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
-    return 1024 * told[0] + kept() if told else inf
+        lines = []
+    free = [1024 * float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
+    return min(limits + [each + kept() + _PROGRAM for each in free])
 
 
 def free_disk() -> float:
@@ -186,7 +154,7 @@ def free_disk() -> float:
     return float(disk_usage(gettempdir()).free)
 
 
-def on_all_machines(amount: Callable[[], float], comm: Any = MPI.COMM_WORLD) -> float:
+def _on_all_machines(amount: Callable[[], float], comm: Any) -> float:
     """What a run may have of something that the machines of all ranks have; collective."""
     neighbours = comm.Split_type(MPI.COMM_TYPE_SHARED)
     available = _PART * comm.allreduce(amount() / neighbours.size)
@@ -204,127 +172,67 @@ def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD, *, on_disk: bool = Tr
     comm
         Communicator (mpi4py) of the ranks that run it.
     on_disk
-        Whether factors may be on disk (:mod:`scenes.running.factor_storage`).
+        Whether factors may be on disk (:func:`room_for_factors`).
 
     Raises
     ------
     InputError
-        On every rank, naming the mesh that takes most, the estimate, what there is and what would
-        fit.
+        On every rank, naming the mesh that takes most, the estimate and what there is.
     """
-    available = on_all_machines(available_memory, comm)
-    estimate = estimated_memory(scene)
+    available, estimate = _on_all_machines(available_memory, comm), estimated_memory(scene)
     if estimate.bytes > _LARGE * available:  # what was freed may not do in one piece
         give_back()
     if estimate.bytes <= available:
         return
-    disk = on_all_machines(free_disk, comm) if on_disk else 0.0
-    if _fits_with_files(scene, estimate, available, disk):
-        return
-    name, body = max(scene.bodies.items(), key=lambda item: _nodes(item[1]))
     told = (
         f"{estimate.dofs:.3g} dofs take about {_gigabytes(estimate.bytes)} of the "
         f"{_gigabytes(available)} there are"
     )
-    if on_disk and may_be_on_disk(scene):
+    if on_disk and _may_be_on_disk(scene):
+        disk = _on_all_machines(free_disk, comm)
+        if estimate.bytes_with_files <= available and estimate.factors <= disk:
+            return
         told += (
-            f", or {_gigabytes(estimate.bytes_with_files)} with {_gigabytes(estimate.files)} of "
+            f", or {_gigabytes(estimate.bytes_with_files)} with {_gigabytes(estimate.factors)} of "
             f"factors on disk, where {_gigabytes(disk)} are free"
         )
-    if isinstance(body.geometry, MeshFile):
-        field = f"bodies.{name}.geometry.file"
-        raise InputError(field, body.geometry.file, f"a mesh that fits into memory: {told}")
-    scale = _fitting_scale(scene, available, disk)
-    field, value, fitting = _mesh_of(body, scale)
-    would = f"{field} = {fitting} would, the other bodies coarser alike" if scale else "none would"
-    raise InputError(
-        f"bodies.{name}.mesh.{body.backend}.{field}",
-        value,
-        f"a mesh that fits into memory: {told}; {would}",
-    )
-
-
-def may_be_on_disk(scene: Scene) -> bool:
-    """Whether factors of a scene may be on disk: those that modes are sought with."""
-    return isinstance(scene.analysis, ComplexEigenvalueAnalysis) and not scene.slides_steadily
-
-
-def _fits_with_files(scene: Scene, estimate: MemoryEstimate, available: float, disk: float) -> bool:
-    fits = estimate.bytes_with_files <= available and estimate.files <= disk
-    return may_be_on_disk(scene) and fits
-
-
-def _fitting_scale(scene: Scene, available: float, disk: float) -> float:
-    """Largest factor on all elements with which a scene fits, 0 where none does."""
-    low, high = 0.0, 1.0
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        estimate = estimated_memory(scene, middle)
-        fits = estimate.bytes <= available or _fits_with_files(scene, estimate, available, disk)
-        low, high = (middle, high) if fits else (low, middle)
-    return low
-
-
-def _mesh_of(body: BodySpec, scale: float) -> tuple[str, object, object]:
-    """Field that says how fine a body is, its value, and its value on a coarser mesh."""
+    name, body = max(scene.bodies.items(), key=lambda item: dofs_of(item[1]))
     mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
-    if isinstance(mesh, FeMesh) and mesh.size is not None:
-        return "size", mesh.size, float(f"{mesh.size / max(scale, TINY):.3g}")
-    elements = () if mesh is None else mesh.elements or ()
-    return "elements", elements, tuple(max(1, int(scale * n)) for n in elements)
+    field, value = f"bodies.{name}.geometry.file", getattr(body.geometry, "file", None)
+    if mesh is not None:
+        kind = "elements" if mesh.elements is not None else "size"
+        field, value = f"bodies.{name}.mesh.{body.backend}.{kind}", getattr(mesh, kind)
+    raise InputError(field, value, f"a mesh that fits into memory: {told}")
+
+
+@contextmanager
+def room_for_factors(
+    scene: Scene, comm: Any = MPI.COMM_WORLD
+) -> Iterator[tuple[ResultWarning, ...]]:
+    """Keep factors on disk while this lasts, where memory would not do; collective.
+
+    What the result must be read with tells of it; the factors must be freed before it ends.
+    """
+    estimate, available = estimated_memory(scene), _on_all_machines(available_memory, comm)
+    if estimate.bytes <= available or not _may_be_on_disk(scene):
+        yield ()
+        return
+    message = (
+        f"factors were kept on disk, about {_gigabytes(estimate.factors)}: in memory the scene "
+        f"takes about {_gigabytes(estimate.bytes)} of {_gigabytes(available)}"
+    )
+    data = {
+        **{"memory": estimate.bytes, "available": available, "files": estimate.factors},
+        "memory_with_files": estimate.bytes_with_files,
+    }
+    with factors_on_disk():
+        yield (ResultWarning("factors-on-disk", message, data),)
+
+
+def _may_be_on_disk(scene: Scene) -> bool:
+    """Whether factors of a scene may be on disk: those that modes are sought with."""
+    return scene.analysis.kind == "cea" and not scene.slides_steadily
 
 
 def _gigabytes(number: float) -> str:
     return f"{number / 1e9:.3g} GB"
-
-
-def _nodes(body: BodySpec) -> float:
-    return sum(prod(grid.counts) for grid in node_grids(body, 1.0))
-
-
-def _dissected(grid: NodeGrid) -> float:
-    """Entries of the factors, L and U, of one unknown at each node of a box."""
-    counts, entries, boxes = list(grid.counts), 0.0, 1.0
-    cut = [0.0] * len(counts)
-    while max(counts) > _SMALL:
-        axis = max(range(len(counts)), key=lambda i: counts[i] / grid.widths[i])
-        if counts[axis] <= 2 * grid.widths[axis]:
-            break
-        faces = [grid.widths[i] * prod(counts) / counts[i] for i in range(len(counts))]
-        around = sum(min(cut[i], 2.0) * faces[i] for i in range(len(counts)))
-        front = faces[axis]
-        entries += boxes * front * (front + 2 * around)
-        counts[axis] = 0.5 * (counts[axis] - grid.widths[axis])
-        cut[axis] += 1.0
-        boxes *= 2
-    rest = prod(counts)
-    around = sum(min(cut[i], 2.0) * grid.widths[i] * rest / counts[i] for i in range(len(counts)))
-    return entries + boxes * rest * (rest + 2 * around)
-
-
-def _modes_below(frequency: float, body: BodySpec) -> float:
-    """Modes of a body below a frequency (Hz) by Weyl's law, each kind of wave on its own."""
-    lengths, material = box_lengths(body.geometry), body.material
-    lam, shear = material.lame
-    rho = material.rho or 1.0
-    kinds = [((lam + 2 * shear) / rho, 1), (shear / rho, len(lengths) - 1)]
-    ball = pi if len(lengths) == 2 else 4 * pi / 3
-    return sum(
-        count * ball * prod(2 * frequency * length / sqrt(square) / 2 for length in lengths)
-        for square, count in kinds
-    )
-
-
-def _circulates(body: BodySpec) -> bool:
-    """Whether damping in proportion to the stiffness rotates with a body."""
-    rayleigh = body.damping.rayleigh() if body.damping else None
-    turns = body.rotation is not None and body.rotation.rate != 0
-    return turns and rayleigh is not None and rayleigh.beta != 0
-
-
-def _damped_modes(body: BodySpec) -> float:
-    """Modes of a body that modal damping damps."""
-    modal = body.damping.modal if body.damping else None
-    if modal is None or not modal.acts:
-        return 0.0
-    return len(modal.ratios or ()) if modal.end is None else _modes_below(modal.end, body)

@@ -1,8 +1,7 @@
-"""Modes and static displacements of a run as files for ParaView."""
+"""Modes, static displacements and load steps of a run as files for ParaView."""
 
-from collections.abc import Mapping
-from contextlib import ExitStack
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -14,45 +13,12 @@ from cea.contact.contact import Contact
 from cea.files import folder_whole
 from cea.matrices import destroy
 from cea.system.steady_state import ContactState
-from scenes.pictures.grids import (
-    Entry,
-    cell_grid,
-    in_space,
-    point_grid,
-    write_collection,
-    write_grid,
-)
+from scenes.pictures.grids import cell_grid, in_space, point_grid, write_collection, write_grid
 from scenes.results.result import Result
-from scenes.results.shapes import displacements
+from scenes.results.shapes import displacements, gathered_displacements
 
-
-@dataclass(frozen=True)
-class Solution:
-    """A displacement to be written.
-
-    Parameters
-    ----------
-    number
-        Number of the mode or the load step, from 1; 0 of a static displacement.
-    name
-        Beginning of the names of its files.
-    ends
-        Ends of the names of its data: of the real and the imaginary part, or of the real one.
-    facts
-        Numbers told of the whole solution.
-    """
-
-    number: int
-    name: str
-    ends: tuple[str, ...]
-    facts: Mapping[str, float]
-
-    def parts(self, name: str, values: Complexes | Floats) -> dict[str, Floats]:
-        """Real data under their names."""
-        return {
-            f"{name}{end}": part
-            for end, part in zip(self.ends, (values.real, values.imag), strict=False)
-        }
+_ENDS = ("_real", "_imag")
+"""Ends of the names of complex data."""
 
 
 def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
@@ -80,65 +46,110 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     list of Path
         The ``.pvd`` files.
     """
-    bodies, contacts = result.bodies, result.system.contacts
-    is_root = next(iter(bodies.values())).comm.rank == 0
-    modes = _chosen(result, count) if result.spectrum is not None else []
-    solutions = _solutions(result, modes)
-    volumes = Collection(out, "modes" if result.spectrum is not None else "displacement")
-    surfaces = Collection(out, "contacts")
-    cells = {name: body.volume_cells() for name, body in bodies.items()}
+    of_modes, contacts = result.spectrum is not None, result.system.contacts
+    modes = _chosen(result, count) if of_modes else []
+    cells = {name: body.volume_cells() for name, body in result.bodies.items()}
     u = {
-        name: result.mode_shapes(name, cells[name].values, modes, everywhere=False)
-        if result.spectrum is not None
-        else result.displacements(name, cells[name].values, everywhere=False)[..., None]
-        for name in bodies
+        name: result.mode_shapes(name, each.values, modes, everywhere=False)
+        if of_modes
+        else result.displacements(name, each.values, everywhere=False)[..., None]
+        for name, each in cells.items()
     }
     gaps = {contact.name: _gaps(result, contact, modes) for contact in contacts}
     steady = result.steady.contacts if result.steady is not None else {}
-    body_grids = {name: cell_grid(cells[name]) for name in bodies} if is_root else {}
-    point_grids = {c.name: contact_grid(c, steady) for c in contacts} if is_root else {}
-    collections = [volumes, surfaces] if contacts else [volumes]
-    with ExitStack() as stack:
-        if is_root:
-            for collection in collections:
-                collection.part = stack.enter_context(folder_whole(collection.folder))
-        for i, solution in enumerate(solutions):
-            pressures = {c.name: _pressure(result, c, solution) for c in contacts}
-            for name, grid in body_grids.items():
-                for label, x in solution.parts("displacement", u[name][..., i]).items():
-                    grid.point_data[label] = in_space(x)
-            for name, grid in point_grids.items():
-                grid.point_data.update(solution.parts("gap", gaps[name][:, i]) | pressures[name])
-            volumes.add(body_grids, solution)
-            surfaces.add(point_grids, solution)
-    if is_root:
-        for collection in collections:
-            write_collection(collection.entries, collection.file)
-    return [collection.file for collection in collections]
+    is_root = result.comm.rank == 0
+    bodies = {name: cell_grid(each) for name, each in cells.items()} if is_root else {}
+    points = {c.name: contact_grid(c, steady) for c in contacts} if is_root else {}
+    names = [("modes" if of_modes else "displacement", bodies)]
+    names += [("contacts", points)] if contacts else []
+    with _collections(out, [name for name, _ in names], is_root) as written:
+        for i, mode in enumerate(modes or [None]):
+            pressures = {contact.name: _pressure(result, contact, mode) for contact in contacts}
+            for name, grid in bodies.items():
+                for end, x in _parts(u[name][..., i], of_modes):
+                    grid.point_data[f"displacement{end}"] = in_space(x)
+            for name, grid in points.items():
+                for end, gap in _parts(gaps[name][:, i], of_modes):
+                    grid.point_data[f"gap{end}"] = gap
+                grid.point_data.update(pressures[name])
+            facts, stem = {}, "static"
+            if mode is not None:
+                stem, facts = f"mode_{mode + 1}", _facts(result, mode)
+            for (_, grids), add in zip(names, written, strict=True):
+                add(grids, stem, facts, 0 if mode is None else mode + 1)
+    return [out / f"{name}.pvd" for name, _ in names]
 
 
-class Collection:
-    """A ``.pvd`` file and the folder of its grids, of the same name."""
+def write_load_steps(result: Result, out: Path) -> list[Path]:
+    """Write the equilibria at all load steps, cut ones too, as files for ParaView.
 
-    def __init__(self, out: Path, name: str) -> None:
-        self.file = out / f"{name}.pvd"
-        self.folder = out / name
-        self.part = self.folder  # where its grids are written until it is whole
-        self.entries: list[Entry] = []
+    Points of the bodies bear ``displacement`` (m); those of contacts with a law ``contact
+    pressure`` (N/m^2), ``closure`` (m) and ``contact stiffness`` (N/m^3). Time is the part of the
+    load.
 
-    def add(self, grids: Mapping[str, Any], solution: Solution, time: float | None = None) -> None:
-        """Write the grids of a solution, each a part; on other ranks there are none.
+    Parameters
+    ----------
+    result
+        A run; collective, rank 0 writes.
+    out
+        Folder for ``load_steps.pvd`` and the folder of the ``.vtu`` files it lists.
 
-        Time is by default its number.
-        """
-        for part, (name, grid) in enumerate(grids.items()):
-            for fact, value in solution.facts.items():
-                grid.field_data[fact] = [value]
-            # Names of bodies and contacts are free text.
-            file = self.folder / f"{solution.name}_{quote(name, safe=' ,')}.vtu"
-            write_grid(grid, self.part / file.name)
-            shown = solution.number if time is None else time
-            self.entries.append(Entry(shown, part, file))
+    Returns
+    -------
+    list of Path
+        The ``.pvd`` file; none where the scene asks for no steps.
+    """
+    path = result.steady.path if result.steady is not None else ()
+    steps = [(step.factor, step.state) for step in path if step.state is not None]
+    if not steps:
+        return []
+    is_root = result.comm.rank == 0
+    cells = {name: body.volume_cells() for name, body in result.bodies.items()}
+    bodies = {name: cell_grid(each) for name, each in cells.items()} if is_root else {}
+    with _collections(out, ["load_steps"], is_root) as (add,):
+        for number, (factor, state) in enumerate(steps, start=1):
+            vectors = state.displacement.array_r[:, None].astype(complex)
+            for name, each in cells.items():
+                u = gathered_displacements(
+                    result.system, name, each.values, vectors, prescribed=factor, everywhere=False
+                )
+                if is_root:
+                    bodies[name].point_data["displacement"] = in_space(np.real(u[..., 0]))
+            points = {
+                contact.name: contact_grid(contact, state.contacts)
+                for contact in result.system.contacts
+                if is_root and contact.name in state.contacts
+            }
+            add(bodies | points, f"step_{number}", {"load": factor}, factor)
+    return [out / "load_steps.pvd"]
+
+
+@contextmanager
+def _collections(out: Path, names: list[str], is_root: bool) -> Iterator[list[Any]]:
+    """For each ``.pvd`` file a function that writes grids, of the same time, to its folder."""
+    if not is_root:
+        yield [lambda *arguments: None for _ in names]
+        return
+    if not names:
+        yield []
+        return
+    name, *others = names
+    entries: list[tuple[float, int, Path]] = []
+    with folder_whole(out / name) as part, _collections(out, others, is_root) as rest:
+
+        def add(
+            grids: Mapping[str, Any], stem: str, facts: Mapping[str, float], time: float
+        ) -> None:
+            for number, (label, grid) in enumerate(grids.items()):
+                for fact, value in facts.items():
+                    grid.field_data[fact] = [value]
+                # Names of bodies and contacts are free text.
+                file = f"{stem}_{quote(label, safe=' ,')}.vtu"
+                write_grid(grid, part / file)
+                entries.append((time, number, Path(name) / file))
+
+        yield [add, *rest]
+    write_collection(entries, out / f"{name}.pvd")
 
 
 def _chosen(result: Result, count: int) -> list[int]:
@@ -147,23 +158,17 @@ def _chosen(result: Result, count: int) -> list[int]:
     return sorted(list(dict.fromkeys(every))[:count])
 
 
-def _solutions(result: Result, modes: list[int]) -> list[Solution]:
-    """Some modes, or the static displacement."""
-    if result.spectrum is None:
-        return [Solution(0, "static", ("",), {})]
-    return [
-        Solution(
-            mode + 1,
-            f"mode_{mode + 1}",
-            ("_real", "_imag"),
-            {
-                "mode": mode + 1,
-                "frequency": result.frequencies[mode],
-                "growth rate": result.growth_rates[mode],
-            },
-        )
-        for mode in modes
-    ]
+def _parts(values: Any, of_modes: bool) -> list[tuple[str, Floats]]:
+    """Real data with the ends of their names."""
+    return list(zip(_ENDS, (values.real, values.imag), strict=True)) if of_modes else [("", values)]
+
+
+def _facts(result: Result, mode: int) -> dict[str, float]:
+    return {
+        "mode": mode + 1,
+        "frequency": result.frequencies[mode],
+        "growth rate": result.growth_rates[mode],
+    }
 
 
 def contact_grid(contact: Contact, states: Mapping[str, ContactState]) -> Any:
@@ -195,35 +200,34 @@ def _gaps(result: Result, contact: Contact, modes: list[int]) -> Complexes:
         vectors, prescribed = result.modes.vectors[:, modes], 0.0
     else:
         vectors, prescribed = result.displacement.array[:, None].astype(complex), 1.0
+    sides = ((contact.a, interface.trace_a), (contact.b, interface.trace_b))
     jump, opposite = (
         displacements(result.system, body, trace, vectors, prescribed=prescribed)
-        for body, trace in (
-            (contact.a, interface.trace_a),
-            (contact.b, interface.trace_b),
-        )
+        for body, trace in sides
     )
-    jump -= opposite
-    gap = np.einsum("ijk,ij->ik", jump, interface.local_points.normal)
-    return np.concatenate(interface.comm.allgather(gap))
+    gap = np.einsum("ijk,ij->ik", jump - opposite, interface.local_points.normal)
+    found = np.concatenate(interface.comm.allgather(gap))
+    return found if result.spectrum is not None else found.real
 
 
-def _pressure(result: Result, contact: Contact, solution: Solution) -> dict[str, Floats]:
+def _pressure(result: Result, contact: Contact, mode: int | None) -> dict[str, Floats]:
     """Pressure (N/m^2) at all points of a contact that has one, on every rank."""
     if not contact.has_pressure:
         return {}
-    if result.spectrum is None:
+    if mode is None:
         if not contact.law.linear:
             return {}  # the contact pressure of the state stands there
         pressure = contact.pressure(result.displacement)
         if contact.prescribed is not None:
             pressure = pressure + contact.slope * contact.prescribed
         return {"pressure": pressure}
-    if not np.isfinite(result.relative_stiffness(contact.pair)):
+    stiffness = result.relative_stiffness(contact.pair)
+    if not np.isfinite(stiffness):
         return {}
-    parts = result.modes.vector(solution.number - 1)
+    parts = result.modes.vector(mode)
     data = {
-        f"pressure{end}": result.relative_stiffness(contact.pair) * contact.pressure(part)
-        for end, part in zip(solution.ends, parts, strict=True)
+        f"pressure{end}": stiffness * contact.pressure(part)
+        for end, part in zip(_ENDS, parts, strict=True)
     }
     destroy(*parts)
     return data

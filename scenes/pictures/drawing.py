@@ -9,64 +9,15 @@ import pyvista
 from PIL import Image
 
 from cea.arrays import Complexes, Floats
-from cea.volume import VolumeSample
-from scenes.pictures.grids import in_space
+from scenes.pictures.grids import FEATURE_ANGLE, sharp_edges
 
 _WINDOW = (1500, 900)
 DEFLECTION = 0.05
 """Largest deflection drawn, relative to the diagonal of the scene."""
-_MERGED = 1e-6
-"""Sample points nearer than this, relative to the diagonal, are one point."""
-_FEATURE_ANGLE = 30.0
+SUBDIVISIONS = 2
+"""Times that edges of curved cells are halved in pictures."""
 _STEEP = 0.999
 """Upward part of a view from which z no longer tells what is upright."""
-_CELL_TYPES = {
-    (2, 3): pyvista.CellType.TRIANGLE,
-    (2, 4): pyvista.CellType.QUAD,
-    (3, 4): pyvista.CellType.TETRA,
-    (3, 8): pyvista.CellType.HEXAHEDRON,
-}
-
-
-@dataclass(frozen=True)
-class _Skin:
-    """Outside of a body at rest, and its sharp edges.
-
-    Their points bear where they are ``at rest``, the ``real`` and ``imaginary`` parts of their
-    displacements as drawn, and room for the ``deflection`` that gives them a colour.
-    """
-
-    surface: Any
-    edges: Any
-
-    @classmethod
-    def of(cls, sample: VolumeSample, shape: Complexes, size: float) -> "_Skin":
-        """Outside of a sample of a body, for displacements at its points."""
-        grid = _grid(sample)
-        grid.point_data["real"] = in_space(shape.real)
-        grid.point_data["imaginary"] = in_space(shape.imag)
-        grid.point_data["at rest"] = grid.points
-        grid.point_data["deflection"] = np.zeros(grid.n_points)
-        return cls(*_outside(grid, size))
-
-
-def body_skin(sample: VolumeSample, size: float) -> tuple[Any, Any]:
-    """Outside of a body at rest and its sharp edges, in a scene with a diagonal of a size (m)."""
-    return _outside(_grid(sample), size)
-
-
-def _grid(sample: VolumeSample) -> Any:
-    """Cells of a sample (pyvista ``UnstructuredGrid``)."""
-    kind = _CELL_TYPES[sample.points.shape[1], sample.cells.shape[1]]
-    return pyvista.UnstructuredGrid({kind: sample.cells}, in_space(sample.points))
-
-
-def _outside(grid: Any, size: float) -> tuple[Any, Any]:
-    """Outside of a grid, and its sharp edges."""
-    # Cells sampled one by one do not share points; without sharing each has an outside.
-    surface = grid.clean(tolerance=_MERGED * size).extract_surface(algorithm="dataset_surface")
-    edges = surface.extract_feature_edges(_FEATURE_ANGLE, manifold_edges=False)
-    return surface, edges
 
 
 @dataclass(frozen=True)
@@ -75,33 +26,44 @@ class Drawing:
 
     Parameters
     ----------
-    skins
-        The bodies.
+    bodies
+        Outside of each body and its sharp edges. Their points bear where they are ``at rest``, the
+        ``real`` and ``imaginary`` parts of their displacements as drawn, and room for the
+        ``deflection`` that gives them a colour.
     view
         Unit vector towards the camera.
     title
         Title of the pictures.
     """
 
-    skins: Sequence[_Skin]
+    bodies: Sequence[tuple[Any, Any]]
     view: Floats
     title: str
 
     @classmethod
-    def of(
-        cls, samples: Mapping[str, VolumeSample], shapes: Mapping[str, Complexes], title: str
-    ) -> "Drawing":
-        """Scale complex displacements at the points of samples so that they can be seen."""
-        turned, largest = largest_deflection(np.concatenate(list(shapes.values())))
-        points = np.concatenate([in_space(sample.points) for sample in samples.values()])
+    def of(cls, outsides: Mapping[str, Any], title: str) -> "Drawing":
+        """Scale displacements so that they can be seen.
+
+        Parameters
+        ----------
+        outsides
+            Outside of each body, whose points bear ``real`` and ``imaginary`` displacements.
+        title
+            Title of the pictures.
+        """
+        surfaces = list(outsides.values())
+        shapes = [s.point_data["real"] + 1j * s.point_data["imaginary"] for s in surfaces]
+        turned, largest = largest_deflection(np.concatenate(shapes))
+        points = np.concatenate([surface.points for surface in surfaces])
         size = float(np.linalg.norm(np.ptp(points, axis=0)))
-        ends = np.cumsum([len(shape) for shape in shapes.values()])[:-1]
+        ends = np.cumsum([len(shape) for shape in shapes])[:-1]
         drawn = np.split(DEFLECTION * size * turned / largest, ends)
-        skins = [
-            _Skin.of(sample, shape, size)
-            for sample, shape in zip(samples.values(), drawn, strict=True)
-        ]
-        return cls(skins, view_of([s.points for s in samples.values()]), title)
+        for surface, shape in zip(surfaces, drawn, strict=True):
+            surface.point_data["real"], surface.point_data["imaginary"] = shape.real, shape.imag
+            surface.point_data["at rest"] = surface.points
+            surface.point_data["deflection"] = np.zeros(surface.n_points)
+        bodies = [(surface, sharp_edges(surface)) for surface in surfaces]
+        return cls(bodies, view_of([surface.points for surface in surfaces]), title)
 
     def images(self, phases: Sequence[float], reduction: int = 1) -> list[Image.Image]:
         """Images at some phases, from one point of view; at phase 0 the deflection is largest.
@@ -114,7 +76,7 @@ class Drawing:
             Pixels of the window along each side of a pixel, which smooths images; where it is 1
             the window is smoothed itself, at many times the cost.
         """
-        surfaces = [skin.surface for skin in self.skins]
+        surfaces = [surface for surface, _ in self.bodies]
         at_rest = [surface.points for surface in surfaces]
         seen = np.concatenate(
             [*at_rest, *(s.points + _displacement(s, phase) for s in surfaces for phase in phases)]
@@ -130,7 +92,7 @@ class Drawing:
             else:
                 plotter.disable_anti_aliasing()
                 plotter.render_window.SetMultiSamples(0)
-            meshes = [mesh for skin in self.skins for mesh in _add_body(plotter, skin)]
+            meshes = [mesh for body in self.bodies for mesh in _add_body(plotter, *body)]
             text = plotter.add_title(self.title, font_size=15, color="#222222")
             text.SetPosition(0.5, 0.93)
             aim(plotter.camera, self.view, seen, _WINDOW)
@@ -186,20 +148,20 @@ def _deform(mesh: Any, phase: float, largest: float) -> None:
         mesh.point_data["Normals"][:] = turned.point_data["Normals"]
 
 
-def _add_body(plotter: Any, skin: _Skin) -> list[Any]:
+def _add_body(plotter: Any, surface: Any, sharp: Any) -> list[Any]:
     """Add the faint edges of a body at rest, and the meshes to be deformed, which are returned."""
     edges = []
-    if skin.edges.n_points:
-        plotter.add_mesh(skin.edges, color="#9A9A9A", line_width=3, opacity=0.6)
-        edges.append(plotter.add_mesh(skin.edges.copy(), color="#303840", line_width=3))
+    if sharp.n_points:
+        plotter.add_mesh(sharp, color="#9A9A9A", line_width=3, opacity=0.6)
+        edges.append(plotter.add_mesh(sharp.copy(), color="#303840", line_width=3))
     coloured = plotter.add_mesh(
-        skin.surface.copy(),
+        surface.copy(),
         scalars="deflection",
         cmap="YlGnBu",
         clim=(0.0, 1.0),
         smooth_shading=True,
         split_sharp_edges=True,
-        feature_angle=_FEATURE_ANGLE,
+        feature_angle=FEATURE_ANGLE,
         ambient=0.25,
         scalar_bar_args={
             "title": "displacement / largest\n",
@@ -224,10 +186,10 @@ def view_of(bodies: Sequence[Floats]) -> Floats:
     Parameters
     ----------
     bodies
-        Points (m) of each body, shape (n, dim).
+        Points (m) of each body, shape (n, 3).
     """
-    smallest = min(bodies, key=lambda points: float(np.prod(np.ptp(points, axis=0))))
-    if smallest.shape[1] == 2:
+    smallest = min(bodies, key=lambda points: float(np.prod(np.ptp(points, axis=0) + 1e-12)))
+    if not np.ptp(np.concatenate(list(bodies))[:, 2:]):  # in the plane
         return np.array([0.0, 0.0, 1.0])
     points = np.concatenate(list(bodies))
     offset = smallest.mean(axis=0) - (points.min(axis=0) + points.max(axis=0)) / 2

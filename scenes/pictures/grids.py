@@ -1,11 +1,11 @@
-"""VTK files of bodies on their true cells: ``.vtu`` grids, and ``.pvd`` lists of them.
+"""Bodies on their true cells as VTK has them, their outsides in triangles, and files of them.
 
 Lagrange elements become VTK Lagrange cells, knot spans VTK rational Bezier cells: nothing is
 resampled.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -34,27 +34,13 @@ _CELL_TYPES = {
     ("bezier", False, 3): pyvista.CellType.BEZIER_HEXAHEDRON,
 }
 
+_MERGED, _OFF_GRID = 1e-6, 0.2113
+"""Points nearer than this, relative to the diagonal of a body, are one point; and the shift of the
+lattice on which they are merged, which round numbers fall on no border of."""
+FEATURE_ANGLE = 30.0
+"""Angle between triangles (degrees) from which on their edge is sharp."""
 _SIMPLICES: dict[int, Any] = {2: vtkHigherOrderTriangle, 3: vtkHigherOrderTetra}
 _BOXES: dict[int, Any] = {2: vtkHigherOrderQuadrilateral, 3: vtkHigherOrderHexahedron}
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A file in a ``.pvd`` list.
-
-    Parameters
-    ----------
-    time
-        Time at which it is shown.
-    part
-        Number of the part of the scene it holds.
-    file
-        The file.
-    """
-
-    time: float
-    part: int
-    file: Path
 
 
 def cell_grid(cells: VolumeCells) -> Any:
@@ -79,6 +65,55 @@ def cell_grid(cells: VolumeCells) -> Any:
             pyvista.convert_array(degrees, name="HigherOrderDegrees")
         )
     return grid
+
+
+def merged(cells: VolumeCells) -> VolumeCells:
+    """Cells that share their points, those of joined patches too: what is inside is then known."""
+    x = cells.points
+    size = float(np.linalg.norm(np.ptp(x, axis=0)))
+    grid = np.round(x / (_MERGED * size) + _OFF_GRID)
+    _, first, number = np.unique(grid, axis=0, return_index=True, return_inverse=True)
+    return replace(
+        cells,
+        points=x[first],
+        weights=cells.weights[first],
+        cells=number.reshape(-1)[cells.cells],
+        values=cells.values[first],
+    )
+
+
+def outside(cells: VolumeCells, fields: Mapping[str, Floats], subdivisions: int) -> Any:
+    """Outside of a body in triangles with fields at its points (pyvista ``PolyData``).
+
+    Parameters
+    ----------
+    cells
+        Cells that share their points (:func:`merged`).
+    fields
+        Vectors at their points by name.
+    subdivisions
+        Times that edges of curved cells are halved.
+    """
+    grid = cell_grid(cells)
+    for name, values in fields.items():
+        grid.point_data[name] = in_space(values)
+    surface = grid.extract_surface(
+        nonlinear_subdivision=subdivisions, pass_cellid=True, algorithm="dataset_surface"
+    )
+    return surface.triangulate()
+
+
+def straight_outside(points: Floats, cells: Ints, displacement: Floats) -> Any:
+    """Outside of straight cells in space with real displacements of their points."""
+    kind = {4: pyvista.CellType.TETRA, 8: pyvista.CellType.HEXAHEDRON}[cells.shape[1]]
+    grid = pyvista.UnstructuredGrid({kind: cells}, points)
+    grid.point_data["real"], grid.point_data["imaginary"] = displacement, 0 * displacement
+    return grid.extract_surface(algorithm="dataset_surface").triangulate()
+
+
+def sharp_edges(surface: Any) -> Any:
+    """Edges between triangles whose normals differ, and those of one alone (pyvista)."""
+    return surface.extract_feature_edges(FEATURE_ANGLE, manifold_edges=False)
 
 
 def point_grid(points: Floats) -> Any:
@@ -106,18 +141,13 @@ def in_space(vectors: Floats) -> Floats:
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
-def write_collection(entries: Iterable[Entry], file: Path) -> None:
-    """Write a ``.pvd`` list of files, told by their paths relative to its folder."""
+def write_collection(entries: Iterable[tuple[float, int, Path]], file: Path) -> None:
+    """Write a ``.pvd`` list: of each file its time, its part, and its path from there."""
     root = Element("VTKFile", type="Collection", version="1.0")
     collection = SubElement(root, "Collection")
-    for entry in entries:
-        SubElement(
-            collection,
-            "DataSet",
-            timestep=str(entry.time),
-            part=str(entry.part),
-            file=entry.file.relative_to(file.parent).as_posix(),
-        )
+    for time, part, path in entries:
+        names = {"timestep": str(time), "part": str(part), "file": path.as_posix()}
+        SubElement(collection, "DataSet", names)
     indent(root)
     write_whole(tostring(root, encoding="utf-8", xml_declaration=True), file)
 

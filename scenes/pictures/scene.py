@@ -17,8 +17,8 @@ from cea.petsc import MPI
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from scenes.checking.check import Inspection, gaps
-from scenes.pictures.drawing import aim, body_skin, view_of
-from scenes.pictures.grids import in_space
+from scenes.pictures.drawing import SUBDIVISIONS, aim, view_of
+from scenes.pictures.grids import in_space, merged, outside, sharp_edges
 
 _WINDOW = (1100, 900)
 """Width and height of each of both panels (pixels)."""
@@ -66,21 +66,22 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
     Path
         The file.
     """
-    samples = {name: body.volume_sample(2) for name, body in inspection.bodies.items()}
+    cells = [body.volume_cells() for body in inspection.bodies.values()]
     distances = {name: gaps(half) for name, half in inspection.halves.items()}
     if MPI.COMM_WORLD.rank > 0:
         return Path(file)
-    points = np.concatenate([in_space(sample.points) for sample in samples.values()])
+    surfaces = [outside(merged(each), {}, SUBDIVISIONS) for each in cells]
+    points = np.concatenate([surface.points for surface in surfaces])
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    skins = [body_skin(sample, size) for sample in samples.values()]
-    view = view_of([sample.points for sample in samples.values()])
+    view = view_of([surface.points for surface in surfaces])
     with pyvista.vtk_verbosity("off"):
         window = [2 * _WINDOW[0], _WINDOW[1]]
         plotter = pyvista.Plotter(off_screen=True, window_size=window, shape=(1, 2))
         plotter.set_background("white")
         for panel, (title, legend) in enumerate(_PANELS):
             plotter.subplot(0, panel)
-            for number, (surface, edges) in enumerate(skins):
+            for number, surface in enumerate(surfaces):
+                edges = sharp_edges(surface)
                 colour = _COLOURS[number % len(_COLOURS)]
                 plotter.add_mesh(
                     surface, color=colour, opacity=0.22 if panel else 1.0, ambient=0.25

@@ -14,8 +14,8 @@ from meshes.placement import Placement
 from meshes.shapes import Hub, Shape
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
-from scenes.spec.node_grids import box_lengths
 from scenes.spec.scene import SceneSpec
+from scenes.spec.sizes import box_lengths
 
 _ENDS = {"min": 0, "max": 1}
 _NAMED = {

@@ -41,6 +41,9 @@ class Analysis(Protocol):
     def run(self, scene: Any, /, **options: Any) -> "Result":
         """Run a scene; options are those of a run, and of this analysis."""
 
+    def steps(self, scene: Any) -> tuple[dict[str, str], dict[str, str]]:
+        """Steps of a run and what it leaves out, with the reasons."""
+
     def describe(self, result: "Result") -> dict[str, Any]:
         """What the record of a result holds of this analysis, plain data."""
 
@@ -352,19 +355,23 @@ class Result:
 
     def drawings(self, modes: Sequence[int]) -> list["Drawing"]:
         """Modes, by their indices, ready to be drawn at any phase; none but on rank 0."""
-        from scenes.pictures.drawing import Drawing  # brings pyvista
+        from scenes.pictures.drawing import SUBDIVISIONS, Drawing  # brings pyvista
+        from scenes.pictures.grids import merged, outside
 
-        samples = {name: body.volume_sample(2) for name, body in self.bodies.items()}
+        cells = {name: merged(body.volume_cells()) for name, body in self.bodies.items()}
         shapes = {
-            name: self.mode_shapes(name, sample.values, modes, everywhere=False)
-            for name, sample in samples.items()
+            name: self.mode_shapes(name, each.values, modes, everywhere=False)
+            for name, each in cells.items()
         }
-        if self.comm.rank:
-            return []
-        return [
-            Drawing.of(samples, {n: u[..., i] for n, u in shapes.items()}, self.title(mode))
-            for i, mode in enumerate(modes)
-        ]
+        drawings = []
+        for i, mode in enumerate(modes if self.comm.rank == 0 else ()):
+            outsides = {}
+            for name, each in cells.items():
+                u = shapes[name][..., i]
+                parts = {"real": u.real, "imaginary": u.imag}
+                outsides[name] = outside(each, parts, SUBDIVISIONS)
+            drawings.append(Drawing.of(outsides, self.title(mode)))
+        return drawings
 
     def steady_lines(self) -> list[str]:
         """What contacts carry in steady sliding; where supports prescribe, what they bear too."""

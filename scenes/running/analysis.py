@@ -32,7 +32,7 @@ def analysis_of(scene: "Scene | MatrixScene") -> Analysis:
     return cast(Analysis, import_module(ANALYSES[kind]))
 
 
-def run_scene(scene: Scene, **options: Any) -> Result:
+def run_scene(scene: "Scene | MatrixScene", **options: Any) -> Result:
     """Run a scene.
 
     Parameters

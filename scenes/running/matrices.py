@@ -4,9 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver, run_window
 from cea.eigen.modes import Modes
-from cea.eigen.run_window import run_window
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
@@ -25,7 +24,16 @@ from scenes.running.analysis import analysis_of
 from scenes.running.modes import describe, lines, opened, table
 from scenes.spec.matrices import ROLES, MatrixScene
 
-__all__ = ["AssembledMatrices", "describe", "lines", "opened", "run", "run_matrices", "table"]
+__all__ = [
+    "AssembledMatrices",
+    "describe",
+    "lines",
+    "opened",
+    "run",
+    "run_matrices",
+    "steps",
+    "table",
+]
 
 
 class AssembledMatrices:
@@ -63,11 +71,11 @@ class AssembledMatrices:
         with self.timer("reading"):
             self.pieces = read_pieces(scene, MPI.COMM_WORLD)
         self._pencil = matrix_pencil(scene, self.pieces)
-        self._driver = KrylovSchur(self._pencil)
+        self._driver = EigenSolver(self._pencil)
         self._checked: tuple[float, ...] | None = None
 
     @property
-    def driver(self) -> KrylovSchur:
+    def driver(self) -> EigenSolver:
         """What solves its pencil."""
         return self._driver
 
@@ -204,6 +212,14 @@ def run_matrices(
 
 run = run_matrices
 """As :class:`scenes.results.result.Analysis` has it; what is told is what is told of modes."""
+
+
+def steps(scene: MatrixScene) -> tuple[dict[str, str], dict[str, str]]:
+    """What a run needs and what it leaves out; the matrices are read: their entries decide."""
+    sums = [(str(role), scene.sum(role)) for role in ROLES]
+    needed = {role: " + ".join(names) for role, names in sums if names}
+    needed["eigenvalues"] = f"to {scene.window.max_frequency:g} Hz"
+    return needed, skipped_by(scene, read_pieces(scene))
 
 
 def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str]:

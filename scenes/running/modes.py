@@ -5,20 +5,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 from cea.contact.interface import Interface
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver, run_window
 from cea.eigen.mode_table import SIGNS, ModeTable
 from cea.eigen.modes import Modes
-from cea.eigen.run_window import run_window
 from cea.errors import InputError
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.checking.steps import skipped_by
+from scenes.checking.memory import room_for_factors
+from scenes.checking.steps import needed_by, skipped_by
 from scenes.checking.warnings import short_modes
 from scenes.results.describe import describe_modes, described_run
 from scenes.results.result import Fields, Result
 from scenes.running.analysis import analysis_of
-from scenes.running.factor_storage import factor_storage
 from scenes.running.system import RunOptions, coupled, system_warnings
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.reading import Scene
@@ -49,7 +48,7 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
-    with KrylovSchur(pencil) as driver:
+    with EigenSolver(pencil) as driver:
         return solved(scene, system, interfaces, timer, driver, left=left)
 
 
@@ -62,7 +61,7 @@ def solved(
     system: CoupledSystem,
     interfaces: Mapping[str, Interface],
     timer: StageTimer,
-    driver: KrylovSchur,
+    driver: EigenSolver,
     values: Mapping[str, float] | None = None,
     *,
     left: bool = False,
@@ -84,9 +83,9 @@ def solved(
     left
         Whether left eigenvectors are wanted too.
     """
-    analysis, storage = scene.analysis, factor_storage(scene)
+    analysis = scene.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
-    with storage.kept():
+    with room_for_factors(scene) as on_disk:
         try:
             modes = run_window(
                 driver,
@@ -97,9 +96,9 @@ def solved(
                 timer=timer,
             )
         finally:
-            if storage.place == "disk":
+            if on_disk:
                 driver.free()
-    modes = replace(modes, warnings=(*modes.warnings, *storage.warnings))
+    modes = replace(modes, warnings=(*modes.warnings, *on_disk))
     return result_of_modes(scene, system, interfaces, timer, modes)
 
 
@@ -155,6 +154,11 @@ def opened(record: "RunRecord") -> Fields:
     from scenes.results.opened import opened_modes
 
     return {"spectrum": opened_modes(record)}
+
+
+def steps(scene: Scene) -> tuple[dict[str, str], dict[str, str]]:
+    """Steps of a run and what it leaves out, with the reasons."""
+    return needed_by(scene), skipped_by(scene)
 
 
 def table(result: Result) -> ModeTable:

@@ -1,7 +1,6 @@
 """What is wrong with a scene between its fields, each of which is right by itself."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import prod
 
 from cea.errors import InputError
 from cea.suggestions import did_you_mean
@@ -12,12 +11,12 @@ from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.spec.analysis import Analysis
 from scenes.spec.body import BodySpec
 from scenes.spec.contact_checks import contact_checks, fault_of, unknown_surface
-from scenes.spec.limits import MAX_ELEMENTS, limit_checks
+from scenes.spec.limits import limit_checks
 from scenes.spec.load import LoadSpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.node_grids import box_lengths, node_grids
 from scenes.spec.rotation_checks import rotation_checks
 from scenes.spec.scene import SceneSpec
+from scenes.spec.sizes import MAX_ELEMENTS, box_lengths, dofs_of
 
 
 def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
@@ -192,12 +191,6 @@ def size_checks(place: str, body: BodySpec) -> Iterator[InputError]:
             f"has about {dofs_of(body):.2g} unknowns"
         )
         yield InputError(f"{place}.mesh.fe.size", fe.size, allowed)
-
-
-def dofs_of(body: BodySpec) -> float:
-    """Estimate of the unknowns of a body, supports not taken out."""
-    dim = len(body.geometry.directions)
-    return dim * sum(prod(grid.counts) for grid in node_grids(body, 1.0))
 
 
 _NEEDS = "left out where no contact has c_n: no state of steady sliding is sought"

@@ -13,9 +13,6 @@ from scenes.spec.scene import SceneSpec
 LARGEST, SMALLEST = 1e30, 1e-30
 """Range of numbers, in the unit of each: lengths, stiffness and densities of any units fit."""
 
-MAX_ELEMENTS = 10**6
-"""Elements along one direction."""
-
 MAX_ITEMS = 200
 """Bodies, contacts and loads of a scene, supports and springs of a body, of each so many."""
 

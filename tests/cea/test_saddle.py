@@ -8,7 +8,7 @@ from blocks import FORMULATIONS, assemble, coarse, two_blocks
 from covering import covering
 from motions import dense
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.shifted import count_below
 from scenes import run_scene
 from scenes.spec.problems import SceneError

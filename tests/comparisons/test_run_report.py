@@ -17,7 +17,6 @@ from comparisons.kit.interactive import finite, literal
 from comparisons.kit.shapes import Shapes, by_importance
 from comparisons.run_report.page import write_run_report
 from scenes import load_scene, run_modes, run_scene, save_result
-from scenes.pictures.skin import skins
 
 
 @pytest.fixture(scope="module")
@@ -79,12 +78,13 @@ def test_shapes_are_those_of_the_modes(report, page, result):
     """At phase 0 and a quarter later, to the steps that displacements are kept in."""
     held = page.data["shapes"]
     text = report.read_text("utf-8").split('id="numbers">')[1].split("<")[0]
-    outside = skins(result.bodies, 4000)
     (first,) = result.most_unstable(1)
+    cells = kit_shapes._cells(result)
+    u = {name: result.mode_shapes(name, each.values, [first]) for name, each in cells.items()}
+    outside = kit_shapes._outsides(cells, u)
     mode = held["modes"]["run"][str(first + 1)]
-    exact = np.concatenate(
-        [result.mode_shapes(n, skin.values, [first])[..., 0] for n, skin in outside.items()]
-    )
+    data = [surface.point_data for surface in outside.values()]
+    exact = np.concatenate([each["real 0"] + 1j * each["imaginary 0"] for each in data])[:, :2]
     real, imaginary = (numbers(text, mode[part]).reshape(3, -1) for part in ("real", "imaginary"))
     kept = (real + 1j * imaginary)[:2].T
     assert np.abs(real[2]).max() == 0
@@ -95,9 +95,11 @@ def test_shapes_are_those_of_the_modes(report, page, result):
     for body, skin in zip(held["scenes"]["run"]["bodies"], outside.values(), strict=True):
         places = numbers(text, body["points"]).reshape(3, -1)[:2].T * held["scenes"]["run"]["step"]
         low = held["scenes"]["run"]["low"][:2]
-        np.testing.assert_allclose(places + low, skin.points, atol=held["scenes"]["run"]["step"])
+        np.testing.assert_allclose(
+            places + low, skin.points[:, :2], atol=held["scenes"]["run"]["step"]
+        )
         np.testing.assert_array_equal(
-            numbers(text, body["triangles"]).reshape(3, -1).T, skin.triangles
+            numbers(text, body["triangles"]).reshape(3, -1).T, skin.regular_faces
         )
 
 

@@ -35,7 +35,8 @@ def test_version(told):
 def test_list_names_every_scene_in_a_line(told):
     code, out, _ = told("scene", "list")
     assert code == 0
-    lines = out.splitlines()[1:]
+    _, _, table = out.rpartition("─")
+    lines = [line.strip() for line in table.splitlines() if line.strip()]
     assert [line.split()[0] for line in lines] == [*scene_names(), *matrix_scene_names()]
     (line,) = (line for line in lines if line.startswith("disc_pad "))
     assert "pad, disc" in line

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from comparisons.cli import extras
+from comparisons.cli import options as extras
 from comparisons.cli.app import main
 
 ROOT = Path(__file__).parents[2]

@@ -7,7 +7,7 @@ import pytest
 
 from cea.errors import InputError
 from comparisons.cli.app import main
-from comparisons.cli.backend import with_backend
+from comparisons.cli.options import with_backend
 from scenes.spec.reading import load_scene
 
 COARSE = (

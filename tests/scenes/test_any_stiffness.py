@@ -6,7 +6,7 @@ from math import inf, tau
 import numpy as np
 import pytest
 
-from cea.eigen.eigenvalue_matching import match_spectrum
+from cea.eigen.matching import match_spectrum
 from scenes import run_modes
 from scenes.spec.reading import load_scene
 

@@ -9,9 +9,7 @@ from blocks import two_blocks
 from file_pictures import draw_files
 from matplotlib.image import imread
 from PIL import Image
-from scipy.sparse import eye_array
 
-from cea.volume import VolumeSample
 from scenes import run_scene
 from scenes.export.paraview import write_paraview
 from scenes.export.pictures import draw_modes
@@ -103,11 +101,11 @@ def test_files_for_paraview_are_drawn_by_themselves(result, backend, tmp_path):
 
 
 def test_images_follow_the_phase():
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    sample = VolumeSample(square, np.array([[0, 1, 2, 3]]), eye_array(4, format="csr"))
+    square = pyvista.Rectangle([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]).triangulate()
     # Re(u e^(i phase)) = (cos phase, sin phase): every point runs around a circle.
-    circling = np.tile([1.0, -1.0j], (4, 1))
-    drawing = Drawing.of({"square": sample}, {"square": circling}, "circling")
+    square.point_data["real"] = np.tile([1.0, 0.0, 0.0], (square.n_points, 1))
+    square.point_data["imaginary"] = np.tile([0.0, -1.0, 0.0], (square.n_points, 1))
+    drawing = Drawing.of({"square": square}, "circling")
     phases = np.array([0.0, 0.7, 2.0, 3.5, 5.0])
     centres = []
     for image in drawing.images(phases.tolist(), 2):

@@ -6,8 +6,8 @@ from damped_numbers import damped_disc, modally_damped_disc
 from dense_damped_modes import assert_modes_are_dense
 from reduced_cases import enrichment
 
-from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
+from cea.eigen.matching import assign
 from scenes import run_modes
 from scenes.running.assembled import AssembledScene
 from scenes.running.enrich import richer_scene
@@ -88,7 +88,7 @@ def test_a_map_over_rate_and_damping_is_that_of_full_solves():
     built = enrichment(pencil, BOX, 0.3)
     corners = [(0.0, 0.0, 0.0), (0.4, 0.05, 0.5), (0.2, 0.02, 0.3), (0.4, 0.0, 0.5)]
     built.cover([dict(zip(BOX, each, strict=True)) for each in corners])
-    full = KrylovSchur(pencil)
+    full = EigenSolver(pencil)
     for each in ((0.3, 0.03, 0.2), (0.1, 0.05, 0.45)):
         point = dict(zip(BOX, each, strict=True))
         found = built.at(point).window

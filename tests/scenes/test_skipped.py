@@ -7,7 +7,7 @@ import pytest
 from blocks import assemble, two_blocks
 from covering import covering
 
-import cea.eigen.krylov_schur
+import cea.eigen.driver
 from scenes import run_scene
 from scenes.checking.steps import skipped_by
 from scenes.checking.unused import GIVEN, unused_input
@@ -21,13 +21,13 @@ LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 def taken(monkeypatch):
     """Whether each search that is made takes the symmetric path."""
     paths = []
-    original = cea.eigen.krylov_schur.UndampedSearch
+    original = cea.eigen.driver.UndampedSearch
 
     def recorded(matrices, *arguments, **options):
         paths.append(matrices.symmetric)
         return original(matrices, *arguments, **options)
 
-    monkeypatch.setattr(cea.eigen.krylov_schur, "UndampedSearch", recorded)
+    monkeypatch.setattr(cea.eigen.driver, "UndampedSearch", recorded)
     return paths
 
 
@@ -140,10 +140,10 @@ def test_what_is_given_without_use_is_told_with_its_path(backend, changes, unuse
 
 UNUSED = (
     *("meshes.files.reading", "meshes.files.part", "scenes.matrices", "scenes.spec.matrices"),
-    *("cea.eigen.quadratic_coverage", "cea.eigen.static", "cea.system.steady_path"),
+    *("cea.eigen.static", "cea.system.steady_path"),
     *("cea.system.steady_newton", "cea.system.modal_damping"),
     *("scenes.running.static", "scenes.running.steady", "scenes.checking.steady", "scenes.export"),
-    *("scenes.pictures", "scenes.refinement", "scenes.results.opened", "gmsh", "pyvista", "pydoc"),
+    *("scenes.pictures", "scenes.refinement", "scenes.results.opened", "gmsh", "pyvista"),
 )
 """What modes of a disc and a pad at a given stiffness have no use for."""
 MOST = {"fe": 205, "iga": 215}

@@ -1,0 +1,88 @@
+"""What several commands do with their options: the backend, extras, ``--redraw``."""
+
+from collections.abc import Callable, Mapping, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Literal
+
+from cea.errors import InputError
+
+Backend = Literal["fe", "iga"]
+
+_MODULES = {
+    "pictures": ("matplotlib", "PIL", "plotly", "pyvista"),
+    "maps": ("h5netcdf", "xarray"),
+    "exact": ("flint",),
+}
+"""Modules that each extra of `pyproject.toml` brings."""
+
+
+class MissingExtraError(Exception):
+    """A command needs an extra that is not installed."""
+
+
+def need(*extras: str) -> None:
+    """Refuse to begin without what extras bring, by names: ``pictures``, ``maps`` or ``exact``.
+
+    Raises
+    ------
+    MissingExtraError
+        With the command that installs it, when a module of one cannot be found.
+    """
+    for extra in extras:
+        missing = [module for module in _MODULES[extra] if find_spec(module) is None]
+        if missing:
+            raise MissingExtraError(
+                f"{', '.join(missing)} is not installed: "
+                f"python -m pip install 'friction-cea[{extra}]'"
+            )
+
+
+def refuse(given: Mapping[str, Any], why: str) -> None:
+    """Refuse the first of some options that was given: those that were not are empty or None."""
+    for name, value in given.items():
+        if value:
+            raise InputError(name, value, f"left out {why}")
+
+
+def refuse_with_redraw(redraw: bool, options: Mapping[str, Any]) -> None:
+    """Refuse options of a run where a stored result is drawn."""
+    if redraw:
+        refuse(options, "with --redraw, which runs nothing")
+
+
+def refuse_another(given: Mapping[str, Any], stored: Mapping[str, Any]) -> None:
+    """Refuse to draw a stored result as another one: what was asked for, and its inputs."""
+    for name, value in given.items():
+        if value != stored.get(name):
+            raise InputError(name, value, f"{stored.get(name)!r}, as the stored result has it")
+
+
+def with_backend(scene: str, overrides: Sequence[str], backend: Backend | None) -> tuple[str, ...]:
+    """Overrides that put every body of a scene on one backend, behind others.
+
+    Raises
+    ------
+    InputError
+        When the scene is one of matrices, which has no bodies.
+    SceneError
+        When the scene is refused there.
+    """
+    if backend is None:
+        return tuple(overrides)
+    from scenes.spec.files import is_of_matrices
+    from scenes.spec.reading import load_scene
+
+    if is_of_matrices(scene):
+        refuse({"backend": backend}, "of a scene of matrices, which has no bodies")
+    bodies = load_scene(scene, overrides, backend).bodies
+    return (*overrides, *(f'bodies.{name}.backend="{backend}"' for name in bodies))
+
+
+def deliver(write: Callable[[Path], Path], out: Path) -> Path:
+    """Fill a new folder that takes the place of an earlier result; the file to open."""
+    from cea.petsc import MPI
+    from scenes.results.folder import new_folder
+
+    with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
+        return new.final(write(new.part))
