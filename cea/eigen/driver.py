@@ -156,7 +156,7 @@ class EigenSolver:
         if matrices.quadratic:
             decay = None if min_growth is None else -min_growth
             return DampedSearch(matrices, end, self.options, timer, decay)
-        counted, near = None, None
+        counted = None
         if matrices.symmetric:
             upper = upper_end(end**2)
             key = (*self.pencil.symmetric_values(values), upper)
@@ -165,10 +165,7 @@ class EigenSolver:
                     self._counts[key] = count_below(matrices, upper)
                 self.factorisations += 1
             counted = self._counts[key]
-        elif self.pencil.near_contact is not None:
-            with timer("assembly"):
-                near = self.pencil.near_contact.at(values)
-        return UndampedSearch(matrices, end, self.options, timer, counted, near)
+        return UndampedSearch(matrices, end, self.options, timer, counted)
 
     def _modes(
         self,

@@ -26,7 +26,6 @@ from cea.eigen.field_of_values import (
     FieldOfValues,
     bounded_growth,
     field_of_values,
-    has_cone,
     largest_growth,
 )
 from cea.eigen.krylov_schur import CrowdedError, KrylovOptions, NearShiftError, krylov_schur
@@ -249,8 +248,6 @@ class UndampedSearch(WindowSearch):
         Those of :class:`WindowSearch`.
     counted
         Without friction, eigenvalues below :func:`cea.eigen.regions.upper_end` by inertia.
-    near_contact
-        Pencil of what lies near the contacts (:attr:`cea.eigen.pencil.Pencil.near_contact`).
     """
 
     def __init__(
@@ -260,10 +257,9 @@ class UndampedSearch(WindowSearch):
         options: KrylovOptions,
         timer: StageTimer,
         counted: int | None,
-        near_contact: Matrices | None = None,
     ) -> None:
         super().__init__(matrices, end, options, timer)
-        self._top, self.counted, self._near_contact = end**2, counted, near_contact
+        self._top, self.counted = end**2, counted
 
     def _operator(self, shift: float) -> ShiftInvert:
         return ShiftInvert(self._matrices, shift, self._end)
@@ -326,18 +322,10 @@ class UndampedSearch(WindowSearch):
         return distance_of_cone(self._top, 0.5 * self._top, field.depth, field.slope)
 
     def _first_field(self) -> FieldOfValues:
-        """How far friction moves eigenvalues near the window: what its first disc rests on.
-
-        That of what lies near the contacts is the wider one, and known sooner.
-        """
-        top, near = self._top, self._near_contact
+        """How far friction moves eigenvalues near the window: what its first disc rests on."""
         with self._timer("factorisation"):
             self.factorisations += 1
-            if near is not None and has_cone(near):
-                field = field_of_values(near, _DEPTH * top, cone=True)
-                if self._radius_of(field) <= _AROUND * (upper_end(top) - 0.5 * top):
-                    return field
-            return field_of_values(self._matrices, _DEPTH * top, cone=True)
+            return field_of_values(self._matrices, _DEPTH * self._top, cone=True)
 
     def _bounds(self, depth: float) -> bool:
         """Whether nothing of the window has Re kappa < -depth: by as few tests as show it."""

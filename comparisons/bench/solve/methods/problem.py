@@ -25,8 +25,6 @@ SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {
 MAX_FREQUENCY = 27e3
 """End of the window (Hz)."""
 _NAMES = ("stiffness", "mass", "friction")
-_NEAR = "near_contact"
-"""Folder of those of what lies near the contacts."""
 
 
 def scene_of_size(size: str) -> Scene:
@@ -47,19 +45,13 @@ def scene_of_size(size: str) -> Scene:
 
 
 def write_matrices(scene: Scene, folder: Path) -> int:
-    """Write S, M and F of K = S - F, PETSc binary; the number of unknowns.
-
-    Those of what lies near the contacts too, where the pencil tells them apart.
-    """
+    """Write S, M and F of K = S - F, PETSc binary; the number of unknowns."""
     system, _, _ = coupled(scene)
     pencil = system.pencil()
     matrices = pencil.at()
     if matrices.multipliers is not None or matrices.unsymmetric is None or matrices.quadratic:
         raise InputError("scene", scene.name, "a penalty with friction, without damping")
     _write(matrices, folder)
-    if pencil.near_contact is not None:
-        (folder / _NEAR).mkdir(exist_ok=True)
-        _write(pencil.near_contact.at(), folder / _NEAR)
     return matrices.size
 
 
@@ -97,8 +89,6 @@ class Problem:
         End of the window, of kappa = -lambda^2 (1/s^2).
     wanted
         Eigenvalues to be found; None where nobody knows, and the method must tell.
-    near_contact
-        S, M and F of what lies near the contacts; None where they are not told apart.
     """
 
     stiffness: Any
@@ -106,14 +96,12 @@ class Problem:
     friction: Any
     top: float
     wanted: int | None
-    near_contact: tuple[Any, Any, Any] | None = None
 
     @classmethod
     def read(cls, folder: Path, wanted: int | None) -> "Problem":
         """Matrices that :func:`write_matrices` wrote; collective."""
-        near = _read(folder / _NEAR) if (folder / _NEAR).exists() else None
         top = (2 * np.pi * MAX_FREQUENCY) ** 2
-        return cls(*_read(folder), top, wanted, near)
+        return cls(*_read(folder), top, wanted)
 
     @property
     def shift(self) -> float:
@@ -135,8 +123,7 @@ class Problem:
 
     def pencil(self) -> Pencil:
         """What this program's driver takes."""
-        near = None if self.near_contact is None else Pencil.of(*self.near_contact)
-        return Pencil.of(self.stiffness, self.mass, self.friction, near)
+        return Pencil.of(self.stiffness, self.mass, self.friction)
 
     def unsymmetric(self) -> Any:
         """K, a new matrix."""
