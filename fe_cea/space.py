@@ -14,17 +14,15 @@ from cea.errors import InputError
 from cea.mesh import Mesh
 from cea.petsc import MPI
 from cea.ranks import agreed
-from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.surface import TrueSurface
 from cea.volume import VolumeCells, VolumeSample
-from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute, lasting_communicator
 from fe_cea.facets import gather_facets
 from fe_cea.matrices import LagrangeMatrices
 from fe_cea.prolongation import prolongation
-from fe_cea.sampling import cell_jacobians, sample_volume
+from fe_cea.sampling import cell_jacobians, lagrange_cells, sample_volume
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
 
@@ -33,7 +31,7 @@ _FLAT = 1e-10
 _UNKNOWN: Mapping[str, TrueSurface] = MappingProxyType({})
 
 
-class LagrangeSpace:
+class LagrangeSpace(LagrangeMatrices):
     """Lagrange space of a mesh; implements :class:`cea.body.Space`.
 
     Parameters
@@ -85,10 +83,8 @@ class LagrangeSpace:
                 raise InputError(f"{field}.surfaces.{surface}", tag, "the tag of some facets")
         with agreed(self.comm):
             _check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
-        self._field, self._mass_quadrature = field, mass_quadrature
-        self.scalar = functionspace(mesh, ("Lagrange", degree))
-        """Lagrange space of one component (dolfinx)."""
-        self._matrices = LagrangeMatrices(self.scalar, self.comm)
+        self._field = field
+        super().__init__(functionspace(mesh, ("Lagrange", degree)), self.comm, mass_quadrature)
         self._facets = {name: facet_tags.find(tag) for name, tag in surface_tags.items()}
         self._true_surfaces = dict(true_surfaces)
 
@@ -130,11 +126,6 @@ class LagrangeSpace:
             field=field,
         )
 
-    @property
-    def dim(self) -> int:
-        """Dimension of space, 2 or 3."""
-        return int(self.scalar.mesh.geometry.dim)
-
     @cached_property
     def ranges(self) -> Ints:
         """First scalar dof of each rank, and the end of the last, (ranks + 1,)."""
@@ -155,26 +146,6 @@ class LagrangeSpace:
         surfaces = self.surfaces if supports else {}
         count = self.scalar.dofmap.index_map.size_global
         return nodal_constraints(self.scalar, surfaces, supports, count, field)
-
-    def stiffness(self, lame: tuple[float, float]) -> Any:
-        """Elastic stiffness (N/m), symmetric."""
-        return self._matrices.stiffness(lame)
-
-    def mass(self, rho: float) -> Any:
-        """Consistent mass (kg), symmetric."""
-        return self._matrices.mass(rho, self._mass_quadrature)
-
-    def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""
-        return self._matrices.gyroscopic(rho, rotation)
-
-    def convective(self, rho: float, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.rotation`), kg, symmetric."""
-        return self._matrices.convective(rho, rotation)
-
-    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
-        """Stiffness that stresses of a displacement (m) make, N/m, symmetric."""
-        return self._matrices.geometric_stiffness(lame, displacement)
 
     @property
     def dof_positions(self) -> Floats | None:
