@@ -185,22 +185,6 @@ class OfMatrices:
 
 
 @dataclass(frozen=True)
-class OfParts:
-    """A scene whose friction is bounded by the part of its bodies near the contacts."""
-
-    data: Mapping[str, Any]
-
-    def solve(self, max_frequency: float | None) -> Answer:
-        """Modes of a window that rests on the part."""
-        scene = _read(self.data, max_frequency)
-        system, _, _ = coupled(scene)
-        pencil = system.pencil(parted_from=0)
-        assert pencil.near_contact is not None
-        modes = solve_modes(pencil, _end(scene))
-        return answer_of(modes, (*system.warnings, *modes.warnings), None, system.size)
-
-
-@dataclass(frozen=True)
 class OfMap:
     """A scene as one value of a map: a reduced model answers.
 

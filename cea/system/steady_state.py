@@ -1,15 +1,30 @@
-"""States of steady sliding: what contacts carry, how they were found, whether they are alone."""
+"""States of steady sliding: what contacts carry, how they were found, whether they are alone.
+
+The law of the pressure is monotone: without friction the tangent is symmetric positive definite and
+there is one equilibrium. With friction it may become singular, where branches of equilibria meet,
+and beyond it an odd number of its real eigenvalues is negative: the sign of its determinant tells.
+Where bodies rotate beyond a critical rate the symmetric part has negative eigenvalues of its own:
+it is those beyond them that count.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
 
 from cea.arrays import Floats
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
+from cea.eigen.pencil import Matrices
+from cea.eigen.shifted import Shifted, count_below
+from cea.matrices import destroy
 from cea.petsc import Vec
 from cea.warned import ResultWarning
 
 _NEAR = 1e-2
 """Least eigenvalue, of the tangent relative to its symmetric part, that is not nearly zero."""
+_STEPS = 12
+"""Inverse iterations."""
 
 
 @dataclass(frozen=True)
@@ -131,30 +146,23 @@ class Uniqueness:
 
     def warnings(self) -> tuple[ResultWarning, ...]:
         """What a reader must know of it."""
-        data = {
-            "parity": self.parity,
-            "parities": [[factor, parity] for factor, parity in self.parities.items()],
-            "margin": self.margin,
-        }
         if self.lost:
-            return (
-                ResultWarning(
-                    "not-unique",
-                    "the determinant of the tangent has another sign than without friction: the "
-                    "equilibrium is unstable or there are others",
-                    data,
-                ),
+            kind = "not-unique"
+            message = (
+                "the determinant of the tangent has another sign than without friction: the "
+                "equilibrium is unstable or there are others"
             )
-        if self.near:
-            return (
-                ResultWarning(
-                    "nearly-not-unique",
-                    f"the tangent is nearly singular ({self.margin:.1e} of that without friction): "
-                    "other equilibria are near",
-                    data,
-                ),
+        elif self.near:
+            kind = "nearly-not-unique"
+            message = (
+                f"the tangent is nearly singular ({self.margin:.1e} of that without friction): "
+                "other equilibria are near"
             )
-        return ()
+        else:
+            return ()
+        parities = [[factor, parity] for factor, parity in self.parities.items()]
+        data = {"parity": self.parity, "parities": parities, "margin": self.margin}
+        return (ResultWarning(kind, message, data),)
 
 
 @dataclass(frozen=True)
@@ -198,22 +206,78 @@ class SteadySliding:
 
 def contact_state(contact: Contact, closure: Floats) -> ContactState:
     """What a half pass carries at closures of all its points (m), shape (n,)."""
-    half, points = contact.half, contact.interface.points
-    pressure = half.law.pressure(closure)
+    points, friction_law = contact.interface.points, contact.friction
+    pressure = contact.law.pressure(closure)
     weighted = points.weight * pressure
     force = -(weighted @ points.normal)
     friction = 0.0
-    if half.friction is not None and half.friction.acts:
-        rubbing = weighted * half.friction.mu
-        friction = float(rubbing.sum())
-        force = force + rubbing @ half.friction.direction.at(points.x, points.normal)
+    if friction_law is not None and friction_law.acts:
+        tangential = weighted * friction_law.mu
+        friction = float(tangential.sum())
+        force = force + tangential @ friction_law.direction.at(points.x, points.normal)
     return ContactState(
         closure=closure,
         pressure=pressure,
-        stiffness=half.law.slope(closure),
+        stiffness=contact.law.slope(closure),
         normal_force=float(weighted.sum()),
         friction_force=friction,
         force_on_a=force,
         closed_area=float(points.weight[closure > 0].sum()),
         area=float(points.weight.sum()),
     )
+
+
+def uniqueness_at(
+    tangent: Matrices,
+    factors: Shifted,
+    parities: Mapping[float, int | None],
+    *,
+    unstable: bool,
+) -> Uniqueness | None:
+    """What a tangent says of other equilibria; None of a symmetric one.
+
+    Parameters
+    ----------
+    tangent, factors
+        The tangent in the state, and factorised.
+    parities
+        Parity of negative eigenvalues on the way, by part of the load.
+    unstable
+        Whether the bodies are not stable without contacts.
+    """
+    if tangent.symmetric:
+        return None
+    parity = parity_of(tangent, factors, unstable=unstable)
+    return Uniqueness(parity, parities, _margin(tangent, factors))
+
+
+def parity_of(tangent: Matrices, factors: Shifted, *, unstable: bool) -> int | None:
+    """Whether a tangent has an odd (1) or even (0) number of negative real eigenvalues.
+
+    More than its symmetric part has, where that may have some; None where it is not known.
+    """
+    parity = factors.parity()
+    if parity is None or not unstable:
+        return parity
+    return (parity + count_below(tangent, 0.0)) % 2
+
+
+def _margin(tangent: Matrices, factors: Shifted) -> float:
+    """Inverse of the growth of A^-1 S, S the symmetric part of A that contact and bodies make."""
+    S = tangent.stiffness
+    x, y = S.createVecRight(), S.createVecLeft()
+    x.array[:] = np.random.default_rng(S.comm.rank).standard_normal(x.getLocalSize())
+    growths = []
+    for _ in range(_STEPS):
+        S.mult(x, y)
+        before = _norm(x)
+        factors.solve(y, x)
+        growths.append(_norm(x) / before)
+        x.scale(1 / _norm(x))
+    destroy(x, y)
+    late = np.array(growths[_STEPS // 2 :])
+    return float(1 / np.exp(np.log(late).mean()))
+
+
+def _norm(x: Any) -> float:
+    return float(x.norm())
