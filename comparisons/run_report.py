@@ -179,7 +179,8 @@ def summary(data: Data) -> str | None:
     """How many modes grow, and why they are all."""
     if "eigenvalues" not in data:
         return None
-    return f"{sign(data['verdict'])}. {data['summary']}. Window: {data['window']['evidence']}."
+    mark = sign(data["verdict"]).removesuffix(data["verdict"])
+    return f"{mark}{data['summary']}. Window: {data['window']['evidence']}."
 
 
 def steady(data: Data) -> str | None:

@@ -158,23 +158,25 @@ def _section(
     """What the template shows of a section; None of one that shows nothing."""
     headline = (section.headline(result) if section.headline else None) or ""
     tables = [ShownTable.of(table, result) for table in section.tables]
-    for table in tables if out else ():
-        write_whole(table.csv(), out / f"{table.name}.csv")
+    for table in tables:
+        if out:
+            write_whole(table.csv(), out / f"{table.name}.csv")
     drawn, images = [], []
     for plot in section.plots:
         if isinstance(plot, Plot):
             made = plots.drawn_by_page(plot, result)
+            if made and out:
+                save(plots.draw(plot, result), out / f"{plot.name}.png")
             if made:
-                if out:
-                    save(plots.draw(plot, result), out / f"{plot.name}.png")
                 drawn.append({"plot": plot, "panels": made})
             continue
-        name, figure = getattr(plot, "__name__", "figure"), plot(result)
-        if figure is None or out is None:
-            continue
-        save(figure, out / f"{name}.png")
-        caption = " ".join((plot.__doc__ or "").split())
-        images.append({"image": Image.of(out / f"{name}.png"), "caption": caption})
+        figure = plot(result)
+        if figure is not None and out is not None:
+            file = out / f"{getattr(plot, '__name__', 'figure')}.png"
+            save(figure, file)
+            images.append(
+                {"image": Image.of(file), "caption": " ".join((plot.__doc__ or "").split())}
+            )
     modes = section.modes and shapes is not None and bool(shapes.keys)
     geometry = next(iter(shapes.scenes), "") if section.geometry and shapes else ""
     shown = [t for t in tables if t.table.shown and not t.frame.empty]
