@@ -6,6 +6,7 @@ bound that was passed raises the factor that all bounds are made with.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -36,12 +37,12 @@ class Tested:
     """What a full solve that a basis took in said of the bounds before.
 
     The largest error of the reduced model relative to its bound: infinite where a mode was missing,
-    None where bounds were too large to tell. And whether its window was shown to be complete.
+    None where bounds were too large to tell. And the solve as plain data, without its vectors.
     """
 
     point: Point
     error_over_bound: float | None
-    complete: bool
+    about: Mapping[str, Any]
 
 
 @dataclass
@@ -120,7 +121,7 @@ class Enrichment:
             if 1 < tested < np.inf:
                 self.model.raise_safety(2 * tested * self.model.small.settings.safety)
         self.model.take(taken)
-        self.solves.append(Tested(taken.point, tested, taken.complete))
+        self.solves.append(Tested(taken.point, tested, taken.plain()))
         return tested
 
     def stands(self, points: Sequence[Point]) -> bool:

@@ -365,6 +365,6 @@ def test_maps_that_are_none_are_refused():
         mapped("blocks", [read_axis("mu=-1:1:3")])
     modal = "bodies.disc.damping={modal={ratio=0.01,max_frequency=2000.0}}"
     coarse = ("bodies.pad.mesh.iga.elements=[3,6,2]", "bodies.disc.mesh.iga.elements=[5,32,1]")
+    axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
     with pytest.raises(NoMapError, match="modes were found that are damped"):
-        axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
         mapped("disc_pad_damped", [axis], (*coarse, modal))
