@@ -100,6 +100,7 @@ def answer_of(
     modes: Spectrum, warnings: Iterable[ResultWarning], threshold: float | None, dofs: int
 ) -> ModesAnswer:
     """What a spectrum says; the threshold (1/s) of growth is relative where it is None."""
+    decays = modes.window.min_growth
     return ModesAnswer(
         eigenvalues=modes.eigenvalues,
         verdicts=tuple(modes.verdicts(threshold)),
@@ -108,7 +109,7 @@ def answer_of(
         uncertainties=modes.growth_uncertainties,
         complete=modes.window.complete,
         max_frequency=modes.window.max_frequency,
-        min_growth=getattr(modes.window, "min_growth", -np.inf),
+        min_growth=-np.inf if decays is None else decays,
         residual=float(modes.residuals.max(initial=0.0)),
         condition=float(modes.conditions.max(initial=1.0)),
         warnings=_kinds(warnings),
@@ -181,22 +182,6 @@ class OfMatrices:
             matrix.setOption(matrix.Option.SYMMETRIC, True)
         modes = solve_modes(Pencil.of(S, M, F if self.friction.any() else None), max_frequency)
         return answer_of(modes, modes.warnings, None, n)
-
-
-@dataclass(frozen=True)
-class OfParts:
-    """A scene whose friction is bounded by the part of its bodies near the contacts."""
-
-    data: Mapping[str, Any]
-
-    def solve(self, max_frequency: float | None) -> Answer:
-        """Modes of a window that rests on the part."""
-        scene = _read(self.data, max_frequency)
-        system, _, _ = coupled(scene)
-        pencil = system.pencil(parted_from=0)
-        assert pencil.near_contact is not None
-        modes = solve_modes(pencil, _end(scene))
-        return answer_of(modes, (*system.warnings, *modes.warnings), None, system.size)
 
 
 @dataclass(frozen=True)
