@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from comparisons.kit.numbers import decimals, number, shown
 from comparisons.kit.plots import BLACK, GREY, VERMILION, styled
 from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
-from comparisons.stability.measure import judged
 from comparisons.stability.parts.case import Verdict
 from comparisons.stability.parts.ways import ALONE, OPEN, WAYS
+from comparisons.stability.verdicts import judged
 from comparisons.study.columns import Column
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
