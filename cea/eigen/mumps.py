@@ -122,11 +122,18 @@ class Mumps:
         return pc
 
     def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
-        """Solve for every column of b: the rows of this rank, shape (n_local, columns)."""
-        solution = np.zeros(b.shape, order="F")
+        """Solve for every column of b, the first rows of this rank: those that follow are zero.
+
+        The result has all rows of this rank, shape (n_local, columns).
+        """
+        layout, comm = self.matrix.getSizes()[0], self.matrix.comm
+        solution = np.zeros((layout[0], b.shape[1]), order="F")
         if not b.shape[1]:  # which MUMPS refuses: an empty window has no eigenvectors
             return solution
-        layout, comm = self.matrix.getSizes()[0], self.matrix.comm
+        if len(b) < layout[0]:
+            whole = np.zeros_like(solution)
+            whole[: len(b)] = b
+            b = whole
         right, left = dense(b, layout, comm), dense(solution, layout, comm)
         (self._pc.matApplyTranspose if transposed else self._pc.matApply)(right, left)
         destroy(right, left)

@@ -60,15 +60,6 @@ def test_what_a_killed_program_left_behind_is_removed_and_what_is_in_use_is_not(
         assert not theirs.exists()
 
 
-def test_a_folder_of_anything_else_stays(own_folder):
-    other = own_folder / "factors-of-somebody"
-    other.mkdir()
-    (other / "notes").write_text("kept")
-    with factors_on_disk():
-        pass
-    assert (other / "notes").exists()
-
-
 def test_lack_of_memory_is_not_told_as_a_singular_matrix():
     """MUMPS is allowed a megabyte for factors that take ten times as much."""
     steps = diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(220, 220))
