@@ -6,29 +6,10 @@ from graded_numbers import graded_numbers
 from mpi import on_ranks
 from petsc_matrices import to_petsc
 from random_graded import POWERS, random_graded, random_graded_damped, sheared
-from random_runs import graded_damped_outcome, graded_outcome, judged
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.errors import ConvergenceError
-
-
-def check(seeds, outcome_of):
-    """Few are refused or left open."""
-    outcomes = judged(seeds, outcome_of)
-    assert sum(outcome.modes for outcome in outcomes) > len(seeds)
-    known = [o for o in outcomes if o.refused is None and o.complete and not o.undecided]
-    assert len(known) > 0.95 * len(outcomes)
-
-
-@pytest.mark.parametrize("seeds", [40, pytest.param(1000, marks=pytest.mark.slow)])
-def test_graded_pencils(seeds):
-    check(range(seeds), graded_outcome)
-
-
-@pytest.mark.parametrize("seeds", [12, pytest.param(300, marks=pytest.mark.slow)])
-def test_graded_damped_pencils(seeds):
-    check(range(seeds), graded_damped_outcome)
 
 
 def _given(matrix):
