@@ -68,13 +68,13 @@ class Window:
     shift: float
     radius: float
     found: int
-    discs: int
-    max_growth: float
-    bounded: bool
-    odd: bool
-    upper: float
-    found_below: int
-    symmetric_count: int | None
+    discs: int = 1
+    max_growth: float = 0.0
+    bounded: bool = False
+    odd: bool = False
+    upper: float = np.inf
+    found_below: int = 0
+    symmetric_count: int | None = None
     growing_above: tuple[tuple[float, float], ...] = field(default=(), kw_only=True)
     lowest: float | None = field(default=None, kw_only=True)
     whole: bool = field(default=False, kw_only=True)
