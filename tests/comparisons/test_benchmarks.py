@@ -214,7 +214,7 @@ def test_speed_up_and_growth_are_those_of_the_seconds():
             every += [("strong", 2, 8000, 5.0), ("weak", 1, 1000, 1.0), ("weak", 2, 1000, 1.25)]
             return pd.DataFrame([row for each in every for row in rows(*each)])
 
-    powers = scaling.growth(Given()).set_index("stage")["median"]
+    powers = scaling.growth(Given()).set_index("stage")["power"]
     assert powers["assembly"] == pytest.approx(1.0)
     assert powers["factorisation"] == pytest.approx(2.0)
     ratios = scaling.speed_up(Given()).set_index(["row", "stage"])["ratio"]
