@@ -123,3 +123,31 @@ def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) ->
     rows = frame[[*index]].drop_duplicates()
     cells = frame.pivot(index=[*index], columns=across, values=values).reset_index()
     return rows.merge(cells, on=[*index], how="left")[[*index, *frame[across].unique()]]
+
+
+def medians(frame: pd.DataFrame, *also: str, over: str = "repeat") -> pd.DataFrame:
+    """A row for all that differ in one label: medians of measured numbers, the first of all else.
+
+    Parameters
+    ----------
+    frame
+        Rows of a table.
+    also
+        Columns that tell rows of one case apart.
+    over
+        The label, which is left out; labels stand before it, what was measured behind it.
+    """
+    if frame.empty:
+        return frame
+    labels = [*frame.columns[: frame.columns.get_loc(over)], *also]
+    measured = {
+        name: "median" if frame[name].dtype.kind == "f" else _first
+        for name in frame.columns
+        if name not in (*labels, over)
+    }
+    return frame.groupby(labels, sort=False, dropna=False).agg(measured).reset_index()
+
+
+def _first(values: "pd.Series[Any]") -> Any:
+    """The first value, also where that is missing."""
+    return values.iloc[0]
