@@ -13,7 +13,7 @@ from mpi import on_ranks
 from typer.testing import CliRunner
 
 from cea.eigen.matching import assign
-from cea.errors import InputError
+from cea.errors import ConvergenceError, InputError
 from comparisons.cli.app import app
 from comparisons.converge import ladder
 from comparisons.converge.bars import CONVERGING, FACTOR, Estimated, bar_of, pair
@@ -269,6 +269,21 @@ def test_the_command_prints_modes_and_doubts_once_and_names_its_page(tmp_path):
     assert str(tmp_path / "x" / "report.html") in done.output.replace("\n", "")
     again = run("blocks", "--redraw", out=tmp_path / "x")
     assert again.exit_code == 0, again.output
+
+
+def test_a_backend_whose_meshes_fail_is_warned_of(monkeypatch):
+    run = Ladder.run
+
+    def failing(ladder, number, progress):
+        if ladder.backend == "iga":
+            raise ConvergenceError("lost")
+        return run(ladder, number, progress)
+
+    monkeypatch.setattr(Ladder, "run", failing)
+    data = converged("blocks", digits=2)
+    assert data["held"]
+    (warning,) = [each for each in data["warnings"] if each["kind"] == "backend-ended"]
+    assert warning["message"] == "iga: the next mesh failed: lost"
 
 
 def test_a_budget_that_is_gone_leaves_no_mesh():
