@@ -8,7 +8,7 @@ of the rotation (:mod:`cea.rotation`), the pieces of the stiffness
 
     alpha Omega B,    beta Omega K M^-1 B,    Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T,
 
-the last two full (:mod:`cea.eigen.circulatory`). K is without the springs of the body, which stay
+the last two full (:mod:`cea.eigen.unformed`). K is without the springs of the body, which stay
 where they are in space.
 """
 
@@ -24,10 +24,9 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.blocks import image_of
-from cea.eigen.circulatory import Circulatory, CirculatoryTerm
-from cea.eigen.low_rank import LowRankTerm
 from cea.eigen.parameters import Coefficient, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
+from cea.eigen.unformed import Circulatory, CirculatoryTerm, LowRankTerm
 from cea.matrices import (
     block_diagonal,
     destroy,

@@ -17,10 +17,10 @@ from cea.damping import ModalDamping
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions, nearest
-from cea.eigen.low_rank import LowRank, LowRankTerm
 from cea.eigen.parameters import Coefficient, Dependence, Parameter
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.shifted import count_below
+from cea.eigen.unformed import LowRank, LowRankTerm
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
 

@@ -1,10 +1,16 @@
 """What every figure of the paper offers: kinds of meshes, inputs, and rows of numbers."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, Literal, Protocol
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
+import numpy as np
+
+from cea.arrays import Floats
 from cea.contact.formulations import Formulation, Greville, Grid, NodeToSurface
 from comparisons.study.session import Session
+from meshes.shapes import Sector
 from scenes.spec.body import Backend
 
 Mesh = Literal["NURBS", "hexahedra", "tetrahedra", "none"]
@@ -19,52 +25,43 @@ Row = dict[str, Any]
 Tables = dict[str, list[Row]]
 
 
-class Figure(Protocol):
-    """A figure of the paper, or a study beside it."""
+@dataclass(frozen=True)
+class Figure(ABC):
+    """A figure of the paper, or a study beside it.
 
-    @property
-    def name(self) -> str:
-        """Number of the figure; a word for a study."""
-        ...
+    Parameters
+    ----------
+    name
+        Number of the figure; a word for a study.
+    title
+        What it shows.
+    meshes
+        Kinds of meshes that it is made on.
+    """
 
-    @property
-    def title(self) -> str:
-        """What it shows."""
-        ...
+    name: str
+    title: str
+    meshes: tuple[Mesh, ...] = field(default=MESHES, kw_only=True)
 
-    @property
-    def meshes(self) -> tuple[Mesh, ...]:
-        """Kinds of meshes that it is made on."""
-        ...
-
+    @abstractmethod
     def inputs(self, mesh: Mesh) -> Mapping[str, Any]:
         """Everything that determines its numbers: scenes by label."""
-        ...
 
+    @abstractmethod
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
         """Rows by the name of their table; collective. ``session.scene`` holds the inputs."""
-        ...
 
 
 def quoted(
     what: str, paper: float | str | None, ours: float, unit: str = "", remark: str = ""
 ) -> Row:
-    """A row of the table "numbers".
-
-    Parameters
-    ----------
-    what
-        What it is.
-    paper
-        Value in the paper; words where it has only those, None where it says nothing.
-    ours
-        Value computed here.
-    unit
-        Unit of both.
-    remark
-        What a reader must know to compare them.
-    """
+    """A row of the table "numbers"; the paper may say it in words, or nothing of it (None)."""
     return {"what": what, "paper": paper, "ours": float(ours), "unit": unit, "remark": remark}
+
+
+def rows_of(columns: Mapping[str, Any]) -> list[Row]:
+    """Rows of columns of equal lengths."""
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def as_lagrange(formulation: Formulation) -> Formulation:
@@ -72,3 +69,20 @@ def as_lagrange(formulation: Formulation) -> Formulation:
     if isinstance(formulation, Greville):
         return NodeToSurface()
     return Grid(_FACET_GRID) if isinstance(formulation, Grid) else formulation
+
+
+def polar_points(r: Floats, theta: Floats, z: float) -> Floats:
+    """Points at all radii (m) and angles (degrees), radius by radius, shape (n, 3)."""
+    radius, angle = (part.ravel() for part in np.meshgrid(r, np.deg2rad(theta), indexing="ij"))
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(len(angle), z)])
+
+
+def midpoints(low: float, high: float, n: int) -> Floats:
+    """Midpoints of equal parts of an interval."""
+    return low + (high - low) * (np.arange(n) + 0.5) / n
+
+
+def sector_points(sector: Sector, across: int, along: int, z: float) -> Floats:
+    """Points of a sector at the midpoints of equal parts of its radii and angles."""
+    r = midpoints(sector.inner_radius, sector.outer_radius, across)
+    return polar_points(r, midpoints(sector.start, sector.end, along), z)

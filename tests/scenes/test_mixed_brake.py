@@ -10,7 +10,7 @@ from bodies import lagrange_body
 from mixed_brake import Brake, calculix, calculix_of_one_body, one_body, scene
 from mpi import on_ranks
 
-from comparisons.peers import calculix as peer
+from comparisons.bench import ccx as peer
 from scenes import run_modes
 from scenes.building.body_meshes import body_mesh, used_surfaces
 from scenes.export.decks.write import write_deck
