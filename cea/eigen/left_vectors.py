@@ -60,13 +60,7 @@ class LeftVectors:
     """Left eigenvectors y with y_i^H M x_j = delta_ij, or as damped pencils have them.
 
     There y_i^H ((lambda_i + lambda_j) M + D) x_j is 2 lambda_i for i = j, and zero otherwise.
-
-    Parameters
-    ----------
-    vectors
-        The rows of this rank, shape (n_local, n).
-    forces
-        Their multipliers, the rows of this rank, shape (multipliers of this rank, n).
+    ``forces`` are their multipliers; both are the rows of this rank.
     """
 
     vectors: Complexes
