@@ -10,7 +10,6 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, kron
 
 from cea.arrays import Floats, Ints
-from cea.checks import check_knots, check_weights
 from cea.errors import InputError
 from iga_cea.collapse import COLLAPSED, Lines, collapsed_lines
 from iga_cea.splines import basis_matrix, elevation_matrix, insertion_matrix, knots_with_breaks
@@ -129,16 +128,34 @@ def check_geometry(geometry: PatchGeometry, field: str) -> None:
         raise InputError(f"{field}.control_points", np.shape(geometry.control_points), shapes)
     if not np.isfinite(geometry.control_points).all():
         raise InputError(f"{field}.control_points", geometry.control_points, "finite numbers")
-    check_weights(geometry.weights, f"{field}.weights")
+    _check_weights(geometry.weights, f"{field}.weights")
     for axis, (knots, p, n) in enumerate(
         zip(geometry.knots, geometry.degrees, counts, strict=True)
     ):
-        check_knots(knots, p, n, f"{field}.knots[{axis}]")
+        _check_knots(knots, p, n, f"{field}.knots[{axis}]")
         breaks = geometry.breaks[axis]
         if np.any(breaks < knots[0]) or np.any(breaks > knots[-1]):
             allowed = f"parameters from {knots[0]} to {knots[-1]}"
             raise InputError(f"{field}.breaks[{axis}]", breaks, allowed)
     _check_map(geometry, field)
+
+
+def _check_knots(knots: Floats, degree: int, functions: int, field: str) -> None:
+    """Refuse knots that do not rise, are not open, or repeat an inner knot beyond the degree."""
+    n, p = functions, degree
+    ends = len(knots) == n + p + 1 and np.ptp(knots[: p + 1]) == np.ptp(knots[n:]) == 0
+    inner = knots[p + 1 : n]
+    inside = np.all((inner > knots[0]) & (inner < knots[-1])) and knots[0] < knots[-1]
+    continuous = not len(inner) or np.unique(inner, return_counts=True)[1].max() <= p
+    if not (ends and inside and continuous and np.all(np.diff(knots) >= 0)):
+        allowed = f"{n + p + 1} rising knots, ends {p + 1} times, others at most {p} times"
+        raise InputError(field, knots, allowed)
+
+
+def _check_weights(weights: Floats, field: str) -> None:
+    """Refuse weights that are not positive."""
+    if not (np.isfinite(weights).all() and np.all(np.asarray(weights) > 0)):
+        raise InputError(field, weights, "positive numbers")
 
 
 def _check_map(geometry: PatchGeometry, field: str) -> None:

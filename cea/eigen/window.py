@@ -26,7 +26,6 @@ from cea.eigen.field_of_values import (
     FieldOfValues,
     bounded_growth,
     field_of_values,
-    has_cone,
     largest_growth,
 )
 from cea.eigen.krylov_schur import ASIDE, ATTEMPTS, CrowdedError, KrylovOptions, krylov_schur
@@ -203,7 +202,7 @@ class WindowSearch(ABC):
 
 
 class UndampedSearch(WindowSearch):
-    """Searches of K x = kappa M x; ``near_contact`` is the pencil of what is near contacts."""
+    """Searches of K x = kappa M x."""
 
     def __init__(
         self,
@@ -212,10 +211,9 @@ class UndampedSearch(WindowSearch):
         options: KrylovOptions,
         timer: StageTimer,
         counted: int | None,
-        near_contact: Matrices | None = None,
     ) -> None:
         super().__init__(matrices, end, options, timer)
-        self._top, self.counted, self._near_contact = end**2, counted, near_contact
+        self._top, self.counted = end**2, counted
 
     def _operator(self, shift: float) -> ShiftInvert:
         return ShiftInvert(self._matrices, shift, self._end)
@@ -278,18 +276,10 @@ class UndampedSearch(WindowSearch):
         return distance_of_cone(self._top, 0.5 * self._top, field.depth, field.slope)
 
     def _first_field(self) -> FieldOfValues:
-        """How far friction moves eigenvalues near the window: what its first disc rests on.
-
-        That of what lies near the contacts is the wider one, and known sooner.
-        """
-        top, near = self._top, self._near_contact
+        """How far friction moves eigenvalues near the window: what its first disc rests on."""
         with self._timer("factorisation"):
             self.factorisations += 1
-            if near is not None and has_cone(near):
-                field = field_of_values(near, _DEPTH * top, cone=True)
-                if self._radius_of(field) <= _AROUND * (upper_end(top) - 0.5 * top):
-                    return field
-            return field_of_values(self._matrices, _DEPTH * top, cone=True)
+            return field_of_values(self._matrices, _DEPTH * self._top, cone=True)
 
     def _bounds(self, depth: float) -> bool:
         """Whether nothing of the window has Re kappa < -depth: by as few tests as show it."""

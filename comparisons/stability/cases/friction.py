@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from functools import partial
-from itertools import product
 from math import inf
 from typing import Any
 
@@ -22,7 +21,7 @@ from comparisons.stability.parts.case import (
     refused,
 )
 from comparisons.stability.parts.dense import lambdas
-from comparisons.stability.parts.problems import OfMap, OfMatrices, OfParts
+from comparisons.stability.parts.problems import OfMap, OfMatrices
 from comparisons.stability.parts.references import benign, copies, formula
 from comparisons.stability.parts.scenes import (
     ABOUT_Z,
@@ -46,7 +45,7 @@ from comparisons.stability.parts.scenes import (
 )
 from comparisons.stability.parts.ways import ALONE, FEW, PAIR, SADDLE, WAYS, Backend, chosen
 
-_SUBJECT = "friction and spectra"
+SUBJECT = "friction and spectra"
 _SIMPLE = chosen(WAYS, "GPTS, penalty", "mortar")
 
 
@@ -230,19 +229,6 @@ def _multiplicities() -> Iterator[Run]:
             )
 
 
-def _near_contacts() -> dict[str, Scene]:
-    """A pad on a base most of which lies far from the contact."""
-    scenes = {
-        f"p = {p:g} N/m³, μ = {mu:g}": pad(0.3, 0.4, base_elements=(14, 6), p=p, mu=mu)
-        for p, mu in product((1e-3, 1.0, 1e4, 1e9), (0.3, 3.0))
-    }
-    for factor in (1e-4, 1e4):
-        data = pad(0.3, 0.4, base_elements=(14, 6), p=1.0, mu=1.0)
-        changes = {"bodies.pad.material.E": 0.5 * factor, "bodies.pad.material.rho": factor}
-        scenes[f"pad {factor:g} times as stiff and heavy"] = changed(data, changes)
-    return scenes
-
-
 def _map(P: float, mu: float, ends: tuple[float, float], ways: Any, **options: Any) -> Rows:
     """A value of a map of mu and P, between the full solves that it rests on."""
     axes = {
@@ -281,12 +267,10 @@ _FRICTIONS: dict[str, float | str] = {
 
 CASES = {
     "arms": Case(
-        _SUBJECT,
         "Oblique arms: divergence, strong flutter, copies of zero",
         Rows(_ARMS, chosen(WAYS, backend="iga"), tolerance=1e-6),
     ),
     "clusters": Case(
-        _SUBJECT,
         "Clusters of 20 equal eigenvalues, with and without friction",
         Rows(
             {"20 squares": _squares(20)},
@@ -317,7 +301,6 @@ CASES = {
         ),
     ),
     "disc_pad": Case(
-        _SUBJECT,
         "Disc and pad, friction to 2.5, P to 1e13 N/m",
         *(
             rows
@@ -326,16 +309,14 @@ CASES = {
         ),
     ),
     "everyday": Case(
-        _SUBJECT,
         "Everyday scenes: accurate, and free of warnings",
         Rows(_EVERYDAY, (*FEW, *chosen(WAYS, "GPTS, full")), lowest=3, warnings=NONE),
         Rows({"free block": _FREE_BLOCK}, ALONE, lowest=5, warnings=NONE),
     ),
     "exceptional_point": Case(
-        _SUBJECT, "Hoffmann's model at 1e-2 to 1e-14 from its coalescence", _exceptional_point
+        "Hoffmann's model at 1e-2 to 1e-14 from its coalescence", _exceptional_point
     ),
     "free_bodies": Case(
-        _SUBJECT,
         "Free bodies: rigid motions",
         Rows({"one block": _FREE_BLOCK}, ALONE, tolerance=1e-6),
         Rows(
@@ -350,13 +331,11 @@ CASES = {
         ),
     ),
     "friction": Case(
-        _SUBJECT,
         "Friction 0, 1e-12, 0.3, 1, 5, oscillating",
         Rows({name: layers(mu=mu, p=10.0) for name, mu in _FRICTIONS.items()}),
         refused({"μ changes sign": layers(mu="0.5*sin(5*pi*x)")}, PAIR, "mu"),
     ),
     "maps": Case(
-        _SUBJECT,
         "Maps of friction and contact stiffness by a reduced model",
         *(_map(P, mu, (1e-3, 1e5), PAIR) for P, mu in ((0.02, 0.3), (7.0, 0.83), (3e3, 0.61))),
         _map(
@@ -365,26 +344,12 @@ CASES = {
             expected=HONEST,
         ),
     ),
-    "multiplicities": Case(
-        _SUBJECT, "Eigenvalues 2 to 30 times in given matrices", _multiplicities
-    ),
-    "near_contacts": Case(
-        _SUBJECT,
-        "Friction bounded by the part of the bodies near it",
-        Rows(
-            _near_contacts(),
-            chosen(WAYS, "GPTS, penalty", "GPTS, saddle", "mortar, saddle", backend="fe"),
-            problem=OfParts,
-            expected=WARNED,
-        ),
-    ),
+    "multiplicities": Case("Eigenvalues 2 to 30 times in given matrices", _multiplicities),
     "slow": Case(
-        _SUBJECT,
         "Systems with frequencies of 1e-6 to 1e6 Hz",
         *(_slowed(factor) for factor in (1e-6, 1e-3, 1e3, 1e6)),
     ),
     "sprags": Case(
-        _SUBJECT,
         "Sprags: divergence and flutter at any friction",
         Rows(
             {
@@ -396,7 +361,6 @@ CASES = {
         ),
     ),
     "whole_spectrum": Case(
-        _SUBJECT,
         "Windows that hold the whole spectrum",
         *(_all_modes("just", P, _few(P=P)) for P in (1.0, inf)),
         *(_all_modes("far beyond", P, up_to(1e3, _few(P=P))) for P in (1.0, inf)),

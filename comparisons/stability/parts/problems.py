@@ -72,6 +72,11 @@ class ModesAnswer:
     min_growth: float = -np.inf
 
     @property
+    def modes(self) -> int:
+        """How many there are."""
+        return len(self.eigenvalues)
+
+    @property
     def says(self) -> tuple[str, ...]:
         """Kinds of what it warns of: its warnings, modes undecided, a window not complete."""
         undecided = "undecided" in (*self.verdicts, self.verdict)
@@ -185,22 +190,6 @@ class OfMatrices:
 
 
 @dataclass(frozen=True)
-class OfParts:
-    """A scene whose friction is bounded by the part of its bodies near the contacts."""
-
-    data: Mapping[str, Any]
-
-    def solve(self, max_frequency: float | None) -> Answer:
-        """Modes of a window that rests on the part."""
-        scene = _read(self.data, max_frequency)
-        system, _, _ = coupled(scene)
-        pencil = system.pencil(parted_from=0)
-        assert pencil.near_contact is not None
-        modes = solve_modes(pencil, _end(scene))
-        return answer_of(modes, (*system.warnings, *modes.warnings), None, system.size)
-
-
-@dataclass(frozen=True)
 class OfMap:
     """A scene as one value of a map: a reduced model answers.
 
@@ -228,7 +217,7 @@ class OfMap:
         built.cover([dict(zip(self.axes, values, strict=True)) for values in points])
         found = built.at({}).window
         words = found.words(None)
-        complete = all(each.complete for each in built.solves)
+        complete = all(each.about["complete"] for each in built.solves)
         return ModesAnswer(
             eigenvalues=found.eigenvalues,
             verdicts=tuple(words),

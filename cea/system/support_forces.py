@@ -28,7 +28,7 @@ from cea.body import Body
 from cea.contact.body_forces import SideForces, forces_on_bodies
 from cea.errors import ConvergenceError
 from cea.matrices import absolute, destroy, gather
-from cea.system.body_terms import Motion
+from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
 _BALANCED = 1e-8
@@ -39,73 +39,47 @@ _TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
-class Applied:
-    """Forces of one kind on a body.
-
-    Parameters
-    ----------
-    label
-        What puts them on, as messages name it.
-    force
-        Their resultant (N), shape (dim,).
-    moment
-        Their moment about the middle of the body (N m), shape (1,) in the plane, (3,) in space;
-        None where the trial space has no rotation.
-    """
-
-    label: str
-    force: Floats
-    moment: Floats | None
-
-
-@dataclass(frozen=True)
 class Balance:
-    """Forces that add up to zero.
+    """Forces that add up to zero, and so do their moments."""
 
-    Parameters
-    ----------
-    of
-        What they act on, as messages name it.
-    forces
-        The forces; those of supports last, in their order.
-    supports
-        Number of supports.
-    rounding
-        What rounding makes of the sum of the forces (N), and of that of their moments (N m).
-    radius
-        Distance from the middle of the body to its farthest dof (m).
-    """
-
-    of: str
-    forces: tuple[Applied, ...]
-    supports: int
+    of: str  # what they act on, as messages name it
+    labels: tuple[str, ...]  # what puts them on; the supports last, in their order
+    forces: Floats  # their resultants (N), shape (n, dim)
+    # their moments about the middle of the body (N m), shape (n, 1) in the plane, (n, 3) in
+    # space; None where the trial space has no rotation
+    moments: Floats | None
+    supports: int  # number of supports
+    # what rounding makes of the sum of the forces (N), and of that of their moments (N m)
     rounding: tuple[float, float]
-    radius: float
+    radius: float  # distance from the middle of the body to its farthest dof (m)
 
     @property
     def reactions(self) -> Floats:
         """Resultants of the supports (N), shape (supports, dim)."""
-        return np.array([each.force for each in self.forces[len(self.forces) - self.supports :]])
+        return self.forces[len(self.forces) - self.supports :]
 
     @property
     def left(self) -> float:
         """Sum of the forces, or of their moments, in parts of what counts as none: 1 or less."""
-        largest = _largest([each.force for each in self.forces])
-        left = _length_of_sum([each.force for each in self.forces])
-        parts = [left / (_BALANCED * largest + _ROUNDING * self.rounding[0] + _TINY)]
-        moments = [each.moment for each in self.forces if each.moment is not None]
-        if moments:
-            largest = max(_largest(moments), largest * self.radius)
-            left = _length_of_sum(moments)
-            parts.append(left / (_BALANCED * largest + _ROUNDING * self.rounding[1] + _TINY))
-        return max(parts)
+        largest = float(np.linalg.norm(self.forces, axis=1).max(initial=0.0))
+        left = [_left(self.forces, largest, self.rounding[0])]
+        if self.moments is not None:
+            moment = float(np.linalg.norm(self.moments, axis=1).max(initial=0.0))
+            left.append(_left(self.moments, max(moment, largest * self.radius), self.rounding[1]))
+        return max(left)
 
     def __str__(self) -> str:
         parts = ", ".join(
-            f"{each.label} ({', '.join(f'{part:.6g}' for part in each.force)})"
-            for each in self.forces
+            f"{label} ({', '.join(f'{part:.6g}' for part in force)})"
+            for label, force in zip(self.labels, self.forces, strict=True)
         )
         return f"{self.of}: {parts} N"
+
+
+def _left(parts: Floats, largest: float, rounding: float) -> float:
+    """Length of a sum in parts of what counts as none."""
+    allowed = _BALANCED * largest + _ROUNDING * rounding + _TINY
+    return float(np.linalg.norm(parts.sum(axis=0))) / allowed
 
 
 def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dict[str, Floats]:
@@ -150,97 +124,71 @@ def balances(system: CoupledSystem, x: Any, multipliers: Floats) -> list[Balance
 
     Collective; parameters are those of :func:`support_reactions`.
     """
-    displacements = {name: system.displacement(x, name) for name in system.bodies}
-    sides = list(forces_on_bodies(system.contacts, displacements, x, multipliers))
+    moved = {name: system.displacement(x, name) for name in system.bodies}
+    sides = list(forces_on_bodies(system.contacts, moved, x, multipliers))
     found = [
-        _on_body(
-            system, name, x, displacements[name], [side for side in sides if side.body == name]
-        )
-        for name in system.bodies
-        if not system.pieces.motion(name).turns_modes
+        _on_body(pieces, x, moved[name], [side for side in sides if side.body == name])
+        for name, pieces in system.pieces.items()
+        if pieces.motion.modal is None or pieces.motion.rotation is None
     ]
     for contact in dict.fromkeys(side.contact for side in sides):
         both = [side for side in sides if side.contact == contact]
-        found.append(_of_contact(contact, both))
+        size = sum(float(np.abs(side.forces).sum() + side.sizes.sum()) for side in both)
+        labels = tuple(f"on {side.body}" for side in both)
+        forces = np.array([side.forces.sum(axis=0) for side in both])
+        rounding = (np.finfo(float).eps * size, 0.0)
+        found.append(Balance(f"contact {contact}", labels, forces, None, 0, rounding, 0.0))
     return found
 
 
-def _on_body(
-    system: CoupledSystem, name: str, x: Any, u: Floats, sides: Sequence[SideForces]
-) -> Balance:
-    body, load = system.bodies[name], system.bodies[name].full_load()
+def _on_body(pieces: BodyTerms, x: Any, u: Floats, sides: Sequence[SideForces]) -> Balance:
+    """Forces on a body at displacements x of all free dofs and u of its own."""
+    body, load = pieces.body, pieces.body.full_load()
     loads = gather(load).reshape(-1, body.dim)
     destroy(load)
-    strained = u + _strain(system, name, x)
+    strain = pieces.strain(x)
+    strained = u if strain is None else u + gather(strain)
     elastic, size = _times(body.full_stiffness(), strained, body)
-    parts = [("loads", loads)]
+    parts = {"loads": loads}
     if (springs := body.full_spring_stiffness()) is not None:
         elastic -= _product(springs, strained, body)
-        parts.append(("springs", -_times(springs, u, body)[0]))
+        parts["springs"] = -_times(springs, u, body)[0]
     size += np.linalg.norm(loads, axis=1)
-    for label, factor, matrix in _of_rotation(body, system.pieces.motion(name)):
-        product, size_of_product = _times(matrix, u, body)
-        parts.append((label, factor * product))
-        size += abs(factor) * size_of_product
+    for label, factor, matrix in _of_rotation(pieces):
+        product, of_product = _times(matrix, u, body)
+        parts[label] = factor * product
+        size += abs(factor) * of_product
     for side in sides:
-        parts.append((f"contact {side.contact}", side.forces))
+        label = f"contact {side.contact}"
+        parts[label] = parts.get(label, 0.0) + side.forces
         size += np.linalg.norm(side.forces, axis=1) + side.sizes
-    rest = elastic - sum(part for _, part in parts)
-    dofs, reactions = body.support_forces(rest)
+    dofs, reactions = body.support_forces(elastic - sum(parts.values()))
     positions = body.dof_positions
     arms = None if positions is None else positions - positions.mean(axis=0)
-    forces = [_applied(label, part, arms) for label, part in parts]
-    at_dofs = None if arms is None else arms[dofs]
-    forces += [
-        _applied(f"support {number}", part, at_dofs) for number, part in enumerate(reactions)
-    ]
-    rounding = np.finfo(float).eps * size
-    distance = np.zeros(len(rest)) if arms is None else np.linalg.norm(arms, axis=1)
-    roundings = float(rounding.sum()), float(rounding @ distance)
-    return Balance(name, tuple(forces), len(reactions), roundings, float(distance.max()))
+    supports = {f"support {number}": part for number, part in enumerate(reactions)}
+    forces = np.array([part.sum(axis=0) for part in (*parts.values(), *supports.values())])
+    moments, distance = None, np.zeros(len(elastic))
+    if arms is not None:
+        own = [_moment(arms, part) for part in parts.values()]
+        moments = np.array(own + [_moment(arms[dofs], part) for part in reactions])
+        distance = np.linalg.norm(arms, axis=1)
+    eps = np.finfo(float).eps
+    rounding = float(eps * size.sum()), float(eps * (size @ distance))
+    labels = (*parts, *supports)
+    radius = float(distance.max())
+    return Balance(pieces.name, labels, forces, moments, len(reactions), rounding, radius)
 
 
-def _of_contact(name: str, sides: Sequence[SideForces]) -> Balance:
-    forces = tuple(_applied(f"on {side.body}", side.forces, None) for side in sides)
-    size = sum(float(np.abs(side.forces).sum() + side.sizes.sum()) for side in sides)
-    rounding = np.finfo(float).eps * size
-    return Balance(f"contact {name}", forces, 0, (rounding, 0.0), 0.0)
-
-
-def _largest(parts: Sequence[Floats]) -> float:
-    return max((float(np.linalg.norm(part)) for part in parts), default=0.0)
-
-
-def _length_of_sum(parts: Sequence[Floats]) -> float:
-    return float(np.linalg.norm(np.sum(parts, axis=0))) if parts else 0.0
-
-
-def _applied(label: str, force: Floats, arms: Floats | None) -> Applied:
-    """Forces at dofs (N), shape (n, dim), with their arms (m)."""
-    resultant = force.sum(axis=0)
-    if arms is None:
-        return Applied(label, resultant, None)
+def _moment(arms: Floats, force: Floats) -> Floats:
+    """Moment (N m) of forces at dofs (N), shape (n, dim), with their arms (m)."""
     if force.shape[1] == 2:
-        moment = np.array([(arms[:, 0] * force[:, 1] - arms[:, 1] * force[:, 0]).sum()])
-    else:
-        moment = np.cross(arms, force).sum(axis=0)
-    return Applied(label, resultant, moment)
+        return np.array([(arms[:, 0] * force[:, 1] - arms[:, 1] * force[:, 0]).sum()])
+    return np.asarray(np.cross(arms, force).sum(axis=0))
 
 
-def _strain(system: CoupledSystem, name: str, x: Any) -> Floats:
-    """What damping that rotates with a body adds to the displacement that strains it (m)."""
-    rotating = system.pieces.rotating.get(name)
-    strain = None if rotating is None else rotating.strain(x)
-    if strain is None:
-        return np.zeros(1)
-    everywhere = gather(strain)
-    destroy(strain)
-    return everywhere
-
-
-def _of_rotation(body: Body, motion: Motion) -> Iterator[tuple[str, float, Any]]:
+def _of_rotation(pieces: BodyTerms) -> Iterator[tuple[str, float, Any]]:
     """Forces of a rotation on a body at rest in space: labels, and factors on matrices (kg)."""
-    rotation, damping = motion.rotation, motion.damping
+    body, rotation, damping = pieces.body, pieces.motion.rotation, pieces.motion.damping
     if rotation is None:
         return
     if rotation.convective_stiffness:
@@ -252,10 +200,7 @@ def _of_rotation(body: Body, motion: Motion) -> Iterator[tuple[str, float, Any]]
 
 
 def _times(matrix: Any, u: Floats, body: Body) -> tuple[Floats, Floats]:
-    """A matrix of all dofs, which is freed, times a displacement of them, and its size.
-
-    Shapes (num_scalar_dofs, dim) and (num_scalar_dofs,); the size is abs(matrix) abs(u).
-    """
+    """A matrix of all dofs, which is freed, times a displacement u of them, and abs(A) abs(u)."""
     sizes = absolute(matrix)
     image, size = (_product(each, v, body) for each, v in ((matrix, u), (sizes, np.abs(u))))
     destroy(matrix, sizes)

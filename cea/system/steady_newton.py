@@ -9,16 +9,15 @@ closed contact are added to it. The active set is that of the closures at each s
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
-from cea.eigen.static import rounding_uncertainty
 from cea.errors import ConvergenceError
-from cea.system.sliding_problem import SlidingProblem, State, free_tangent
-from cea.system.uniqueness import parity_beside
+from cea.system.steady_equations import State, SteadyEquations, free_tangent, solved_regularly
+from cea.system.steady_state import parity_of
 from cea.timing import StageTimer
 
 _MOST = 60
@@ -37,71 +36,60 @@ _SHORTEST = 2.0**-12
 """Shortest part of a step."""
 _HELP = (0.0, 1e-3, 1e-1, 1.0, 10.0)
 """Parts of the slopes of a closed contact that are added, in turn, where no step helps."""
-_LOST = 0.1
-"""Rounding, relative to the largest displacement, at which a tangent counts as singular."""
 
 
 @dataclass
 class Iteration:
-    """How Newton's method went.
+    """How Newton's method went."""
 
-    Parameters
-    ----------
-    state
-        The last state.
-    residuals
-        Residual of each state, relative to the forces it is the sum of.
-    lengths
-        Part of each step that was taken.
-    closed
-        Points that were closed in each state.
-    parity
-        Whether the number of negative real eigenvalues of the last tangent is odd (1) or even (0);
-        None where that is not known.
-    converged
-        Whether the residual is as small as rounding lets it be.
-    """
-
-    state: State
+    state: State  # the last state
+    # residual of each state, relative to the forces it is the sum of
     residuals: list[float] = field(default_factory=list)
-    lengths: list[float] = field(default_factory=list)
-    closed: list[int] = field(default_factory=list)
+    lengths: list[float] = field(default_factory=list)  # part of each step that was taken
+    closed: list[int] = field(default_factory=list)  # points that were closed in each state
+    # whether the number of negative real eigenvalues of the last tangent is odd (1) or even (0);
+    # None where that is not known
     parity: int | None = None
-    converged: bool = False
+    converged: bool = False  # whether the residual is as small as rounding lets it be
+
+    def note(self, state: State) -> None:
+        """Go on to the next state."""
+        self.state = state
+        self.residuals.append(state.relative)
+        self.closed.append(state.closed_points)
+
+    @property
+    def stagnates(self) -> bool:
+        """Whether the residual has not been halved for many steps."""
+        late = self.residuals[-_PATIENCE:]
+        return len(self.residuals) > _PATIENCE and min(late) > 0.5 * min(
+            self.residuals[:-_PATIENCE]
+        )
 
 
-class SlidingNewton:
+class SteadyNewton:
     """Newton's method on the equations of steady sliding.
 
     Parameters
     ----------
-    problem
+    equations
         The equations.
-    help_
+    springs
         Slopes of a closed contact at all points (N/m^3), by contact.
     timer
         Counts assembly and factorisation.
     """
 
-    def __init__(self, problem: SlidingProblem, help_: Sequence[Floats], timer: StageTimer) -> None:
-        self._problem = problem
-        self._help = tuple(help_)
-        self._timer = timer
-        self._held: bool | None = None
+    def __init__(
+        self, equations: SteadyEquations, springs: Sequence[Floats], timer: StageTimer
+    ) -> None:
+        self._equations, self._springs, self._timer = equations, tuple(springs), timer
 
     def solve(self, x: Floats, f: Floats, factor: float) -> Iteration:
-        """Solve from a state under a part of the load.
-
-        Parameters
-        ----------
-        x, f
-            Displacements and contact forces that are unknowns to begin with.
-        factor
-            The part of the load.
-        """
-        state = self._problem.state(x, f, factor)
+        """Solve from displacements and contact forces under a part of the load."""
+        state = self._equations.state(x, f, factor)
         run = Iteration(state)
-        self._note(run, state)
+        run.note(state)
         for _ in range(_MOST):
             if state.relative <= _SOLVED:
                 run.converged = True
@@ -116,30 +104,20 @@ class SlidingNewton:
                 run.converged = True
                 break
             state = new
-            self._note(run, state, length)
-            if len(run.residuals) > _PATIENCE and _stagnates(run.residuals):
+            run.note(state)
+            run.lengths.append(length)
+            if run.stagnates:
                 break
         return run
-
-    def _note(self, run: Iteration, state: State, length: float | None = None) -> None:
-        run.state = state
-        run.residuals.append(state.relative)
-        run.closed.append(closed_points(state))
-        if length is not None:
-            run.lengths.append(length)
 
     def _step(self, state: State, factor: float, run: Iteration) -> tuple[State, float] | None:
         """The next state and the part of the step that was taken; None where none helps."""
         run.parity = None
         for part in _HELP:
-            slopes = [
-                slope + part * closed
-                for slope, closed in zip(
-                    self._problem.slopes(state.closures), self._help, strict=True
-                )
-            ]
+            pairs = zip(self._equations.slopes(state.closures), self._springs, strict=True)
+            slopes = [slope + part * spring for slope, spring in pairs]
             with self._timer("assembly"):
-                tangent = self._problem.tangent(slopes)
+                tangent = self._equations.tangent(slopes)
             try:
                 with self._timer("factorisation"):
                     factors = Shifted(tangent)
@@ -147,8 +125,8 @@ class SlidingNewton:
                 free_tangent(tangent)
                 continue
             if part == 0:
-                unstable = self._problem.unstable
-                run.parity = parity_beside(tangent, factors, unstable=unstable)
+                unstable = self._equations.unstable
+                run.parity = parity_of(tangent, factors, unstable=unstable)
             with self._timer("factorisation"):
                 found = self._searched(factors, state, factor)
             factors.free()
@@ -162,12 +140,12 @@ class SlidingNewton:
     ) -> tuple[State, float] | None:
         """The longest part of a step that makes things better."""
         dx, df = _solved(factors, -state.residual)
-        (size,) = self._problem.norms(dx)
+        (size,) = self._equations.norms(dx)
         if not np.isfinite(size):
             return None
         length = 1.0
         while length >= _SHORTEST:
-            new = self._problem.state(state.x + length * dx, state.f + length * df, factor)
+            new = self._equations.state(state.x + length * dx, state.f + length * df, factor)
             if self._is_better(factors, state, new, float(size), length):
                 return new, length
             length *= 0.5
@@ -178,56 +156,19 @@ class SlidingNewton:
     ) -> bool:
         if not np.isfinite(new.norm):
             return False
-        if closed_points(state) and not closed_points(new) and not self.is_held():
+        if state.closed_points and not new.closed_points and not self.is_held:
             return False
         if new.norm <= 0.5 * state.norm:
             return True
-        (next_,) = self._problem.norms(_solved(factors, -new.residual)[0])
+        (next_,) = self._equations.norms(_solved(factors, -new.residual)[0])
         return bool(next_ <= (1 - 0.25 * length) * size)
 
+    @cached_property
     def is_held(self) -> bool:
-        """Whether the bodies are held without the contacts that have a law."""
-        if self._held is None:
-            load = np.random.default_rng(self._problem.comm.rank).standard_normal(
-                self._problem.rows
-            )
-            self._held = solved_regularly(self._problem.matrices, load) is not None
-        return self._held
-
-
-def solved_regularly(matrices: Matrices, b: Floats) -> tuple[Floats, Floats, float] | None:
-    """Displacements and contact forces for forces b, and what rounding makes of them.
-
-    Parameters
-    ----------
-    matrices
-        A tangent.
-    b
-        Forces (N), the rows of this rank.
-
-    Returns
-    -------
-    tuple or None
-        None where the tangent is singular, or so nearly that nothing but rounding is left.
-    """
-    try:
-        factors = Shifted(matrices)
-    except ConvergenceError:
-        return None
-    x, f = factors.solve_with_forces(b[:, None])
-    uncertainty = rounding_uncertainty(matrices, factors, x, f)
-    factors.free()
-    return (x[:, 0], f[:, 0], uncertainty) if uncertainty < _LOST else None
-
-
-def closed_points(state: State) -> int:
-    """Number of points that are closed."""
-    return sum(int(np.count_nonzero(closure > 0)) for closure in state.closures)
-
-
-def _stagnates(residuals: Sequence[float]) -> bool:
-    """Whether the residual has not been halved for many steps."""
-    return min(residuals[-_PATIENCE:]) > 0.5 * min(residuals[:-_PATIENCE])
+        """Whether the bodies are held without the contacts that have a law; collective."""
+        generator = np.random.default_rng(self._equations.comm.rank)
+        load = generator.standard_normal(self._equations.rows)
+        return solved_regularly(self._equations.matrices, load) is not None
 
 
 def _is_small(state: State) -> bool:

@@ -9,26 +9,28 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from cea.arrays import Floats
+from cea.eigen.pencil import Matrices
+from cea.eigen.shifted import Shifted
+from cea.eigen.static import rounding_uncertainty
 from cea.errors import ConvergenceError, InputError
-from cea.matrices import destroy
 from cea.system.coupled import CoupledSystem
-from cea.system.equilibrium import checked_residual
-from cea.system.sliding_newton import (
-    Iteration,
-    SlidingNewton,
-    closed_points,
+from cea.system.steady_equations import (
+    LOST,
+    OPENS,
+    State,
+    SteadyEquations,
+    free_tangent,
     solved_regularly,
 )
-from cea.system.sliding_problem import SlidingProblem, State, free_tangent
-from cea.system.sliding_slopes import OPENS, closed_slopes, too_stiff
-from cea.system.sliding_state import (
+from cea.system.steady_newton import Iteration, SteadyNewton
+from cea.system.steady_state import (
     ContactState,
     LoadStep,
     SteadySliding,
     StepState,
     contact_state,
+    uniqueness_at,
 )
-from cea.system.uniqueness import uniqueness_at
 from cea.timing import StageTimer
 
 _SHORTEST = 1 / 64
@@ -39,15 +41,13 @@ _GROWS = 2.0
 """By how much a step is longer than the one before."""
 _SOFTNESSES = tuple(10.0**power for power in range(12, -1, -2))
 """By what laws are divided in turn where the law itself does not converge."""
-FREE = (
+_TOGETHER = 1e-9
+"""Parts of the load, in those of a step, that are taken with the step."""
+_FREE = (
     "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
     "bodies"
 )
-LEAVE_FREE = "the points that are closed leave a rigid motion free: the tangent is singular"
-
-
-_TOGETHER = 1e-9
-"""Parts of the load, in those of a step, that are taken with the step."""
+_LEAVE_FREE = "the points that are closed leave a rigid motion free: the tangent is singular"
 
 
 def steady_sliding(
@@ -78,29 +78,22 @@ def steady_sliding(
         When the system has no load, no such contact, or steps do not rise to 1.
     ConvergenceError
         When the load opens the contact, a rigid motion is free, or no equilibrium is found; the
-        last :class:`cea.system.sliding_problem.State` is attached.
+        last :class:`cea.system.steady_equations.State` is attached.
     """
     if system.load is None:
         raise InputError("load", None, "forces: the system was coupled without")
-    if all(contact.half.law.linear for contact in system.contacts):
+    if all(contact.law.linear for contact in system.contacts):
         raise InputError("contacts", list(system.bodies), "one with a law of its closure")
     targets = check_steps(steps, "steps")
-    timer = timer or StageTimer()
-    problem = SlidingProblem(system)
+    equations = SteadyEquations(system)
     try:
-        return _Path(problem, timer, targets, history=history).solve()
+        return _Path(equations, timer or StageTimer(), targets, history=history).solve()
     finally:
-        problem.free()
+        equations.free()
 
 
 def check_steps(steps: int | Sequence[float], field: str) -> tuple[float, ...]:
-    """Parts of the load at the ends of steps.
-
-    Raises
-    ------
-    InputError
-        When there is no step, or they do not rise from above 0 to 1.
-    """
+    """Parts of the load at the ends of steps, which rise from above 0 to 1; others are refused."""
     if isinstance(steps, int):
         if steps < 1:
             raise InputError(field, steps, "1 or more")
@@ -116,29 +109,27 @@ class _Path:
 
     def __init__(
         self,
-        problem: SlidingProblem,
+        equations: SteadyEquations,
         timer: StageTimer,
         targets: Sequence[float],
         *,
         history: bool,
     ) -> None:
-        self._problem = problem
-        self._timer = timer
-        self._targets = targets
-        self._history = history
+        self._equations, self._timer = equations, timer
+        self._targets, self._history = targets, history
         self._set_springs(targets[0])
 
     def _set_springs(self, factor: float) -> None:
         """Take springs as stiff as closed contacts under a part of the load."""
-        self._springs = closed_slopes(self._problem, factor)
-        self._newton = SlidingNewton(self._problem, self._springs, self._timer)
+        self._springs = self._equations.springs(factor)
+        self._newton = SteadyNewton(self._equations, self._springs, self._timer)
         self._starts: dict[float, tuple[Floats, Floats]] = {}
 
     def solve(self) -> SteadySliding:
         """Put the load on in steps, or in more where it takes them."""
         first = self._targets[0]
-        if self._pulls(first) and not self._newton.is_held():
-            start = self._problem.state(*self._start(first), first)
+        if self._pulls(first) and not self._newton.is_held:
+            start = self._equations.state(*self._start(first), first)
             raise ConvergenceError(OPENS, best=start)
         path: list[LoadStep] = []
         state: State | None = None
@@ -156,7 +147,7 @@ class _Path:
         while state is None or done < end:
             factor = done + part if done + part < end - _TOGETHER * whole else end
             run = self._at(state, factor)
-            if run.converged and closed_points(run.state):
+            if run.converged and run.state.closed_points:
                 done, state = factor, run.state
                 part = min(_GROWS * part, whole)
                 path.append(self._load_step(factor, run))
@@ -180,19 +171,18 @@ class _Path:
 
     def _stiffened(self, factor: float) -> Iteration:
         """Equilibrium under a part of the load by way of softer laws, each from the one before."""
-        problem = self._problem
         x, f = self._start(factor)
         found = False
         try:
             for softness in _SOFTNESSES:
-                problem.softness = softness
+                self._equations.softness = softness
                 run = self._newton.solve(x, f, factor)
                 if run.converged:
                     x, f, found = run.state.x, run.state.f, True
                 elif found:
                     break
         finally:
-            problem.softness = 1.0
+            self._equations.softness = 1.0
         return run
 
     def _start(self, factor: float) -> tuple[Floats, Floats]:
@@ -201,36 +191,37 @@ class _Path:
         Springs push and pull: the state is that of a contact that is closed everywhere.
         """
         if factor not in self._starts:
-            self._starts[factor] = self._held_by_springs(factor)
+            equations = self._equations
+            tension = equations.spring_forces(self._springs, factor)
+            tangent = equations.tangent(self._springs, friction=False)
+            with self._timer("factorisation"):
+                found = solved_regularly(tangent, equations.load_at(factor) + tension)
+            free_tangent(tangent)
+            if found is None:
+                raise ConvergenceError(_FREE, best=equations.state(*equations.zero(), factor))
+            self._starts[factor] = found
         return self._starts[factor]
 
-    def _held_by_springs(self, factor: float) -> tuple[Floats, Floats]:
-        problem = self._problem
-        state = problem.state(*problem.zero(), factor)
-        tension = problem.spring_forces(self._springs, factor)
-        tangent = problem.tangent(self._springs, friction=False)
-        with self._timer("factorisation"):
-            found = solved_regularly(tangent, problem.load_at(factor) + tension)
-        free_tangent(tangent)
-        if found is None:
-            raise ConvergenceError(FREE, best=state)
-        return found[0], found[1]
-
     def _result(self, state: State, path: Sequence[LoadStep]) -> SteadySliding:
-        problem = self._problem
-        tangent = problem.tangent(problem.slopes(state.closures))
-        with self._timer("factorisation"):
-            uniqueness, uncertainty = uniqueness_at(
-                *(tangent, state.x, state.f, path_parities(path)), unstable=problem.unstable
-            )
+        equations = self._equations
+        tangent = equations.tangent(equations.slopes(state.closures))
         try:
-            if uncertainty is None:
-                raise ConvergenceError(LEAVE_FREE, best=state)
-            residual = checked_residual(problem, state, tangent)
+            with self._timer("factorisation"):
+                factors = _factorised(tangent, state)
+                uncertainty = rounding_uncertainty(
+                    tangent, factors, state.x[:, None], state.f[:, None]
+                )
+                parities = {step.factor: step.parity for step in path}
+                unstable = equations.unstable
+                uniqueness = uniqueness_at(tangent, factors, parities, unstable=unstable)
+                factors.free()
+            if not uncertainty < LOST:
+                raise ConvergenceError(_LEAVE_FREE, best=state)
+            residual = equations.checked_residual(state, tangent)
         finally:
             free_tangent(tangent)
         return SteadySliding(
-            displacement=problem.vector(state.x),
+            displacement=equations.vector(state.x),
             forces=state.f,
             uncertainty=uncertainty,
             residual=residual,
@@ -245,41 +236,45 @@ class _Path:
 
     def _step_state(self, state: State) -> StepState:
         """The equilibrium under a part of the load, and how far it is from another one."""
-        problem = self._problem
-        tangent = problem.tangent(problem.slopes(state.closures))
-        with self._timer("factorisation"):
-            unstable = problem.unstable
-            uniqueness, _ = uniqueness_at(tangent, state.x, state.f, {}, unstable=unstable)
+        equations, margin = self._equations, None
+        tangent = equations.tangent(equations.slopes(state.closures))
+        try:
+            with self._timer("factorisation"):
+                factors = _factorised(tangent, state)
+                unique = uniqueness_at(tangent, factors, {}, unstable=equations.unstable)
+                factors.free()
+            margin = unique.margin if unique is not None else None
+        except ConvergenceError:  # a later step may hold the bodies
+            pass
         free_tangent(tangent)
-        margin = uniqueness.margin if uniqueness is not None else None
-        return StepState(problem.vector(state.x), self._contact_states(state), margin)
+        return StepState(equations.vector(state.x), self._contact_states(state), margin)
 
     def _contact_states(self, state: State) -> dict[str, ContactState]:
         return {
             contact.name: contact_state(contact, closure)
-            for contact, closure in zip(self._problem.contacts, state.closures, strict=True)
+            for contact, closure in zip(self._equations.contacts, state.closures, strict=True)
         }
 
     def _reason(self, run: Iteration, factor: float) -> str:
         """Why there is no equilibrium."""
-        if self._problem.unstable:
+        if self._equations.unstable:
             return (
                 f"no state of steady sliding was found at {factor:.3g} of the load: bodies rotate "
                 "beyond a critical rate, at which their convective stiffness exceeds their own; "
                 "there need not be any"
             )
-        if not closed_points(run.state) or self._pulls(factor):
+        if not run.state.closed_points or self._pulls(factor):
             return OPENS
         reason = (
             f"no state of steady sliding was found at {factor:.3g} of the load: the residual is "
             f"{run.state.relative:.1e} of the forces"
         )
-        stiff = too_stiff(self._problem, factor, self._start(factor)[0])
+        stiff = self._equations.too_stiff(factor, self._start(factor)[0])
         if stiff is not None:
             return f"{reason}; {stiff}"
-        if any(self._problem.frictional):
-            smooth = SlidingProblem(self._problem.system, friction=False)
-            without = SlidingNewton(smooth, self._springs, self._timer)
+        if any(self._equations.frictional):
+            smooth = SteadyEquations(self._equations.system, friction=False)
+            without = SteadyNewton(smooth, self._springs, self._timer)
             if without.solve(*self._start(factor), factor).converged:
                 reason += "; without friction there is one: friction is too large"
             smooth.free()
@@ -290,21 +285,15 @@ class _Path:
 
         Where bodies are not stable without contacts that says nothing of other states.
         """
-        problem = self._problem
-        if problem.unstable:
+        if self._equations.unstable:
             return False
-        x = problem.vector(self._start(factor)[0])
-        force = sum(
-            float(contact.interface.points.weight @ (slope * contact.reactions.approach(x)))
-            - float(contact.interface.points.weight @ (slope * rest))
-            for contact, slope, rest in zip(
-                problem.contacts, self._springs, problem.rest(factor), strict=True
-            )
-        )
-        destroy(x)
-        return force <= 0
+        x = self._start(factor)[0]
+        return self._equations.spring_resultant(self._springs, x, factor) <= 0
 
 
-def path_parities(path: Sequence[LoadStep]) -> dict[float, int | None]:
-    """Parity of negative eigenvalues of the tangent by part of the load."""
-    return {step.factor: step.parity for step in path}
+def _factorised(tangent: Matrices, state: State) -> Shifted:
+    """Factors of the tangent in a state."""
+    try:
+        return Shifted(tangent)
+    except ConvergenceError:
+        raise ConvergenceError(_LEAVE_FREE, best=state) from None
