@@ -230,8 +230,6 @@ COLUMNS = {
     "area_left_out": Column("area left out", show=shown(2)),
     "this program": Column("same mass", show=shown(2)),
     "exact mass": Column("exact mass", show=shown(2)),
-    "clock": Column("clock", "s", shown(3)),
-    "processor": Column("processor", "s", shown(3)),
     "solver": Column("own work", "s", shown(3)),
     **{
         f"{name}, {program}": Column(f"{name}, {program}", unit, decimals(4))
