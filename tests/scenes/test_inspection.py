@@ -5,13 +5,11 @@ import pytest
 from PIL import Image
 from wrong_scenes import changed, coarse
 
-from scenes import run_modes, run_scene
+from scenes import run_modes
 from scenes.checking import check as inspection
 from scenes.checking.check import gaps, inspect_scene, told
-from scenes.checking.doubts import doubtful_numbers
 from scenes.checking.steps import needed_by, skipped_by
 from scenes.pictures.scene import draw_scene
-from scenes.spec.files import scene_names
 from scenes.spec.reading import load_scene, read_scene
 
 
@@ -98,31 +96,6 @@ def test_steps_and_what_is_left_out_do_not_overlap(backend):
             steps |= {"damping", "gyroscopic"}
         assert steps <= needed.keys() | skipped.keys()
         assert ("eigenvalues" in needed) == (scene.analysis.kind == "cea") == ("mass" in needed)
-
-
-def test_a_run_has_the_stages_that_were_told(backend):
-    scene = load_scene("patch_test", ["contacts.interface.formulation.points=3"], backend)
-    stages = run_scene(scene).timer.seconds
-    assert {"meshing", "search"} <= stages.keys() & needed_by(scene).keys()
-
-
-@pytest.mark.parametrize(
-    ("material", "fields"),
-    [
-        ({"E": 210.0, "nu": 0.3, "rho": 7800.0}, ["E"]),
-        ({"E": 2.1e11, "nu": 0.3, "rho": 7.8e6}, ["rho"]),
-        ({"E": 2.1e11, "nu": 0.3, "rho": 7800.0}, []),
-        ({"E": 1.0, "nu": 0.3, "rho": 2.0}, []),
-        ({"E": 210.0, "nu": 0.3, "rho": 7.8e6}, ["E", "rho"]),
-    ],
-)
-def test_units_are_doubted_and_not_refused(material, fields):
-    scene = load_scene("disc").change("bodies.disc.material", material)
-    assert [warning.data["field"] for warning in doubtful_numbers(scene)] == fields
-
-
-def test_catalogue_has_no_doubtful_numbers():
-    assert [w for name in scene_names() for w in doubtful_numbers(load_scene(name))] == []
 
 
 @pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])

@@ -153,15 +153,6 @@ def test_blocks_on_meshes_graded_to_their_edges(name, backend, q, counts):
     assert_order(counts, errors, 2 * q)
 
 
-@slow
-@pytest.mark.parametrize(("backend", "counts"), [("fe", (6, 7, 8)), ("iga", (6, 8, 10))])
-def test_uniform_meshes_stop_at_twice_the_exponent(backend, counts):
-    """A block clamped on one face, in degree 2."""
-    block = BLOCKS["clamped on one face"]
-    errors = [block.error(backend, 2, n, 1.0) for n in counts]
-    assert_order(counts, errors, 2 * block.exponent)
-
-
 def twist_of_the_pipe():
     """Lowest kappa of the pipe held at its inside and both ends, as it twists.
 
@@ -200,12 +191,3 @@ def test_clamped_pipe(backend, q, counts):
     around = {"fe": 4, "iga": 2}[backend]
     errors = [pipe_error(backend, q, (n, around * n, n)) for n in counts]
     assert_order(counts, errors, 2 * q)
-
-
-@slow
-def test_straight_sided_pipe_stops_at_second_order():
-    """Cubic elements, fine along the radius and the axis: what remains is the geometry."""
-    counts = (8, 12, 16)
-    errors = [pipe_error("fe", 3, (3, n, 3), order=1) for n in counts]
-    assert_order(counts, errors, 2)
-    assert abs(errors[-1]) > 10 * abs(pipe_error("fe", 3, (3, 16, 3)))

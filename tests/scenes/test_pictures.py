@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 import pyvista
 from blocks import two_blocks
-from file_pictures import draw_files
 from matplotlib.image import imread
 from PIL import Image
 
 from scenes import run_scene
-from scenes.export.paraview import write_paraview
 from scenes.export.pictures import draw_modes
 from scenes.pictures.drawing import Drawing, largest_deflection
 from scenes.spec.problems import SceneError
@@ -67,37 +65,6 @@ def test_modes_are_drawn(result, backend, tmp_path):
     assert rows.min() > 0
     assert columns.min() > 0
     assert columns.max() < image.shape[1] - 1
-
-
-def colours(file):
-    """Saturated pixels of the left and of the right half of a picture, without its bars."""
-    image = np.asarray(Image.open(file).convert("RGB"), dtype=int)[80:640]
-    halves = image[:, :900], image[:, 900:]
-    return [half[np.ptp(half, axis=2) > 30] for half in halves]
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_files_for_paraview_are_drawn_by_themselves(result, backend, tmp_path):
-    modes, contacts = write_paraview(with_growth(result, [0.0, 0.7]), 1, tmp_path)
-    draw_files(modes, contacts, tmp_path / "files.png")
-    bodies, pressure = colours(tmp_path / "files.png")
-    assert len(bodies) > 20_000
-    assert len(pressure) > 1000
-    # The colours of the displacement lead from yellow to blue.
-    assert (bodies[:, 2] - bodies[:, 0]).max() > 50
-    assert (bodies[:, 2] - bodies[:, 0]).min() < -15
-
-    # What is drawn is what the files hold: with no other pressure at one of the points, all the
-    # rest of them lose their colour.
-    (file,) = (tmp_path / "contacts").iterdir()
-    points = pyvista.read(file)
-    for end in ("real", "imag"):
-        points.point_data[f"pressure_{end}"][0] *= 1e6
-    points.save(file)
-    draw_files(modes, contacts, tmp_path / "changed.png")
-    bodies_again, pressure = colours(tmp_path / "changed.png")
-    assert len(bodies_again) == len(bodies)
-    assert 0 < len(pressure) < 1000
 
 
 def test_images_follow_the_phase():

@@ -2,16 +2,13 @@
 
 import numpy as np
 import pytest
-import pyvista
 from blocks import two_blocks
 from covering import covering
 from motions import mode_displacement
 from scipy.linalg import eigvals
 
 from cea.errors import InputError
-from cea.surface_points import SurfaceCoordinates
-from scenes import assemble, read_scene, run_modes, run_scene, run_static
-from scenes.export.paraview import write_paraview
+from scenes import assemble, read_scene, run_modes, run_scene
 
 GPTS = {"method": "gpts", "points": 3}
 MU = "contacts.interface.mu"
@@ -20,13 +17,6 @@ MU = "contacts.interface.mu"
 def scene_of(backend, **contact):
     data = two_blocks(backend, GPTS, held=True, P=3.0)
     data["contacts"]["interface"] |= contact
-    return read_scene(data)
-
-
-def static_scene(backend):
-    data = two_blocks(backend, GPTS, held=True, mu=0.0)
-    data |= {"analysis": {"kind": "static", "samples": 3}}
-    data |= {"loads": [{"surface": "upper.x_min", "pressure": 0.1}]}
     return read_scene(data)
 
 
@@ -59,15 +49,6 @@ def test_shapes_are_those_of_one_vector_at_a_time(result, chosen):
         np.testing.assert_allclose(on_surface[..., -1], u, atol=1e-13 * scale)
 
 
-@pytest.mark.parametrize(
-    ("place", "told"), [("middle", "one of upper, lower"), ("upper.top", "upper.z_max")]
-)
-def test_places_that_are_none_are_refused(result, place, told):
-    at = SurfaceCoordinates(np.array([0]), np.zeros((1, 2))) if "." in place else None
-    with pytest.raises(InputError, match=told):
-        result.mode_shapes(place, at)
-
-
 def test_matrices_have_the_eigenvalues(result):
     matrices = result.matrices()
     assert list(matrices) == ["K", "M", "K_n", "K_f"]
@@ -79,20 +60,6 @@ def test_matrices_have_the_eigenvalues(result):
         assert np.abs(found - value).min() < 1e-7 * abs(value)
     inside = (found.imag > 0) & (found.imag < 2 * np.pi * result.analysis.max_frequency)
     assert inside.sum() == len(result.modes)
-
-
-def test_matrices_without_friction_and_of_the_saddle_form():
-    without = run_modes(scene_of("iga", mu=0.0)).matrices()
-    assert without["K_f"].nnz == 0
-    assert without["K_n"].nnz > 0
-    penalty, saddle = (
-        run_modes(scene_of("iga", form=form)).matrices() for form in ("penalty", "saddle")
-    )
-    assert np.abs((saddle["K_n"] - penalty["K_n"]).data).max(initial=0.0) < 1e-14
-    tied = run_modes(scene_of("iga", form="saddle", P=float("inf")))
-    with pytest.raises(InputError, match=r"contacts\.interface\.P = inf"):
-        tied.matrices()
-    assert list(run_static(static_scene("iga")).matrices()) == ["K", "K_n", "K_f"]
 
 
 def test_what_is_printed_begins_with_the_unstable_modes(result):
@@ -119,42 +86,6 @@ def test_what_is_printed_begins_with_the_unstable_modes(result):
         assert fact in str(result)
     for warning in result.warnings:
         assert warning.message in str(result)
-
-
-def test_a_notebook_shows_tables(result):
-    table = result.table()
-    html = result._repr_html_()
-    assert html.count("<tr") == len(table) + 1
-    assert table._repr_html_() in html
-    assert f"{result.dofs} dofs" in html
-    np.testing.assert_array_equal(table.column("frequency"), result.frequencies)
-    np.testing.assert_array_equal(table.column("damping_ratio"), result.damping_ratios)
-    assert table.column("unstable").dtype == bool
-    with pytest.raises(InputError, match="name = 'speed': one of mode, frequency"):
-        table.column("speed")
-    assert repr(table).splitlines()[1:] == str(result).splitlines()[2 : len(table) + 2]
-
-
-def test_the_analysis_decides_what_comes_back():
-    assert run_scene(scene_of("iga")).spectrum is not None
-    assert run_scene(static_scene("iga")).spectrum is None
-    with pytest.raises(InputError, match=r"analysis\.kind = 'static'"):
-        run_modes(static_scene("iga"))
-    with pytest.raises(InputError, match=r"analysis\.kind = 'cea'"):
-        run_static(scene_of("iga"))
-
-
-def test_static_displacements_are_those_of_the_vector(backend):
-    result = run_static(static_scene(backend))
-    for name, body in result.bodies.items():
-        points = body.surfaces["z_min"].gauss_points(2)
-        u = result.system.displacement(result.displacement, name).reshape(-1, 3)
-        expected = body.surfaces["z_min"].trace(points.at) @ u
-        found = result.displacements(f"{name}.z_min", points.at)
-        np.testing.assert_allclose(found, expected, atol=1e-13 * np.abs(u).max())
-    rows = result.table()
-    assert [(row["contact"], row["side"]) for row in rows] == [("interface", s) for s in "ab"]
-    assert f"oscillation {rows[1]['oscillation']:.6g}" in str(result).splitlines()[2]
 
 
 def test_bodies_and_contact_points_are_used_again(result):
@@ -203,15 +134,6 @@ def test_what_the_scene_makes_of_the_same_is_used_again(result, change, reused):
     assert {name for name in after if after[name] is before[name]} == reused
 
 
-def test_loads_of_reused_bodies_are_those_of_the_scene():
-    scene = static_scene("iga")
-    pressed = scene.change("loads.0.pressure", 3.0)
-    first = run_static(scene)
-    again, fresh = run_static(pressed, bodies=first.bodies), run_static(pressed)
-    assert again.displacement.norm() == pytest.approx(fresh.displacement.norm(), rel=1e-10)
-    assert abs(first.displacement.norm() / fresh.displacement.norm() - 1) > 0.1
-
-
 PARAMETERS = [
     {MU: 0.3},
     {"contacts.interface.P": 7.0, MU: 0.1},
@@ -244,15 +166,6 @@ def test_a_sweep_assembles_nothing_and_finds_the_same(assembled, changes):
         assert abs(matrix - expected[name]).max() <= 1e-13 * scale
 
 
-def test_pressures_of_a_sweep_are_those_of_its_stiffness(assembled, tmp_path):
-    result = assembled.modes({"contacts.interface.P": 7.0})
-    for name, each in (("sweep", result), ("anew", run_modes(result.scene))):
-        write_paraview(each, 1, tmp_path / name)
-    files = [next((tmp_path / name / "contacts").iterdir()) for name in ("sweep", "anew")]
-    found, expected = (abs(pyvista.read(f).point_data["pressure_real"]) for f in files)
-    np.testing.assert_allclose(found, expected, atol=1e-6 * expected.max())
-
-
 def test_an_assembled_scene_builds_again_what_changed(assembled):
     finer = assembled.modes({"contacts.interface.formulation.points": 4})
     assert finer.bodies is assembled.bodies
@@ -266,41 +179,6 @@ def test_an_assembled_scene_builds_again_what_changed(assembled):
 
     other = assembled.modes({"bodies.upper.material.nu": 0.2})
     assert other.bodies["upper"] is not assembled.bodies["upper"]
-
-
-def test_what_an_assembled_scene_cannot_be_is_refused(assembled):
-    with pytest.raises(ValueError, match=r"contacts\.interface\.nu = 0\.3: no such field"):
-        assembled.modes(nu=0.3)
-    with pytest.raises(InputError, match=r"analysis\.kind = 'static'"):
-        assembled.modes({"analysis": {"kind": "static"}})
-    with pytest.raises(InputError, match=r"analysis\.kind = 'static'"):
-        assemble(static_scene("iga"))
-
-
-def test_sensitivities_come_with_left_vectors(assembled):
-    mu, step = 0.4, 1e-4
-    slope = assembled.modes(mu=mu, left=True).modes.sensitivity(MU)
-    ends = [assembled.modes(mu=mu + sign * step).eigenvalues for sign in (1, -1)]
-    expected = (ends[0] - ends[1]) / (2 * step)
-    scale = np.abs(expected).max()
-    np.testing.assert_allclose(slope[:5], expected[:5], atol=1e-4 * scale)
-
-
-@pytest.mark.slow
-def test_a_mode_is_drawn():
-    result = run_modes(scene_of("iga"))
-    pixels = np.asarray(result.plot(1).convert("RGB"), dtype=int)
-    assert (np.ptp(pixels, axis=2) > 30).mean() > 0.05
-    first = result.drawings([0])[0]
-    assert "mode 1:" in first.title
-    np.testing.assert_array_equal(pixels, first.images([0.0])[0].convert("RGB"))
-
-
-def test_modes_are_numbered_from_1(result):
-    assert result.index(len(result.modes)) == len(result.modes) - 1
-    for mode in (0, -1, len(result.modes) + 1):
-        with pytest.raises(InputError, match=rf"mode = {mode}: the number of a mode, from 1"):
-            result.plot(mode)
 
 
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])

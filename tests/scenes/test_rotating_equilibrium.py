@@ -2,19 +2,11 @@
 
 import numpy as np
 import pytest
-from damped_numbers import RATE
 from mpi import on_ranks
-from rotating_numbers import DAMPING, pressed_disc
 from scipy.sparse.linalg import spsolve
 from scipy.special import jv, jvp, yv, yvp
 
-from cea.errors import ConvergenceError
-from cea.system.equilibrium import checked_residual
-from cea.system.sliding_problem import SlidingProblem
 from scenes import run_modes, run_static
-from scenes.running.assembled import AssembledScene
-from scenes.running.system import coupled
-from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 
 
@@ -107,71 +99,6 @@ def test_the_stored_state_is_an_equilibrium_of_the_stored_matrices(backend, rate
     assert all(0 < each.closed_fraction < 1 for each in result.steady.contacts.values())
 
 
-def test_the_rotation_softens_what_the_pads_pinch():
-    """By 35 %, 26 % of which came with the points that are closed at rest."""
-    sizes, forces = [], []
-    for rate in (0.0, 300.0):
-        steady = run_modes(read_scene(pinched_ring("iga", rate))).steady
-        sizes.append(np.abs(steady.displacement.array).max())
-        forces.append(steady.contacts["s"].normal_force)
-    assert sizes[1] / sizes[0] == pytest.approx(1.35, abs=0.01)
-    assert forces[0] == pytest.approx(1505.6, rel=1e-3)
-    assert forces[1] == pytest.approx(422.0, rel=1e-2)
-
-
-def test_beyond_a_critical_rate_there_may_be_none():
-    with pytest.raises(ConvergenceError, match="beyond a critical rate"):
-        run_modes(read_scene(pinched_ring("iga", 600.0)))
-
-
-@pytest.mark.grid
-@pytest.mark.parametrize("damping", DAMPING)
-def test_damping_that_rotates_acts_in_the_equilibrium(backend, damping):
-    """Of displacements at rest in space the material sees the rate Omega R u."""
-    data = pressed_disc(backend, damping)
-    result = run_modes(read_scene(data))
-    u, load = result.steady.displacement.array, load_of(pressed_disc(backend, damping, "static"))
-    matrices = result.matrices()
-    contact = sum(
-        each.reactions.forces(result.steady.contacts[each.name].pressure, friction=True).array
-        for each in result.system.contacts
-    )
-    defect = stiffness(matrices, contacts=False)(u) + contact - load
-    assert np.linalg.norm(defect) < 1e-10 * np.linalg.norm(load)
-    without = matrices["K"] @ u + contact - load
-    assert np.linalg.norm(without) > 1e-4 * np.linalg.norm(load)
-    static = run_static(read_scene(pressed_disc(backend, damping, "static")))
-    assert static.displacement.array == pytest.approx(u, rel=1e-9, abs=1e-12 * np.abs(u).max())
-
-
-def test_a_state_that_is_no_equilibrium_is_refused():
-    system = coupled(read_scene(pressed_disc("iga", "Rayleigh")))[0]
-    problem = SlidingProblem(system)
-    x = system.steady.displacement.array.copy()
-    state = problem.state(x, np.zeros(0), 1.0)
-    tangent = problem.tangent(problem.slopes(state.closures))
-    assert checked_residual(problem, state, tangent) == pytest.approx(system.steady.residual)
-    moved = problem.state((1 + 1e-6) * x, np.zeros(0), 1.0)
-    with pytest.raises(ConvergenceError, match="is no equilibrium"):
-        checked_residual(problem, moved, tangent)
-
-
-def test_a_state_moves_with_the_rate_of_a_rotation():
-    """Rate, density and damping are part of the equilibrium: it is sought anew, or told to stay."""
-    scene = read_scene(pressed_disc("iga", "Rayleigh"))
-    assembled = AssembledScene(scene)
-    for name in ("rotation.rate", "material.rho", "damping.alpha", "damping.beta"):
-        assert assembled.depends_on_state([f"bodies.disc.{name}"])
-    assert not assembled.depends_on_state(["bodies.pad.material.rho", "bodies.pad.damping.alpha"])
-    change = {"bodies.disc.rotation.rate": 1.4 * RATE}
-    found, fresh = assembled.modes(change), run_modes(scene.change(change))
-    assert found.steady.contacts["interface"].normal_force == pytest.approx(
-        fresh.steady.contacts["interface"].normal_force, rel=1e-12
-    )
-    np.testing.assert_allclose(found.eigenvalues, fresh.eigenvalues, rtol=1e-9, atol=1e-9)
-    assembled.free()
-
-
 def widened_ring(rate):
     """Largest displacement of a ring under pressure that rotates, in plane strain: exact waves.
 
@@ -217,23 +144,6 @@ def test_static_displacement_under_pressure_is_exact(backend):
         sizes[rate] = np.linalg.norm(u, axis=1)
         np.testing.assert_allclose(sizes[rate], widened_ring(rate), rtol=2e-5)
     assert sizes[0.6].mean() > 1.1 * sizes[0.3].mean()
-
-
-def test_prescribed_displacements_of_bodies_that_rotate_are_refused():
-    scene = read_scene(pressed_disc("iga", "Rayleigh"))
-    moved = [{"surface": "inner", "components": ["z"], "value": -1e-3}, {"surface": "inner"}]
-    with pytest.raises(SceneError, match=r"disc\.supports\.0\.value = -0\.001: zero"):
-        scene.change({"bodies.disc.supports": moved})
-
-
-def test_a_static_scene_needs_the_density_of_what_rotates():
-    data = pressed_disc("iga", "Rayleigh", "static")
-    del data["bodies"]["pad"]["damping"]
-    del data["bodies"]["pad"]["material"]["rho"]
-    read_scene(data)
-    del data["bodies"]["disc"]["material"]["rho"]
-    with pytest.raises(SceneError, match=r"bodies\.disc\.material\.rho"):
-        read_scene(data)
 
 
 @pytest.mark.mpi

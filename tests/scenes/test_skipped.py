@@ -5,7 +5,6 @@ import sys
 
 import pytest
 from blocks import assemble, two_blocks
-from covering import covering
 
 import cea.eigen.krylov_schur
 from scenes import run_scene
@@ -43,19 +42,6 @@ def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, taken
     assert "friction" not in results[0.4].skipped
 
 
-@pytest.mark.parametrize(
-    ("backend", "form"), covering(("fe", "iga"), ("saddle", "penalty"), strength=1)
-)
-def test_leaving_friction_out_changes_no_frequency(backend, form, taken):
-    data = two_blocks(backend, GPTS, held=True, mu=0.0)
-    data["contacts"]["interface"]["form"] = form
-    scene = read_scene(data)
-    lean, full = run_scene(scene), run_scene(scene, leave_out=False)
-    assert taken == [True, False]
-    assert full.system.contacts[0].slip is not None
-    assert full.modes.frequencies == pytest.approx(lean.modes.frequencies, rel=1e-8)
-
-
 def test_static_scenes_assemble_no_mass(backend):
     data = two_blocks(backend, GPTS, held=True, mu=0.0)
     data["analysis"] = {"kind": "static", "samples": 5}
@@ -66,14 +52,6 @@ def test_static_scenes_assemble_no_mass(backend):
     assert result.system.mass is None
     assert {"mass", "eigenvalues"} <= set(result.skipped)
     assert assemble(data | {"loads": []}).mass is None
-
-
-def test_scene_without_contacts_searches_nothing(backend):
-    data = two_blocks(backend, GPTS, held=True)
-    del data["contacts"], data["bodies"]["upper"]
-    result = run_scene(read_scene(data))
-    assert result.interfaces == {}
-    assert {"search", "friction"} <= set(result.skipped)
 
 
 EVERY_RUN = {

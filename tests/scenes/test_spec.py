@@ -5,9 +5,8 @@ from pathlib import Path
 import pytest
 from catalogue import MESHED
 
-from scenes.spec.plain import plain_data
 from scenes.spec.problems import SceneError
-from scenes.spec.reading import load_scene, read_scene
+from scenes.spec.reading import load_scene
 
 MU = "contacts.pad_disc.mu"
 
@@ -17,17 +16,6 @@ def test_every_scene_reads_on_the_backends_it_has_meshes_for(name, backend):
     scene = load_scene(Path(name), backend=backend)
     assert scene.name == name
     assert {body.backend for body in scene.bodies.values()} == {backend}
-
-
-def test_overrides_reach_any_field():
-    scene = load_scene(
-        Path("disc_pad"),
-        [f"{MU}=0.3", "bodies.pad.backend=fe", "bodies.disc.mesh.iga.elements=[5, 16, 1]"],
-    )
-    assert scene.contacts["pad_disc"].mu == 0.3
-    assert scene.bodies["pad"].backend == "fe"
-    assert scene.bodies["disc"].backend == "iga"
-    assert scene.bodies["disc"].mesh.iga.elements == (5, 16, 1)
 
 
 @pytest.mark.parametrize(
@@ -89,47 +77,9 @@ def test_every_fault_is_told_at_once():
     assert len(caught.value.faults) == 2
 
 
-@pytest.mark.parametrize("name", ["no_such_scene", "no/such/file.toml"])
-def test_missing_scene_names_those_there_are(name):
-    with pytest.raises(SceneError, match=r"disc_pad, .*patch_test"):
-        load_scene(Path(name))
-
-
 @pytest.mark.parametrize("field", ["mu", "p"])
 @pytest.mark.parametrize("text", ["much", "x +", "__import__('os').getcwd()", "import os"])
 def test_expressions_that_are_none_are_refused(field, text):
     scene = [f'{MU.removesuffix("mu")}{field}="{text}"']
     with pytest.raises(SceneError, match=r"an expression in x, y, z, r, theta"):
         load_scene(Path("disc_pad"), scene)
-
-
-def test_broken_toml_is_one_line(tmp_path):
-    file = tmp_path / "scene.toml"
-    file.write_text("name = ")
-    with pytest.raises(SceneError, match="valid TOML"):
-        load_scene(file)
-
-
-@pytest.mark.parametrize(
-    ("change", "field"),
-    [
-        ("geometry.base.outer_radius=0.01", "geometry.base.outer_radius"),
-        ("geometry.radii.theta=-1.0", "geometry.radii[theta]"),
-        ("geometry.radii.theta=0.01", "geometry.radii"),
-        ("geometry.surface='inner'", "geometry.surface"),
-        ("geometry.base.shape='disc'", "geometry.base.shape"),
-    ],
-)
-def test_faults_of_a_crown_are_told_under_its_fields(change, field):
-    with pytest.raises(SceneError) as caught:
-        load_scene("crowned_pad", [f"bodies.pad.{change}"])
-    assert caught.value.faults[0].field == f"bodies.pad.{field}"
-
-
-def test_a_body_may_bear_the_name_of_a_field():
-    data = plain_data(load_scene("disc"))
-    data["bodies"] = {"base": data["bodies"]["disc"] | {"supports": [{"surface": "nowhere"}]}}
-    data["bodies"]["base"]["geometry"]["outer_radius"] = -1.0
-    with pytest.raises(SceneError) as caught:
-        read_scene(data)
-    assert caught.value.faults[0].field == "bodies.base.geometry.outer_radius"

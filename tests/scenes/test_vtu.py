@@ -4,14 +4,12 @@ from functools import reduce
 from itertools import product
 from xml.etree import ElementTree
 
-import bodies
 import dolfinx
 import numpy as np
 import pytest
 import pyvista
-from blocks import block, two_blocks
+from blocks import two_blocks
 from covering import covering
-from iga_data import STEEL, TILTED, turned
 from iga_data import body as nurbs_body
 from lagrange_bodies import DIMENSION, MATERIAL, ROUND, body_of, csr
 from motions import mode_displacement
@@ -20,12 +18,10 @@ from vtkmodules.vtkCommonCore import reference
 from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
-from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import nurbs_shape
 from meshes.shapes import Annulus, Disc, Ring
-from scenes import Result, run_scene
+from scenes import run_scene
 from scenes.export.paraview import write_paraview
-from scenes.pictures.grids import cell_grid, in_space, point_grid
+from scenes.pictures.grids import cell_grid, in_space
 from scenes.spec.reading import read_scene
 
 RNG = np.random.default_rng(11)
@@ -110,20 +106,6 @@ def test_lagrange_cells_hold_geometry_and_displacement(cell, degree, tmp_path):
     check_lagrange_cells(body, tmp_path)
 
 
-@pytest.mark.parametrize("cell", DIMENSION)
-def test_left_handed_meshes_give_right_handed_cells(cell, tmp_path):
-    body = body_of(ROUND, cell, 3)
-    body.space.scalar.mesh.geometry.x[:, 0] *= -1
-    check_lagrange_cells(body, tmp_path)
-
-
-@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
-def test_geometry_of_higher_degree_than_the_space_is_kept(cell, tmp_path):
-    body = body_of(ROUND, cell, 1, order=3)
-    assert body.volume_cells().degree == 3
-    check_lagrange_cells(body, tmp_path)
-
-
 def nurbs(patch, coefficients, at):
     """Rational spline with coefficients (n1, ..., m) at one parameter, by scipy."""
     factors = [
@@ -193,27 +175,6 @@ def test_bezier_cells_are_rational_and_of_mixed_degrees(shape, degree, tmp_path)
     check_bezier_cells(part, 0.3 * area, tmp_path)
 
 
-@pytest.mark.parametrize("continuity", [(0, 0), (1, 2)])
-def test_bezier_cells_of_the_plane(continuity, tmp_path):
-    part = nurbs_body(RING, (3, 8), (2, 3), continuity=continuity)
-    check_bezier_cells(part, np.pi * 0.75, tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("axes", "flip"),
-    [
-        ((0, 1, 2), 1),
-        pytest.param((2, 0, 1), 0, marks=pytest.mark.slow),
-        pytest.param((1, 0, 2), 2, marks=pytest.mark.slow),
-    ],
-)
-def test_left_handed_patches_give_right_handed_cells(axes, flip, tmp_path):
-    data = nurbs_shape(ANNULUS, breaks_of(ANNULUS, (2, 4, 2)), TILTED)
-    patches = [turned(patch, axes, flip) for patch in data.patches]
-    part = bodies.nurbs_body("part", patches, {}, (2, 3, 2), material=STEEL)
-    check_bezier_cells(part, 0.3 * np.pi * 0.75, tmp_path)
-
-
 # Files of runs.
 
 
@@ -264,14 +225,6 @@ def test_collections_list_every_mode_of_every_body(result, backend, tmp_path):
         assert np.abs(grid.point_data["gap_real"]).max() > 1e-3
 
 
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_most_unstable_modes_are_written_first(result, monkeypatch, tmp_path):
-    monkeypatch.setattr(Result, "most_unstable", lambda result, count: [2, 0][:count])
-    for count, expected in [(1, [3]), (2, [1, 3]), (3, [1, 2, 3])]:
-        modes, _ = write_paraview(result, count, tmp_path)
-        assert sorted({int(time) for time, _, _ in listed(modes)}) == expected
-
-
 @pytest.mark.parametrize(
     ("contact", "has_pressure"),
     [({}, True), ({"form": "saddle", "P": float("inf")}, False)],
@@ -295,21 +248,3 @@ def test_static_displacement_balances_the_load(backend, contact, has_pressure, t
         assert 0 < force < 0.1 * 0.5 * 0.6
     else:
         assert np.abs(points.point_data["gap"]).max() < 1e-9
-
-
-def test_names_that_are_no_file_names_and_scenes_without_contacts(tmp_path):
-    body = block("iga", [1, 1, 1], [0, 0, 0], [1, 1, 1], supports=[{"surface": "z_min"}])
-    data = {
-        "name": "one",
-        "bodies": {"a/b": body},
-        "analysis": {"kind": "cea", "max_frequency": 0.3},
-    }
-    (modes,) = write_paraview(run_scene(read_scene(data)), 1, tmp_path)
-    assert len(listed(modes)) == 1
-    assert not (tmp_path / "contacts.pvd").exists()
-
-
-def test_points_of_the_plane_lie_at_z_zero():
-    grid = point_grid(np.array([[1.0, 2.0], [3.0, 4.0]]))
-    np.testing.assert_array_equal(grid.points, [[1, 2, 0], [3, 4, 0]])
-    assert set(grid.celltypes) == {pyvista.CellType.VERTEX}
