@@ -18,7 +18,7 @@ from cea.contact.formulations import (
 from comparisons.accuracy.problems import BodyMesh, Problem
 from scenes.spec.body import Backend
 from scenes.spec.contact_checks import suits
-from scenes.spec.variants import BACKENDS
+from scenes.spec.scene import BACKENDS
 
 
 @dataclass(frozen=True)

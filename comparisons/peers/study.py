@@ -30,7 +30,7 @@ from scenes.results.record import read_record, record, write_record
 from scenes.spec.mesh import FeMesh, MeshSpec
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import with_contact
+from scenes.spec.scene import with_contact
 
 COMMAND = "peers"
 STORED = Path(__file__).parent / "results"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.errors import InputError
-from scenes.spec.limits import LARGEST, SMALLEST
+from scenes.spec.consistency import LARGEST, SMALLEST
 
 _MOST = 10_000
 """Values of an axis."""

@@ -13,16 +13,15 @@ from typing import Any, Literal
 from pydantic import TypeAdapter
 
 from scenes.spec.matrices import MatrixScene
-from scenes.spec.reading import Scene
 from scenes.spec.scene import SceneSpec
 
 Kind = Literal["bodies", "matrices"]
 
-_KINDS: dict[Kind, tuple[type, type, str]] = {
-    "bodies": (Scene, SceneSpec, "scene.schema.json"),
-    "matrices": (MatrixScene, MatrixScene, "matrix_scene.schema.json"),
+_KINDS: dict[Kind, tuple[type, str]] = {
+    "bodies": (SceneSpec, "scene.schema.json"),
+    "matrices": (MatrixScene, "matrix_scene.schema.json"),
 }
-"""Class of a kind of scene, the class that documents it, and the file in docs/."""
+"""Class of a kind of scene, and the file in docs/."""
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _SAYS_WHICH = {"shape": "geometry", "method": "formulation", "kind": "analysis"}
 """Fields that say of which kind a section is."""
@@ -30,7 +29,7 @@ _SAYS_WHICH = {"shape": "geometry", "method": "formulation", "kind": "analysis"}
 
 def schema_file(kind: Kind) -> str:
     """Name of the file of a schema in ``docs``."""
-    return _KINDS[kind][2]
+    return _KINDS[kind][1]
 
 
 def schema_text(kind: Kind) -> str:
@@ -40,21 +39,10 @@ def schema_text(kind: Kind) -> str:
 
 @cache
 def scene_schema(kind: Kind) -> dict[str, Any]:
-    """The schema of a kind of scene.
-
-    Parameters
-    ----------
-    kind
-        ``bodies`` or ``matrices``.
-
-    Returns
-    -------
-    dict
-        Each section with its summary, each field with its meaning as ``description``.
-    """
-    made, documents, _ = _KINDS[kind]
+    """The schema of a kind of scene: each section with its summary, each field with its meaning."""
+    made = _KINDS[kind][0]
     schema = TypeAdapter(made).json_schema()
-    schema["description"] = cleandoc(documents.__doc__ or "")
+    schema["description"] = cleandoc(made.__doc__ or "")
     schema["title"] = f"scene of {kind}"
     for section in (schema, *schema.get("$defs", {}).values()):
         _document(section)
@@ -78,9 +66,13 @@ def _without_null(node: Any) -> Any:
 
 def _document(section: dict[str, Any]) -> None:
     """Take what the docstring of a section says of its fields to the fields."""
-    text = section.get("description", "")
-    section["description"] = summary_of(text)
-    meanings = meanings_of(text)
+    summary, _, rest = section.get("description", "").partition("\n\nParameters\n")
+    section["description"] = _plain(re.split(r"\n\n\w+\n-{3,}\n", summary)[0])
+    meanings: dict[str, str] = {}
+    fields = re.split(r"\n\n\w+\n-{3,}\n", rest.partition("\n")[2])[0]
+    for entry in re.split(r"\n(?=\S)", fields.strip("\n")):
+        names, _, text = entry.partition("\n")
+        meanings |= {name.strip(): _plain(text) for name in names.partition(" : ")[0].split(",")}
     for name, field in section.get("properties", {}).items():
         field.pop("title", None)
         meaning = meanings.get(name)
@@ -90,24 +82,33 @@ def _document(section: dict[str, Any]) -> None:
             field["description"] = meaning
 
 
-def summary_of(docstring: str) -> str:
-    """What a docstring says before its sections, in one line."""
-    return _plain(re.split(r"\n\n\w+\n-{3,}\n", docstring, maxsplit=1)[0])
-
-
-def meanings_of(docstring: str) -> Mapping[str, str]:
-    """What a numpy docstring says of each parameter, in one line."""
-    found = re.search(r"\nParameters\n-+\n(.*?)(?=\n\n\w+\n-{3,}\n|\Z)", docstring, re.DOTALL)
-    if found is None:
-        return {}
-    meanings: dict[str, str] = {}
-    for entry in re.split(r"\n(?=\S)", found[1].strip("\n")):
-        names, _, text = entry.partition("\n")
-        meanings |= {name.strip(): _plain(text) for name in names.partition(" : ")[0].split(",")}
-    return meanings
-
-
 def _plain(text: str) -> str:
     """Text in one line, without the marks of docstrings."""
     text = re.sub(r":\w+:`~?([^`]*)`", r"\1", text)
     return " ".join(text.replace("``", "").split())
+
+
+def type_in_words(spec: Mapping[str, Any]) -> str:
+    """Type of a field in words, sections as links."""
+    if "$ref" in spec:
+        name = spec["$ref"].rpartition("/")[2]
+        return f"[{name}](#{name.lower()})"
+    for forms in ("anyOf", "oneOf"):
+        if forms in spec:
+            return " or ".join(dict.fromkeys(map(type_in_words, spec[forms])))
+    if "enum" in spec or "const" in spec:
+        return ", ".join(f'`"{word}"`' for word in spec.get("enum", [spec.get("const")]))
+    kind, others = spec.get("type"), spec.get("additionalProperties")
+    if kind == "array":
+        item: Mapping[str, Any] = spec.get("items") or next(iter(spec.get("prefixItems", [])), {})
+        one, length = type_in_words(item), spec.get("maxItems")
+        many = f"{one}s" if one in ("number", "whole number") else one
+        return f"list of {f'{length} ' if length else ''}{many}"
+    if kind == "object":
+        return f"table by name: {type_in_words(others)}" if isinstance(others, Mapping) else "table"
+    words = {"number": "number", "integer": "whole number", "string": "text", "boolean": "truth"}
+    bounds = [sign + str(spec[bound]) for bound, sign in _BOUNDS.items() if bound in spec]
+    return " ".join([words.get(str(kind), "any value"), *([", ".join(bounds)] if bounds else [])])
+
+
+_BOUNDS = {"minimum": "≥ ", "exclusiveMinimum": "> ", "maximum": "≤ ", "exclusiveMaximum": "< "}

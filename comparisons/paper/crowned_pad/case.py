@@ -17,7 +17,7 @@ from comparisons.paper.common.families import BACKEND_OF, Family
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import on_backend
+from scenes.spec.scene import on_backend
 
 CONTACT, PAD, DISC = "pad_disc", "pad", "disc"
 """Names in the scene."""

@@ -16,7 +16,7 @@ from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import on_backend
+from scenes.spec.scene import on_backend
 
 CONTACT = "pad_disc"
 """Name of the contact in the scene."""

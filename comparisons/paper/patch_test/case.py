@@ -23,7 +23,7 @@ from scenes import run_static
 from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import on_backend, with_contact
+from scenes.spec.scene import on_backend, with_contact
 
 EXACT = -1000.0
 """Normal stress on the interface (N/m^2)."""

@@ -26,7 +26,7 @@ from scenes.building.build import build_bodies, build_interfaces
 from scenes.spec.body import Backend
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene
-from scenes.spec.variants import with_contact
+from scenes.spec.scene import with_contact
 
 _SEEN = {"upper": ("x_max", "y_min", "z_max"), "lower": ("x_max", "y_min")}
 """Faces turned towards the viewer, by body."""
