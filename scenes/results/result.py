@@ -375,7 +375,7 @@ class Result:
 
     def steady_lines(self) -> list[str]:
         """What contacts carry in steady sliding; where supports prescribe, what they bear too."""
-        from scenes.results.steady import steady_lines
+        from scenes.results.describe import steady_lines
 
         data = self.data
         lines = steady_lines(data["steady_sliding"]) if "steady_sliding" in data else []
