@@ -141,7 +141,7 @@ def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[
         if not values.get(name, 0.0) < inf:
             raise InputError(name, values[name], "finite for matrices")
     pencil = system.pencil(eliminate=True)
-    pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "K_n": [], "K_f": []}
+    pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "M": [], "K_n": [], "K_f": []}
     for term in pencil.terms:
         factor = term.coefficient.at(values)
         if term.role == "stiffness":
@@ -151,6 +151,8 @@ def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[
             name = "M" if term.role == "mass" else "C" if term.symmetric else "Y"
         sign = -1 if name == "K_f" else 1
         pieces.setdefault(name, []).append((sign * factor, term.matrix))
+    if not pieces["M"]:
+        del pieces["M"]
     sums = _sums(pieces, system.template)
     comm = system.template.comm.tompi4py()
     low_rank, circulatory = pencil.low_rank_at(values), pencil.circulatory_at(values)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scenes import read_scene, run_modes
-from scenes.checking.closed_zone import closed_zone
+from scenes.checking.steady import closed_zone
 
 SEGMENTS = {"method": "segments"}
 

@@ -97,20 +97,12 @@ def test_bodies_and_contact_points_are_used_again(result):
     np.testing.assert_allclose(again.eigenvalues, anew.eigenvalues, rtol=1e-9, atol=1e-9)
 
 
-def test_bodies_and_contact_points_that_are_not_of_the_scene_are_refused(result):
+def test_bodies_of_other_names_are_refused(result):
     """As long as nobody knows what they were made of."""
     scene = result.scene
-    bodies, interfaces = dict(result.bodies), dict(result.interfaces)
+    bodies = dict(result.bodies)
     with pytest.raises(InputError, match=r"bodies = \['upper'\]"):
         run_scene(scene, bodies={"upper": bodies["upper"]})
-    with pytest.raises(InputError, match=r"interfaces = \[\]"):
-        run_scene(scene, bodies=bodies, interfaces={})
-    with pytest.raises(InputError, match=r"interfaces\.interface = .*upper\.z_min of these bodies"):
-        run_scene(scene, interfaces=interfaces)
-    sides = {"a": "lower.z_max", "b": "upper.z_min"}
-    turned = scene.change({f"contacts.interface.{side}": place for side, place in sides.items()})
-    with pytest.raises(InputError, match=r"lower\.z_max of these bodies"):
-        run_scene(turned, bodies=bodies, interfaces=interfaces)
 
 
 @pytest.mark.grid
